@@ -1,0 +1,53 @@
+"""contwalk: pseudo-arclength continuation and bifurcation analysis of smooth and impacting machines.
+
+The names below are the public interface; each is imported when it is first used, so that `import contwalk`
+costs nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from contwalk.branch import Branch, SpecialPoint
+    from contwalk.continuation.verbs import continue_branch, points, switch_branch
+    from contwalk.errors import ContwalkError
+    from contwalk.plotting import plot_bifurcation_diagram, plot_eigenvalues, plot_stability_map, save
+    from contwalk.problems.equilibrium import Equilibrium
+    from contwalk.storage import open_database
+    from contwalk.system import load_system
+    from contwalk.workflow.run_file import read_run_file
+    from contwalk.workflow.runner import run
+
+_HOMES = {
+    "Branch": "contwalk.branch",
+    "ContwalkError": "contwalk.errors",
+    "Equilibrium": "contwalk.problems.equilibrium",
+    "SpecialPoint": "contwalk.branch",
+    "continue_branch": "contwalk.continuation.verbs",
+    "load_system": "contwalk.system",
+    "open_database": "contwalk.storage",
+    "plot_bifurcation_diagram": "contwalk.plotting",
+    "plot_eigenvalues": "contwalk.plotting",
+    "plot_stability_map": "contwalk.plotting",
+    "points": "contwalk.continuation.verbs",
+    "read_run_file": "contwalk.workflow.run_file",
+    "run": "contwalk.workflow.runner",
+    "save": "contwalk.plotting",
+    "switch_branch": "contwalk.continuation.verbs",
+}
+
+__all__ = sorted(_HOMES)  # noqa: PLE0605 - the names above
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'contwalk' has no attribute {name!r}")
+    return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_HOMES})

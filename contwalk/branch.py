@@ -1,0 +1,187 @@
+"""The result: arrays by name, special points as records, no algorithms.
+
+A `Branch` holds its points in one NumPy structured array, one row a point, ordered along the branch by the
+signed arclength `s` (0 at the start). A special point is a point too: it has a row (its `index`) and a
+record with what is known about it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+LABELS = ("EP", "UZ", "LP", "BP", "HB", "PD", "NS", "GR", "OC", "AZ")
+
+
+@dataclass(frozen=True)
+class BranchInfo:
+    """What is true of a whole branch.
+
+    Parameters
+    ----------
+    name : str
+        `b1`, `b2`, ... in the order of their computation.
+    problem : str
+        `equilibrium`, `periodic_orbit`, `hybrid_orbit` or `locus`.
+    states, observables, free : tuple of str
+        Names of the states (n), the observables (o) and the free parameters (f).
+    parameters : mapping
+        Values of all parameters; those that are free, as they were at the start.
+    unknowns : int
+        Length N of the vector of unknowns of the problem (states first).
+    spectrum : int
+        Length m of the spectrum.
+    parent : tuple of (str, float), optional
+        Name of the parent branch and arclength `s` of its special point.
+    origin : str
+        How the branch came about, in words: `start: equilibrium balanced`.
+    settings : mapping
+        What the driver needs to go on from a stored point (plain JSON values).
+    """
+
+    name: str
+    problem: str
+    states: tuple[str, ...]
+    observables: tuple[str, ...]
+    free: tuple[str, ...]
+    parameters: Mapping[str, float]
+    unknowns: int
+    spectrum: int
+    parent: tuple[str, float] | None = None
+    closure: str | None = None
+    signature: tuple[str, ...] | None = None
+    subharmonic: int = 1
+    origin: str = ""
+    settings: Mapping[str, Any] = field(default_factory=dict)
+
+    def point_dtype(self) -> np.dtype:
+        """NumPy dtype of one stored point."""
+        n, o, f = len(self.states), len(self.observables), len(self.free)
+        return np.dtype(
+            [
+                ("s", "f8"),  # signed arclength from the start of the branch, in the problem's metric
+                ("free", "f8", (f,)),
+                ("state", "f8", (n,)),
+                ("observables", "f8", (o,)),
+                ("period", "f8"),  # NaN for an equilibrium
+                ("spectrum", "c16", (self.spectrum,)),
+                ("spectrum_error", "f8"),  # estimated error of the leading eigenvalue
+                ("unstable", "i4"),
+                ("stable", "?"),
+                ("admissible", "?"),
+                ("special", "?"),  # the row of a special point
+                ("unknowns", "f8", (self.unknowns,)),
+                ("tangent", "f8", (self.unknowns + 1,)),  # unit vector, towards growing s
+                ("weights", "f8", (self.unknowns + 1,)),  # metric: typical magnitudes of unknowns and parameter
+                ("step", "f8"),  # next step length from here
+                ("residual", "f8"),  # residual over its own rounding error
+                ("iterations", "i4"),
+                ("rhs", "i8"),  # evaluations of the vector field spent on this point
+                ("seconds", "f8"),
+            ]
+        )
+
+
+@dataclass(frozen=True)
+class SpecialPoint:
+    """A special point, located or not. Fields are those of the JSON interface, plus `s` and the unknowns."""
+
+    label: str
+    s: float
+    kind: str | None = None
+    status: str = "located"
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    state: Mapping[str, float] = field(default_factory=dict)
+    period: float | None = None
+    period_full: float | None = None
+    spectrum: tuple[complex, ...] = ()
+    spectrum_full: tuple[complex, ...] | None = None
+    trivial_error: float | None = None
+    unstable_before: int = 0
+    unstable_after: int = 0
+    error: float | None = None
+    criticality: str | None = None
+    coefficients: Mapping[str, Any] = field(default_factory=dict)
+    admissible: bool = True
+    margin: Mapping[str, float] = field(default_factory=dict)
+    note: str | None = None
+    unknowns: tuple[float, ...] = ()
+    tangent: tuple[float, ...] = ()
+    name: str = ""
+    index: int = -1
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a branch ended: `status` complete | stopped | failed, reason code, a sentence with a remedy."""
+
+    status: str
+    reason: str
+    message: str
+
+
+@dataclass
+class Branch:
+    """A computed branch.
+
+    `points` is a structured array of dtype `info.point_dtype()`, sorted by `s`. `branch["m"]` gives the array
+    of a free parameter, a state or an observable by its name; `branch["unstable"]` and the other
+    columns by theirs.
+    """
+
+    info: BranchInfo
+    points: np.ndarray
+    special_points: list[SpecialPoint]
+    outcome: Outcome
+    cost: Mapping[str, float] = field(default_factory=lambda: {"seconds": 0.0, "rhs": 0})
+    complete: bool = True
+
+    @property
+    def name(self) -> str:
+        """`b1`, `b2`, ..."""
+        return self.info.name
+
+    def names(self) -> tuple[str, ...]:
+        """Names that `branch[name]` understands besides the columns of `points`."""
+        return (*self.info.free, *self.info.observables, *self.info.states)
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        for column, known in (
+            ("free", self.info.free),
+            ("observables", self.info.observables),
+            ("state", self.info.states),
+        ):
+            if name in known:
+                return self.points[column][:, known.index(name)]
+        if name in (self.points.dtype.names or ()):
+            return self.points[name]
+        if name in self.info.parameters:
+            return np.full(len(self), self.info.parameters[name])
+        raise KeyError(
+            f"Branch {self.name} has no '{name}'. Known: {', '.join((*self.names(), *self.info.parameters))}"
+        )
+
+    def special(self, name: str) -> SpecialPoint:
+        """The special point of this name, as `HB1`."""
+        for point in self.special_points:
+            if point.name == name:
+                return point
+        known = ", ".join(point.name for point in self.special_points)
+        raise KeyError(f"Branch {self.name} has no special point '{name}'. Known: {known or 'none'}")
+
+
+def named(special_points: list[SpecialPoint], points: np.ndarray) -> list[SpecialPoint]:
+    """Special points in their order along the branch, with names counted along it and their rows."""
+    counts: dict[str, int] = dict.fromkeys(LABELS, 0)
+    result = []
+    for point in sorted(special_points, key=lambda q: q.s):
+        counts[point.label] += 1
+        row = int(np.searchsorted(points["s"], point.s))
+        result.append(replace(point, name=f"{point.label}{counts[point.label]}", index=row))
+    return result

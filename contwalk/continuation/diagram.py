@@ -1,0 +1,320 @@
+"""The diagram: a queue of starts, each walked to its ends, and the branches that leave what is found.
+
+The queue is not stored. Starts come from the run and from special points in a fixed order, so that replaying the
+stored branches rebuilds it exactly; a branch that is stored half is walked on from its last point.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint, named
+from contwalk.continuation import outcomes
+from contwalk.continuation.arclength import End, Here, begin, turned, walk
+from contwalk.continuation.marks import Observer
+from contwalk.continuation.opening import Opening
+from contwalk.continuation.recognition import known_branch
+from contwalk.continuation.rows import from_row, to_row
+from contwalk.continuation.settings import Settings
+from contwalk.problems.equilibrium import MAX_RE, Equilibrium
+from contwalk.system import System
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a diagram is to cover: which labels are followed, how deep, and in which directions from a start."""
+
+    settings: Settings
+    follow: frozenset[str] = frozenset({"BP"})
+    depth: int = 5
+    directions: tuple[float, ...] = (1.0, -1.0)
+
+
+@dataclass(frozen=True)
+class Start:
+    """One entry of the queue. `opening` is an `Outcome` where the start failed."""
+
+    system: System
+    free: str
+    parameters: dict[str, float]
+    opening: Opening | Outcome
+    origin: str
+    parent: tuple[str, float] | None = None
+    depth: int = 0
+
+
+@dataclass(frozen=True)
+class Stored:
+    """What a database holds of a branch: rows and special points in the order of appending."""
+
+    rows: np.ndarray
+    special_points: list[SpecialPoint]
+    outcome: Outcome | None
+
+
+@dataclass(frozen=True)
+class Began:
+    """A branch begins."""
+
+    info: BranchInfo
+
+
+@dataclass(frozen=True)
+class Found:
+    """A point of the current branch, with its row; `special` where it is a special point.
+
+    An end point has no row of its own (`row` is None): it is the last point's.
+    """
+
+    info: BranchInfo
+    row: np.ndarray | None
+    special: SpecialPoint | None
+
+
+@dataclass(frozen=True)
+class Cut:
+    """A branch that was stored in part goes on from its last regular point: keep so many rows and points."""
+
+    info: BranchInfo
+    rows: int
+    special_points: int
+
+
+@dataclass(frozen=True)
+class Ended:
+    """The current branch ended."""
+
+    branch: Branch
+
+
+@dataclass(frozen=True)
+class Noted:
+    """Something about the diagram as a whole, under a key."""
+
+    key: str
+    text: str
+
+
+Event = Began | Found | Cut | Ended | Noted
+
+
+@dataclass
+class _Work:
+    """A branch in the making."""
+
+    info: BranchInfo
+    rows: list[np.ndarray] = field(default_factory=list)
+    special_points: list[SpecialPoint] = field(default_factory=list)
+    outcomes: list[tuple[float, Outcome]] = field(default_factory=list)
+
+    def branch(self, outcome: Outcome) -> Branch:
+        rows = np.concatenate(self.rows) if self.rows else np.zeros(0, dtype=self.info.point_dtype())
+        points = rows[np.argsort(rows["s"], kind="stable")]
+        cost = {"seconds": float(rows["seconds"].sum()), "rhs": int(rows["rhs"].sum())}
+        return Branch(self.info, points, named(self.special_points, points), outcome, cost)
+
+
+class Diagram:
+    """The branches of a run, one after the other.
+
+    Parameters
+    ----------
+    starts : iterable of Start
+        Opened lazily, one when its turn comes.
+    plan : Plan
+    restore : callable, optional
+        What is stored already of the branch of a name, or None.
+    """
+
+    def __init__(
+        self,
+        starts: Iterable[Start],
+        plan: Plan,
+        restore: Callable[[str], Stored | None] = lambda name: None,
+    ) -> None:
+        self._starts = iter(starts)
+        self._seeds: deque[Start] = deque()
+        self._plan = plan
+        self._restore = restore
+        self.branches: list[Branch] = []
+
+    def events(self) -> Iterator[Event]:
+        """Everything that happens, as it happens."""
+        for start in self._queue():
+            known = self._known(start)
+            if known is not None:
+                yield Noted(f"skipped {start.origin}", f"{start.origin} lies on branch {known}, already known.")
+                continue
+            yield from self._branch(start)
+
+    def _queue(self) -> Iterator[Start]:
+        """Starts in their order, each followed by all that grows out of it."""
+        for start in self._starts:
+            yield start
+            while self._seeds:
+                yield self._seeds.popleft()
+
+    def _known(self, start: Start) -> str | None:
+        if isinstance(start.opening, Outcome):
+            return None
+        problem, here = start.opening.problem, start.opening.here
+        if start.parent is None:
+            return known_branch(problem, here.sample.z, here.sample.weights, self.branches)
+        # A branch point lies on the parent anyway: look at the first points away from it.
+        for sign in self._signs(start):
+            facing = here if sign > 0 else turned(here)
+            observer = Observer(start.free, problem.observable_names)
+            for event in walk(problem, facing, self._plan.settings, observer, sign, 1):
+                if isinstance(event, End):
+                    break
+                if event.special is None:
+                    sample = event.here.sample
+                    name = known_branch(problem, sample.z, sample.weights, self.branches)
+                    if name is None:
+                        return None
+                    found = name
+                    break
+            else:
+                return None
+        return found if self._signs(start) else None
+
+    def _signs(self, start: Start) -> tuple[float, ...]:
+        return self._plan.directions if start.parent is None else (1.0, -1.0)
+
+    def _branch(self, start: Start) -> Iterator[Event]:
+        work = _Work(_info(start, f"b{len(self.branches) + 1}"))
+        stored = self._restore(work.info.name)
+        if stored is not None and stored.outcome is not None and stored.outcome.reason != "interrupted":
+            work.rows, work.special_points = [stored.rows], list(stored.special_points)
+            branch = work.branch(stored.outcome)
+        elif isinstance(start.opening, Outcome):
+            yield Began(work.info)
+            branch = work.branch(start.opening)
+            yield Ended(branch)
+        else:
+            yield from self._walked(start.opening, work, stored, self._signs(start))
+            branch = work.branch(_combined(work.outcomes, start.opening.message))
+            yield Ended(branch)
+        self.branches.append(branch)
+        if not isinstance(start.opening, Outcome) and start.depth < self._plan.depth:
+            self._seeds.extend(self._grown(start, start.opening.problem, branch))
+
+    def _walked(
+        self, opening: Opening, work: _Work, stored: Stored | None, signs: tuple[float, ...]
+    ) -> Iterator[Event]:
+        """Both directions of a branch, or what is missing of them."""
+        problem, settings = opening.problem, self._plan.settings
+        observer = Observer(problem.free, problem.observable_names)
+        if stored is None or not len(stored.rows):
+            if stored is None:
+                yield Began(work.info)
+            work.rows = [to_row(work.info, problem, opening.here, 1.0, special=False)]
+            yield Found(work.info, work.rows[0], None)
+            places = {sign: opening.here if sign > 0 else turned(opening.here) for sign in signs}
+        else:
+            places = _resumed(problem, work, stored, signs)
+            yield Cut(work.info, len(work.rows), len(work.special_points))
+        for sign in signs:
+            if sign not in places or _closed(work):
+                continue
+            left = settings.max_points - len(work.rows)
+            for event in walk(problem, places[sign], settings, observer, sign, left):
+                if isinstance(event, End):
+                    work.outcomes.append((sign, event.outcome))
+                    work.special_points.append(event.special)
+                    yield Found(work.info, None, event.special)
+                    continue
+                row = to_row(work.info, problem, event.here, sign, event.special is not None)
+                work.rows.append(row)
+                if event.special is not None:
+                    work.special_points.append(event.special)
+                yield Found(work.info, row, event.special)
+
+    def _grown(self, start: Start, problem: Equilibrium, branch: Branch) -> Iterator[Start]:
+        """Starts for the branches that leave a branch's special points."""
+        for point in branch.special_points:
+            if point.label not in self._plan.follow or point.status != "located":
+                continue
+            if start.parent is not None and abs(point.s) < 1e-9:
+                continue  # the point that this branch itself was born at
+            for seed in problem.seeds(point):
+                here = begin(problem, seed.z, self._plan.settings, seed.tangent)
+                if isinstance(here, Here):
+                    yield replace(
+                        start,
+                        opening=Opening(problem, here),
+                        origin=f"{branch.name}/{point.name}",
+                        parent=(branch.name, point.s),
+                        depth=start.depth + 1,
+                    )
+
+
+def _info(start: Start, name: str) -> BranchInfo:
+    system = start.system
+    n = len(system.states)
+    unknowns, spectrum, settings = n, n, {}
+    if isinstance(start.opening, Opening):
+        problem = start.opening.problem
+        unknowns, spectrum = problem.size, n - len(problem.pins)
+        settings = {"pins": [pin.name for pin in problem.pins]}
+    return BranchInfo(
+        name=name,
+        problem=Equilibrium.kind,
+        states=system.state_names,
+        observables=(*[o.name for o in system.observables], MAX_RE),
+        free=(start.free,),
+        parameters=start.parameters,
+        unknowns=unknowns,
+        spectrum=max(spectrum, 1),
+        parent=start.parent,
+        origin=start.origin,
+        settings=settings,
+    )
+
+
+def _closed(work: _Work) -> bool:
+    return any(outcome.reason == "closed" for _, outcome in work.outcomes)
+
+
+def _resumed(problem: Equilibrium, work: _Work, stored: Stored, signs: tuple[float, ...]) -> dict[float, Here]:
+    """Where each direction goes on; those that have ended are left out and their outcomes taken over."""
+    rows = stored.rows
+    regular = np.flatnonzero(~rows["special"])
+    kept = rows[: regular[-1] + 1]
+    work.rows = [kept[i : i + 1] for i in range(len(kept))]
+    marks = [p for p in stored.special_points if p.label != "EP"][: int(kept["special"].sum())]
+    work.special_points = [
+        p for p in stored.special_points if any(p is m for m in marks) or (p.label == "EP" and p.s in kept["s"])
+    ]
+    ends = {1.0 if p.s > 0 else -1.0: p for p in work.special_points if p.label == "EP"}
+    if len(kept) == 1 and ends:  # ended where it began
+        ends = dict(zip(signs, [p for p in work.special_points if p.label == "EP"], strict=False))
+    places: dict[float, Here] = {}
+    for sign in signs:
+        if sign in ends:
+            end = ends[sign]
+            work.outcomes.append((sign, outcomes.restored(str(end.kind), end.note or "")))
+            continue
+        side = kept[(np.sign(kept["s"]) == sign) & ~kept["special"]]
+        if len(side):
+            places[sign] = from_row(problem, side[-1], sign)
+        else:
+            places[sign] = from_row(problem, kept[0], sign)
+    return places
+
+
+_ORDER = {"complete": 0, "stopped": 1, "failed": 2}
+
+
+def _combined(ends: list[tuple[float, Outcome]], message: str) -> Outcome:
+    """One outcome for both ends: the worse one decides, each is told."""
+    worst = max((outcome for _, outcome in ends), key=lambda o: _ORDER[o.status])
+    texts = [o.message for _, o in ends]
+    if len(texts) == 2:
+        names = {1.0: "Forward", -1.0: "Backward"}
+        texts = [f"{names[sign]}: {o.message}" for sign, o in ends]
+    return replace(worst, message=" ".join([*texts, message]).strip())

@@ -1,0 +1,144 @@
+"""User marks on a segment: given values of the parameter or of observables, and extrema of observables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from contwalk.continuation.detection import Found, sample_at
+from contwalk.continuation.newton import correct
+from contwalk.continuation.rootfinding import narrow
+from contwalk.continuation.segment import LostBranch, Segment
+from contwalk.continuation.settings import Mark
+from contwalk.problems.problem import Located, Sample
+
+
+@dataclass(frozen=True)
+class Observer:
+    """Names of the free parameter and of the observables, in the order of `Sample.observables`."""
+
+    parameter: str
+    observables: tuple[str, ...]
+
+    def value(self, name: str, sample: Sample) -> float:
+        """Value of a mark's name at a sample."""
+        if name == self.parameter:
+            return sample.parameter
+        return float(sample.observables[self.observables.index(name)])
+
+
+def marked(
+    segment: Segment, marks: tuple[Mark, ...], observer: Observer, turns: Sequence[float] = ()
+) -> list[Found]:
+    """All marked points on a segment, in their order. `turns` are positions at which the branch itself turns."""
+    found: list[Found] = []
+    for mark in marks:
+        for level in mark.values:
+            found += _levels(segment, mark.name, level, observer)
+        if mark.extremum:
+            extrema = _extrema(segment, mark.name)
+            # Where the branch turns, everything on it is extreme; it says nothing about the observable.
+            found += [f for f in extrema if all(abs(f.theta - turn) > 1e-3 for turn in turns)]
+    return sorted(found, key=lambda f: f.theta)
+
+
+def _levels(segment: Segment, name: str, level: float, observer: Observer) -> list[Found]:
+    va = observer.value(name, segment.a) - level
+    vb = observer.value(name, segment.b) - level
+    # A value met exactly at the end of a segment belongs to that segment, not to the next one as well.
+    if not (va * vb < 0.0 or (vb == 0.0 and va != 0.0)):
+        return []
+
+    def value(theta: float) -> float:
+        return observer.value(name, segment.at(theta)) - level
+
+    def attempt(theta: float, left: float, right: float) -> Found | None:
+        sample = segment.at(theta)
+        if name == observer.parameter:
+            located = _parameter_at(segment, level, sample)
+        else:
+            located = segment.problem.locate_mark(name, level, sample)  # type: ignore[attr-defined]
+        if located is None:
+            return None
+        position = segment.position(located.z)
+        slack = 1e-3 * (right - left) + 1e-12
+        if not left - slack <= position <= right + slack or segment.distance(located.z, position) > 1e-6:
+            return None
+        settled = located.settled()
+        return settled and Found(position, "UZ", settled, sample_at(segment, "UZ", settled, sample))
+
+    kind = "parameter" if name == observer.parameter else "observable"
+    try:
+        found = narrow(value, 0.0, 1.0, va, vb, attempt) if vb != 0.0 else attempt(1.0, 0.0, 1.0)
+    except LostBranch:
+        found = None
+    return [] if found is None else [_with_counts(replace(found, kind=kind))]
+
+
+def _with_counts(found: Found) -> Found:
+    count = found.sample.unstable
+    return replace(found, before=count, after=count)
+
+
+def _parameter_at(segment: Segment, value: float, near: Sample) -> Located | None:
+    """The solution at exactly this value of the free parameter."""
+    guess = near.z + (value - near.z[-1]) / near.tangent[-1] * near.tangent if near.tangent[-1] else near.z
+    guess = np.append(guess[:-1], value)
+    normal = np.zeros(len(guess))
+    normal[-1] = 1.0 / segment.weights[-1]
+    correction = correct(segment.problem, guess, normal, segment.weights)
+    if not correction.ok:
+        return None
+    z = np.append(correction.z[:-1], value)
+    return Located(z, float(np.spacing(abs(value))), {}, refined=True)
+
+
+def _extrema(segment: Segment, name: str) -> list[Found]:
+    """Smooth extrema of an observable; kinks, where two eigenvalues change roles, are not special points."""
+
+    def rate(sample: Sample) -> float:
+        return segment.problem.rate(name, sample)  # type: ignore[attr-defined]
+
+    ra, rb = rate(segment.a), rate(segment.b)
+    if not (np.isfinite(ra) and np.isfinite(rb)) or ra * rb >= 0.0:
+        return []
+    values: dict[float, float] = {0.0: ra, 1.0: rb}
+
+    def value(theta: float) -> float:
+        values[theta] = rate(segment.at(theta))
+        return values[theta]
+
+    def never(theta: float, left: float, right: float) -> None:
+        return None
+
+    try:
+        narrow(value, 0.0, 1.0, ra, rb, never)
+        theta = min(values, key=lambda t: abs(values[t]))
+        if abs(values[theta]) > 1e-5 * min(abs(ra), abs(rb)):
+            return []  # the rate jumps: a kink
+        error, refined = _extremum_error(segment, theta, rate)
+    except LostBranch:
+        return []
+    sample = segment.at(theta)
+    located = Located(sample.z, error, {}, refined)
+    return [_with_counts(Found(theta, "UZ", located, sample, kind="extremum"))]
+
+
+def _extremum_error(segment: Segment, theta: float, rate: Callable[[Sample], float]) -> tuple[float, bool]:
+    """Estimated error of the parameter at an extremum: noise of the rate over its slope.
+
+    The rate is sampled around the extremum; what a parabola through it does not explain is its noise.
+    """
+    offsets = np.linspace(-1.0, 1.0, 9) * min(1e-3, theta, 1.0 - theta)
+    if offsets[-1] <= 0.0:
+        offsets = np.linspace(-1.0, 1.0, 9) * 1e-3
+    samples = [segment.at(theta + d) for d in offsets]
+    rates = np.array([rate(s) for s in samples])
+    fit = np.polynomial.Polynomial.fit(offsets, rates, 3)
+    noise = float(np.max(np.abs(fit(offsets) - rates)))
+    slope = abs(float(fit.deriv()(0.0)))
+    per_theta = abs(float(segment.chord[-1]))
+    here = abs(samples[len(samples) // 2].parameter)
+    return 4.0 * noise / max(slope, 1e-300) * per_theta + float(np.spacing(here)), slope > 0.0

@@ -1,0 +1,49 @@
+"""The metric in which arclength is measured: unknowns and parameter in units of their typical magnitudes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from contwalk.continuation.settings import Settings
+
+
+def updated(weights: np.ndarray | None, magnitudes: np.ndarray, settings: Settings, value: float) -> np.ndarray:
+    """Weights at the next point.
+
+    A weight of an unknown never decreases along a branch, so that passing zero does not shrink the steps. The
+    parameter's follows its size, within the width of the range.
+
+    Parameters
+    ----------
+    weights : ndarray or None, shape (N + 1,)
+        Those of the last point; None at the start.
+    magnitudes : ndarray, shape (N + 1,)
+        Typical magnitudes at the new point, NaN where unknown.
+    value : float
+        The free parameter.
+    """
+    known = np.isfinite(magnitudes)
+    result = np.where(known, magnitudes, 1.0)
+    if weights is not None:
+        # 1.0 is also the stand-in for an unknown magnitude; it gives way to a known one.
+        result = np.where(known & (weights != 1.0), np.maximum(weights, result), result)
+        result = np.where(known, result, weights)
+    result[-1] = parameter_weight(magnitudes[-1], settings, value)
+    return result
+
+
+def parameter_weight(magnitude: float, settings: Settings, value: float) -> float:
+    """Typical magnitude of the free parameter: |lambda|, but not more than the width of its range.
+
+    Where the range contains zero it does not drop below a hundredth of the width; where it spans decades on one
+    side of zero, the steps are the same in each decade.
+    """
+    low, high = settings.range
+    size = abs(value)
+    if not math.isfinite(settings.width):
+        return max(size, magnitude) if math.isfinite(magnitude) else max(size, 1.0)
+    if low * high <= 0.0:
+        size = max(size, settings.width / 100.0)
+    return min(max(size, settings.width * 1e-12), settings.width)

@@ -1,0 +1,106 @@
+"""The corrector: Newton's method on F(z) = 0 bordered by one linear condition."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contwalk.errors import PluginError
+from contwalk.problems.linear import Factored
+from contwalk.problems.problem import Linearization, Problem
+
+
+@dataclass(frozen=True)
+class Correction:
+    """What became of a guess. `reason` is empty where it converged, else a reason code with a sentence."""
+
+    z: np.ndarray
+    linearization: Linearization | None
+    iterations: int
+    reason: str = ""
+    sentence: str = ""
+
+    @property
+    def ok(self) -> bool:
+        """Whether z is a solution."""
+        return not self.reason
+
+
+def correct(
+    problem: Problem,
+    guess: np.ndarray,
+    normal: np.ndarray,
+    weights: np.ndarray,
+    iterations: int = 8,
+    damped: bool = False,
+) -> Correction:
+    """The solution of F(z) = 0 in the hyperplane normal . (z - guess) = 0.
+
+    Bordering keeps the system regular at folds, where F_u alone is singular. Iteration ends when every residual is
+    at the level of its own rounding error, or when corrections have stopped shrinking there.
+
+    Parameters
+    ----------
+    guess, normal, weights : ndarray, shape (N + 1,)
+    damped : bool
+        Shorten Newton steps that do not reduce the residual: for a start far from the solution.
+    """
+    z = guess.copy()
+    previous = np.inf
+    try:
+        here = problem.linearize(z)
+        for iteration in range(iterations + 1):
+            if not _finite(here):
+                where = problem.explain(z)
+                return Correction(z, None, iteration, "not_finite", f"The vector field is not finite: {where}.")
+            if here.excess <= 2.0:
+                return Correction(z, here, iteration)
+            bordered = np.vstack([here.jacobian, normal])
+            try:
+                step = Factored(bordered).solve(np.append(here.residual, normal @ (z - guess)))
+            except np.linalg.LinAlgError:
+                return Correction(z, here, iteration, "no_convergence", "The bordered Jacobian is singular.")
+            size = float(np.linalg.norm(step / weights))
+            if not np.isfinite(size):
+                return Correction(z, here, iteration, "no_convergence", "The Newton step is not finite.")
+            noise = size < 1e-11 or (size > 0.25 * previous and size < 1e-7)
+            if noise:  # one last step; what remains is rounding, and `excess` tells how much
+                z, here = _advance(problem, z, step, here, damped=False)
+                if _finite(here) and (here.excess <= 1e4 or size < 1e-12):
+                    return Correction(z, here, iteration + 1)
+                break
+            if not damped and iteration > 1 and size > 0.7 * previous:
+                return Correction(z, here, iteration, "no_convergence", "Newton's method does not contract.")
+            previous = size
+            z, here = _advance(problem, z, step, here, damped)
+    except PluginError as error:
+        return Correction(z, None, 0, "plugin_error", error.sentence)
+    sentence = f"Newton's method did not converge in {iterations} iterations."
+    return Correction(z, here, iterations, "no_convergence", sentence)
+
+
+def _finite(here: Linearization) -> bool:
+    return bool(np.all(np.isfinite(here.residual)) and np.all(np.isfinite(here.jacobian)))
+
+
+def _advance(
+    problem: Problem, z: np.ndarray, step: np.ndarray, here: Linearization, damped: bool
+) -> tuple[np.ndarray, Linearization]:
+    """z - t step with t = 1, or where damped, the first of 1, 1/2, 1/4 ... that reduces the residual."""
+    there = problem.linearize(z - step)
+    if not damped:
+        return z - step, there
+    fraction = 1.0
+    while fraction > 1e-4 and not (_finite(there) and _smaller(there, here)):
+        fraction /= 2.0
+        there = problem.linearize(z - fraction * step)
+    return z - fraction * step, there
+
+
+def _smaller(there: Linearization, here: Linearization) -> bool:
+    """Whether residuals went down, each measured by what it was made of before."""
+    if there.excess <= 2.0:
+        return True
+    scale = np.maximum(np.abs(here.residual), here.rounding)
+    return float(np.linalg.norm(there.residual / scale)) < float(np.linalg.norm(here.residual / scale))

@@ -1,0 +1,134 @@
+"""The first solution of a branch, and which neutral directions must be held on it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from contwalk.branch import Outcome
+from contwalk.continuation import outcomes
+from contwalk.continuation.arclength import Here, begin
+from contwalk.continuation.newton import correct
+from contwalk.continuation.settings import Settings
+from contwalk.errors import NotFinite, PluginError
+from contwalk.problems.equilibrium import UNDECLARED, Equilibrium, solution_at
+from contwalk.problems.linear import null_vectors
+from contwalk.problems.neutral import undeclared_direction
+from contwalk.system import Neutral, System
+
+# A second direction of solutions shows as a second singular value this small.
+RANK = 1e-12
+
+
+@dataclass(frozen=True)
+class Opening:
+    """A problem and its first solution. `message` reports a neutral direction that nobody declared."""
+
+    problem: Equilibrium
+    here: Here
+    message: str = ""
+
+
+def opened(
+    system: System,
+    parameters: Mapping[str, float],
+    free: str,
+    state: np.ndarray,
+    settings: Settings,
+    path: tuple[Mapping[str, float], Mapping[str, float]] | None = None,
+    at: float | None = None,
+) -> Opening | Outcome:
+    """The branch of equilibria through the solution near a state, or why there is none.
+
+    Parameters
+    ----------
+    system : System
+    parameters : mapping
+        All parameters, the free one among them.
+    free : str
+        Name of the free parameter, or `path`.
+    state : ndarray, shape (n,)
+    path : tuple of two mappings, optional
+        All parameters at both ends of a path.
+    at : float, optional
+        Position on the path.
+    """
+    try:
+        problem, z = solution_at(system, parameters, free, state, path, at)
+        here = begin(problem, z, settings)
+        if not isinstance(here, Here):
+            return outcomes.no_start(here.reason, here.sentence)
+        if problem.pins and _drifts(problem, here):
+            # Neutral at the start only: along the branch it is not, and must not be held.
+            problem = problem.with_pins(())
+            here = begin(problem, np.append(here.sample.z[: problem.states], here.sample.z[-1]), settings)
+            if not isinstance(here, Here):
+                return outcomes.no_start(here.reason, here.sentence)
+        if _rank_is_full(problem, here.sample.z):
+            return Opening(problem, here)
+        return _degenerate(problem, here, settings)
+    except PluginError as error:
+        return outcomes.no_start("plugin_error", error.sentence)
+    except NotFinite as error:
+        return outcomes.no_start("not_finite", error.sentence)
+
+
+def _drifts(problem: Equilibrium, here: Here) -> bool:
+    """Whether holding the pinned directions takes a force that grows along the branch."""
+    jacobian = problem.jacobian(here.sample.z)
+    n = problem.states
+    tangent = here.sample.tangent
+    forces = np.abs(jacobian[:n, n : problem.size] * tangent[n : problem.size])
+    terms = np.abs(jacobian[:n]) @ np.abs(tangent)
+    return bool(forces.max() > 1e-9 * terms.max())
+
+
+def _rank_is_full(problem: Equilibrium, z: np.ndarray) -> bool:
+    values = null_vectors(problem.jacobian(z), 1)[2]
+    return bool(values[-1] > RANK)
+
+
+def _degenerate(problem: Equilibrium, here: Here, settings: Settings) -> Opening | Outcome:
+    """A start with two directions of solutions: an undeclared neutral direction, or a branch point.
+
+    The two are told apart a little way on: a neutral direction is still there.
+    """
+    z = here.sample.z
+    generator = undeclared_direction(problem.jacobian(z)[: problem.states, : problem.states])
+    held = problem.with_pins((*problem.pins, _constant(generator)), z[: problem.states])
+    there = begin(held, np.concatenate([z[: problem.size], [0.0], z[-1:]]), settings)
+    if isinstance(there, Here):
+        moved = there.sample.z + 1e-3 * there.sample.tangent
+        next_one = correct(held, moved, there.sample.tangent / there.sample.weights**2, there.sample.weights)
+        if next_one.ok:
+            without = np.append(next_one.z[: problem.size], next_one.z[-1])
+            if _rank_is_full(problem, without):
+                # A branch point: begin beside it, on the branch along which the parameter moves.
+                beside = begin(problem, without, settings)
+                if isinstance(beside, Here):
+                    return Opening(problem, beside)
+            elif not _drifts(held, there):
+                return Opening(held, there, _report(problem, generator))
+    return outcomes.no_start(
+        "no_convergence", "More than one branch passes through the start, and none of them could be followed."
+    )
+
+
+def _constant(direction: np.ndarray) -> Neutral:
+    def generator(t: float, x: np.ndarray, p: object, v: np.ndarray) -> None:
+        for i, entry in enumerate(direction.tolist()):
+            v[i] = entry
+
+    return Neutral(UNDECLARED, generator)
+
+
+def _report(problem: Equilibrium, direction: np.ndarray) -> str:
+    largest = np.argsort(-np.abs(direction))[:4]
+    names = problem.system.state_names
+    parts = ", ".join(f"{names[i]} {direction[i]:+.3g}" for i in largest if abs(direction[i]) > 1e-6)
+    return (
+        f"An undeclared neutral direction: an eigenvalue is zero along the whole branch, in the direction {parts}. "
+        "It is held at its start and left out of the spectrum; declare it with neutral=(Neutral(...),) to say so."
+    )

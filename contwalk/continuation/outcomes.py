@@ -1,0 +1,70 @@
+"""How a walk can end, each a reason code with a sentence and a remedy."""
+
+from __future__ import annotations
+
+from contwalk.branch import Outcome
+
+
+def bound(name: str, value: float) -> Outcome:
+    """The free parameter reached an end of its range."""
+    return Outcome(
+        "complete", "bound", f"Reached the end of the range, {name} = {value:.10g}. Widen `range` to go on."
+    )
+
+
+def closed() -> Outcome:
+    """The branch came back to its start."""
+    return Outcome("complete", "closed", "The branch is closed: it came back to its start. Nothing to do.")
+
+
+def stop_at(what: str) -> Outcome:
+    """A value of `stop_at` was met."""
+    return Outcome("stopped", "stop_at", f"Stopped at {what}, as asked. Remove it from `stop_at` to go on.")
+
+
+def max_points(number: int) -> Outcome:
+    """The limit of points was reached."""
+    return Outcome(
+        "stopped", "max_points", f"Reached max_points = {number}. Raise it and continue from the last point."
+    )
+
+
+def interrupted() -> Outcome:
+    """The user interrupted the run."""
+    return Outcome(
+        "stopped", "interrupted", "Interrupted. Everything found is stored; run again with --resume to go on."
+    )
+
+
+def restored(reason: str, message: str) -> Outcome:
+    """The outcome of an end that is stored."""
+    status = {"bound": "complete", "closed": "complete"}.get(reason, "stopped")
+    if reason in ("step_too_small", "no_convergence", "not_finite", "plugin_error"):
+        status = "failed"
+    return Outcome(status, reason, message or f"Ended with {reason}. Nothing more is known.")
+
+
+def stuck(reason: str, sentence: str, step: float, name: str, value: float) -> Outcome:
+    """No step of any length succeeded."""
+    where = f"at {name} = {value:.10g}"
+    if reason == "not_finite":
+        return Outcome("failed", "not_finite", f"{sentence} The last good point is {where}; end the range before it.")
+    if reason == "plugin_error":
+        return Outcome("failed", "plugin_error", f"{sentence} The last good point is {where}.")
+    return Outcome(
+        "failed",
+        "step_too_small",
+        f"No step succeeds {where}, down to {step:.1e}: {sentence} "
+        "The branch may end there, or the field may not be smooth; look at it with `contwalk show`.",
+    )
+
+
+def no_start(reason: str, sentence: str) -> Outcome:
+    """The start could not be corrected to a solution."""
+    if reason in ("not_finite", "plugin_error"):
+        return Outcome("failed", reason, f"The start fails: {sentence} Start elsewhere, or mend the plugin.")
+    return Outcome(
+        "failed",
+        "no_convergence",
+        f"The start does not converge to a solution: {sentence} Give a state nearer to an equilibrium, or a named one.",
+    )

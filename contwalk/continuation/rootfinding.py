@@ -1,0 +1,62 @@
+"""Narrowing a bracket around a sign change: superlinear where the function is smooth, never worse than bisection."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeVar
+
+T = TypeVar("T")
+
+
+def narrow(
+    value: Callable[[float], float],
+    low: float,
+    high: float,
+    value_low: float,
+    value_high: float,
+    attempt: Callable[[float, float, float], T | None],
+    width: float = 1e-13,
+    most: int = 60,
+) -> T | None:
+    """Narrow a bracket until `attempt` succeeds.
+
+    Parameters
+    ----------
+    value : callable
+        A function of position with opposite signs at `low` and `high`.
+    attempt : callable
+        `attempt(position, low, high)` is asked after every evaluation; the first result that is not None is returned.
+    width : float
+        Bracket width at which to give up.
+
+    Notes
+    -----
+    Chandrupatla's rule (Adv. Eng. Softw. 28, 145, 1997): inverse quadratic interpolation where it is safe,
+    else bisection.
+    """
+    a, fa, b, fb = high, value_high, low, value_low
+    c, fc = a, fa
+    t = 0.5
+    if fa != fb:
+        t = min(max(fa / (fa - fb), 0.05), 0.95)  # the secant through the ends
+    for _ in range(most):
+        x = a + t * (b - a)
+        fx = value(x)
+        if (fx > 0) == (fa > 0):
+            c, fc = a, fa
+        else:
+            c, fc, b, fb = b, fb, a, fa
+        a, fa = x, fx
+        found = attempt(x, min(a, b), max(a, b))
+        if found is not None:
+            return found
+        if fx == 0.0 or abs(b - a) < width:
+            return None
+        t = 0.5
+        if fb != fc and fa != fc and fb != fa:
+            xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
+            if phi**2 < xi and (1 - phi) ** 2 < 1 - xi:
+                t = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
+        margin = max(width / abs(b - a), 1e-9) if b != a else 0.5
+        t = min(max(t, margin), 1.0 - margin)
+    return None

@@ -1,0 +1,47 @@
+"""Between a walk's place and the row that is stored of it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contwalk.branch import BranchInfo
+from contwalk.continuation.arclength import Here
+from contwalk.problems.equilibrium import Equilibrium
+
+
+def to_row(info: BranchInfo, problem: Equilibrium, here: Here, sign: float, special: bool) -> np.ndarray:
+    """The stored row, shape (1,), of dtype `info.point_dtype()`; its tangent points towards growing arclength."""
+    sample = here.sample
+    row = np.zeros(1, dtype=info.point_dtype())
+    eigenvalues = np.full(info.spectrum, np.nan + 0j)
+    eigenvalues[: len(sample.eigenvalues)] = sample.eigenvalues
+    row["s"] = here.s
+    row["free"] = sample.parameter
+    row["state"] = sample.z[: len(info.states)]
+    row["observables"] = sample.observables
+    row["period"] = np.nan
+    row["spectrum"] = eigenvalues
+    row["spectrum_error"] = sample.errors[0] if len(sample.errors) else 0.0
+    row["unstable"] = sample.unstable
+    row["stable"] = sample.unstable == 0
+    row["admissible"] = True
+    row["special"] = special
+    row["unknowns"] = sample.z[:-1]
+    row["tangent"] = sign * sample.tangent
+    row["weights"] = sample.weights
+    row["step"] = here.step
+    row["residual"] = sample.excess
+    row["iterations"] = sample.iterations
+    row["rhs"] = sample.evaluations
+    row["seconds"] = sample.seconds
+    return row
+
+
+def from_row(problem: Equilibrium, row: np.void, sign: float) -> Here:
+    """The place that a stored row was made from, facing along the walk."""
+    z = np.append(row["unknowns"], row["free"])
+    linearization = problem.linearize(z)
+    sample = problem.examine(
+        z, sign * np.array(row["tangent"]), np.array(row["weights"]), linearization, int(row["unstable"])
+    )
+    return Here(sample, float(row["s"]), float(row["step"]))

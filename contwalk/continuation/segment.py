@@ -1,0 +1,70 @@
+"""The piece of a branch between two neighbouring solutions, any point of which can be computed."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contwalk.continuation.newton import correct
+from contwalk.problems.problem import Problem, Sample
+
+
+class LostBranch(Exception):
+    """A point inside the segment could not be computed."""
+
+
+class Segment:
+    """Solutions between samples `a` and `b`, by position theta in 0..1 along the chord."""
+
+    def __init__(self, problem: Problem, a: Sample, b: Sample) -> None:
+        self.problem, self.a, self.b = problem, a, b
+        self.weights = a.weights
+        self.chord = b.z - a.z
+        self.length = float(np.linalg.norm(self.chord / self.weights))
+        self.normal = self.chord / self.weights**2 / max(self.length, 1e-300) ** 2
+        self._known: dict[float, Sample] = {0.0: a, 1.0: b}
+
+    def position(self, z: np.ndarray) -> float:
+        """theta of the foot of z on the chord."""
+        return float(self.normal @ (z - self.a.z))
+
+    def guess(self, theta: float) -> np.ndarray:
+        """Cubic Hermite interpolation of the ends and their tangents."""
+        t, r = theta, 1.0 - theta
+        scale_a = self.length / np.linalg.norm(self.a.tangent / self.weights)
+        scale_b = self.length / np.linalg.norm(self.b.tangent / self.weights)
+        ends = self.a.z + t * t * (3.0 - 2.0 * t) * self.chord
+        return ends + t * r * r * scale_a * self.a.tangent - t * t * r * scale_b * self.b.tangent
+
+    def tangent(self, jacobian: np.ndarray) -> np.ndarray:
+        """Tangent of the branch, pointing along the chord, from the Jacobian on it."""
+        from contwalk.problems.linear import Factored
+
+        right = np.zeros(len(self.chord))
+        right[-1] = 1.0
+        try:
+            return Factored(np.vstack([jacobian, self.normal])).solve(right)
+        except np.linalg.LinAlgError as error:
+            raise LostBranch("The tangent is not determined.") from error
+
+    def at(self, theta: float) -> Sample:
+        """The solution at theta.
+
+        Raises
+        ------
+        LostBranch
+            If the corrector does not converge there.
+        """
+        if theta not in self._known:
+            near = min(self._known, key=lambda t: abs(t - theta))
+            correction = correct(self.problem, self.guess(theta), self.normal, self.weights)
+            if not correction.ok or correction.linearization is None:
+                raise LostBranch(correction.sentence)
+            tangent = self.tangent(correction.linearization.jacobian)
+            self._known[theta] = self.problem.examine(
+                correction.z, tangent, self.weights, correction.linearization, self._known[near].unstable
+            )
+        return self._known[theta]
+
+    def distance(self, z: np.ndarray, theta: float) -> float:
+        """Distance of z from the solution at theta, relative to the length of the segment."""
+        return float(np.linalg.norm((self.at(theta).z - z) / self.weights)) / max(self.length, 1e-300)

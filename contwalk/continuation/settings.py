@@ -1,0 +1,53 @@
+"""What steers a walk along a branch."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A user's mark: points where `name` (the free parameter or an observable) has a value or is extreme."""
+
+    name: str
+    values: tuple[float, ...] = ()
+    extremum: bool = False
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Settings of one walk. Steps are arclengths in the metric of typical magnitudes.
+
+    Parameters
+    ----------
+    range : tuple of float
+        Values of the free parameter at which the branch ends.
+    max_points : int
+        Points of one branch, both directions together.
+    step, min_step, max_step : float
+        First, smallest and largest step.
+    max_angle : float
+        Largest turn of the tangent in one step, degrees; half of it is aimed at.
+    newton_iterations : int
+        Corrector iterations before a step counts as failed.
+    marks : tuple of Mark
+    stop_at : mapping of str to tuple of float
+        Values of the free parameter or of observables that end the branch.
+    """
+
+    range: tuple[float, float] = (-math.inf, math.inf)
+    max_points: int = 1000
+    step: float = 0.02
+    min_step: float = 1e-10
+    max_step: float = 0.1
+    max_angle: float = 20.0
+    newton_iterations: int = 8
+    marks: tuple[Mark, ...] = ()
+    stop_at: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+
+    @property
+    def width(self) -> float:
+        """Width of the range; infinite where it is open."""
+        return self.range[1] - self.range[0]

@@ -1,0 +1,164 @@
+"""The verbs of the Python interface: continue a branch, switch at a branch point, or iterate over bare points."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from contwalk.branch import Branch, Outcome, SpecialPoint
+from contwalk.continuation.arclength import Point, begin, turned, walk
+from contwalk.continuation.diagram import Diagram, Plan, Start
+from contwalk.continuation.marks import Observer
+from contwalk.continuation.opening import Opening, opened
+from contwalk.continuation.settings import Mark, Settings
+from contwalk.errors import StartError
+from contwalk.problems.equilibrium import Equilibrium
+
+_DIRECTIONS = {"both": (1.0, -1.0), "forward": (1.0,), "backward": (-1.0,)}
+
+
+def continue_branch(
+    problem: Equilibrium,
+    state: str | Sequence[float] | Mapping[str, float],
+    range: tuple[float, float] = (-math.inf, math.inf),
+    direction: str = "both",
+    marks: Mapping[str, Sequence[float | str]] | None = None,
+    **settings: Any,
+) -> Branch:
+    """The branch of equilibria through the solution near a state.
+
+    Parameters
+    ----------
+    problem : Equilibrium
+    state : str, sequence or mapping
+        A named equilibrium of the system, n numbers, or values by name.
+    range : tuple of float
+        Values of the free parameter at which the branch ends.
+    direction : str
+        `both`, `forward` (growing parameter) or `backward`.
+    marks : mapping, optional
+        Name of the free parameter or an observable to values, or the word `extremum`.
+    **settings
+        Further fields of `continuation.settings.Settings`, such as `max_points`.
+
+    Raises
+    ------
+    StartError
+        If no solution is found near the state.
+    """
+    chosen = _settings(range, marks, settings)
+    opening = opened(
+        problem.system, problem.parameters, problem.free, _state(problem, state), chosen, problem.path
+    )
+    if isinstance(opening, Outcome):
+        raise StartError(opening.message)
+    start = Start(problem.system, problem.free, dict(problem.parameters), opening, "continue_branch")
+    return _single(start, Plan(chosen, frozenset(), 0, _direction(direction)))
+
+
+def switch_branch(
+    problem: Equilibrium,
+    branch: Branch,
+    point: str | SpecialPoint,
+    range: tuple[float, float] = (-math.inf, math.inf),
+    marks: Mapping[str, Sequence[float | str]] | None = None,
+    **settings: Any,
+) -> Branch:
+    """The other branch through a branch point, both directions.
+
+    Parameters
+    ----------
+    problem : Equilibrium
+        The problem that `branch` belongs to.
+    branch : Branch
+    point : str or SpecialPoint
+        A branch point, as `BP1`.
+
+    Raises
+    ------
+    StartError
+        If no other branch leaves that point.
+    """
+    special = branch.special(point) if isinstance(point, str) else point
+    chosen = _settings(range, marks, settings)
+    seeds = problem.seeds(special)
+    if not seeds:
+        raise StartError(
+            f"No other branch of equilibria leaves {special.name} of {branch.name}.",
+            "Branches cross at branch points (BP).",
+        )
+    here = begin(problem, seeds[0].z, chosen, seeds[0].tangent)
+    opening = Opening(problem, here)  # type: ignore[arg-type]  # a seed lies on the branch already
+    parent = (branch.name, special.s)
+    start = Start(problem.system, problem.free, dict(problem.parameters), opening, special.name, parent, 1)
+    return _single(start, Plan(chosen, frozenset(), 0))
+
+
+def points(
+    problem: Equilibrium,
+    state: str | Sequence[float] | Mapping[str, float],
+    range: tuple[float, float] = (-math.inf, math.inf),
+    forward: bool = True,
+    **settings: Any,
+) -> Iterator[Point]:
+    """The bare iterator: solutions one by one, special points in their places, until the branch ends.
+
+    Each `Point` has `here.sample` (z, eigenvalues, unstable, observables, ...) and `special`, the record of a
+    special point or None.
+    """
+    chosen = _settings(range, None, settings)
+    opening = opened(
+        problem.system, problem.parameters, problem.free, _state(problem, state), chosen, problem.path
+    )
+    if isinstance(opening, Outcome):
+        raise StartError(opening.message)
+    here = opening.here if forward else turned(opening.here)
+    yield Point(here)
+    observer = Observer(problem.free, problem.observable_names)
+    sign = 1.0 if forward else -1.0
+    for event in walk(opening.problem, here, chosen, observer, sign, chosen.max_points - 1):
+        if isinstance(event, Point):
+            yield event
+
+
+def _single(start: Start, plan: Plan) -> Branch:
+    diagram = Diagram([start], plan)
+    for _ in diagram.events():
+        pass
+    return diagram.branches[0]
+
+
+def _settings(
+    range: tuple[float, float], marks: Mapping[str, Sequence[float | str]] | None, settings: dict[str, Any]
+) -> Settings:
+    chosen = tuple(
+        Mark(name, tuple(float(v) for v in values if v != "extremum"), "extremum" in values)
+        for name, values in (marks or {}).items()
+    )
+    return Settings(range=(float(range[0]), float(range[1])), marks=chosen, **settings)
+
+
+def _direction(direction: str) -> tuple[float, ...]:
+    if direction not in _DIRECTIONS:
+        raise StartError(f"The direction is {direction!r}.", f"Allowed: {', '.join(_DIRECTIONS)}.")
+    return _DIRECTIONS[direction]
+
+
+def _state(problem: Equilibrium, state: str | Sequence[float] | Mapping[str, float]) -> np.ndarray:
+    if isinstance(state, str):
+        return problem.system.named_states(state, problem.parameters)[0]
+    if isinstance(state, Mapping):
+        missing = [name for name in problem.system.state_names if name not in state]
+        if missing:
+            raise StartError(f"The state lacks {', '.join(missing)}.", "Give every state.")
+        return np.array([float(state[name]) for name in problem.system.state_names])
+    values = np.asarray(state, dtype=float)
+    if values.shape != (problem.states,):
+        raise StartError(
+            f"The state has shape {values.shape}.", f"It must have {problem.states} entries: "
+            f"{', '.join(problem.system.state_names)}."
+        )
+    return values

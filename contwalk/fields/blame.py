@@ -1,0 +1,81 @@
+"""Finding the line of a plugin at which a NaN or an infinity first arises."""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable, Sequence
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from contwalk.fields.functions import FUNCTIONS, Number
+from contwalk.fields.rebind import rebound
+from contwalk.fields.trace import plugin_line
+
+
+class _FoundNotFinite(Exception):
+    """An operation on finite numbers gave something that is not finite."""
+
+
+class Probe(Number):
+    """A float that raises as soon as an operation gives NaN or infinity."""
+
+    __slots__ = ("value",)
+
+    def __init__(self, value: float) -> None:
+        self.value = value
+
+    def apply(self, name: str, arguments: tuple[Any, ...]) -> Probe:
+        """The operation in floats, checked."""
+        values = [a.value if isinstance(a, Probe) else float(a) for a in arguments]
+        function: Callable[..., float]
+        if name in ("add", "sub", "mul", "neg"):
+            function = getattr(operator, name)
+        elif name == "div":
+            function = operator.truediv
+        else:
+            function = FUNCTIONS[name].of_float
+        try:
+            result = function(*values)
+        except (ArithmeticError, ValueError) as error:
+            raise _FoundNotFinite(f"{name} of {', '.join(f'{v:g}' for v in values)}") from error
+        if not math.isfinite(result):
+            raise _FoundNotFinite(f"{name} of {', '.join(f'{v:g}' for v in values)} is {result}")
+        return Probe(result)
+
+    def compare(self, relation: str, a: Any, b: Any) -> bool:
+        """The comparison in floats."""
+        first = a.value if isinstance(a, Probe) else a
+        second = b.value if isinstance(b, Probe) else b
+        return bool(getattr(operator, relation)(first, second))
+
+    def __float__(self) -> float:
+        return float(self.value)
+
+
+def first_not_finite(
+    function: Callable[..., Any], t: float, x: Sequence[float], parameters: dict[str, float]
+) -> str | None:
+    """Where the function first gives something that is not finite: `file, line n: what`; None if nowhere.
+
+    Parameters
+    ----------
+    function : callable
+        `field(t, x, p, dx)` or a function of the same form.
+    t : float
+        Time, s.
+    x : sequence of float, length n
+    parameters : dict
+        Values by name.
+    """
+    states = np.array([Probe(float(v)) for v in x], dtype=object)
+    p = SimpleNamespace(**{name: Probe(float(value)) for name, value in parameters.items()})
+    try:
+        rebound(function)(Probe(t), states, p, np.empty(len(states), dtype=object))
+    except _FoundNotFinite as error:
+        return f"{plugin_line(error)}: {error}"
+    except Exception as error:
+        return f"{plugin_line(error)}: {type(error).__name__}: {error}"
+    return None

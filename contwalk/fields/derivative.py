@@ -1,0 +1,85 @@
+"""Exact derivatives on an expression graph, in forward mode."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from contwalk.fields.expression import Graph
+from contwalk.fields.functions import FUNCTIONS
+
+_LEAVES = ("const", "input", "lt", "le", "eq")
+
+
+def arguments_of(graph: Graph, node: int) -> tuple[int, ...]:
+    """Nodes that a node is computed from, the condition of a `select` included."""
+    key = graph.nodes[node]
+    return () if key[0] in ("const", "input") else key[1:]
+
+
+def ancestors(graph: Graph, outputs: Iterable[int]) -> list[int]:
+    """All nodes that the outputs need, in an order of evaluation."""
+    needed: set[int] = set()
+    stack = list(outputs)
+    while stack:
+        node = stack.pop()
+        if node not in needed:
+            needed.add(node)
+            stack.extend(arguments_of(graph, node))
+    return sorted(needed)
+
+
+def partials(graph: Graph, node: int) -> list[tuple[int, int]]:
+    """Pairs (argument, partial derivative of the node by it)."""
+    key = graph.nodes[node]
+    name, a = key[0], key[1:]
+    if name in _LEAVES:
+        return []
+    if name == "add":
+        return [(a[0], graph.one), (a[1], graph.one)]
+    if name == "sub":
+        return [(a[0], graph.one), (a[1], graph.constant(-1.0))]
+    if name == "neg":
+        return [(a[0], graph.constant(-1.0))]
+    if name == "mul":
+        return [(a[0], a[1]), (a[1], a[0])]
+    if name == "div":
+        reciprocal = graph.div(graph.one, a[1])
+        return [(a[0], reciprocal), (a[1], graph.neg(graph.mul(node, reciprocal)))]
+    if name == "select":
+        condition, first, second = a
+        return [
+            (first, graph.select(condition, graph.one, graph.zero)),
+            (second, graph.select(condition, graph.zero, graph.one)),
+        ]
+    found = FUNCTIONS[name].partials(graph, node, a)
+    return [(argument, partial) for argument, partial in zip(a, found, strict=True) if partial is not None]
+
+
+def jacobian(graph: Graph, outputs: Sequence[int], inputs: Sequence[int]) -> list[dict[int, int]]:
+    """For each output, its nonzero derivatives: position in `inputs` -> node."""
+    derivatives: dict[int, dict[int, int]] = {node: {k: graph.one} for k, node in enumerate(inputs)}
+    for node in ancestors(graph, outputs):
+        if node in derivatives:
+            continue
+        row: dict[int, int] = {}
+        for argument, partial in partials(graph, node):
+            for k, inner in derivatives.get(argument, {}).items():
+                term = graph.mul(partial, inner)
+                row[k] = graph.add(row[k], term) if k in row else term
+        derivatives[node] = row
+    return [
+        {k: d for k, d in derivatives.get(output, {}).items() if graph.value(d) != 0.0} for output in outputs
+    ]
+
+
+def directional(graph: Graph, outputs: Sequence[int], directions: Mapping[int, int]) -> list[int]:
+    """Derivatives of the outputs when each input moves along its direction (input node -> direction node)."""
+    derivatives: dict[int, int] = dict(directions)
+    for node in ancestors(graph, outputs):
+        if node in derivatives:
+            continue
+        total = graph.zero
+        for argument, partial in partials(graph, node):
+            total = graph.add(total, graph.mul(partial, derivatives.get(argument, graph.zero)))
+        derivatives[node] = total
+    return [derivatives.get(output, graph.zero) for output in outputs]

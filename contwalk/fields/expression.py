@@ -1,0 +1,207 @@
+"""Expression graphs: every operation a function performs, each recorded once.
+
+Nodes are interned (the same operation on the same arguments is the same node), so common subexpressions are
+shared without further effort. Node numbers grow from arguments to results: their order is an order of
+evaluation.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from contwalk.errors import UnsupportedOperation
+from contwalk.fields.functions import FUNCTIONS, Number
+
+Key = tuple[Any, ...]
+
+
+class Graph:
+    """A store of interned nodes. Nodes are named by their number."""
+
+    def __init__(self) -> None:
+        self.nodes: list[Key] = []
+        self._numbers: dict[Key, int] = {}
+        self.zero = self.constant(0.0)
+        self.one = self.constant(1.0)
+
+    def _intern(self, key: Key) -> int:
+        number = self._numbers.get(key)
+        if number is None:
+            number = len(self.nodes)
+            self.nodes.append(key)
+            self._numbers[key] = number
+        return number
+
+    def constant(self, value: float) -> int:
+        """Node of a number."""
+        # 0.0 and -0.0 are equal as dictionary keys; the sign is part of the key.
+        return self._intern(("const", float(value), math.copysign(1.0, value)))
+
+    def input(self, group: str, index: int) -> int:
+        """Node of entry `index` of the input array `group`."""
+        return self._intern(("input", group, index))
+
+    def value(self, node: int) -> float | None:
+        """The number a node stands for, if it is a constant."""
+        key = self.nodes[node]
+        return key[1] if key[0] == "const" else None
+
+    def add(self, a: int, b: int) -> int:
+        """a + b."""
+        va, vb = self.value(a), self.value(b)
+        if va == 0.0:
+            return b
+        if vb == 0.0:
+            return a
+        if va is not None and vb is not None:
+            return self.constant(va + vb)
+        if self.nodes[b][0] == "neg":
+            return self.sub(a, self.nodes[b][1])
+        if self.nodes[a][0] == "neg":
+            return self.sub(b, self.nodes[a][1])
+        return self._intern(("add", min(a, b), max(a, b)))
+
+    def sub(self, a: int, b: int) -> int:
+        """a - b."""
+        va, vb = self.value(a), self.value(b)
+        if vb == 0.0:
+            return a
+        if va == 0.0:
+            return self.neg(b)
+        if va is not None and vb is not None:
+            return self.constant(va - vb)
+        if self.nodes[b][0] == "neg":
+            return self.add(a, self.nodes[b][1])
+        return self._intern(("sub", a, b))
+
+    def neg(self, a: int) -> int:
+        """-a."""
+        va = self.value(a)
+        if va is not None:
+            return self.constant(-va)
+        if self.nodes[a][0] == "neg":
+            return self.nodes[a][1]
+        return self._intern(("neg", a))
+
+    def mul(self, a: int, b: int) -> int:
+        """a * b."""
+        va, vb = self.value(a), self.value(b)
+        if va is not None and vb is not None:
+            return self.constant(va * vb)
+        for constant, other in ((va, b), (vb, a)):
+            if constant == 0.0:
+                return self.zero
+            if constant == 1.0:
+                return other
+            if constant == -1.0:
+                return self.neg(other)
+        if self.nodes[a][0] == "neg":
+            return self.neg(self.mul(self.nodes[a][1], b))
+        if self.nodes[b][0] == "neg":
+            return self.neg(self.mul(a, self.nodes[b][1]))
+        return self._intern(("mul", min(a, b), max(a, b)))
+
+    def div(self, a: int, b: int) -> int:
+        """a / b."""
+        va, vb = self.value(a), self.value(b)
+        if va is not None and vb is not None and vb != 0.0:
+            return self.constant(va / vb)
+        if va == 0.0 and vb != 0.0:
+            return self.zero
+        if vb == 1.0:
+            return a
+        if vb == -1.0:
+            return self.neg(a)
+        return self._intern(("div", a, b))
+
+    def power(self, a: int, b: int) -> int:
+        """a ** b. Small whole exponents become products, whose derivatives stay exact at zero."""
+        exponent = self.value(b)
+        if exponent is not None and exponent == int(exponent) and abs(exponent) <= 16:
+            product = self._whole_power(a, abs(int(exponent)))
+            return product if exponent >= 0 else self.div(self.one, product)
+        if exponent == 0.5:
+            return self.call("sqrt", a)
+        return self.call("pow", a, b)
+
+    def _whole_power(self, a: int, exponent: int) -> int:
+        if exponent == 0:
+            return self.one
+        half = self._whole_power(a, exponent // 2)
+        square = self.mul(half, half)
+        return self.mul(square, a) if exponent % 2 else square
+
+    def call(self, name: str, *arguments: int) -> int:
+        """A function of `functions.FUNCTIONS` applied to nodes."""
+        values = [self.value(a) for a in arguments]
+        if all(v is not None for v in values):
+            try:
+                return self.constant(FUNCTIONS[name].of_float(*values))
+            except (ValueError, ArithmeticError):
+                pass  # not a number: left to the evaluation, which reports it
+        return self._intern((name, *arguments))
+
+    def compare(self, relation: str, a: int, b: int) -> int:
+        """Node of a comparison (`lt`, `le`, `eq`); only conditions of branches and `select` use it."""
+        return self._intern((relation, a, b))
+
+    def select(self, condition: int, a: int, b: int) -> int:
+        """`a` where the condition holds, else `b`."""
+        return a if a == b else self._intern(("select", condition, a, b))
+
+
+class Expression(Number):
+    """A node of a graph that behaves like a number in a plugin's function."""
+
+    __slots__ = ("graph", "node", "tracer")
+
+    def __init__(self, graph: Graph, node: int, tracer: Any) -> None:
+        self.graph = graph
+        self.node = node
+        self.tracer = tracer
+
+    def wrap(self, node: int) -> Expression:
+        """Another node of the same graph."""
+        return Expression(self.graph, node, self.tracer)
+
+    def lift(self, other: Any) -> int:
+        """Node of an operand: an expression or a number."""
+        if isinstance(other, Expression):
+            return other.node
+        try:
+            return self.graph.constant(float(other))
+        except (TypeError, ValueError):
+            raise UnsupportedOperation(
+                f"A number is combined with {other!r}.", "Use real numbers only."
+            ) from None
+
+    def apply(self, name: str, arguments: tuple[Any, ...]) -> Expression:
+        """A function of `functions.FUNCTIONS` applied to numbers of which at least one is symbolic."""
+        nodes = [self.lift(a) for a in arguments]
+        if name in ("add", "sub", "mul", "div"):
+            return self.wrap(getattr(self.graph, name)(*nodes))
+        if name == "pow":
+            return self.wrap(self.graph.power(*nodes))
+        if name == "neg":
+            return self.wrap(self.graph.neg(*nodes))
+        return self.wrap(self.graph.call(name, *nodes))
+
+    def compare(self, relation: str, a: Any, b: Any) -> Expression:
+        """A condition."""
+        return self.wrap(self.graph.compare(relation, self.lift(a), self.lift(b)))
+
+    def select(self, a: Any, b: Any) -> Expression:
+        """`a` where this condition holds, else `b`, without a branch."""
+        return self.wrap(self.graph.select(self.node, self.lift(a), self.lift(b)))
+
+    def __bool__(self) -> bool:
+        return self.tracer.decide(self.node)
+
+    def __float__(self) -> float:
+        raise UnsupportedOperation(
+            "A number that depends on the state or a parameter is turned into a plain float here.",
+            "Use arithmetic, the functions of math, and numpy's functions of single numbers.",
+        )
+
+    __int__ = __index__ = __float__  # type: ignore[assignment]

@@ -1,0 +1,201 @@
+"""The functions that plugins may use, and the base of all stand-ins for numbers.
+
+One table: each function's name, its value for floats and its partial derivatives as graph nodes. To support
+one more function, add one row.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from contwalk.fields.expression import Graph
+
+Partials = Callable[["Graph", int, tuple[int, ...]], tuple[int | None, ...]]
+
+
+@dataclass(frozen=True)
+class Function:
+    """`of_float(*values)`, and `partials(graph, node, arguments)`: a node for each argument, None for zero."""
+
+    of_float: Callable[..., float]
+    partials: Partials
+
+
+def _sign(x: float) -> float:
+    return math.copysign(1.0, x) if x != 0.0 else 0.0
+
+
+def _reciprocal(g: Graph, node: int) -> int:
+    return g.div(g.one, node)
+
+
+def _square(g: Graph, node: int) -> int:
+    return g.mul(node, node)
+
+
+def _half_over(g: Graph, node: int) -> int:
+    return g.div(g.constant(0.5), node)
+
+
+def _one_plus_square(g: Graph, node: int) -> int:
+    return g.add(g.one, _square(g, node))
+
+
+def _one_minus_square(g: Graph, node: int) -> int:
+    return g.sub(g.one, _square(g, node))
+
+
+def _over_root(g: Graph, radicand: int) -> int:
+    return _reciprocal(g, g.call("sqrt", radicand))
+
+
+def _pow_partials(g: Graph, r: int, a: tuple[int, ...]) -> tuple[int | None, ...]:
+    by_base = g.mul(a[1], g.power(a[0], g.sub(a[1], g.one)))
+    if g.value(a[1]) is not None:
+        return by_base, None
+    return by_base, g.mul(r, g.call("log", a[0]))
+
+
+def _atan2_partials(g: Graph, r: int, a: tuple[int, ...]) -> tuple[int | None, ...]:
+    square = g.add(_square(g, a[0]), _square(g, a[1]))
+    return g.div(a[1], square), g.neg(g.div(a[0], square))
+
+
+def _min_partials(g: Graph, r: int, a: tuple[int, ...]) -> tuple[int | None, ...]:
+    first = g.compare("le", a[0], a[1])
+    return g.select(first, g.one, g.zero), g.select(first, g.zero, g.one)
+
+
+def _max_partials(g: Graph, r: int, a: tuple[int, ...]) -> tuple[int | None, ...]:
+    first = g.compare("le", a[1], a[0])
+    return g.select(first, g.one, g.zero), g.select(first, g.zero, g.one)
+
+
+def _erf_partials(g: Graph, r: int, a: tuple[int, ...]) -> tuple[int | None, ...]:
+    bell = g.call("exp", g.neg(_square(g, a[0])))
+    return (g.mul(g.constant(2.0 / math.sqrt(math.pi)), bell),)
+
+
+def _scaled_reciprocal(factor: float) -> Partials:
+    return lambda g, r, a: (g.div(g.constant(factor), a[0]),)
+
+
+FUNCTIONS: dict[str, Function] = {
+    "sin": Function(math.sin, lambda g, r, a: (g.call("cos", a[0]),)),
+    "cos": Function(math.cos, lambda g, r, a: (g.neg(g.call("sin", a[0])),)),
+    "tan": Function(math.tan, lambda g, r, a: (_one_plus_square(g, r),)),
+    "asin": Function(math.asin, lambda g, r, a: (_over_root(g, _one_minus_square(g, a[0])),)),
+    "acos": Function(math.acos, lambda g, r, a: (g.neg(_over_root(g, _one_minus_square(g, a[0]))),)),
+    "atan": Function(math.atan, lambda g, r, a: (_reciprocal(g, _one_plus_square(g, a[0])),)),
+    "atan2": Function(math.atan2, _atan2_partials),
+    "sinh": Function(math.sinh, lambda g, r, a: (g.call("cosh", a[0]),)),
+    "cosh": Function(math.cosh, lambda g, r, a: (g.call("sinh", a[0]),)),
+    "tanh": Function(math.tanh, lambda g, r, a: (_one_minus_square(g, r),)),
+    "asinh": Function(math.asinh, lambda g, r, a: (_over_root(g, _one_plus_square(g, a[0])),)),
+    "acosh": Function(math.acosh, lambda g, r, a: (_over_root(g, g.sub(_square(g, a[0]), g.one)),)),
+    "atanh": Function(math.atanh, lambda g, r, a: (_reciprocal(g, _one_minus_square(g, a[0])),)),
+    "exp": Function(math.exp, lambda g, r, a: (r,)),
+    "expm1": Function(math.expm1, lambda g, r, a: (g.call("exp", a[0]),)),
+    "log": Function(math.log, lambda g, r, a: (_reciprocal(g, a[0]),)),
+    "log1p": Function(math.log1p, lambda g, r, a: (_reciprocal(g, g.add(g.one, a[0])),)),
+    "log2": Function(math.log2, _scaled_reciprocal(1.0 / math.log(2.0))),
+    "log10": Function(math.log10, _scaled_reciprocal(1.0 / math.log(10.0))),
+    "sqrt": Function(math.sqrt, lambda g, r, a: (_half_over(g, r),)),
+    "cbrt": Function(math.cbrt, lambda g, r, a: (g.div(_reciprocal(g, g.constant(3.0)), _square(g, r)),)),
+    "pow": Function(math.pow, _pow_partials),
+    "hypot": Function(math.hypot, lambda g, r, a: (g.div(a[0], r), g.div(a[1], r))),
+    "erf": Function(math.erf, _erf_partials),
+    "abs": Function(abs, lambda g, r, a: (g.call("sign", a[0]),)),
+    "sign": Function(_sign, lambda g, r, a: (None,)),
+    "floor": Function(lambda x: float(math.floor(x)), lambda g, r, a: (None,)),
+    "fmod": Function(math.fmod, lambda g, r, a: (g.one, g.neg(g.call("trunc", g.div(a[0], a[1]))))),
+    "trunc": Function(lambda x: float(math.trunc(x)), lambda g, r, a: (None,)),
+    "min": Function(min, _min_partials),
+    "max": Function(max, _max_partials),
+}
+
+
+class Number:
+    """A stand-in for a number. Subclasses say what an operation means: `apply`, `compare`."""
+
+    __slots__ = ()
+
+    def apply(self, name: str, arguments: tuple[Any, ...]) -> Any:
+        """The result of the named operation."""
+        raise NotImplementedError
+
+    def compare(self, relation: str, a: Any, b: Any) -> Any:
+        """The result of a comparison (`lt`, `le`, `eq`)."""
+        raise NotImplementedError
+
+    def __add__(self, other: Any) -> Any:
+        return self.apply("add", (self, other)) if _is_scalar(other) else NotImplemented
+
+    def __radd__(self, other: Any) -> Any:
+        return self.apply("add", (other, self)) if _is_scalar(other) else NotImplemented
+
+    def __sub__(self, other: Any) -> Any:
+        return self.apply("sub", (self, other)) if _is_scalar(other) else NotImplemented
+
+    def __rsub__(self, other: Any) -> Any:
+        return self.apply("sub", (other, self)) if _is_scalar(other) else NotImplemented
+
+    def __mul__(self, other: Any) -> Any:
+        return self.apply("mul", (self, other)) if _is_scalar(other) else NotImplemented
+
+    def __rmul__(self, other: Any) -> Any:
+        return self.apply("mul", (other, self)) if _is_scalar(other) else NotImplemented
+
+    def __truediv__(self, other: Any) -> Any:
+        return self.apply("div", (self, other)) if _is_scalar(other) else NotImplemented
+
+    def __rtruediv__(self, other: Any) -> Any:
+        return self.apply("div", (other, self)) if _is_scalar(other) else NotImplemented
+
+    def __pow__(self, other: Any) -> Any:
+        return self.apply("pow", (self, other)) if _is_scalar(other) else NotImplemented
+
+    def __rpow__(self, other: Any) -> Any:
+        return self.apply("pow", (other, self)) if _is_scalar(other) else NotImplemented
+
+    def __neg__(self) -> Any:
+        return self.apply("neg", (self,))
+
+    def __pos__(self) -> Any:
+        return self
+
+    def __abs__(self) -> Any:
+        return self.apply("abs", (self,))
+
+    def __mod__(self, other: Any) -> Any:
+        quotient = self.apply("floor", (self.apply("div", (self, other)),))
+        return self - quotient * other
+
+    def __lt__(self, other: Any) -> Any:
+        return self.compare("lt", self, other)
+
+    def __le__(self, other: Any) -> Any:
+        return self.compare("le", self, other)
+
+    def __gt__(self, other: Any) -> Any:
+        return self.compare("lt", other, self)
+
+    def __ge__(self, other: Any) -> Any:
+        return self.compare("le", other, self)
+
+    def __eq__(self, other: Any) -> Any:
+        return self.compare("eq", self, other)
+
+    def __ne__(self, other: Any) -> Any:
+        return not self.compare("eq", self, other)
+
+    __hash__ = object.__hash__
+
+
+def _is_scalar(other: Any) -> bool:
+    """Arrays combine entry by entry: their own operators take over."""
+    return not hasattr(other, "__len__")

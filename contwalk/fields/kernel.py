@@ -1,0 +1,111 @@
+"""Running a traced program: in floats, or in as many digits as wanted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from contwalk.errors import PluginError
+from contwalk.fields.codegen import source
+from contwalk.fields.functions import FUNCTIONS
+from contwalk.fields.trace import Program
+
+
+class PluginRaised(Exception):
+    """The plugin's function raised on the path that was taken."""
+
+
+def _float_names() -> dict[str, Any]:
+    return {f"{name}_": function.of_float for name, function in FUNCTIONS.items()}
+
+
+def _mp_names() -> dict[str, Any]:
+    import mpmath
+
+    names: dict[str, Any] = {}
+    for name in FUNCTIONS:
+        if hasattr(mpmath.mp, name):
+            names[f"{name}_"] = getattr(mpmath.mp, name)
+    names |= {
+        "abs_": abs,
+        "min_": min,
+        "max_": max,
+        "pow_": lambda a, b: mpmath.mpf(a) ** b,
+        "fmod_": lambda a, b: a - b * mpmath.mp.floor(a / b) if a / b >= 0 else a - b * mpmath.mp.ceil(a / b),
+        "trunc_": lambda a: mpmath.mp.floor(a) if a >= 0 else mpmath.mp.ceil(a),
+        "log2_": lambda a: mpmath.mp.log(a, 2),
+    }
+    return names
+
+
+class Kernel:
+    """A program made callable.
+
+    Parameters
+    ----------
+    program : Program
+    groups : sequence of str
+        Names of the input arrays, in the order of the arguments.
+    shape : tuple of int, optional
+        Shape of the result; by default a vector of the outputs.
+    where : sequence of int, optional
+        Flat positions of the outputs in the result, for a sparse result; the rest is zero.
+    """
+
+    def __init__(
+        self,
+        program: Program,
+        groups: Sequence[str],
+        shape: tuple[int, ...] | None = None,
+        where: Sequence[int] | None = None,
+    ) -> None:
+        self.text = source(program, groups)
+        self.shape = shape
+        self.where = None if where is None else np.asarray(where, dtype=int)
+        self._functions: dict[str, Callable[..., list[Any]]] = {}
+
+    def _function(self, arithmetic: str) -> Callable[..., list[Any]]:
+        if arithmetic not in self._functions:
+            names = _float_names() if arithmetic == "float" else _mp_names()
+            names["PluginRaised"] = PluginRaised
+            exec(compile(self.text, "<traced plugin>", "exec"), names)
+            self._functions[arithmetic] = names["evaluate"]
+        return self._functions[arithmetic]
+
+    def __call__(self, *arrays: Sequence[Any]) -> np.ndarray:
+        """The outputs in floats (complex where a direction is); NaN throughout where one does not exist.
+
+        Raises
+        ------
+        PluginError
+            If the plugin raises; the sentence names the line.
+        """
+        lists = [a.tolist() if isinstance(a, np.ndarray) else a for a in arrays]
+        try:
+            values: Any = self._function("float")(*lists)
+        except PluginRaised as error:
+            raise plugin_error(str(error)) from error
+        except (ArithmeticError, ValueError):
+            return np.full(self.shape if self.shape is not None else 1, np.nan)
+        result = np.array(values)
+        if self.where is not None:
+            full = np.zeros(int(np.prod(self.shape)), dtype=result.dtype)
+            full[self.where] = result
+            result = full
+        return result if self.shape is None else result.reshape(self.shape)
+
+    def exactly(self, *arrays: Sequence[Any]) -> list[Any]:
+        """The outputs in `mpmath` numbers, at the working precision that is set; nonzero ones if sparse."""
+        try:
+            return self._function("mp")(*arrays)
+        except PluginRaised as error:
+            raise plugin_error(str(error)) from error
+
+
+def plugin_error(message: str) -> PluginError:
+    """The plugin raised; `message` names file, line and exception."""
+    return PluginError(
+        f"The plugin raised an exception at {message}.", "Mend the plugin, or keep the run away from there."
+    )

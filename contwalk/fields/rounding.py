@@ -1,0 +1,31 @@
+"""Running error analysis: how far rounding can carry each output from its exact value.
+
+Every operation is rounded once, so its result is off by at most half an ulp of itself plus what its arguments
+bring along. Summed to first order over the graph, in units of the machine epsilon
+(N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., section 3.3).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from contwalk.fields.derivative import ancestors, partials
+from contwalk.fields.expression import Graph
+
+
+def error_bounds(graph: Graph, outputs: Sequence[int]) -> list[int]:
+    """Nodes of the error bounds of the outputs, in units of the machine epsilon."""
+    bounds: dict[int, int] = {}
+    for node in ancestors(graph, outputs):
+        name = graph.nodes[node][0]
+        if name in ("const", "input", "lt", "le", "eq"):
+            bounds[node] = graph.zero
+            continue
+        total = graph.zero if name in ("neg", "abs", "select") else graph.call("abs", node)
+        for argument, partial in partials(graph, node):
+            inherited = bounds[argument]
+            if graph.value(inherited) == 0.0:
+                continue
+            total = graph.add(total, graph.mul(graph.call("abs", partial), inherited))
+        bounds[node] = total
+    return [bounds[output] for output in outputs]

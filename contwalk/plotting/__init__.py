@@ -1,0 +1,60 @@
+"""Figures of branches and machines, one figure per file.
+
+Rules of the contract
+---------------------
+1. Ax in, ax out: `plot_<figure>(..., ax=None) -> Axes` draws on the axes it is given, or on those of
+   `new_axes("<figure>")`, and returns them. It neither shows nor saves; `save` does.
+2. One figure per file, the file named as the run file names the figure.
+3. A figure shows what is stored. It computes no continuation and changes no branch.
+4. What is unstable is never drawn like what is stable, nor inadmissible like admissible: where it is not
+   known which, the worse of the two is drawn.
+5. No pyplot and no global state: a figure is a `matplotlib.figure.Figure` with an Agg canvas.
+6. matplotlib is imported when a figure is first asked for, not with `contwalk.plotting`.
+7. Bad input is a `ContwalkError` with the nearest known name, never a traceback.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from contwalk.plotting.bifurcation_diagram import plot_bifurcation_diagram
+    from contwalk.plotting.eigenvalues import plot_eigenvalues
+    from contwalk.plotting.machine import plot_machine
+    from contwalk.plotting.multipliers import plot_multipliers
+    from contwalk.plotting.quantities import units_of
+    from contwalk.plotting.stability_map import plot_stability_map
+    from contwalk.plotting.style import new_axes, save
+
+__all__ = [
+    "new_axes",
+    "plot_bifurcation_diagram",
+    "plot_eigenvalues",
+    "plot_machine",
+    "plot_multipliers",
+    "plot_stability_map",
+    "save",
+    "units_of",
+]
+
+_MODULES = {
+    "new_axes": "style",
+    "plot_bifurcation_diagram": "bifurcation_diagram",
+    "plot_eigenvalues": "eigenvalues",
+    "plot_machine": "machine",
+    "plot_multipliers": "multipliers",
+    "plot_stability_map": "stability_map",
+    "save": "style",
+    "units_of": "quantities",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _MODULES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -1,0 +1,197 @@
+"""The bifurcation diagram: branches in the plane of a parameter and a quantity, with their special points."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import to_hex, to_rgb
+from matplotlib.lines import Line2D
+
+from contwalk.branch import Branch
+from contwalk.plotting.labels import Label, place_labels
+from contwalk.plotting.quantities import axis_label, default_x, default_y, values, with_names
+from contwalk.plotting.segments import position, runs
+from contwalk.plotting.special_points import legend_entries, marker
+from contwalk.plotting.style import GREY, INK, PALETTE, dress, new_axes, title
+
+MOST_NAMED_BRANCHES = 12
+# Unstable lines are thinner too, so that a part shorter than one dash is not taken for a stable one.
+STABLE: dict[str, Any] = {"linestyle": "-", "linewidth": 1.9}
+UNSTABLE: dict[str, Any] = {"linestyle": "--", "linewidth": 1.1, "dashes": (4.5, 2.5)}
+INADMISSIBLE: dict[str, Any] = {"linestyle": ":", "linewidth": 2.2, "color": GREY}
+
+
+def plot_bifurcation_diagram(
+    branches: Sequence[Branch],
+    x: str | None = None,
+    y: str | None = None,
+    ax: Axes | None = None,
+    *,
+    units: Mapping[str, str] | None = None,
+    parameters: Mapping[str, float] | None = None,
+) -> Axes:
+    """Draw branches: stable solid, unstable dashed and thin, inadmissible light under grey dots.
+
+    The style changes exactly at the special points. Located ones are filled, unlocated ones hollow.
+
+    Parameters
+    ----------
+    branches : sequence of Branch
+        Those that lack `x` or `y` are left out.
+    x, y : str, optional
+        Any name or scalar column a branch understands, also a fixed parameter. Default: the first free
+        parameter; the system's first own observable, else its first state.
+    ax : Axes, optional
+        Where to draw; new axes by default.
+    units : mapping, optional
+        Units by name for the axis labels, as from `units_of(system)`.
+    parameters : mapping, optional
+        Values to state above the diagram, such as those held fixed.
+
+    Raises
+    ------
+    ContwalkError
+        If there is no branch, or none has `x` and `y`.
+    """
+    x = x or default_x(branches)
+    y = y or default_y(branches)
+    drawn = with_names(branches, [x, y])
+    ax = ax or new_axes("bifurcation_diagram")
+    dress(ax, axis_label(x, units), axis_label(y, units))
+    curves = {}
+    for number, branch in enumerate(drawn):
+        points = np.stack([_values(branch, x), _values(branch, y)], axis=1)
+        curves[number] = points
+        _draw_branch(ax, branch, points, _color(number))
+    labels = [
+        label
+        for number, branch in enumerate(drawn)
+        for label in _draw_special(ax, branch, curves[number], number)
+    ]
+    _frame(ax, np.concatenate(list(curves.values())))
+    _legend(ax, drawn)
+    if parameters:
+        title(ax, ",  ".join(_setting(name, value, units) for name, value in parameters.items()))
+    if 1 < len(drawn) <= MOST_NAMED_BRANCHES:
+        labels += _names(ax, drawn, curves, labels)
+    place_labels(ax, labels, list(curves.values()))
+    return ax
+
+
+def _values(branch: Branch, name: str) -> np.ndarray:
+    found = values(branch, name)
+    assert found is not None  # `with_names` left out the branches without it
+    return found
+
+
+def _color(number: int) -> str:
+    return PALETTE[number % len(PALETTE)]
+
+
+def _light(color: str) -> str:
+    """The colour mixed with two parts of white."""
+    red, green, blue = to_rgb(color)
+    return to_hex(((red + 2) / 3, (green + 2) / 3, (blue + 2) / 3))
+
+
+def _dark(color: str) -> str:
+    """The colour darkened by a third: text needs more contrast than a line."""
+    red, green, blue = to_rgb(color)
+    return to_hex((red * 2 / 3, green * 2 / 3, blue * 2 / 3))
+
+
+def _setting(name: str, value: float, units: Mapping[str, str] | None) -> str:
+    unit = (units or {}).get(name, "1")
+    return f"{name} = {value:g}" + ("" if unit in ("", "1") else f" {unit}")
+
+
+def _draw_branch(ax: Axes, branch: Branch, points: np.ndarray, color: str) -> None:
+    for number, run in enumerate(runs(branch)):
+        part = points[run.rows]
+        line = dict(STABLE if run.stable else UNSTABLE)
+        if len(part) == 1:  # a line of one point is invisible
+            line |= {"marker": "o", "markersize": 4.0, "fillstyle": "full" if run.stable else "none"}
+        kind = "stable" if run.stable else "unstable"
+        shade = color if run.admissible else _light(color)
+        ax.plot(*part.T, color=shade, gid=f"{branch.name}-{kind}-{number}", zorder=2, **line)
+        if not run.admissible:
+            ax.plot(*part.T, gid=f"{branch.name}-inadmissible-{number}", zorder=2.2, **INADMISSIBLE)
+
+
+def _draw_special(ax: Axes, branch: Branch, points: np.ndarray, number: int) -> list[Label]:
+    """Draw the markers of a branch; the labels that belong to them, in the order along the branch."""
+    labels = []
+    color = _color(number)
+    for point in branch.special_points:
+        at = [position(branch, points[:, axis], point.index, point.s) for axis in (0, 1)]
+        look = marker(point.label, color, located=point.status == "located")
+        ax.plot(at[:1], at[1:], gid=f"{branch.name}-{point.name}", **look)
+        if point.label != "EP":
+            labels.append(Label(point.name or point.label, at[0], at[1], _dark(color)))
+    return labels
+
+
+def _names(
+    ax: Axes, drawn: Sequence[Branch], curves: Mapping[int, np.ndarray], labels: Sequence[Label]
+) -> list[Label]:
+    """The branches' names, each at that of its two ends that is farther from all other labels and ends."""
+    ends = {}
+    for number, points in curves.items():
+        finite = points[np.isfinite(points).all(axis=1)]
+        if len(finite):
+            ends[number] = finite[[-1, 0]]
+    taken = [(label.x, label.y) for label in labels]
+    names = []
+    for number, mine in ends.items():
+        others = [*taken, *(end for other, theirs in ends.items() if other != number for end in theirs)]
+        apart = ax.transData.transform(mine)[:, None] - ax.transData.transform(np.reshape(others, (-1, 2)))
+        room = np.hypot(apart[..., 0], apart[..., 1]).min(axis=1, initial=np.inf)
+        x, y = mine[int(np.argmax(room))]
+        names.append(Label(drawn[number].name, float(x), float(y), _dark(_color(number)), bold=True))
+    return names
+
+
+def _frame(ax: Axes, points: np.ndarray) -> None:
+    """Margins for markers and labels; a quantity that is constant but for rounding gets a plain axis."""
+    ax.margins(x=0.05, y=0.1)
+    finite = points[np.isfinite(points).all(axis=1)]
+    if len(finite) == 0:
+        ax.text(0.5, 0.5, "no points", transform=ax.transAxes, ha="center", va="center", color=GREY)
+        return
+    for axis, set_limits in ((0, ax.set_xlim), (1, ax.set_ylim)):
+        low, high = finite[:, axis].min(), finite[:, axis].max()
+        size = max(abs(low), abs(high))
+        # Newton leaves 1e-15 or so of the magnitude; below 1e-12 a value is zero in any sensible unit.
+        if size < 1e-12:
+            set_limits(-1.0, 1.0)
+        elif high - low < 1e-10 * size:
+            set_limits(low - 0.1 * size, high + 0.1 * size)
+    ax.autoscale_view()  # now, not lazily: the labels need the final scale
+
+
+def _legend(ax: Axes, drawn: Sequence[Branch]) -> None:
+    """What the lines and markers mean, outside the axes; only what occurs."""
+    parts = [run for branch in drawn for run in runs(branch)]
+    points = [point for branch in drawn for point in branch.special_points if len(branch)]
+    handles: list[Line2D] = []
+    if any(run.stable for run in parts):
+        handles.append(Line2D([], [], color=INK, label="stable", **STABLE))
+    if any(not run.stable for run in parts):
+        handles.append(Line2D([], [], color=INK, label="unstable", **UNSTABLE))
+    if any(not run.admissible for run in parts):
+        handles.append(Line2D([], [], label="inadmissible", **INADMISSIBLE))
+    handles += legend_entries(points)
+    if handles:
+        ax.legend(
+            handles=handles,
+            loc="upper left",
+            bbox_to_anchor=(1.01, 1.0),
+            borderaxespad=0.0,
+            frameon=False,
+            fontsize=8.5,
+            labelcolor=INK,
+            handlelength=2.6,
+        )

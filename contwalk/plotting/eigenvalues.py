@@ -1,0 +1,46 @@
+"""The root locus: eigenvalues of equilibria in the complex plane along the branch."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from matplotlib.axes import Axes
+
+from contwalk.branch import Branch
+from contwalk.plotting.spectrum import SHADE, choose, draw_spectra, with_margin
+from contwalk.plotting.style import INK, dress, new_axes
+
+
+def plot_eigenvalues(
+    branches: Sequence[Branch], ax: Axes | None = None, *, units: Mapping[str, str] | None = None
+) -> Axes:
+    """Draw the eigenvalues of branches of equilibria, coloured by the free parameter.
+
+    A cross marks the first point of each branch and a ring its last. The imaginary axis is drawn strong, the
+    unstable half-plane shaded.
+
+    Parameters
+    ----------
+    branches : sequence of Branch
+        Branches of orbits are left out: they have multipliers.
+    ax : Axes, optional
+        Where to draw; new axes by default.
+    units : mapping, optional
+        Units by name, as from `units_of(system)`, for the colour bar.
+
+    Raises
+    ------
+    ContwalkError
+        If no branch is one of equilibria with a spectrum.
+    """
+    chosen = choose(branches, ("equilibrium",), "eigenvalues", "for orbits use the figure `multipliers`")
+    ax = ax or new_axes("eigenvalues")
+    dress(ax, "real part (1/s)", "imaginary part (rad/s)")
+    numbers = draw_spectra(ax, chosen, units)
+    left, right = with_margin(numbers.real, [0.0])
+    ax.axvspan(0.0, right, color=SHADE, linewidth=0, zorder=0)
+    ax.axvline(0.0, color=INK, linewidth=1.2, zorder=1, gid="imaginary-axis")
+    ax.axhline(0.0, color=INK, linewidth=0.4, zorder=1)
+    ax.set_xlim(left, right)
+    ax.set_ylim(*with_margin(numbers.imag, [0.0]))
+    return ax

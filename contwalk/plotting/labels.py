@@ -1,0 +1,100 @@
+"""Short texts next to points, without overlap.
+
+Where each text goes is decided by `contwalk.plotting.placement`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import ConnectionPatch
+from matplotlib.patheffects import withStroke
+from matplotlib.text import Text
+from matplotlib.transforms import Transform, offset_copy
+
+from contwalk.plotting.placement import Ink, Placement
+
+FONT_SIZE = 8.0
+LEADER_FROM_POINTS = 12.0  # a label farther than this from its point gets a line to it
+
+
+@dataclass(frozen=True)
+class Label:
+    """A text at the point (x, y) in data coordinates."""
+
+    text: str
+    x: float
+    y: float
+    color: str
+    bold: bool = False
+
+
+def place_labels(ax: Axes, labels: Sequence[Label], curves: Sequence[np.ndarray] = ()) -> None:
+    """Write the labels next to their points, with a thin leader line to those that had to move away.
+
+    Parameters
+    ----------
+    ax : Axes
+        Complete but for the labels: its limits and its place on the figure are taken as they are.
+    labels : sequence of Label
+        Labels of points that are not finite are left out.
+    curves : sequence of arrays of shape (k, 2)
+        Curves in data coordinates that labels should keep off.
+    """
+    labels = [label for label in labels if np.isfinite(label.x) and np.isfinite(label.y)]
+    if not labels:
+        return
+    # Freeze the limits (autoscaling is lazy), then let the layout settle.
+    ax.set_xlim(ax.get_xlim())
+    ax.set_ylim(ax.get_ylim())
+    root = ax.figure.canvas.figure
+    root.draw_without_rendering()
+    texts = [_text(ax, label) for label in labels]
+    boxes = [text.get_window_extent() for text in texts]
+    sizes = np.array([[box.width, box.height] for box in boxes])
+    anchors = ax.transData.transform([[label.x, label.y] for label in labels])
+    frame = np.array([[ax.bbox.x0, ax.bbox.y0], [ax.bbox.x1, ax.bbox.y1]])
+    scale = root.dpi / 72.0
+    ink = Ink(frame, [ax.transData.transform(curve) for curve in curves])
+    centres = Placement(anchors, sizes, frame, ink, scale).solve()
+    for label, text, size, anchor, centre in zip(labels, texts, sizes, anchors, centres, strict=True):
+        offset = (centre - anchor) / scale
+        moved = offset_copy(ax.transData, root, offset[0], offset[1], units="points")
+        text.set_transform(moved)
+        if _gap(centre - anchor, size) > LEADER_FROM_POINTS * scale:
+            _leader(ax, label, moved)
+
+
+def _text(ax: Axes, label: Label) -> Text:
+    text = ax.text(
+        label.x,
+        label.y,
+        label.text,
+        fontsize=FONT_SIZE,
+        color=label.color,
+        ha="center",
+        va="center",
+        fontweight="bold" if label.bold else "normal",
+        zorder=6,
+        path_effects=[withStroke(linewidth=2.0, foreground="white")],
+    )
+    text.set_in_layout(False)
+    return text
+
+
+def _leader(ax: Axes, label: Label, moved: Transform) -> None:
+    point = (label.x, label.y)
+    leader = ConnectionPatch(
+        point, point, coordsA=moved, coordsB=ax.transData, arrowstyle="-", shrinkA=5, shrinkB=3
+    )
+    leader.set(linewidth=0.5, color=label.color, alpha=0.7, zorder=2.5)
+    leader.set_in_layout(False)
+    ax.add_artist(leader)
+
+
+def _gap(offset: np.ndarray, size: np.ndarray) -> float:
+    """Distance from a point to the edge of a box of this size at this offset."""
+    return float(np.hypot(*np.maximum(np.abs(offset) - size / 2, 0.0)))

@@ -1,0 +1,51 @@
+"""Multipliers of orbits in the complex plane along the branch, with the unit circle."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Circle
+
+from contwalk.branch import Branch
+from contwalk.plotting.spectrum import SHADE, choose, draw_spectra, with_margin
+from contwalk.plotting.style import INK, dress, new_axes
+
+
+def plot_multipliers(
+    branches: Sequence[Branch], ax: Axes | None = None, *, units: Mapping[str, str] | None = None
+) -> Axes:
+    """Draw the multipliers of branches of orbits, coloured by the free parameter.
+
+    A cross marks the first point of each branch and a ring its last. The unit circle is drawn strong, the
+    unstable outside shaded.
+
+    Parameters
+    ----------
+    branches : sequence of Branch
+        Branches of equilibria are left out: they have eigenvalues.
+    ax : Axes, optional
+        Where to draw; new axes by default.
+    units : mapping, optional
+        Units by name, as from `units_of(system)`, for the colour bar.
+
+    Raises
+    ------
+    ContwalkError
+        If no branch is one of orbits with a spectrum.
+    """
+    problems = ("periodic_orbit", "hybrid_orbit")
+    chosen = choose(branches, problems, "multipliers", "for equilibria use the figure `eigenvalues`")
+    ax = ax or new_axes("multipliers")
+    dress(ax, "real part", "imaginary part")
+    numbers = draw_spectra(ax, chosen, units)
+    ax.set_facecolor(SHADE)
+    ax.add_patch(Circle((0, 0), 1.0, facecolor="white", edgecolor="none", zorder=0))
+    ax.add_patch(Circle((0, 0), 1.0, fill=False, edgecolor=INK, linewidth=1.2, zorder=1, gid="unit-circle"))
+    ax.axhline(0.0, color=INK, linewidth=0.4, zorder=1)
+    ax.axvline(0.0, color=INK, linewidth=0.4, zorder=1)
+    parts = np.concatenate([numbers.real, numbers.imag])
+    limits = with_margin(np.concatenate([parts, -parts]), [-1.0, 1.0])
+    ax.set(aspect="equal", xlim=limits, ylim=limits)
+    return ax

@@ -1,0 +1,101 @@
+"""Names to arrays: what may stand on an axis, and how it is written there."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from contwalk.branch import Branch
+from contwalk.errors import ContwalkError
+from contwalk.system import System
+from contwalk.system.declarations import nearest
+
+# Observables that every branch has. They say how stable a motion is, not what it looks like.
+BUILT_IN_OBSERVABLES = ("max_re", "max_abs")
+
+
+def units_of(system: System) -> dict[str, str]:
+    """Units of a system's states, parameters and observables by name, as the figures' `units` take them."""
+    units = {state.name: state.unit for state in system.states}
+    units |= {parameter.name: parameter.unit for parameter in system.parameters}
+    return units | {observable.name: observable.unit for observable in system.observables}
+
+
+def axis_label(name: str, units: Mapping[str, str] | None) -> str:
+    """`omega (rad/s)`; the name alone where it has no unit or is dimensionless."""
+    unit = {"period": "s", **(units or {})}.get(name, "1")
+    return name if unit in ("", "1") else f"{name} ({unit})"
+
+
+def _scalar_columns(branch: Branch) -> list[str]:
+    dtype = branch.points.dtype
+    return [name for name in dtype.names or () if dtype[name].shape == () and dtype[name].kind != "c"]
+
+
+def known_names(branches: Sequence[Branch]) -> list[str]:
+    """Names that stand for one real number per point on at least one branch."""
+    known: dict[str, None] = {}
+    for branch in branches:
+        known |= dict.fromkeys((*branch.names(), *branch.info.parameters, *_scalar_columns(branch)))
+    return list(known)
+
+
+def values(branch: Branch, name: str) -> np.ndarray | None:
+    """The quantity along the branch, of shape (k,); None where the branch has no such quantity."""
+    if name not in known_names([branch]):
+        return None
+    return np.asarray(branch[name], dtype=float)
+
+
+def _require_some(branches: Sequence[Branch]) -> None:
+    if not branches:
+        raise ContwalkError("There are no branches to plot.", "Give at least one branch.")
+
+
+def with_names(branches: Sequence[Branch], names: Sequence[str]) -> list[Branch]:
+    """Those of the branches that have all of the names.
+
+    Raises
+    ------
+    ContwalkError
+        If there is no branch at all, or none has the names; the remedy names the nearest known name.
+    """
+    _require_some(branches)
+    known = known_names(branches)
+    for name in names:
+        if name not in known:
+            raise ContwalkError(
+                f"No branch has a quantity named '{name}'.",
+                f"{nearest(name, known)} Known: {', '.join(known)}.".strip(),
+            )
+    having = [branch for branch in branches if set(names) <= set(known_names([branch]))]
+    if not having:
+        raise ContwalkError(
+            f"No branch has all of {', '.join(names)}.", "Plot quantities that belong to the same branch."
+        )
+    return having
+
+
+def default_x(branches: Sequence[Branch]) -> str:
+    """The first free parameter of the first branch that has one."""
+    _require_some(branches)
+    for branch in branches:
+        if branch.info.free:
+            return branch.info.free[0]
+    raise ContwalkError("No branch has a free parameter.", "Say with x= what stands on the horizontal axis.")
+
+
+def default_y(branches: Sequence[Branch]) -> str:
+    """The first observable of the system's own, else the first state."""
+    _require_some(branches)
+    for branch in branches:
+        for name in branch.info.observables:
+            if name not in BUILT_IN_OBSERVABLES:
+                return name
+    for branch in branches:
+        if branch.info.states:
+            return branch.info.states[0]
+    raise ContwalkError(
+        "No branch has an observable or a state.", "Say with y= what stands on the vertical axis."
+    )

@@ -1,0 +1,83 @@
+"""Which part of a branch is stable and admissible: runs of segments that are drawn alike.
+
+A segment joins two consecutive rows. A special row lies on the border of two regimes, where its own count
+is decided by rounding, so each segment takes its style from its regular end; a change of style then falls
+exactly on the special point.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contwalk.branch import Branch
+
+# At these labels no eigenvalue crosses: the row's own count holds.
+_WITHOUT_CROSSING = ("EP", "UZ")
+
+
+@dataclass(frozen=True)
+class Run:
+    """Rows `first` to `last`, both included, whose segments share one style."""
+
+    first: int
+    last: int
+    stable: bool
+    admissible: bool
+
+    @property
+    def rows(self) -> slice:
+        """The rows as a slice."""
+        return slice(self.first, self.last + 1)
+
+
+def runs(branch: Branch) -> list[Run]:
+    """The longest runs of segments of one style, in order; a branch of one point is one run."""
+    if len(branch) == 0:
+        return []
+    unstable_row = branch["unstable"] != 0
+    inadmissible_row = ~branch["admissible"]
+    if len(branch) == 1:
+        return [Run(0, 0, not unstable_row[0], not inadmissible_row[0])]
+    before, after = _sides(branch, unstable_row)
+    unstable = _of_segments(unstable_row, branch["special"], before, after)
+    inadmissible = _of_segments(inadmissible_row, branch["special"], inadmissible_row, inadmissible_row)
+    changes = np.flatnonzero((np.diff(unstable) != 0) | (np.diff(inadmissible) != 0)) + 1
+    starts = [0, *changes.tolist()]
+    ends = [*changes.tolist(), len(unstable)]
+    return [Run(a, b, not unstable[a], not inadmissible[a]) for a, b in zip(starts, ends, strict=True)]
+
+
+def _sides(branch: Branch, unstable_row: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Whether the branch is unstable just before and just after each row, in the order of growing `s`."""
+    before, after = unstable_row.copy(), unstable_row.copy()
+    seen: set[int] = set()
+    for point in sorted(branch.special_points, key=lambda q: q.s):
+        row = point.index
+        if not 0 <= row < len(branch) or point.label in _WITHOUT_CROSSING:
+            continue
+        if row not in seen:
+            before[row] = point.unstable_before != 0
+        after[row] = point.unstable_after != 0
+        seen.add(row)
+    return before, after
+
+
+def _of_segments(row: np.ndarray, special: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """The flag of each segment, of shape (k - 1,), from the flags of its ends."""
+    left, right = row[:-1], row[1:]
+    either = left | right  # a change that was not located: the worse of the two
+    between_specials = after[:-1] | before[1:]
+    return np.select(
+        [~special[:-1] & ~special[1:], ~special[:-1], ~special[1:]],
+        [either, left, right],
+        between_specials,
+    )
+
+
+def position(branch: Branch, values: np.ndarray, index: int, s: float) -> float:
+    """Value of a quantity at a special point: that of its row, or between two rows if it has none."""
+    if 0 <= index < len(branch) and branch["special"][index]:
+        return float(values[index])
+    return float(np.interp(s, branch["s"], values)) if len(branch) else float("nan")

@@ -1,0 +1,67 @@
+"""How special points look: one marker per label, filled where located and hollow where not."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from matplotlib.lines import Line2D
+
+from contwalk.branch import LABELS, SpecialPoint
+from contwalk.plotting.style import GREY, INK
+
+# Every marker has an inside, so that one drawn hollow can say "not located".
+MARKERS = {
+    "EP": ".",
+    "UZ": "v",
+    "LP": "s",
+    "BP": "^",
+    "HB": "o",
+    "PD": "D",
+    "NS": "h",
+    "GR": "*",
+    "OC": "P",
+    "AZ": "X",
+}
+MEANINGS = {
+    "EP": "end point",
+    "UZ": "marked value",
+    "LP": "fold",
+    "BP": "branch point",
+    "HB": "Hopf point",
+    "PD": "period doubling",
+    "NS": "Neimark-Sacker point",
+    "GR": "grazing",
+    "OC": "event-order change",
+    "AZ": "admissibility limit",
+}
+# Points wide; equal numbers do not look equally large for all shapes.
+SIZES = {"EP": 5.0, "GR": 8.5, "PD": 5.0, "LP": 5.2}
+SIZE = 6.0
+
+
+def marker(label: str, color: str, *, located: bool = True, size: float | None = None) -> dict[str, Any]:
+    """Properties of the line artist that marks a special point."""
+    return {
+        "linestyle": "none",
+        "marker": MARKERS[label],
+        "markersize": size or SIZES.get(label, SIZE),
+        "markerfacecolor": color if located else "white",
+        "markeredgecolor": INK if located else color,
+        "markeredgewidth": 0.6 if located else 1.1,
+        "zorder": 3 if label == "EP" else 4,
+    }
+
+
+def legend_entries(points: Sequence[SpecialPoint]) -> list[Line2D]:
+    """One entry for each label that occurs, with its meaning, and one for hollow markers if there are any."""
+    entries = []
+    for label in LABELS:
+        alike = [point for point in points if point.label == label]
+        if alike:
+            located = any(point.status == "located" for point in alike)
+            meaning = f"{label}  {MEANINGS[label]}"
+            entries.append(Line2D([], [], label=meaning, **marker(label, GREY, located=located)))
+    if any(point.status != "located" for point in points):
+        entries.append(Line2D([], [], label="hollow: not located", **marker("HB", GREY, located=False)))
+    return entries

@@ -1,0 +1,154 @@
+"""Spectra along branches in the complex plane: the common part of the eigenvalue and multiplier figures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Normalize
+from matplotlib.lines import Line2D
+
+from contwalk.branch import Branch
+from contwalk.errors import ContwalkError
+from contwalk.plotting.quantities import axis_label, default_x, values, with_names
+from contwalk.plotting.style import INK
+
+_MARK: dict[str, Any] = {"linestyle": "none", "color": INK, "markerfacecolor": "none", "zorder": 4}
+_START = {**_MARK, "marker": "x", "markersize": 6.5, "markeredgewidth": 1.3, "label": "start"}
+_END = {**_MARK, "marker": "o", "markersize": 7.0, "markeredgewidth": 1.2, "label": "end"}
+COLORS = "viridis"
+SHADE = "#F1F1F1"  # of the unstable part of the plane
+
+
+def track(spectrum: np.ndarray) -> np.ndarray:
+    """Reorder the rows so that each column follows one eigenvalue.
+
+    Neighbouring rows are matched by nearest pairs first, which does not depend on the direction.
+
+    Parameters
+    ----------
+    spectrum : array of shape (k, m), complex
+        Padded with NaN.
+
+    Returns
+    -------
+    array of shape (k, m), complex
+        The same numbers row by row; NaN where a column's eigenvalue is absent.
+    """
+    tracked = np.array(spectrum, dtype=complex)
+    for row in range(1, len(tracked)):
+        tracked[row] = _matched(tracked[row - 1], tracked[row])
+    return tracked
+
+
+def _matched(previous: np.ndarray, current: np.ndarray) -> np.ndarray:
+    result = np.full_like(current, np.nan)
+    distance = np.abs(previous[:, None] - current[None, :])
+    free_columns, free_values = set(range(len(previous))), set(np.flatnonzero(~np.isnan(current)).tolist())
+    for pair in np.argsort(distance, axis=None, kind="stable"):
+        column, value = divmod(int(pair), len(current))
+        if np.isnan(distance[column, value]):
+            break  # NaN sorts last
+        if column in free_columns and value in free_values:
+            result[column] = current[value]
+            free_columns.remove(column)
+            free_values.remove(value)
+    # What has no partner begins anew, in a column that held nothing if there is one.
+    columns = sorted(free_columns, key=lambda column: (not np.isnan(previous[column]), column))
+    for column, value in zip(columns, sorted(free_values), strict=False):
+        result[column] = current[value]
+    return result
+
+
+def choose(branches: Sequence[Branch], problems: Sequence[str], what: str, other: str) -> list[Branch]:
+    """The branches of these problems that have a spectrum; `ContwalkError` if there is none."""
+    chosen = [branch for branch in branches if branch.info.problem in problems and branch.info.spectrum]
+    if not chosen:
+        raise ContwalkError(
+            f"No branch has {what}.", f"Give a branch of a problem {' or '.join(problems)}; {other}."
+        )
+    return chosen
+
+
+def draw_spectra(ax: Axes, branches: Sequence[Branch], units: Mapping[str, str] | None) -> np.ndarray:
+    """Draw the loci with colour bar and end marks; returns all finite values drawn, complex."""
+    parameter = default_x(branches)
+    chosen = with_names(branches, [parameter])
+    colors = [np.asarray(values(branch, parameter)) for branch in chosen]
+    norm = _norm(np.concatenate(colors))
+    for branch, color in zip(chosen, colors, strict=True):
+        _draw(ax, branch, color, norm)
+    dots = LineCollection([], cmap=COLORS, norm=norm)
+    dots.set_array(np.empty(0))
+    bar = ax.figure.colorbar(dots, ax=ax, pad=0.02, aspect=28)
+    bar.set_label(axis_label(parameter, units), fontsize=10, color=INK)
+    bar.ax.tick_params(labelsize=8.5, width=0.7, length=3)
+    bar.outline.set_linewidth(0.7)
+    _legend(ax, parameter, colors)
+    everything = np.concatenate([branch["spectrum"].ravel() for branch in chosen])
+    return everything[np.isfinite(everything)]
+
+
+def _norm(color: np.ndarray) -> Normalize:
+    finite = color[np.isfinite(color)]
+    low, high = (finite.min(), finite.max()) if len(finite) else (0.0, 1.0)
+    if low == high:
+        low, high = low - 0.05 * (abs(low) or 1.0), high + 0.05 * (abs(high) or 1.0)
+    return Normalize(low, high)
+
+
+def _draw(ax: Axes, branch: Branch, color: np.ndarray, norm: Normalize) -> None:
+    if len(branch) == 0:
+        return
+    loci = track(branch["spectrum"])
+    plane = np.stack([loci.real, loci.imag], axis=2)  # (k, m, 2)
+    pieces = np.stack([plane[:-1], plane[1:]], axis=2).reshape(-1, 2, 2)
+    middle = np.repeat((color[:-1] + color[1:]) / 2, loci.shape[1])
+    whole = np.isfinite(pieces).all(axis=(1, 2))
+    lines = LineCollection(list(pieces[whole]), cmap=COLORS, norm=norm, linewidths=1.4, zorder=3)
+    lines.set_array(middle[whole])
+    lines.set_gid(f"{branch.name}-loci")
+    ax.add_collection(lines)
+    ax.scatter(
+        loci.real.ravel(),
+        loci.imag.ravel(),
+        c=np.repeat(color, loci.shape[1]),
+        cmap=COLORS,
+        norm=norm,
+        s=5,
+        linewidths=0,
+        zorder=3.2,
+        gid=f"{branch.name}-dots",
+    )
+    for row, mark in ((0, _START), (-1, _END)):
+        ax.plot(loci[row].real, loci[row].imag, **{**mark, "gid": f"{branch.name}-{mark['label']}"})
+
+
+def _legend(ax: Axes, parameter: str, colors: Sequence[np.ndarray]) -> None:
+    handles = []
+    for row, mark in ((0, _START), (-1, _END)):
+        shown = {color[row] for color in colors if len(color)}
+        at = f": {parameter} = {shown.pop():g}" if len(shown) == 1 else ""
+        handles.append(Line2D([], [], **{**mark, "label": f"{mark['label']}{at}"}))
+    ax.legend(
+        handles=handles,
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.01),
+        borderaxespad=0.0,
+        ncols=2,
+        frameon=False,
+        fontsize=8.5,
+        labelcolor=INK,
+        handletextpad=0.3,
+    )
+
+
+def with_margin(numbers: np.ndarray, include: Sequence[float], share: float = 0.07) -> tuple[float, float]:
+    """Limits of an axis that shows all numbers and these values, with air on both sides."""
+    shown = np.concatenate([numbers, np.asarray(include, dtype=float)])
+    low, high = float(shown.min()), float(shown.max())
+    air = share * (high - low) or 1.0
+    return low - air, high + air

@@ -1,0 +1,123 @@
+"""How figures look, and how they become files: colours, proportions, formats."""
+
+from __future__ import annotations
+
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from contwalk.errors import ContwalkError
+from contwalk.system.declarations import nearest
+
+# Okabe and Ito's colour-blind-safe palette, without its yellow, which is too faint for a line on white.
+PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
+INK = "#222222"
+GREY = "#8C8C8C"
+DPI = 150
+
+# Width and height in inches. A journal's double column is 7.2 inches wide.
+PROPORTIONS = {
+    "bifurcation_diagram": (7.2, 4.0),
+    "eigenvalues": (6.4, 4.2),
+    "multipliers": (5.8, 4.9),
+    "stability_map": (6.4, 4.2),
+    "machine": (4.2, 4.2),
+}
+FORMATS = (".png", ".svg", ".pdf")
+
+# Type 42 keeps text in a PDF as text (journals demand it); a fixed salt makes equal figures equal files.
+_WRITING: dict[Any, Any] = {"pdf.fonttype": 42, "svg.hashsalt": "contwalk"}
+_UNDATED: dict[str, dict[str, Any]] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+
+
+def new_axes(kind: str) -> Axes:
+    """Axes on a new figure of good proportions for a figure of this kind.
+
+    Parameters
+    ----------
+    kind : str
+        `bifurcation_diagram`, `eigenvalues`, `multipliers`, `stability_map` or `machine`.
+
+    Returns
+    -------
+    Axes
+        Its figure is `ax.figure`, with constrained layout and an Agg canvas.
+
+    Raises
+    ------
+    ContwalkError
+        For any other kind.
+    """
+    if kind not in PROPORTIONS:
+        raise ContwalkError(
+            f"There is no figure named '{kind}'.",
+            f"{nearest(kind, list(PROPORTIONS))} Known: {', '.join(PROPORTIONS)}.".strip(),
+        )
+    figure = Figure(figsize=PROPORTIONS[kind], dpi=DPI, layout="constrained")
+    FigureCanvasAgg(figure)
+    # Vertical padding in inches; matplotlib's own lets a legend touch the edge.
+    figure.get_layout_engine().set(w_pad=0.06, h_pad=0.06)  # type: ignore[union-attr, call-arg]
+    return figure.add_subplot()
+
+
+def dress(ax: Axes, xlabel: str, ylabel: str) -> None:
+    """Axis labels, ticks and spines in the one style of all figures."""
+    ax.set_xlabel(xlabel, fontsize=10, color=INK)
+    ax.set_ylabel(ylabel, fontsize=10, color=INK)
+    ax.tick_params(labelsize=8.5, color=INK, labelcolor=INK, width=0.7, length=3)
+    ax.xaxis.get_offset_text().set_fontsize(8.5)
+    ax.yaxis.get_offset_text().set_fontsize(8.5)
+    ax.spines[["top", "right"]].set_visible(False)
+    for side in ("left", "bottom"):
+        ax.spines[side].set(linewidth=0.7, color=INK)
+
+
+def title(ax: Axes, text: str) -> None:
+    """A title at the left, in the size of an axis label."""
+    ax.set_title(text, loc="left", fontsize=9.5, color=INK, pad=8)
+
+
+def save(figure: Figure | Axes, path: str | PathLike[str]) -> Path:
+    """Write a figure to a file: PNG (150 dpi), SVG or PDF, by the suffix of `path`.
+
+    Parameters
+    ----------
+    figure : Figure or Axes
+        A figure, or any axes on it.
+    path : path-like
+        The folder must exist; an existing file is replaced.
+
+    Returns
+    -------
+    Path
+        `path`.
+
+    Raises
+    ------
+    ContwalkError
+        For another suffix, or a path that cannot be written.
+    """
+    target = Path(path)
+    suffix = target.suffix.lower()
+    if suffix not in FORMATS:
+        raise ContwalkError(
+            f"A figure cannot be written to {target}: the format {suffix or '(no suffix)'} is not known.",
+            f"Allowed: {', '.join(FORMATS)}.",
+        )
+    whole = (figure.figure if isinstance(figure, Axes) else figure).canvas.figure
+    if whole.get_layout_engine() is None:
+        whole.set_layout_engine("constrained")
+    try:
+        with matplotlib.rc_context(_WRITING):
+            whole.savefig(target, dpi=DPI, metadata=_UNDATED[suffix])
+    except OSError as error:
+        raise ContwalkError(
+            f"The figure cannot be written to {target}: {error.strerror or error}.",
+            "Name a file in an existing folder that you may write to.",
+        ) from error
+    return target

@@ -1,0 +1,275 @@
+"""The equations of an equilibrium as traced programs: residual, Jacobian, and all higher derivatives.
+
+The unknowns are u = (x, a): the states, and one drift a_j for each pinned neutral direction g_j. The equations are
+
+    f(x, p) + sum_j a_j g_j(x, p) = 0,    pin_j(x, p) = 0.
+
+On a true family of equilibria every a_j vanishes; a drift that does not is reported, never hidden.
+The parameters are p = b, except that the free one is lambda itself, or, on a path, p = b + lambda d.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from contwalk.fields.derivative import directional, jacobian
+from contwalk.fields.kernel import Kernel
+from contwalk.fields.rebind import rebound
+from contwalk.fields.rounding import error_bounds
+from contwalk.fields.trace import Program, Tracer, trace
+from contwalk.system import Neutral, System
+
+GROUPS = ("u", "l", "b", "d", "r")
+
+
+class Equations:
+    """Traced equations of the equilibria of one system.
+
+    Parameters
+    ----------
+    system : System
+    free : str or None
+        Name of the free parameter; None for a path through the parameter space.
+    moving : sequence of int
+        On a path, the positions of the parameters that change along it.
+    pins : sequence of Neutral
+        Pinned neutral directions.
+    """
+
+    def __init__(
+        self, system: System, free: str | None, moving: Sequence[int] = (), pins: Sequence[Neutral] = ()
+    ) -> None:
+        self.system = system
+        self.states = len(system.states)
+        self.size = self.states + len(pins)
+        self._free = free
+        self._moving = frozenset(moving)
+        self._pins = tuple(pins)
+        self._field = rebound(system.modes[0].field)
+        self._generators = [rebound(pin.generator) for pin in pins]
+
+    # -- tracing -----------------------------------------------------------------------------------------
+
+    def _parameters(self, tracer: Tracer) -> SimpleNamespace:
+        values: dict[str, Any] = {}
+        for k, name in enumerate(self.system.parameter_names):
+            if name == self._free:
+                values[name] = tracer.symbol("l", 0)
+            elif k in self._moving:
+                values[name] = tracer.symbol("b", k) + tracer.symbol("l", 0) * tracer.symbol("d", k)
+            else:
+                values[name] = tracer.symbol("b", k)
+        return SimpleNamespace(**values)
+
+    def _states(self, tracer: Tracer) -> np.ndarray:
+        x = np.empty(self.states, dtype=object)
+        for i in range(self.states):
+            x[i] = tracer.symbol("u", i)
+        return x
+
+    def _residual(self, tracer: Tracer) -> list[Any]:
+        n, p = self.states, self._parameters(tracer)
+        x = self._states(tracer)
+        result = written(self._field, self.system.modes[0].name, x, p, n)
+        pinned: list[Any] = []
+        offset = 0  # position in the reference values `r`
+        for j, pin in enumerate(self._pins):
+            v = written(self._generators[j], pin.name, x, p, n)
+            drift = tracer.symbol("u", n + j)
+            result = [r + drift * v[i] for i, r in enumerate(result)]
+            if pin.pin is None:
+                # held: motion along the generator of the start, g(x0) . (x - x0) = 0
+                terms = [
+                    tracer.symbol("r", offset + n + i) * (x[i] - tracer.symbol("r", offset + i))
+                    for i in range(n)
+                ]
+                pinned.append(sum(terms[1:], terms[0]))
+                offset += 2 * n
+            else:
+                k = self.system.state_names.index(pin.pin)
+                held = tracer.symbol("r", offset) if pin.value is None else getattr(p, pin.value)
+                pinned.append(x[k] - held)
+                offset += 1
+        return [*result, *pinned]
+
+    @cached_property
+    def program(self) -> Program:
+        """The residual, N outputs."""
+        return trace(self._residual)
+
+    def _inputs(self) -> list[int]:
+        graph = self.program.graph
+        return [*[graph.input("u", i) for i in range(self.size)], graph.input("l", 0)]
+
+    # -- kernels -----------------------------------------------------------------------------------------
+
+    def _dense_rows(self, outputs: Sequence[int], inputs: Sequence[int]) -> list[int]:
+        graph = self.program.graph
+        rows = jacobian(graph, outputs, inputs)
+        return [row.get(k, graph.zero) for row in rows for k in range(len(inputs))]
+
+    def _kernel(
+        self,
+        change: Callable[[tuple[int, ...]], Sequence[int]],
+        groups: Sequence[str] = GROUPS,
+        shape: tuple[int, ...] | None = None,
+    ) -> Kernel:
+        program = self.program.transformed(change)
+        if shape is None:
+            return Kernel(program, groups)
+        # Keep only entries that can be nonzero on some path; the others are zero for good.
+        graph, zero = program.graph, program.graph.zero
+        leaves = [leaf.nodes for leaf in program.leaves() if hasattr(leaf, "nodes")]
+        where = [k for k in range(int(np.prod(shape))) if any(leaf[k] != zero for leaf in leaves)]
+        kept = Program(graph, program.transformed(lambda o: [o[k] for k in where]).tree)
+        return Kernel(kept, groups, shape, where)
+
+    @cached_property
+    def residual(self) -> Kernel:
+        """F, shape (N,)."""
+        return self._kernel(lambda o: o)
+
+    @cached_property
+    def linearization(self) -> Kernel:
+        """F and its Jacobian side by side, shape (N, N + 2): column 0 is F, the last is dF/dlambda."""
+        inputs = self._inputs()
+
+        def change(outputs: tuple[int, ...]) -> list[int]:
+            flat = self._dense_rows(outputs, inputs)
+            width = len(inputs)
+            return [
+                node for i, o in enumerate(outputs) for node in (o, *flat[i * width : (i + 1) * width])
+            ]
+
+        return self._kernel(change, shape=(self.size, self.size + 2))
+
+    @cached_property
+    def rounding(self) -> Kernel:
+        """Bounds of the rounding error of F, in units of the machine epsilon, shape (N,)."""
+        graph = self.program.graph
+        return self._kernel(lambda o: error_bounds(graph, o))
+
+    def _along(self, group: str, with_parameter: bool = True) -> dict[int, int]:
+        graph = self.program.graph
+        inputs = self._inputs()
+        directions = {node: graph.input(group, i) for i, node in enumerate(inputs[:-1])}
+        if with_parameter:
+            directions[inputs[-1]] = graph.input(group, self.size)
+        return directions
+
+    @cached_property
+    def first(self) -> Kernel:
+        """DF(z) v for a direction v of length N + 1, shape (N,)."""
+        graph, v = self.program.graph, self._along("v")
+        return self._kernel(lambda o: directional(graph, o, v), (*GROUPS, "v"))
+
+    @cached_property
+    def second(self) -> Kernel:
+        """D2F(z)(v, w), shape (N,); directions may be complex."""
+        graph, v, w = self.program.graph, self._along("v"), self._along("w")
+        return self._kernel(lambda o: directional(graph, directional(graph, o, v), w), (*GROUPS, "v", "w"))
+
+    @cached_property
+    def third(self) -> Kernel:
+        """D3F(z)(v, w, y), shape (N,); directions may be complex."""
+        graph = self.program.graph
+        v, w, y = self._along("v"), self._along("w"), self._along("y")
+
+        def change(outputs: tuple[int, ...]) -> list[int]:
+            return directional(graph, directional(graph, directional(graph, outputs, v), w), y)
+
+        return self._kernel(change, (*GROUPS, "v", "w", "y"))
+
+    @cached_property
+    def jacobian_of_first(self) -> Kernel:
+        """Jacobian of DF(z) v by z, shape (N, N + 1)."""
+        graph, v, inputs = self.program.graph, self._along("v"), self._inputs()
+        return self._kernel(
+            lambda o: self._dense_rows(directional(graph, o, v), inputs),
+            (*GROUPS, "v"),
+            (self.size, self.size + 1),
+        )
+
+    def _adjoint_nodes(self, outputs: tuple[int, ...]) -> list[int]:
+        """Nodes of psi . DF(z), N + 1 of them, with psi in group `v`."""
+        graph, inputs = self.program.graph, self._inputs()
+        total = graph.zero
+        for i, output in enumerate(outputs):
+            total = graph.add(total, graph.mul(graph.input("v", i), output))
+        return self._dense_rows([total], inputs)
+
+    @cached_property
+    def adjoint(self) -> Kernel:
+        """psi . DF(z), shape (N + 1,)."""
+        return self._kernel(self._adjoint_nodes, (*GROUPS, "v"))
+
+    @cached_property
+    def jacobian_of_adjoint(self) -> Kernel:
+        """Jacobian of psi . DF(z) by z, shape (N + 1, N + 1)."""
+        inputs = self._inputs()
+        return self._kernel(
+            lambda o: self._dense_rows(self._adjoint_nodes(o), inputs),
+            (*GROUPS, "v"),
+            (self.size + 1, self.size + 1),
+        )
+
+    @cached_property
+    def rate_of_matrix(self) -> Kernel:
+        """Derivative of A = df/dx along a direction of z, shape (n, n)."""
+        graph, v, inputs = self.program.graph, self._along("v"), self._inputs()[: self.states]
+
+        def change(outputs: tuple[int, ...]) -> list[int]:
+            return directional(graph, self._dense_rows(outputs[: self.states], inputs), v)
+
+        return self._kernel(change, (*GROUPS, "v"), (self.states, self.states))
+
+    @cached_property
+    def rounding_of_matrix(self) -> Kernel:
+        """Bounds of the rounding errors of A = df/dx, in units of the machine epsilon, shape (n, n)."""
+        graph, inputs = self.program.graph, self._inputs()[: self.states]
+        return self._kernel(
+            lambda o: error_bounds(graph, self._dense_rows(o[: self.states], inputs)),
+            shape=(self.states, self.states),
+        )
+
+    def of_observable(self, function: Callable[..., Any]) -> tuple[Kernel, Kernel]:
+        """An observable's value, shape (1,), and its gradient by z, shape (N + 1,), at an equilibrium."""
+        copy = rebound(function)
+
+        def value(tracer: Tracer) -> list[Any]:
+            x = self._states(tracer).reshape(1, self.states)
+            # The numbers of unknowns agree with `program`, so that graphs have the same inputs.
+            return [copy(np.zeros(1), x, self._parameters(tracer))]
+
+        program = trace(value)
+        graph = program.graph
+        inputs = [*[graph.input("u", i) for i in range(self.size)], graph.input("l", 0)]
+
+        def gradient(outputs: tuple[int, ...]) -> list[int]:
+            row = jacobian(graph, outputs, inputs)[0]
+            return [row.get(k, graph.zero) for k in range(len(inputs))]
+
+        return Kernel(program, GROUPS), Kernel(program.transformed(gradient), GROUPS)
+
+
+def written(
+    function: Callable[..., Any], name: str, x: np.ndarray, p: SimpleNamespace, length: int
+) -> list[Any]:
+    """What a function of the form `f(t, x, p, out)` writes; every entry must be written.
+
+    Raises
+    ------
+    ValueError
+        Naming the first entry that is not written.
+    """
+    out = np.full(length, None, dtype=object)
+    function(0.0, x, p, out)
+    for i, entry in enumerate(out):
+        if entry is None:
+            raise ValueError(f"'{name}' does not write entry {i} of its last argument")
+    return list(out)

@@ -1,0 +1,364 @@
+"""Equilibria of a smooth system as one free parameter varies, or along a path through the parameter space."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+from contwalk.errors import NotFinite, SystemDefinitionError
+from contwalk.fields.blame import first_not_finite
+from contwalk.fields.kernel import Kernel
+from contwalk.problems import defining
+from contwalk.problems import neutral as neutrals
+from contwalk.problems.equations import Equations
+from contwalk.problems.linear import Factored
+from contwalk.problems.normal_forms import (
+    branch_point_coefficients,
+    fold_coefficients,
+    hopf_coefficients,
+)
+from contwalk.problems.problem import Linearization, Located, Sample, Seed
+from contwalk.problems.spectrum import EPSILON, Spectrum, spectrum
+from contwalk.problems.switching import branch_point_seeds, tangent_through
+from contwalk.system import Neutral, System
+
+MAX_RE = "max_re"
+UNDECLARED = "undeclared"
+
+
+class Equilibrium:
+    """The problem f(x, p) = 0.
+
+    Parameters
+    ----------
+    system : System
+        Its first mode's field is continued; a system with `period` has no equilibria.
+    parameters : mapping
+        Values of all parameters.
+    free : str
+        Name of the free parameter, or `path`.
+    path : tuple of two mappings, optional
+        All parameters at its beginning and end, when `free` is `path`.
+    pins : sequence of Neutral
+        Neutral directions that are pinned along the branch.
+    reference : ndarray, shape (n,), optional
+        State at which pins without a parameter hold their direction.
+    """
+
+    kind = "equilibrium"
+
+    def __init__(
+        self,
+        system: System,
+        parameters: Mapping[str, float],
+        free: str,
+        path: tuple[Mapping[str, float], Mapping[str, float]] | None = None,
+        pins: Sequence[Neutral] = (),
+        reference: np.ndarray | None = None,
+    ) -> None:
+        if system.period is not None:
+            raise SystemDefinitionError(
+                f"System '{system.name}' is forced periodically (period=...), so it has no equilibria.",
+                "Its periodic orbits are another kind of problem.",
+            )
+        self.system = system
+        self.free = free
+        self.path = path
+        self.pins = tuple(pins)
+        self.states = len(system.states)
+        self.size = self.states + len(self.pins)
+        self.parameters = {name: float(parameters[name]) for name in system.parameter_names}
+        self.reference = reference
+        self.evaluations = 0
+        names = system.parameter_names
+        begin, end = path if path is not None else (self.parameters, self.parameters)
+        self._base = [float(begin[name]) for name in names]
+        self._direction = [float(end[name]) - float(begin[name]) for name in names]
+        moving = [k for k, d in enumerate(self._direction) if d != 0.0]
+        self._held = self._held_values()
+        self.kernels = Equations(system, None if path is not None else free, moving, self.pins)
+        self._observables: dict[str, tuple[Kernel, Kernel]] = {}
+
+    @property
+    def observable_names(self) -> tuple[str, ...]:
+        """The system's observables, then `max_re`."""
+        return (*[o.name for o in self.system.observables], MAX_RE)
+
+    def _held_values(self) -> list[float]:
+        """Reference values of the pins, in the order in which `Equations` reads them."""
+        values: list[float] = []
+        for pin in self.pins:
+            if self.reference is None:
+                raise ValueError("pinned directions need a reference state")
+            if pin.pin is None:
+                g = neutrals.generator_at(pin, self.reference, self.parameters)
+                values += [*self.reference.tolist(), *(g / np.linalg.norm(g)).tolist()]
+            else:
+                values.append(float(self.reference[self.system.state_names.index(pin.pin)]))
+        return values
+
+    def with_pins(self, pins: Sequence[Neutral], reference: np.ndarray | None = None) -> Equilibrium:
+        """The same problem with other pinned directions, held at the state `reference`."""
+        held = self.reference if reference is None else reference
+        return Equilibrium(self.system, self.parameters, self.free, self.path, pins, held)
+
+    # -- evaluation --------------------------------------------------------------------------------------
+
+    def inputs(self, z: np.ndarray) -> tuple[list[float], ...]:
+        """Arguments of the kernels at z."""
+        self.evaluations += 1
+        values = z.tolist()
+        return values[:-1], values[-1:], self._base, self._direction, self._held
+
+    def exact_inputs(self, z: Sequence[Any]) -> tuple[list[Any], ...]:
+        """Arguments of the kernels in extended precision."""
+        import mpmath
+
+        self.evaluations += 1
+        constants = [[mpmath.mpf(v) for v in g] for g in (self._base, self._direction, self._held)]
+        return list(z[: self.size]), [z[self.size]], *constants
+
+    def values_of(self, z: np.ndarray) -> dict[str, float]:
+        """All parameters at z, by name."""
+        lam = float(z[-1])
+        if self.path is None:
+            return {**self.parameters, self.free: lam}
+        names = self.system.parameter_names
+        return {n: b + lam * d for n, b, d in zip(names, self._base, self._direction, strict=True)}
+
+    def jacobian(self, z: np.ndarray) -> np.ndarray:
+        """DF(z), shape (N, N + 1)."""
+        return self.kernels.linearization(*self.inputs(z))[:, 1:]
+
+    def linearize(self, z: np.ndarray) -> Linearization:
+        """Residual, Jacobian and rounding level of each equation at z."""
+        inputs = self.inputs(z)
+        table = self.kernels.linearization(*inputs)
+        bounds = self.kernels.rounding(*inputs)
+        derivatives = np.abs(table[:, 1:])
+        # Beside the rounding of the evaluation: z itself is only known to half an ulp, and an unknown that is
+        # zero only to half an ulp of what would matter.
+        level = EPSILON * (bounds + derivatives @ np.abs(z)) + np.finfo(float).tiny
+        rough = Linearization(table[:, 0], table[:, 1:], level)
+        level = level + EPSILON * (derivatives @ np.nan_to_num(self.magnitudes(z, rough)))
+        return Linearization(table[:, 0], table[:, 1:], level)
+
+    def explain(self, z: np.ndarray) -> str:
+        """Where in the plugin a residual at z is not finite."""
+        field = self.system.modes[0].field
+        where = first_not_finite(field, 0.0, z[: self.states].tolist(), self.values_of(z))
+        return where or "the equations"
+
+    def magnitudes(self, z: np.ndarray, linearization: Linearization) -> np.ndarray:
+        """Typical magnitudes of z, shape (N + 1,); NaN where neither z nor the equations tell.
+
+        Declared scales are used as they are. Otherwise it is the size of the unknown, or the change of it that
+        would matter in some equation, whichever is larger.
+        """
+        derivatives = np.abs(linearization.jacobian)
+        terms = (linearization.rounding / EPSILON)[:, None]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            matters = np.where((derivatives > 0) & (terms > 1e-290), terms / derivatives, np.inf).min(axis=0)
+        natural = np.maximum(np.abs(z), np.where(np.isfinite(matters), matters, 0.0))
+        natural = np.where(natural > 0, natural, np.nan)
+        for i, state in enumerate(self.system.states):
+            if state.scale is not None:
+                natural[i] = state.scale
+        return natural
+
+    def observable_kernels(self, name: str) -> tuple[Kernel, Kernel]:
+        """Value and gradient of a declared observable."""
+        if name not in self._observables:
+            function = next(o.function for o in self.system.observables if o.name == name)
+            self._observables[name] = self.kernels.of_observable(function)
+        return self._observables[name]
+
+    def observables(self, z: np.ndarray, spectrum_: Spectrum) -> np.ndarray:
+        """Values of `observable_names`, shape (o,)."""
+        x = z[: self.states].reshape(1, -1)
+        p = SimpleNamespace(**self.values_of(z))
+        values = [float(o.function(np.zeros(1), x, p)) for o in self.system.observables]
+        values.append(float(spectrum_.values[0].real) if len(spectrum_.values) else float("nan"))
+        return np.array(values)
+
+    def spectrum(self, z: np.ndarray, tangent: np.ndarray) -> Spectrum:
+        """Eigenvalues without the pinned neutral ones."""
+        n = self.states
+        inputs = self.inputs(z)
+        table = self.kernels.linearization(*inputs)
+        rate = self.kernels.rate_of_matrix(*inputs, tangent.tolist())
+        rounding = 2.0 * EPSILON * self.kernels.rounding_of_matrix(*inputs)
+        declared = [1 + n + j for j, pin in enumerate(self.pins) if pin.name != UNDECLARED]
+        generators = table[:n, declared]
+        return spectrum(table[:n, 1 : 1 + n], rate, rounding, generators, len(self.pins) - len(declared))
+
+    def examine(
+        self,
+        z: np.ndarray,
+        tangent: np.ndarray,
+        weights: np.ndarray,
+        linearization: Linearization,
+        before: int | None,
+    ) -> Sample:
+        """Everything that is watched at a solution."""
+        length = float(np.linalg.norm(tangent / weights))
+        # A stored tangent is a unit vector already; dividing again would change its last digits.
+        unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
+        found = self.spectrum(z, unit)
+        bordered = np.vstack([linearization.jacobian, unit / weights**2])
+        return Sample(
+            z=z,
+            tangent=unit,
+            weights=weights,
+            orientation=Factored(bordered).orientation(),
+            eigenvalues=found.values,
+            errors=found.errors,
+            rates=found.rates,
+            measures=found.values.real,
+            unstable=found.unstable(before),
+            observables=self.observables(z, found),
+            excess=linearization.excess,
+        )
+
+    def solve_states(self, z: np.ndarray, right: np.ndarray) -> np.ndarray:
+        """A^-1 right, with the pins in place, shape (n,)."""
+        full = np.append(right, np.zeros(self.size - self.states))
+        return Factored(self.jacobian(z)[:, : self.size]).solve(full)[: self.states]
+
+    def crossing_rate(self, z: np.ndarray, q: np.ndarray, p: np.ndarray) -> float:
+        """d Re(eigenvalue) / d(parameter) along the branch, for critical vectors with p.q = 1."""
+        jacobian = self.jacobian(z)
+        along = Factored(jacobian[:, : self.size]).solve(-jacobian[:, -1])
+        rate = self.kernels.rate_of_matrix(*self.inputs(z), [*along.tolist(), 1.0])
+        return float((p @ rate @ q).real)
+
+    # -- special points: locating ------------------------------------------------------------------------
+
+    def locate(self, label: str, sample: Sample, which: int) -> Located | None:
+        """The special point near a sample, by its defining system."""
+        if label == "LP":
+            return defining.fold(self, sample)
+        if label == "BP":
+            return defining.branch_point(self, sample)
+        return defining.hopf(self, sample, which)
+
+    def locate_mark(self, name: str, level: float, sample: Sample) -> Located | None:
+        """The point near a sample at which an observable has the value `level`."""
+        if name != MAX_RE:
+            return defining.observed(self, sample, self.observable_kernels(name), level)
+        if sample.eigenvalues[0].imag != 0.0:
+            return defining.hopf(self, sample, 0, level)
+        return defining.real_eigenvalue(self, sample, level)
+
+    def rate(self, name: str, sample: Sample) -> float:
+        """Derivative of an observable along the branch."""
+        if name == MAX_RE:
+            return float(sample.rates[0])
+        gradient = self.observable_kernels(name)[1](*self.inputs(sample.z))
+        return float(gradient @ sample.tangent)
+
+    def tangent_at(self, label: str, located: Located, near: Sample) -> np.ndarray | None:
+        """At a branch point, the tangent of the branch that `near` is on."""
+        return tangent_through(self, located.z, near.weights, near.tangent) if label == "BP" else None
+
+    def label_of(self, sample: Sample, which: int) -> str | None:
+        """HB for a complex pair; a real eigenvalue is the business of the fold and branch point tests."""
+        return "HB" if sample.eigenvalues[which].imag != 0.0 else None
+
+    # -- special points: describing ----------------------------------------------------------------------
+
+    def special_point(self, label: str, located: Located, sample: Sample, s: float) -> SpecialPoint:
+        """The record of a located point, with its normal form."""
+        z = located.z
+        kind, criticality, coefficients, note = None, None, {}, None
+        if label == "LP":
+            coefficients = fold_coefficients(self, located)
+        elif label == "HB":
+            coefficients = hopf_coefficients(self, located)
+            criticality = "supercritical" if coefficients["l1"] < 0 else "subcritical"
+            if self.pins:
+                note = "l1 is that of the motion with the pinned neutral directions held"
+        elif label == "BP":
+            kind, criticality, coefficients, note = self._branch_point(located)
+        return SpecialPoint(
+            label=label,
+            s=s,
+            kind=kind,
+            parameters=self.values_of(z),
+            state=dict(zip(self.system.state_names, z[: self.states].tolist(), strict=True)),
+            spectrum=tuple(complex(v) for v in sample.eigenvalues),
+            error=located.error,
+            criticality=criticality,
+            coefficients=coefficients,
+            note=note,
+            unknowns=tuple(z.tolist()),
+            tangent=tuple(sample.tangent.tolist()),
+        )
+
+    def _branch_point(self, located: Located) -> tuple[str, str | None, dict[str, Any], str | None]:
+        c = branch_point_coefficients(self, located)
+        numbers = {name: c[name] for name in ("c11", "c12", "c22", "c")}
+        numbers["convention"] = (
+            "c11 s^2 + 2 c12 s t + c22 t^2 = 0 for the directions s q + t h; "
+            "c = p.(C(q,q,q) - 3 B(q, A^-1 B(q,q)))/6, |q| = 1, p.q = 1"
+        )
+        if c["c11"] != 0.0:
+            return "transcritical", None, numbers, None
+        critical = "supercritical" if c["c"] < 0 else "subcritical"
+        return "pitchfork", critical, numbers, self._symmetry_note(located.z, c["q"])
+
+    def _symmetry_note(self, z: np.ndarray, q: np.ndarray) -> str | None:
+        for symmetry in self.system.symmetries:
+            image = self.image(symmetry.name, z)[: self.states]
+            moved = self.image(symmetry.name, np.append(z[:-1] + 1e-3 * q, z[-1]))[: self.states] - image
+            if np.allclose(image, z[: self.states], rtol=1e-9, atol=1e-12) and not np.allclose(
+                moved, 1e-3 * q[: self.states], rtol=1e-6, atol=1e-12
+            ):
+                return f"the branches that leave are images of each other under the symmetry '{symmetry.name}'"
+        return None
+
+    def image(self, symmetry: str, z: np.ndarray) -> np.ndarray:
+        """Image of a solution under a declared symmetry."""
+        declared = next(s for s in self.system.symmetries if s.name == symmetry)
+        x = np.zeros(self.states)
+        declared.map(0.0, z[: self.states], SimpleNamespace(**self.values_of(z)), x)
+        return np.concatenate([x, z[self.states :]])
+
+    def seeds(self, point: SpecialPoint) -> Sequence[Seed]:
+        """The other branch through a branch point; equilibria have none elsewhere."""
+        return branch_point_seeds(self, point) if point.label == "BP" else ()
+
+
+def solution_at(
+    system: System,
+    parameters: Mapping[str, float],
+    free: str,
+    state: np.ndarray,
+    path: tuple[Mapping[str, float], Mapping[str, float]] | None = None,
+    at: float | None = None,
+) -> tuple[Equilibrium, np.ndarray]:
+    """The problem and the vector z that belong to a start, neutral directions pinned where they are neutral.
+
+    Raises
+    ------
+    NotFinite
+        If the field is not finite at the start.
+    """
+    problem = Equilibrium(system, parameters, free, path)
+    value = float(at or 0.0) if path is not None else float(parameters[free])
+    z = np.append(np.asarray(state, dtype=float), value)
+    matrix = problem.jacobian(z)[:, : problem.states]
+    if not np.all(np.isfinite(matrix)):
+        raise NotFinite(
+            f"The vector field is not finite at the start: {problem.explain(z)}.",
+            "Start elsewhere, or mend the plugin.",
+        )
+    pins = neutrals.active(system, z[:-1], problem.values_of(z), matrix)
+    if not pins:
+        return problem, z
+    pinned = Equilibrium(system, parameters, free, path, pins, z[:-1])
+    return pinned, np.concatenate([z[:-1], np.zeros(len(pins)), z[-1:]])

@@ -1,0 +1,58 @@
+"""Choosing which neutral directions to pin at the start of a branch."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import SimpleNamespace
+
+import numpy as np
+
+from contwalk.problems.linear import null_vectors
+from contwalk.system import Neutral, System
+
+# A generator counts as neutral where A g is this far below the size of its terms.
+NEUTRAL = 1e-12
+
+
+def generator_at(neutral: Neutral, x: np.ndarray, parameters: Mapping[str, float]) -> np.ndarray:
+    """The direction a neutral generator points at state x, shape (n,)."""
+    v = np.zeros(len(x))
+    neutral.generator(0.0, x, SimpleNamespace(**parameters), v)
+    return v
+
+
+def active(
+    system: System, x: np.ndarray, parameters: Mapping[str, float], matrix: np.ndarray
+) -> list[Neutral]:
+    """Declared generators that are neutral at an equilibrium, without ones that depend on earlier ones.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+    parameters : mapping
+        Values by name.
+    matrix : ndarray, shape (n, n)
+        A = df/dx there.
+    """
+    chosen: list[Neutral] = []
+    basis = np.zeros((len(x), 0))
+    for neutral in system.neutral:
+        g = generator_at(neutral, x, parameters)
+        size = np.linalg.norm(g)
+        if not size > 0 or not np.all(np.isfinite(g)):
+            continue
+        terms = (np.abs(matrix) @ np.abs(g)).max()
+        if np.abs(matrix @ g).max() > NEUTRAL * terms:
+            continue
+        rest = g / size - basis @ (basis.T @ (g / size))
+        if np.linalg.norm(rest) < 1e-6:
+            continue
+        basis = np.column_stack([basis, rest / np.linalg.norm(rest)])
+        chosen.append(neutral)
+    return chosen
+
+
+def undeclared_direction(matrix: np.ndarray) -> np.ndarray:
+    """The unit vector that A takes nearest to zero, shape (n,)."""
+    right, _, _ = null_vectors(matrix, 1)
+    return right[:, 0]

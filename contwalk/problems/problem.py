@@ -1,0 +1,168 @@
+"""What the continuation engine sees of a problem.
+
+Rules
+-----
+1. `z` is a vector of N unknowns with the free parameter last.
+2. `linearize(z)` gives residual, exact Jacobian and the rounding level of each equation.
+3. `examine` computes everything that is stored or watched at a solution, once.
+4. Three kinds of test tell neighbouring samples apart: the orientation (branch points), the parameter's share of
+   the tangent (folds), and the stability measures (everything else). `locate` solves a point's defining system,
+   `special_point` computes its normal form.
+5. `seeds` proposes the branches that leave a special point; each is a start like any other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+
+
+@dataclass(frozen=True)
+class Linearization:
+    """F(z), shape (N,); DF(z), shape (N, N + 1); and the rounding level of each residual, shape (N,)."""
+
+    residual: np.ndarray
+    jacobian: np.ndarray
+    rounding: np.ndarray
+
+    @property
+    def excess(self) -> float:
+        """Largest residual in units of its rounding level; at most a few at a solution."""
+        ratio = float(np.max(np.abs(self.residual) / self.rounding))
+        return ratio if np.isfinite(ratio) else float("inf")
+
+
+@dataclass(frozen=True)
+class Sample:
+    """A solution with all that is watched along a branch.
+
+    Parameters
+    ----------
+    z : ndarray, shape (N + 1,)
+    tangent : ndarray, shape (N + 1,)
+        Unit in the metric of `weights`, pointing the way the branch is walked.
+    weights : ndarray, shape (N + 1,)
+        Typical magnitudes; the metric is the Euclidean norm of z / weights.
+    orientation : float
+        Sign of det [DF; tangent]; changes at a simple branch point and nowhere else.
+    eigenvalues, errors, rates : ndarray, shape (m,)
+        Spectrum, its estimated errors, and the rates of its stability measures along the branch.
+    measures : ndarray, shape (m,)
+        What must be negative for stability, in descending order (real parts; moduli minus one for orbits).
+    unstable : int
+    observables : ndarray, shape (o,)
+    excess : float
+        Residual in units of its rounding level.
+    """
+
+    z: np.ndarray
+    tangent: np.ndarray
+    weights: np.ndarray
+    orientation: float
+    eigenvalues: np.ndarray
+    errors: np.ndarray
+    rates: np.ndarray
+    measures: np.ndarray
+    unstable: int
+    observables: np.ndarray
+    excess: float
+    iterations: int = 0
+    evaluations: int = 0
+    seconds: float = 0.0
+
+    @property
+    def parameter(self) -> float:
+        """Value of the free parameter."""
+        return float(self.z[-1])
+
+
+@dataclass(frozen=True)
+class Located:
+    """A special point that a defining system has been solved for.
+
+    Parameters
+    ----------
+    z : ndarray, shape (N + 1,)
+    error : float
+        Estimated absolute error of the free parameter.
+    vectors : mapping
+        Null vectors and the like that normal forms and switching need.
+    refined : bool
+        Whether the point is known to more digits than floats hold.
+    refine : callable
+        The same point refined in extended precision; None where it turns out not to be one.
+    """
+
+    z: np.ndarray
+    error: float
+    vectors: Mapping[str, Any] = field(default_factory=dict)
+    refined: bool = False
+    refine: Callable[[], Located | None] | None = None
+
+    def settled(self) -> Located | None:
+        """The refined point, if there is a way to refine it."""
+        return self if self.refine is None else self.refine()
+
+
+@dataclass(frozen=True)
+class Seed:
+    """A branch that leaves a special point: a solution on it (or the point itself) and its direction."""
+
+    label: str
+    z: np.ndarray
+    tangent: np.ndarray
+    description: str
+
+
+class Problem(Protocol):
+    """Equations F(u, lambda) = 0 with what is special about them."""
+
+    size: int
+
+    def linearize(self, z: np.ndarray) -> Linearization:
+        """Residual, Jacobian and rounding level at z."""
+        ...
+
+    def magnitudes(self, z: np.ndarray, linearization: Linearization) -> np.ndarray:
+        """Typical magnitudes of z, shape (N + 1,); NaN where they are not known."""
+        ...
+
+    def examine(
+        self,
+        z: np.ndarray,
+        tangent: np.ndarray,
+        weights: np.ndarray,
+        linearization: Linearization,
+        before: int | None,
+    ) -> Sample:
+        """Everything that is watched at a solution; `before` is the unstable count next to it."""
+        ...
+
+    def explain(self, z: np.ndarray) -> str:
+        """Where in the plugin a residual at z is not finite."""
+        ...
+
+    def locate(self, label: str, sample: Sample, which: int) -> Located | None:
+        """The special point near a sample, by its defining system; `which` counts critical eigenvalues."""
+        ...
+
+    def tangent_at(self, label: str, located: Located, near: Sample) -> np.ndarray | None:
+        """Tangent of the branch at a special point where DF alone does not determine it; else None."""
+        ...
+
+    def label_of(self, sample: Sample, which: int) -> str | None:
+        """Label of the point at which stability measure `which` passes zero; None if other tests see it."""
+        ...
+
+    def special_point(self, label: str, located: Located, sample: Sample, s: float) -> SpecialPoint:
+        """The record of a located point, with its normal form."""
+        ...
+
+    def seeds(self, point: SpecialPoint) -> Sequence[Seed]:
+        """Branches that leave a special point."""
+        ...

@@ -1,0 +1,128 @@
+"""Defining systems: Newton's method in double precision, then refinement with exact residuals.
+
+A point where a matrix is singular, or an eigenvalue imaginary, is the regular solution of a larger system G(U) = 0.
+Newton's method in floats finds it up to the rounding of G. After that, G is evaluated in extended precision and
+the corrections are computed with the same float Jacobian (iterative refinement); each pass gains about
+as many digits as the Jacobian is well conditioned, until U is known to more digits than a float holds. What is
+reported is U rounded to floats, so that its error is known and not believed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contwalk.problems.linear import Factored
+
+DIGITS = 40
+EPSILON = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True)
+class DefiningSystem:
+    """G(U) = 0 with its Jacobian in floats, and G in extended precision.
+
+    `exactly(U)` takes and returns lists of `mpmath` numbers; `scale` holds typical magnitudes of U.
+    """
+
+    scale: np.ndarray
+    residual: Callable[[np.ndarray], np.ndarray]
+    jacobian: Callable[[np.ndarray], np.ndarray]
+    exactly: Callable[[Sequence[Any]], list[Any]]
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A solution of a defining system.
+
+    Parameters
+    ----------
+    values : ndarray
+        U rounded to floats.
+    exact : list
+        U in extended precision.
+    errors : ndarray
+        Estimated absolute error of each entry of `values`.
+    refined : bool
+        Whether refinement converged; if not, `errors` are those of the float computation.
+    """
+
+    values: np.ndarray
+    exact: list[Any]
+    errors: np.ndarray
+    refined: bool
+
+
+def newton(system: DefiningSystem, start: np.ndarray, iterations: int = 25) -> np.ndarray | None:
+    """Solution of G(U) = 0 to the rounding of G, or None where Newton's method does not get there."""
+    u = start.copy()
+    best, stalled = np.inf, 0
+    for _ in range(iterations):
+        g = system.residual(u)
+        if not np.all(np.isfinite(g)):
+            return None
+        try:
+            correction = Factored(system.jacobian(u)).solve(g)
+        except np.linalg.LinAlgError:
+            return None
+        if not np.all(np.isfinite(correction)):
+            return None
+        u = u - correction
+        size = _norm(np.abs(correction), np.maximum(np.abs(u), system.scale))
+        if size < 1e-14:
+            return u
+        # Quadratic convergence ends in rounding noise: small corrections that no longer shrink are its end.
+        stalled = stalled + 1 if size > 0.5 * best else 0
+        best = min(best, size)
+        if stalled >= 2 and best < 1e-5:
+            return u
+        if stalled >= 8:
+            return None
+    return u if best < 1e-7 else None
+
+
+def refine(system: DefiningSystem, u: np.ndarray, passes: int = 12) -> Solution:
+    """Refine a float solution with residuals in extended precision."""
+    import mpmath
+
+    with mpmath.workdps(DIGITS):
+        exact = [mpmath.mpf(value) for value in u]
+        try:
+            inverse = Factored(system.jacobian(u))
+            sizes: list[np.ndarray] = []
+            for _ in range(passes):
+                residual = system.exactly(exact)
+                correction = _solve_scaled(inverse, residual)
+                exact = [a - b for a, b in zip(exact, correction, strict=True)]
+                sizes.append(np.array([float(abs(c)) for c in correction]))
+                scale = np.maximum(np.array([float(abs(a)) for a in exact]), 1e-16 * system.scale)
+                if np.all(sizes[-1] <= 1e-6 * EPSILON * scale):
+                    break
+                if len(sizes) > 3 and _norm(sizes[-1], scale) > 0.5 * _norm(sizes[-2], scale):
+                    break
+        except (np.linalg.LinAlgError, ArithmeticError, ValueError):
+            return Solution(u, exact, np.abs(u) * np.inf, refined=False)
+        values = np.array([float(a) for a in exact])
+        rounding = np.array([float(abs(a - b)) for a, b in zip(exact, values, strict=True)])
+    last = sizes[-1]
+    converged = bool(np.all(last <= EPSILON * scale)) or _norm(last, scale) <= 1e-3 * _norm(sizes[0], scale)
+    # A float cannot be nearer to the truth than half an ulp; the estimate never claims to be.
+    return Solution(values, exact, np.maximum(rounding + 2.0 * last, EPSILON * np.abs(values)), converged)
+
+
+def _norm(sizes: np.ndarray, scale: np.ndarray) -> float:
+    return float(np.max(sizes / np.maximum(scale, 1e-300))) if len(sizes) else 0.0
+
+
+def _solve_scaled(inverse: Factored, residual: list[Any]) -> list[Any]:
+    """The float inverse applied to a residual far below the smallest float that matters."""
+    import mpmath
+
+    largest = max((abs(r) for r in residual), default=mpmath.mpf(0))
+    if largest == 0:
+        return [mpmath.mpf(0)] * len(residual)
+    solved = inverse.solve(np.array([float(r / largest) for r in residual]))
+    return [largest * mpmath.mpf(value) for value in solved]

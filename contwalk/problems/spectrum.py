@@ -1,0 +1,112 @@
+"""Eigenvalues of an equilibrium, how sure they are, and how fast they move along the branch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+EPSILON = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """Eigenvalues sorted by descending real part.
+
+    Parameters
+    ----------
+    values : ndarray of complex, shape (m,)
+    errors : ndarray, shape (m,)
+        Estimated absolute error of each.
+    rates : ndarray, shape (m,)
+        Derivative of each real part along the branch; NaN where eigenvalues coincide.
+    """
+
+    values: np.ndarray
+    errors: np.ndarray
+    rates: np.ndarray
+
+    def unstable(self, before: int | None) -> int:
+        """Number of eigenvalues with positive real part.
+
+        One whose sign is not certain in double precision counts as it did at the neighbouring point
+        (`before`), so that rounding never looks like a bifurcation.
+        """
+        real = self.values.real
+        if before is None:
+            return int(np.sum(real > self.errors))
+        positive = np.where(np.abs(real) > self.errors, real > 0, np.arange(len(real)) < before)
+        return int(np.sum(positive))
+
+
+def balanced(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """D^-1 A D with rows and columns of like norm, and the diagonal of D (powers of two).
+
+    Eigenvalues of a matrix whose states have very different units are accurate only after this
+    (E. E. Osborne, J. ACM 7, 338, 1960).
+    """
+    d = np.ones(len(matrix))
+    scaled = matrix.copy()
+    np.fill_diagonal(scaled, 0.0)
+    magnitude = np.abs(scaled)
+    for _ in range(20):
+        rows, columns = magnitude.sum(axis=1), magnitude.sum(axis=0)
+        usable = (rows > 0) & (columns > 0)
+        factor = np.ones(len(d))
+        factor[usable] = np.exp2(np.round(0.5 * np.log2(rows[usable] / columns[usable]) * 0.5))
+        if np.all(factor == 1.0):
+            break
+        magnitude = magnitude / factor[:, None] * factor
+        d *= factor
+    return matrix / d[:, None] * d, d
+
+
+def complement(generators: np.ndarray) -> np.ndarray:
+    """Orthonormal basis of the complement of the neutral directions, shape (n, n - k)."""
+    q, _ = np.linalg.qr(generators, mode="complete")
+    return q[:, generators.shape[1] :]
+
+
+def spectrum(
+    matrix: np.ndarray,
+    rate: np.ndarray,
+    rounding: np.ndarray,
+    generators: np.ndarray | None = None,
+    zeros: int = 0,
+) -> Spectrum:
+    """Eigenvalues of A, without those of pinned neutral directions.
+
+    Parameters
+    ----------
+    matrix : ndarray, shape (n, n)
+        A.
+    rate : ndarray, shape (n, n)
+        Its derivative along the branch.
+    rounding : ndarray, shape (n, n)
+        Absolute error bounds of its entries.
+    generators : ndarray, shape (n, k), optional
+        Neutral directions with A g = 0: their zero eigenvalues are left out by going over to the quotient space.
+    zeros : int
+        How many further eigenvalues, the smallest ones, belong to neutral directions without a generator.
+    """
+    if generators is not None and generators.size:
+        # A g = 0, so A is block triangular in (g, complement): the rest of the spectrum is that of Q' A Q.
+        q = complement(generators)
+        matrix, rate, rounding = q.T @ matrix @ q, q.T @ rate @ q, np.abs(q.T) @ rounding @ np.abs(q)
+    if not len(matrix):
+        return Spectrum(np.zeros(0, dtype=complex), np.zeros(0), np.zeros(0))
+    scaled, d = balanced(matrix)
+    values, right = np.linalg.eig(scaled)
+    try:
+        left = np.linalg.inv(right)
+    except np.linalg.LinAlgError:
+        left = np.full_like(right, np.nan)
+    sensitivity = np.abs(left) @ (rounding / d[:, None] * d) @ np.abs(right)
+    norms = np.linalg.norm(left, axis=1) * np.linalg.norm(right, axis=0)
+    errors = np.diag(sensitivity) + EPSILON * np.linalg.norm(scaled) * norms
+    rates = np.einsum("ij,jk,ki->i", left, rate / d[:, None] * d, right).real
+    kept = np.sort(np.argsort(np.abs(values), kind="stable")[zeros:])
+    values, errors, rates = values[kept], errors[kept], rates[kept]
+    order = np.lexsort((-values.imag, -values.real))
+    errors = np.where(np.isfinite(errors), errors, np.inf)
+    return Spectrum(values[order].astype(complex), errors[order], rates[order])

@@ -1,0 +1,66 @@
+"""Branch databases: what a run computes, kept so that a killed run loses at most one point.
+
+Rules of the contract
+---------------------
+1. A database holds one run: its `RunHeader`, its branches in the order of their creation, and its notes.
+   `Hdf5Database` (a file) and `MemoryDatabase` obey the same `Database` protocol; every test runs over both.
+2. `start_branch`, `append`, `append_special`, `finish` and `write_note` are on disk when they return.
+3. A record is stored complete or not at all. What a kill leaves half-written is ignored by readers and
+   removed when the file is next opened for writing.
+4. The row of a special point is appended before its record, so a record never lacks its row.
+5. A running database only grows. `truncate` and `drop` write a new file beside the old one and put it in
+   its place, so that at every moment one whole file exists.
+6. `rows` and `specials` are in the order of appending; `branch` sorts by arclength and names special points.
+7. A branch without an outcome is incomplete; it loads as `stopped`, `interrupted`.
+8. One writer at a time. A second process gets a `DatabaseError`, never a traceback.
+9. What goes wrong is a `DatabaseError` that names the file and the remedy. Nothing is cut silently.
+
+`docs/schema.md` describes the file. h5py is imported only when a file is opened.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from contwalk.storage.database import Database, RunHeader
+from contwalk.storage.document import document, interface_schema
+from contwalk.storage.memory import MemoryDatabase
+from contwalk.storage.tables import to_pandas, write_tables
+
+if TYPE_CHECKING:
+    from contwalk.storage.hdf5 import Hdf5Database
+
+__all__ = [
+    "Database",
+    "Hdf5Database",
+    "MemoryDatabase",
+    "RunHeader",
+    "document",
+    "interface_schema",
+    "open_database",
+    "to_pandas",
+    "write_tables",
+]
+
+
+def open_database(path: str | Path) -> Hdf5Database:
+    """Open a stored run for reading.
+
+    Raises
+    ------
+    DatabaseError
+        If the file is missing, is not a contwalk database, is damaged, or is being written.
+    """
+    from contwalk.storage.hdf5 import Hdf5Database
+
+    return Hdf5Database.open(path)
+
+
+def __getattr__(name: str) -> Any:
+    # h5py takes a noticeable part of a second to import; only those who open a file pay for it.
+    if name == "Hdf5Database":
+        from contwalk.storage.hdf5 import Hdf5Database
+
+        return Hdf5Database
+    raise AttributeError(f"module 'contwalk.storage' has no attribute '{name}'")

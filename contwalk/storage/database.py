@@ -1,0 +1,155 @@
+"""The protocol of a branch database, and what every database does alike."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+
+from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint, named
+from contwalk.errors import DatabaseError
+from contwalk.system.declarations import nearest
+
+INTERRUPTED = Outcome(
+    "stopped",
+    "interrupted",
+    "The run ended before this branch did; every point computed until then is stored. "
+    "Go on with: contwalk continue FILE --resume",
+)
+
+
+@dataclass(frozen=True)
+class RunHeader:
+    """What is true of a whole run.
+
+    Parameters
+    ----------
+    system : str
+        Name of the system.
+    model : mapping
+        Declared model choices.
+    config : str
+        Text of the run file.
+    provenance : mapping
+        Versions, platform, hash of the plugin's source, time, tolerances (plain JSON values).
+    """
+
+    system: str
+    model: Mapping[str, Any] = field(default_factory=dict)
+    config: str = ""
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+
+
+class Database(Protocol):
+    """A store of branches; the rules are stated in `contwalk.storage`.
+
+    Every method that names a branch raises `DatabaseError` for one that does not exist; every method that
+    writes raises it for a database that is closed or open for reading only.
+    """
+
+    @property
+    def header(self) -> RunHeader:
+        """The header given at creation."""
+
+    @property
+    def path(self) -> Path | None:
+        """Where the database is; None in memory."""
+
+    def start_branch(self, info: BranchInfo) -> None:
+        """Begin a branch. `DatabaseError` if its name is taken."""
+
+    def append(self, name: str, row: np.ndarray | np.void) -> None:
+        """Append one point, a record of dtype `info.point_dtype()`. `DatabaseError` on a finished branch."""
+
+    def append_special(self, name: str, point: SpecialPoint) -> None:
+        """Append a special point, whose row was appended before."""
+
+    def finish(self, name: str, outcome: Outcome, cost: Mapping[str, float]) -> None:
+        """Say how the branch ended and what it cost (`seconds`, `rhs`)."""
+
+    def drop_outcome(self, name: str) -> None:
+        """Reopen a finished branch."""
+
+    def truncate(self, name: str, rows: int, specials: int) -> None:
+        """Keep the first `rows` points and `specials` special points, in the order of appending."""
+
+    def drop(self, name: str) -> None:
+        """Remove a branch."""
+
+    def rows(self, name: str) -> np.ndarray:
+        """Points in the order of appending."""
+
+    def specials(self, name: str) -> list[SpecialPoint]:
+        """Special points in the order of appending."""
+
+    def branch_names(self) -> list[str]:
+        """Names in the order of creation."""
+
+    def branch(self, name: str) -> Branch:
+        """The branch with its points sorted by `s` and its special points named."""
+
+    def branches(self) -> list[Branch]:
+        """All branches in the order of creation."""
+
+    def write_note(self, key: str, text: str) -> None:
+        """Keep a text under a key; the last one counts."""
+
+    def notes(self) -> dict[str, str]:
+        """All notes."""
+
+    def close(self) -> None:
+        """Release the file. Closing twice is allowed."""
+
+
+def assemble(
+    info: BranchInfo,
+    rows: np.ndarray,
+    specials: Sequence[SpecialPoint],
+    end: tuple[Outcome, Mapping[str, float]] | None,
+) -> Branch:
+    """A `Branch` from what is stored in the order of appending; `end` is None while it is not finished."""
+    points = rows[np.argsort(rows["s"], kind="stable")]
+    last = max(len(points) - 1, 0)
+    # A special point behind the last row can only be the one whose row was torn: keep it on the branch.
+    special_points = [replace(point, index=min(point.index, last)) for point in named(list(specials), points)]
+    if end is None:
+        cost = {"seconds": float(rows["seconds"].sum()), "rhs": int(rows["rhs"].sum())}
+        return Branch(info, points, special_points, INTERRUPTED, cost, complete=False)
+    return Branch(info, points, special_points, end[0], {"seconds": 0.0, "rhs": 0, **end[1]})
+
+
+def checked_row(info: BranchInfo, row: np.ndarray | np.void) -> np.ndarray:
+    """The row as an array of one record; refused unless it has exactly the announced columns."""
+    record = np.asarray(row)
+    if record.dtype != info.point_dtype() or record.size != 1:
+        raise DatabaseError(
+            f"A point of branch {info.name} has the columns {record.dtype} and the shape {record.shape}.",
+            f"One record of the columns {info.point_dtype()} is allowed.",
+        )
+    return record.reshape(1)
+
+
+def check_new_name(name: str, names: Sequence[str]) -> None:
+    """Refuse a branch name that is taken, or that cannot be part of `branch/point`."""
+    if name in names:
+        raise DatabaseError(f"Branch '{name}' exists already.", "Drop it first, or choose another name.")
+    if not name or "/" in name or name.startswith("."):
+        raise DatabaseError(
+            f"A branch cannot be named '{name}'.", "Use a name such as b1, without '/' or a leading dot."
+        )
+
+
+def unknown_branch(name: str, names: Sequence[str], where: str) -> DatabaseError:
+    """The error for a branch that does not exist."""
+    known = f"Known: {', '.join(names)}." if names else "It has no branches."
+    return DatabaseError(f"{where} has no branch '{name}'.", f"{nearest(name, names)} {known}".strip())
+
+
+def finished(name: str) -> DatabaseError:
+    """The error for writing to a finished branch."""
+    return DatabaseError(
+        f"Branch {name} is finished; nothing can be appended.", "Reopen it with drop_outcome first."
+    )

@@ -1,0 +1,123 @@
+"""What the operating system or HDF5 refuses, said in sentences."""
+
+from __future__ import annotations
+
+import errno
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from contwalk.errors import DatabaseError
+
+RESERVE = 1 << 16  # bytes left free for HDF5's own records, so that closing the file still succeeds
+
+_FULL = (errno.ENOSPC, errno.EDQUOT)
+_FORBIDDEN = (errno.EACCES, errno.EPERM, errno.EROFS)
+# What is damaged fails in h5py, or later where its content is not what the schema says.
+_RAISED_BY: dict[str, tuple[type[Exception], ...]] = {
+    "read": (OSError, RuntimeError, KeyError, ValueError, TypeError),
+    "write": (OSError, RuntimeError),
+    "create": (OSError, RuntimeError),
+}
+_AGAIN = "Restore the file from a copy, or compute it again with contwalk continue FILE --force."
+
+
+@contextmanager
+def failures_of(path: Path, purpose: str) -> Iterator[None]:
+    """Turn the errors of h5py and the operating system into a `DatabaseError` about `path`.
+
+    Parameters
+    ----------
+    path : Path
+    purpose : str
+        `read`, `write` or `create`.
+    """
+    try:
+        yield
+    except _RAISED_BY[purpose] as error:
+        raise explained(path, purpose, error) from error
+
+
+def explained(path: Path, purpose: str, error: Exception) -> DatabaseError:
+    """The `DatabaseError` for an exception; h5py often gives the reason only in its text."""
+    text = str(error)
+    code = getattr(error, "errno", None)
+    if code in _FULL or os.strerror(errno.ENOSPC) in text or f"errno = {errno.EDQUOT}" in text:
+        return disk_full(path)
+    if "unable to lock file" in text or "file is already open" in text:
+        return DatabaseError(
+            f"{path} is in use: another process reads or writes it.",
+            "Wait until that run has ended, or stop it; what it has stored is kept.",
+        )
+    if code in _FORBIDDEN or any(f"errno = {number}" in text for number in _FORBIDDEN):
+        return DatabaseError(
+            f"{path} cannot be {_done(purpose)}: {os.strerror(code) if code else 'permission denied'}.",
+            "Change its permissions, or choose another output.",
+        )
+    if purpose == "create":
+        return DatabaseError(f"{path} cannot be created: {text}", "Choose another output.")
+    if "truncated file" in text:
+        return DatabaseError(f"{path} is damaged: its end is missing.", _AGAIN)
+    return DatabaseError(f"{path} is damaged and cannot be {_done(purpose)} ({text}).", _AGAIN)
+
+
+def disk_full(path: Path) -> DatabaseError:
+    """The error for a disk without space."""
+    return DatabaseError(
+        f"The disk is full: {path} cannot grow. Every point stored before is kept.",
+        "Free some space, then go on with: contwalk continue FILE --resume",
+    )
+
+
+def check_space(path: Path, size: int) -> None:
+    """Refuse to write `size` bytes unless they fit well.
+
+    HDF5 cannot take back a write that failed half-way, so a full disk is noticed before it.
+    """
+    if shutil.disk_usage(path).free < size + RESERVE:
+        raise disk_full(path)
+
+
+def check_output(path: Path, overwrite: bool) -> None:
+    """Refuse an output that cannot be created, before anything is computed or written."""
+    if path.is_dir():
+        raise DatabaseError(f"{path} is a directory.", "Name a file in it, such as run.h5.")
+    if not path.parent.is_dir():
+        raise DatabaseError(
+            f"{path} cannot be created: the directory {path.parent} does not exist.",
+            "Create it, or choose another output.",
+        )
+    if path.exists() and not path.is_file():
+        raise DatabaseError(f"{path} is not a regular file.", "Choose another output.")
+    if path.exists() and not overwrite:
+        raise DatabaseError(
+            f"{path} exists.", "Continue it with --resume, replace it with --force, or choose another output."
+        )
+
+
+def check_input(path: Path) -> None:
+    """Refuse what is missing or is no file; recognise by its signature what is not HDF5."""
+    if path.is_dir():
+        raise DatabaseError(f"{path} is a directory.", "Name the file of a run in it, such as run.h5.")
+    if not path.exists():
+        near = sorted(other.name for other in path.parent.glob("*.h5")) if path.parent.is_dir() else []
+        known = f"In its directory are: {', '.join(near)}." if near else "Its directory holds no .h5 file."
+        raise DatabaseError(f"{path} does not exist.", f"Name the file of a run. {known}")
+    with failures_of(path, "read"), path.open("rb") as file:
+        signature = file.read(8)
+    if signature != b"\x89HDF\r\n\x1a\n":
+        raise not_contwalk(path, "not an HDF5 file")
+
+
+def not_contwalk(path: Path, what: str) -> DatabaseError:
+    """The error for a file of something else."""
+    return DatabaseError(
+        f"{path} is not a contwalk database: it is {what}.",
+        "Name a file that contwalk continue has written.",
+    )
+
+
+def _done(purpose: str) -> str:
+    return {"read": "read", "write": "written", "create": "created"}[purpose]

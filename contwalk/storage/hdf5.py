@@ -1,0 +1,277 @@
+"""A database in an HDF5 file; `docs/schema.md` describes it.
+
+In use a file only grows, by records that are flushed one by one (see `records`). Whatever would make HDF5
+reorder its own bookkeeping, or find it torn after a kill, is done by copying into a new file instead.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from pathlib import Path
+from types import TracebackType
+
+import h5py
+import numpy as np
+
+from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint
+from contwalk.errors import DatabaseError
+from contwalk.storage.database import (
+    RunHeader,
+    assemble,
+    check_new_name,
+    checked_row,
+    finished,
+    unknown_branch,
+)
+from contwalk.storage.failures import check_input, check_output, check_space, failures_of
+from contwalk.storage.hdf5_branch import StoredBranch
+from contwalk.storage.hdf5_file import CATALOGUE, NOTES, catalogued, create_file, open_file, read_header
+from contwalk.storage.records import RecordLog
+from contwalk.storage.schema import TEXT_DTYPE, decode, encode, joined, pieces
+
+
+class Hdf5Database:
+    """A `Database` in a file. Make one with `create` or `open`; use it as a context manager."""
+
+    def __init__(self, path: Path, file: h5py.File, writable: bool) -> None:
+        self._path = path
+        self._writable = writable
+        self._attach(file)
+
+    @classmethod
+    def create(cls, path: str | Path, header: RunHeader, overwrite: bool = False) -> Hdf5Database:
+        """Create a file and open it for writing.
+
+        An existing file is replaced only when the new one is whole.
+
+        Raises
+        ------
+        DatabaseError
+            If the output exists (unless `overwrite`), is a directory, is in use, or cannot be written.
+        """
+        path = Path(path)
+        check_output(path, overwrite)
+        if path.exists():
+            _check_unused(path)
+        with _placed(path, header) as file:
+            del file
+        return cls(path, open_file(path, writable=True), True)
+
+    @classmethod
+    def open(cls, path: str | Path, writable: bool = False) -> Hdf5Database:
+        """Open a file.
+
+        Opening for writing first copies what is whole into a new file in its place: nothing that a killed
+        run left half-written stays.
+
+        Raises
+        ------
+        DatabaseError
+            If the file is missing, is not a contwalk database, has a newer schema, is damaged, or is in use.
+        """
+        path = Path(path)
+        check_input(path)
+        database = cls(path, open_file(path, writable), writable)
+        if writable:
+            try:
+                database._rewrite()
+            except BaseException:
+                database.close()
+                raise
+        return database
+
+    def _attach(self, file: h5py.File) -> None:
+        self._file = file
+        self._branches: dict[str, StoredBranch] = {}
+        try:
+            self._header = read_header(self._path, file)
+            with failures_of(self._path, "read"):
+                self._notes = RecordLog(file[NOTES], TEXT_DTYPE)
+                for stored in map(StoredBranch.open, catalogued(file)):
+                    self._branches[stored.info.name] = stored
+        except BaseException:
+            file.close()
+            raise
+
+    def __enter__(self) -> Hdf5Database:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    @property
+    def header(self) -> RunHeader:
+        """The header given at creation."""
+        return self._header
+
+    @property
+    def path(self) -> Path:
+        """The file."""
+        return self._path
+
+    def close(self) -> None:
+        """Release the file. Everything was flushed before."""
+        # On a full disk HDF5 fails to close what it failed to write; what it could write is on disk.
+        with contextlib.suppress(OSError, RuntimeError):
+            self._file.close()
+
+    def start_branch(self, info: BranchInfo) -> None:
+        """Begin a branch."""
+        check_new_name(info.name, self.branch_names())
+        order = len(self._branches)
+        if order == len(self._file[CATALOGUE]):
+            self._rewrite()
+        with self._writing(4096):
+            self._branches[info.name] = StoredBranch.create(self._file, order, info)
+
+    def append(self, name: str, row: np.ndarray | np.void) -> None:
+        """Append one point; it is on disk when this returns."""
+        record = checked_row(self._unfinished(name).info, row)
+        if self._stored(name).points.full(1):
+            self._rewrite()
+        with self._writing(record.nbytes):
+            self._stored(name).append_row(record)
+
+    def append_special(self, name: str, point: SpecialPoint) -> None:
+        """Append a special point; it is on disk when this returns."""
+        record = self._unfinished(name).special_record(point)
+        if self._stored(name).special_points.full(1):
+            self._rewrite()
+        with self._writing(record.nbytes):
+            self._stored(name).special_points.append(record)
+
+    def finish(self, name: str, outcome: Outcome, cost: Mapping[str, float]) -> None:
+        """Say how the branch ended."""
+        stored = self._unfinished(name)
+        with self._writing(4096):
+            stored.write_end(outcome, cost)
+
+    def drop_outcome(self, name: str) -> None:
+        """Reopen a finished branch."""
+        stored = self._stored(name)
+        if stored.end() is not None:
+            with self._writing(4096):
+                stored.reopen()
+
+    def truncate(self, name: str, rows: int, specials: int) -> None:
+        """Keep the first ones; a shorter branch goes into a new file that replaces this one."""
+        stored = self._stored(name)
+        if rows < stored.points.count or specials < stored.special_points.count:
+            self._rewrite(truncated={name: (rows, specials)})
+
+    def drop(self, name: str) -> None:
+        """Remove a branch; the others go into a new file that replaces this one."""
+        self._rewrite(dropped=self._stored(name).info.name)
+
+    def rows(self, name: str) -> np.ndarray:
+        """Points in the order of appending."""
+        stored = self._stored(name)
+        with failures_of(self._path, "read"):
+            return stored.rows()
+
+    def specials(self, name: str) -> list[SpecialPoint]:
+        """Special points in the order of appending."""
+        stored = self._stored(name)
+        with failures_of(self._path, "read"):
+            return stored.specials()
+
+    def branch_names(self) -> list[str]:
+        """Names in the order of creation."""
+        self._check_open()
+        return list(self._branches)
+
+    def branch(self, name: str) -> Branch:
+        """One branch, sorted and named."""
+        stored = self._stored(name)
+        with failures_of(self._path, "read"):
+            return assemble(stored.info, stored.rows(), stored.specials(), stored.end())
+
+    def branches(self) -> list[Branch]:
+        """All branches."""
+        return [self.branch(name) for name in self.branch_names()]
+
+    def write_note(self, key: str, text: str) -> None:
+        """Keep a text under a key; the last one counts."""
+        self._check_open()
+        records = pieces(encode([key, text], "a note"))
+        if self._notes.full(len(records)):
+            self._rewrite()
+        with self._writing(records.nbytes):
+            self._notes.append(records)
+
+    def notes(self) -> dict[str, str]:
+        """All notes."""
+        self._check_open()
+        with failures_of(self._path, "read"):
+            return dict(map(decode, joined(self._notes.read())))
+
+    def _rewrite(self, truncated: Mapping[str, tuple[int, int]] | None = None, dropped: str = "") -> None:
+        """Copy what is kept into a new file and put it in the place of this one."""
+        kept = [stored for stored in self._branches.values() if stored.info.name != dropped]
+        with self._writing(self._path.stat().st_size):
+            notes = self._notes.read()
+            with _placed(self._path, self._header, notes, len(kept)) as file:
+                for order, stored in enumerate(kept):
+                    rows, specials = (truncated or {}).get(stored.info.name, (None, None))
+                    stored.copy_to(file, order, rows, specials)
+                self._file.close()
+        self._attach(open_file(self._path, writable=True))
+
+    @contextlib.contextmanager
+    def _writing(self, size: int) -> Iterator[None]:
+        """Refuse what cannot be written now, and explain what fails."""
+        self._check_open()
+        if not self._writable:
+            raise DatabaseError(f"{self._path} is open for reading only.", "Open it with writable=True.")
+        with failures_of(self._path, "write"):
+            check_space(self._path, size)
+            yield
+
+    def _check_open(self) -> None:
+        if not self._file:
+            raise DatabaseError(f"{self._path} is closed.", "Open it again with contwalk.open_database.")
+
+    def _stored(self, name: str) -> StoredBranch:
+        self._check_open()
+        if name not in self._branches:
+            raise unknown_branch(name, self.branch_names(), str(self._path))
+        return self._branches[name]
+
+    def _unfinished(self, name: str) -> StoredBranch:
+        stored = self._stored(name)
+        if stored.end() is not None:
+            raise finished(name)
+        return stored
+
+
+@contextlib.contextmanager
+def _placed(
+    path: Path, header: RunHeader, notes: np.ndarray | None = None, branches: int = 0
+) -> Iterator[h5py.File]:
+    """A new file to fill, put at `path` when it is whole and closed; otherwise `path` stays as it was."""
+    text = encode(asdict(header), "the header")
+    target = Path(os.path.realpath(path))  # a symbolic link stays one
+    draft = target.with_name(f".{target.name}.{os.getpid()}.new")
+    with failures_of(path, "create"):
+        check_space(target.parent, len(text))
+        try:
+            with create_file(draft, header, text, notes, branches) as file:
+                yield file
+            draft.replace(target)
+        finally:
+            draft.unlink(missing_ok=True)
+
+
+def _check_unused(path: Path) -> None:
+    """Refuse to replace a file that a run is writing; one that cannot be read otherwise may be replaced."""
+    try:
+        check_input(path)
+        open_file(path, writable=True).close()
+    except DatabaseError as error:
+        if "is in use" in error.sentence:
+            raise

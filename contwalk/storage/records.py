@@ -1,0 +1,132 @@
+"""A log of fixed-length records in HDF5 that survives `kill -9`.
+
+A resizable compound dataset. Its last column is the CRC-32 of the bytes before it, so that a record that was
+not written to its end is recognised, whatever it holds: the fill value, a hole of zeros, or half of itself.
+
+For each append HDF5 writes the record, then the new length and, last, how far the file reaches. A kill between
+these is harmless. But where the index of chunks outgrows its first node, HDF5 moves entries between nodes
+in several writes, and a kill between those loses rows in the middle. So a chunk holds many rows, and a log
+that is `full` is to be copied, into one with larger chunks, before it grows on.
+"""
+
+from __future__ import annotations
+
+import zlib
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from contwalk.errors import DatabaseError
+
+CRC = "crc32"
+INDEX_ENTRIES = 64  # of one node of the chunk index: 2 K with the default K = 32 of an HDF5 file
+
+
+def _stored(dtype: np.dtype) -> np.dtype:
+    """The dtype with its checksum; text is marked as UTF-8, which changes no byte."""
+    columns = []
+    for name in dtype.names or ():
+        column = dtype[name]
+        columns.append((name, h5py.string_dtype("utf-8", column.itemsize) if column.kind == "S" else column))
+    return np.dtype([*columns, (CRC, "<u4")])
+
+
+def _sealed(records: np.ndarray) -> np.ndarray:
+    """Records with their checksums, as they are stored."""
+    dtype, size = records.dtype, records.dtype.itemsize
+    raw = records.tobytes()
+    parts = []
+    for start in range(0, len(raw), size):
+        part = raw[start : start + size]
+        parts += [part, zlib.crc32(part).to_bytes(4, "little")]
+    return np.frombuffer(b"".join(parts), _stored(dtype))
+
+
+class RecordLog:
+    """An append-only dataset of records.
+
+    Parameters
+    ----------
+    dataset : h5py.Dataset
+    dtype : numpy.dtype
+        Packed dtype of one record without its checksum.
+    """
+
+    def __init__(self, dataset: h5py.Dataset, dtype: np.dtype) -> None:
+        self.dataset = dataset
+        self.dtype = dtype
+        # Kept here, not read from the dataset: after a Ctrl-C between growing and writing, the dataset has a
+        # row that was never written, and the next append must fill it.
+        self.count = int(dataset.shape[0])
+
+    @classmethod
+    def create(cls, group: h5py.Group, name: str, records: np.ndarray, chunk: int) -> RecordLog:
+        """Create the dataset `name` with `records`, a packed structured array, perhaps of length 0.
+
+        A chunk holds `chunk` rows, or more where the log is long already.
+        """
+        chunk = max(chunk, 2 * len(records) // INDEX_ENTRIES + 1)
+        dataset = group.create_dataset(
+            name, (len(records),), _stored(records.dtype), maxshape=(None,), chunks=(chunk,)
+        )
+        if len(records):
+            dataset[...] = _sealed(records)
+        return cls(dataset, records.dtype)
+
+    def full(self, more: int) -> bool:
+        """Whether `more` records would outgrow the first node of the chunk index."""
+        return self.count + more > INDEX_ENTRIES * int(self.dataset.chunks[0])
+
+    def append(self, records: np.ndarray) -> None:
+        """Append records one by one, each on disk before the next, so that one at most can be torn."""
+        for sealed in _sealed(records):
+            self.dataset.resize((self.count + 1,))
+            self.dataset[self.count] = sealed
+            self.dataset.file.flush()
+            self.count += 1
+
+    def read(self) -> np.ndarray:
+        """All whole records; a torn one at the end is left out.
+
+        Raises
+        ------
+        DatabaseError
+            If records are missing other than the very last: the file is damaged.
+        """
+        raw = self._raw_rows()
+        size = self.dtype.itemsize
+        whole = [
+            len(row) == size + 4 and zlib.crc32(row[:size]) == int.from_bytes(row[size:], "little")
+            for row in raw
+        ]
+        torn = bool(whole) and not whole[-1]
+        kept = raw[: len(raw) - torn]
+        if not all(whole[: len(kept)]):
+            raise DatabaseError(
+                f"{Path(self.dataset.file.filename)} is damaged: row {whole.index(False)} of {len(whole)} of "
+                f"{self.dataset.name} fails its checksum.",
+                "Restore the file from a copy, or compute it again with contwalk continue FILE --force.",
+            )
+        return np.frombuffer(b"".join(row[:size] for row in kept), self.dtype)
+
+    def _raw_rows(self) -> list[bytes]:
+        """The bytes of each row; empty for one that HDF5 cannot read."""
+        size = self.dtype.itemsize + 4
+        if self.dataset.dtype.itemsize != size:
+            raise DatabaseError(
+                f"{Path(self.dataset.file.filename)} is damaged: the columns of {self.dataset.name} are not "
+                "those that its branch announces.",
+                "Restore the file from a copy, or compute it again with contwalk continue FILE --force.",
+            )
+        try:
+            raw = self.dataset[()].tobytes()
+        except OSError:
+            return [self._raw_row(row) for row in range(len(self.dataset))]
+        return [raw[start : start + size] for start in range(0, len(raw), size)]
+
+    def _raw_row(self, row: int) -> bytes:
+        try:
+            return bytes(self.dataset[row : row + 1].tobytes())
+        except OSError:
+            return b""

@@ -1,0 +1,179 @@
+"""Schema version 1: how the objects of a run become JSON text and fixed-length records.
+
+Stored JSON is standard JSON that round-trips every float: a number that is not finite becomes
+`{"$number": "nan"}`, a complex number `{"$complex": [re, im]}`.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, fields
+from typing import Any
+
+import numpy as np
+
+from contwalk.branch import BranchInfo, Outcome, SpecialPoint
+from contwalk.errors import DatabaseError
+
+FORMAT = "contwalk"
+SCHEMA_VERSION = 1
+
+PIECE = 1024  # bytes of text in one row of a text log (outcome, notes)
+TEXT_CHUNK = 8  # rows in one chunk of a text log
+POINT_CHUNK = 64
+SPECIAL_CHUNK = 8
+TEXT_DTYPE = np.dtype([("text", f"S{PIECE}"), ("left", "<i4")])  # `left`: pieces still to come
+
+
+def encode(value: Any, what: str) -> str:
+    """JSON text of `value`; `what` names it in the error for things that JSON has no form for."""
+    return json.dumps(_plain(value, what), ensure_ascii=False, allow_nan=False)
+
+
+def decode(text: str) -> Any:
+    """Inverse of `encode`; tuples come back as lists."""
+    return json.loads(text, object_hook=_restored)
+
+
+def _plain(value: Any, what: str) -> Any:
+    if isinstance(value, np.generic | np.ndarray):
+        value = value.tolist()
+    if value is None or isinstance(value, str | bool | int):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else {"$number": repr(value)}
+    if isinstance(value, complex):
+        return {"$complex": [_plain(value.real, what), _plain(value.imag, what)]}
+    if isinstance(value, Mapping):
+        return {_key(key, what): _plain(item, what) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item, what) for item in value]
+    raise DatabaseError(
+        f"{what[0].upper() + what[1:]} holds {value!r} of type {type(value).__name__}, "
+        "which cannot be stored.",
+        "Use numbers, text, true/false, null, lists and mappings of them.",
+    )
+
+
+def _key(key: Any, what: str) -> str:
+    if isinstance(key, str):
+        return key
+    raise DatabaseError(f"{what[0].upper() + what[1:]} has the key {key!r}.", "Keys are text.")
+
+
+def _restored(item: dict[str, Any]) -> Any:
+    if item.keys() == {"$number"}:
+        return float(item["$number"])
+    if item.keys() == {"$complex"}:
+        return complex(*item["$complex"])
+    return item
+
+
+def info_text(info: BranchInfo) -> str:
+    """JSON text of a `BranchInfo`."""
+    return encode(asdict(info), f"branch {info.name}")
+
+
+def info_from_text(text: str) -> BranchInfo:
+    """Inverse of `info_text`."""
+    stored = decode(text)
+    for key in ("states", "observables", "free", "signature", "parent"):
+        stored[key] = None if stored[key] is None else tuple(stored[key])
+    return BranchInfo(**stored)
+
+
+def special_text(point: SpecialPoint) -> str:
+    """JSON text of a special point, without `name` and `index`, which depend on the whole branch."""
+    names = [field.name for field in fields(point) if field.name not in ("name", "index")]
+    return encode({name: getattr(point, name) for name in names}, f"a special point {point.label}")
+
+
+def special_from_text(text: str) -> SpecialPoint:
+    """Inverse of `special_text`."""
+    stored = decode(text)
+    for key in ("spectrum", "spectrum_full", "unknowns", "tangent"):
+        stored[key] = None if stored[key] is None else tuple(stored[key])
+    return SpecialPoint(**stored)
+
+
+def outcome_text(outcome: Outcome, cost: Mapping[str, float]) -> str:
+    """JSON text of how a branch ended and what it cost."""
+    return encode({"outcome": asdict(outcome), "cost": dict(cost)}, "the outcome")
+
+
+def outcome_from_text(text: str | None) -> tuple[Outcome, dict[str, float]] | None:
+    """Inverse of `outcome_text`; None for a branch that is not finished (no text, or reopened)."""
+    stored = decode(text) if text else None
+    return (Outcome(**stored["outcome"]), stored["cost"]) if stored else None
+
+
+def point_record_dtype(info: BranchInfo) -> np.dtype:
+    """`info.point_dtype()` as stored: little-endian, without the empty columns that HDF5 cannot hold.
+
+    Both are packed, so a row has the same bytes in either.
+    """
+    dtype = info.point_dtype().newbyteorder("<")
+    names = [name for name in dtype.names or () if dtype[name].itemsize]
+    return np.dtype([(name, dtype[name]) for name in names])
+
+
+def special_record_dtype(info: BranchInfo) -> np.dtype:
+    """One special point as stored: a few numeric columns for other tools, and the whole as JSON text.
+
+    The length of the text allows 32 characters a number and twice the numbers that the branch announces,
+    plus 8 KiB for coefficients, margins and the note.
+    """
+    names = (*info.parameters, *info.states, *info.observables, *info.free)
+    numbers = len(names) + 2 * info.unknowns + 1 + 4 * max(info.spectrum, len(info.states))
+    length = 8192 + 2 * (sum(len(name.encode()) + 4 for name in names) + 32 * numbers)
+    return np.dtype(
+        [
+            ("label", "S2"),
+            ("status", "S9"),
+            ("s", "<f8"),
+            ("free", "<f8", (len(info.free),)),
+            ("error", "<f8"),
+            ("record", f"S{length}"),
+        ]
+    )
+
+
+def special_record(info: BranchInfo, point: SpecialPoint, dtype: np.dtype) -> np.ndarray:
+    """One row of `special_record_dtype(info)`.
+
+    Raises
+    ------
+    DatabaseError
+        If the text does not fit: nothing is cut silently.
+    """
+    text = special_text(point).encode()
+    length = dtype["record"].itemsize
+    if len(text) > length:
+        raise DatabaseError(
+            f"A special point {point.label} of branch {info.name} needs {len(text)} bytes, more than the "
+            f"{length} that its branch reserves.",
+            "Shorten its note, coefficients or margins.",
+        )
+    free = [point.parameters.get(name, math.nan) for name in info.free]
+    error = math.nan if point.error is None else point.error
+    return np.array([(point.label.encode(), point.status.encode(), point.s, free, error, text)], dtype)
+
+
+def pieces(text: str) -> np.ndarray:
+    """Text of any length as rows of `TEXT_DTYPE`."""
+    raw = text.encode()
+    parts = [raw[start : start + PIECE] for start in range(0, len(raw), PIECE)]
+    return np.array([(part, len(parts) - 1 - row) for row, part in enumerate(parts)], TEXT_DTYPE)
+
+
+def joined(rows: np.ndarray) -> list[str]:
+    """Texts of a text log; a last text that lacks its end is left out."""
+    texts, text = [], b""
+    for part, left in zip(rows["text"].tolist(), rows["left"].tolist(), strict=True):
+        text += part
+        if left == 0:
+            texts.append(text.decode())
+            text = b""
+    return texts

@@ -1,0 +1,35 @@
+"""The plugin contract: how a machine is described.
+
+A plugin is one Python file that exports `SYSTEM`. The functions have fixed signatures and write their
+last argument; everything else is a declaration around them. See `docs/reference/plugin.md`.
+"""
+
+from contwalk.system.declarations import (
+    Mode,
+    Neutral,
+    Observable,
+    Parameter,
+    Start,
+    State,
+    Symmetry,
+    System,
+    Transition,
+)
+from contwalk.system.family import Choice, Family
+from contwalk.system.loading import list_systems, load_system
+
+__all__ = [
+    "Choice",
+    "Family",
+    "Mode",
+    "Neutral",
+    "Observable",
+    "Parameter",
+    "Start",
+    "State",
+    "Symmetry",
+    "System",
+    "Transition",
+    "list_systems",
+    "load_system",
+]

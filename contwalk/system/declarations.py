@@ -1,0 +1,407 @@
+"""Declarations a plugin is made of. Data only: nothing here computes.
+
+Rules of the contract
+---------------------
+1. `field(t, x, p, dx)`, `reset(t, x, p, x_plus)`, `Symmetry.map(t, x, p, x_image)` and
+   `Neutral.generator(t, x, p, v)` write every entry of their last argument and return nothing;
+   `guard(t, x, p)` returns a number.
+2. `x` is indexed by constants, `p` is read by name (`p.omega`).
+3. The functions are plain numeric Python: arithmetic, `math`, `numpy` scalars and loops with known bounds.
+   Exact derivatives of every order are taken from them; a plugin never supplies one.
+"""
+
+from __future__ import annotations
+
+import keyword
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from contwalk.errors import StartError, SystemDefinitionError
+
+ROLES_OF_TRANSITIONS = ("hard", "soft", "watched")
+ROLES_OF_SYMMETRIES = ("relabel", "spatial")
+DIRECTIONS = ("falling", "rising", "both")
+
+
+def nearest(name: str, known: Sequence[str]) -> str:
+    """Words that name the nearest known name, for error messages; empty when nothing is near."""
+    match = get_close_matches(name, list(known), n=1, cutoff=0.5)
+    return f"Did you mean '{match[0]}'?" if match else ""
+
+
+def _require_name(what: str, name: Any) -> None:
+    if not isinstance(name, str) or not name.isidentifier() or keyword.iskeyword(name):
+        raise SystemDefinitionError(
+            f"{what} has the name {name!r}, which is not a valid Python identifier.",
+            "Use letters, digits and underscores, not starting with a digit.",
+        )
+
+
+def _require_callable(what: str, function: Any) -> None:
+    if not callable(function):
+        raise SystemDefinitionError(f"{what} is {function!r}.", "It must be a function.")
+
+
+@dataclass(frozen=True)
+class State:
+    """One state variable.
+
+    Parameters
+    ----------
+    name : str
+    unit : str
+        Unit as text, `"1"` where dimensionless.
+    scale : float, optional
+        A typical magnitude. It only weighs the state in step lengths; without it one is estimated.
+    about : str
+        One line of meaning.
+    period : float, optional
+        For an angle, its period (`2 * math.pi`): states that differ by it are the same motion.
+    """
+
+    name: str
+    unit: str = "1"
+    scale: float | None = None
+    about: str = ""
+    period: float | None = None
+
+    def __post_init__(self) -> None:
+        _require_name("A state", self.name)
+        for what, value in (("scale", self.scale), ("period", self.period)):
+            if value is not None and not value > 0:
+                raise SystemDefinitionError(
+                    f"State '{self.name}' has {what} {value!r}.", f"A {what} is a positive number."
+                )
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One parameter, with its default, unit, bounds (`None` where unbounded) and one line of meaning."""
+
+    name: str
+    default: float
+    unit: str = "1"
+    bounds: tuple[float | None, float | None] = (None, None)
+    about: str = ""
+
+    def __post_init__(self) -> None:
+        _require_name("A parameter", self.name)
+        if isinstance(self.default, bool) or not isinstance(self.default, int | float):
+            raise SystemDefinitionError(
+                f"Parameter '{self.name}' has the default {self.default!r}.", "A default is a number."
+            )
+        low, high = self.bounds
+        if low is not None and high is not None and low > high:
+            raise SystemDefinitionError(
+                f"Parameter '{self.name}' has bounds {self.bounds}.", "The lower bound comes first."
+            )
+        if not self.allows(self.default):
+            raise SystemDefinitionError(
+                f"Parameter '{self.name}' has the default {self.default}, outside its bounds {self.bounds}.",
+                "Change one of them.",
+            )
+
+    def allows(self, value: float) -> bool:
+        """Whether `value` lies within the bounds."""
+        low, high = self.bounds
+        return bool(np.isfinite(value)) and (low is None or value >= low) and (high is None or value <= high)
+
+    def interval(self) -> str:
+        """The bounds as text: `[0, inf)`."""
+        low, high = self.bounds
+        left = "(-inf" if low is None else f"[{low:g}"
+        right = "inf)" if high is None else f"{high:g}]"
+        return f"{left}, {right}"
+
+
+@dataclass(frozen=True)
+class Mode:
+    """A smooth phase of motion with its vector field `field(t, x, p, dx)`."""
+
+    name: str
+    field: Callable[..., None]
+    about: str = ""
+
+    def __post_init__(self) -> None:
+        _require_name("A mode", self.name)
+        _require_callable(f"The field of mode '{self.name}'", self.field)
+
+
+@dataclass(frozen=True)
+class Transition:
+    """An event that leads from mode `source` to mode `target`.
+
+    It happens where `guard(t, x, p)` passes zero in `direction` (`falling`, `rising`, `both`); then
+    `reset(t, x, p, x_plus)` gives the state after it (without one the state is kept). `role` is `hard`, `soft`
+    (the field switches continuously) or `watched` (reported, not acted on).
+    """
+
+    name: str
+    source: str
+    target: str
+    guard: Callable[..., float]
+    direction: str = "falling"
+    reset: Callable[..., None] | None = None
+    role: str = "hard"
+    about: str = ""
+
+    def __post_init__(self) -> None:
+        _require_name("A transition", self.name)
+        _require_callable(f"The guard of transition '{self.name}'", self.guard)
+        if self.direction not in DIRECTIONS:
+            raise SystemDefinitionError(
+                f"Transition '{self.name}' has direction {self.direction!r}.",
+                f"Allowed: {', '.join(DIRECTIONS)}.",
+            )
+        if self.role not in ROLES_OF_TRANSITIONS:
+            raise SystemDefinitionError(
+                f"Transition '{self.name}' has role {self.role!r}.",
+                f"Allowed: {', '.join(ROLES_OF_TRANSITIONS)}.",
+            )
+
+
+@dataclass(frozen=True)
+class Symmetry:
+    """A map of the state space that takes motions to motions: `map(t, x, p, x_image)`.
+
+    `role` is `relabel` (both configurations are the same thing with names swapped) or `spatial` (the image
+    is another motion).
+    """
+
+    name: str
+    role: str
+    map: Callable[..., None]
+    about: str = ""
+
+    def __post_init__(self) -> None:
+        _require_name("A symmetry", self.name)
+        _require_callable(f"The map of symmetry '{self.name}'", self.map)
+        if self.role not in ROLES_OF_SYMMETRIES:
+            raise SystemDefinitionError(
+                f"Symmetry '{self.name}' has role {self.role!r}.",
+                f"Allowed: {', '.join(ROLES_OF_SYMMETRIES)}.",
+            )
+
+
+@dataclass(frozen=True)
+class Neutral:
+    """A direction along which solutions come in families: `generator(t, x, p, v)` writes it into `v`.
+
+    Where it is neutral along a branch, one member of the family is held (pinned) and the zero eigenvalue that
+    belongs to it is left out of the spectrum. `pin` names the state that is held; without it, motion
+    along the generator is. `value` names the parameter that says where; without it, the start's own value.
+    """
+
+    name: str
+    generator: Callable[..., None]
+    pin: str | None = None
+    value: str | None = None
+    about: str = ""
+
+    def __post_init__(self) -> None:
+        _require_name("A neutral direction", self.name)
+        _require_callable(f"The generator of '{self.name}'", self.generator)
+        if self.value is not None and self.pin is None:
+            raise SystemDefinitionError(
+                f"Neutral direction '{self.name}' has value='{self.value}' but no pin.",
+                "Name the state that is held with pin=.",
+            )
+
+
+@dataclass(frozen=True)
+class Observable:
+    """A number computed from a motion: `function(t, x, p)` with `t` of shape (k,) and `x` of shape (k, n).
+
+    An equilibrium is handed over as a motion of one instant (k = 1).
+    """
+
+    name: str
+    function: Callable[..., float]
+    unit: str = "1"
+    about: str = ""
+
+    def __post_init__(self) -> None:
+        _require_name("An observable", self.name)
+        _require_callable(f"The function of observable '{self.name}'", self.function)
+
+
+@dataclass(frozen=True)
+class Start:
+    """A named equilibrium known in closed form.
+
+    `states(p)` returns a list of states (each of length n); an empty list where none exists. `exists` says in
+    words when it exists, for the error message.
+    """
+
+    name: str
+    states: Callable[..., Sequence[Sequence[float]]]
+    about: str = ""
+    exists: str = ""
+
+    def __post_init__(self) -> None:
+        _require_name("A start", self.name)
+        _require_callable(f"The states of start '{self.name}'", self.states)
+
+
+@dataclass(frozen=True)
+class System:
+    """A machine: states, parameters, modes, transitions, and what is known about them.
+
+    Parameters
+    ----------
+    name : str
+    states, parameters, modes, transitions, symmetries, neutral, observables, starts : tuple
+        The declarations of this module.
+    period : callable, optional
+        `period(p)`, in seconds, of the forcing of a time-periodic system.
+    presets : mapping, optional
+        Named parameter sets: `{"name": {"parameter": value}}`.
+    draw : callable, optional
+        `draw(axes, t, x, p)` draws the machine at one instant on matplotlib axes.
+    reference : str
+        Where the equations come from.
+    """
+
+    name: str
+    states: tuple[State, ...]
+    parameters: tuple[Parameter, ...]
+    modes: tuple[Mode, ...]
+    transitions: tuple[Transition, ...] = ()
+    symmetries: tuple[Symmetry, ...] = ()
+    neutral: tuple[Neutral, ...] = ()
+    period: Callable[..., float] | None = None
+    observables: tuple[Observable, ...] = ()
+    starts: tuple[Start, ...] = ()
+    presets: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    draw: Callable[..., None] | None = None
+    reference: str = ""
+    about: str = ""
+    model: Mapping[str, Any] = field(default_factory=dict)
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        _require_name("A system", self.name)
+        for what, kind in _TUPLES.items():
+            entries = getattr(self, what)
+            if isinstance(entries, kind):
+                entries = (entries,)
+            entries = tuple(entries)
+            for entry in entries:
+                if not isinstance(entry, kind):
+                    raise SystemDefinitionError(
+                        f"System '{self.name}': {what} contains {entry!r}.",
+                        f"Each entry must be a {kind.__name__}(...).",
+                    )
+            names = [entry.name for entry in entries]
+            for name in names:
+                if names.count(name) > 1:
+                    raise SystemDefinitionError(
+                        f"System '{self.name}': {what} has '{name}' twice.", "Names must differ."
+                    )
+            object.__setattr__(self, what, entries)
+        for what in ("states", "modes"):
+            if not getattr(self, what):
+                raise SystemDefinitionError(f"System '{self.name}' has no {what}.", f"Declare {what}=(...,).")
+        self._check_references()
+
+    def _check_references(self) -> None:
+        state_names, parameter_names = self.state_names, self.parameter_names
+        for shared in set(state_names) & set(parameter_names):
+            raise SystemDefinitionError(
+                f"System '{self.name}': '{shared}' is a state and a parameter.", "Rename one of them."
+            )
+        modes = [mode.name for mode in self.modes]
+        for transition in self.transitions:
+            for end in (transition.source, transition.target):
+                if end not in modes:
+                    raise SystemDefinitionError(
+                        f"Transition '{transition.name}' refers to mode '{end}', which is not declared.",
+                        f"Declared modes: {', '.join(modes)}.",
+                    )
+        for neutral in self.neutral:
+            if neutral.pin is not None and neutral.pin not in state_names:
+                raise SystemDefinitionError(
+                    f"Neutral direction '{neutral.name}' pins '{neutral.pin}', which is not a state.",
+                    nearest(neutral.pin, state_names),
+                )
+            if neutral.value is not None and neutral.value not in parameter_names:
+                raise SystemDefinitionError(
+                    f"Neutral direction '{neutral.name}' takes its value from '{neutral.value}', "
+                    "which is not a parameter.",
+                    nearest(neutral.value, parameter_names),
+                )
+        for preset, values in self.presets.items():
+            for name in values:
+                if name not in parameter_names:
+                    raise SystemDefinitionError(
+                        f"Preset '{preset}' sets '{name}', which is not a parameter.",
+                        nearest(name, parameter_names),
+                    )
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """Names of the states in their order."""
+        return tuple(state.name for state in self.states)
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Names of the parameters in their order."""
+        return tuple(parameter.name for parameter in self.parameters)
+
+    def defaults(self) -> dict[str, float]:
+        """Default values of all parameters."""
+        return {parameter.name: float(parameter.default) for parameter in self.parameters}
+
+    def start(self, name: str) -> Start:
+        """The named start; `StartError` with the known names otherwise."""
+        for start in self.starts:
+            if start.name == name:
+                return start
+        known = [start.name for start in self.starts]
+        raise StartError(
+            f"System '{self.name}' has no equilibrium named '{name}'.",
+            f"Known: {', '.join(known)}. {nearest(name, known)}".strip()
+            if known
+            else "It names none: give the state itself, as in start: {state: {...}}.",
+        )
+
+    def named_states(self, name: str, parameters: Mapping[str, float]) -> list[np.ndarray]:
+        """States of the named start at these parameters, each of shape (n,).
+
+        Raises
+        ------
+        StartError
+            Where the equilibrium does not exist at these parameters.
+        """
+        start = self.start(name)
+        states = [np.asarray(x, dtype=float) for x in start.states(SimpleNamespace(**parameters))]
+        if not states:
+            reason = f" It exists {start.exists}." if start.exists else ""
+            raise StartError(
+                f"The equilibrium '{name}' of '{self.name}' does not exist at these parameters.{reason}",
+                "Change the parameters of the start.",
+            )
+        for x in states:
+            if x.shape != (len(self.states),):
+                raise SystemDefinitionError(
+                    f"Start '{name}' of '{self.name}' gives a state of shape {x.shape}.",
+                    f"It must have {len(self.states)} entries.",
+                )
+        return states
+
+
+_TUPLES: dict[str, type] = {
+    "states": State,
+    "parameters": Parameter,
+    "modes": Mode,
+    "transitions": Transition,
+    "symmetries": Symmetry,
+    "neutral": Neutral,
+    "observables": Observable,
+    "starts": Start,
+}

@@ -1,0 +1,136 @@
+"""Finding a system: by entry-point name, or by the path of a plugin file."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import sys
+import traceback
+from collections.abc import Mapping
+from dataclasses import replace
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any
+
+from contwalk.errors import ContwalkError, SystemDefinitionError
+from contwalk.system.declarations import System, nearest
+from contwalk.system.family import Family
+
+GROUP = "contwalk.systems"
+
+
+def list_systems() -> dict[str, str]:
+    """Installed systems: entry-point name -> `module:attribute`."""
+    return {point.name: point.value for point in sorted(entry_points(group=GROUP), key=lambda e: e.name)}
+
+
+def is_path(reference: str) -> bool:
+    """Whether a reference to a system is the path of a plugin file rather than an installed name."""
+    return reference.endswith(".py") or "/" in reference or "\\" in reference
+
+
+def load_declaration(reference: str, base: Path | None = None) -> System | Family:
+    """The plugin's `SYSTEM`, as declared.
+
+    Parameters
+    ----------
+    reference : str
+        An installed system's name, or the path of a plugin file.
+    base : Path, optional
+        What a relative path is relative to; the current directory by default.
+
+    Raises
+    ------
+    SystemDefinitionError
+        If there is no such system, or its file cannot be imported or exports no `SYSTEM`.
+    """
+    if is_path(reference):
+        return _from_file((base or Path.cwd()) / reference, reference)
+    for point in entry_points(group=GROUP):
+        if point.name == reference:
+            return _checked(point.load(), reference)
+    known = list(list_systems())
+    raise SystemDefinitionError(
+        f"There is no installed system named '{reference}'.",
+        f"Installed: {', '.join(known) or 'none'}. {nearest(reference, known)} "
+        "For a plugin file of your own, give its path, as in ./my_model.py.".replace("  ", " "),
+    )
+
+
+def load_system(reference: str, model: Mapping[str, Any] | None = None, base: Path | None = None) -> System:
+    """The system of this name or plugin file, built with these model choices.
+
+    Raises
+    ------
+    SystemDefinitionError
+        As `load_declaration`, and for a model choice that the system does not have.
+    """
+    declared = load_declaration(reference, base)
+    if isinstance(declared, Family):
+        system = declared.with_model(model or {})
+    elif model:
+        raise SystemDefinitionError(
+            f"System '{reference}' has no model choices, but {', '.join(model)} is given.",
+            "Remove the key `model`.",
+        )
+    else:
+        system = declared
+    return replace(system, source=source_hash(system))
+
+
+def source_hash(system: System) -> str:
+    """Hash of the file that defines the system's first field, for provenance."""
+    code = getattr(system.modes[0].field, "__code__", None)
+    path = Path(code.co_filename) if code is not None else None
+    if path is None or not path.is_file():
+        return ""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _from_file(path: Path, reference: str) -> System | Family:
+    if not path.is_file():
+        raise SystemDefinitionError(
+            f"The plugin file {path} does not exist.",
+            "Relative paths are relative to the run file; check the name.",
+        )
+    name = f"contwalk_plugin_{hashlib.sha256(str(path.resolve()).encode()).hexdigest()[:12]}"
+    spec = importlib.util.spec_from_file_location(name, path)
+    if spec is None or spec.loader is None:
+        raise SystemDefinitionError(f"{path} is not a Python file.", "A plugin's name ends in .py.")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except ContwalkError as error:
+        raise type(error)(
+            f"{_where(error, path)}: {error.sentence}",
+            error.remedy,
+        ) from error
+    except Exception as error:
+        raise SystemDefinitionError(
+            f"{_where(error, path)}: {type(error).__name__}: {error}",
+            "The plugin file must import without an error.",
+        ) from error
+    if not hasattr(module, "SYSTEM"):
+        raise SystemDefinitionError(
+            f"The plugin file {path} exports no SYSTEM.", "Add SYSTEM = System(...) at its end."
+        )
+    return _checked(module.SYSTEM, reference)
+
+
+def _where(error: BaseException, path: Path) -> str:
+    """`file, line n` of the plugin's own frame that an error came through."""
+    if isinstance(error, SyntaxError) and error.lineno is not None:
+        return f"{path}, line {error.lineno}"
+    for frame in reversed(traceback.extract_tb(error.__traceback__)):
+        if Path(frame.filename).resolve() == path.resolve():
+            return f"{path}, line {frame.lineno}"
+    return str(path)
+
+
+def _checked(declared: Any, reference: str) -> System | Family:
+    if isinstance(declared, System | Family):
+        return declared
+    raise SystemDefinitionError(
+        f"SYSTEM of '{reference}' is a {type(declared).__name__}.", "It must be a System(...) or a Family(...)."
+    )

@@ -1,0 +1,220 @@
+"""What a run does along its branches: the range, marked values, where orbits are reported, figures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from contwalk.system.declarations import System
+from contwalk.workflow.run_model import FigureOptions, ReportPlace, RunModel
+from contwalk.workflow.run_parameters import check_bounds, parameter_named
+from contwalk.workflow.run_problems import Problems, allowed
+from contwalk.workflow.run_starts import StartSpec
+from contwalk.workflow.run_values import FIGURES
+from contwalk.workflow.yaml_lines import Key
+
+PATH = "path"  # the name of the free parameter of a parameter path
+BUILT_IN = ("max_re", "max_abs")  # largest real part of an equilibrium, largest modulus of an orbit
+DIRECTIONS = {
+    "both": "both",
+    "forward": "forward",
+    "up": "forward",
+    "backward": "backward",
+    "down": "backward",
+}
+
+
+@dataclass(frozen=True)
+class Mark:
+    """Values of a parameter or observable to be marked (UZ), and whether its extrema are."""
+
+    name: str
+    values: tuple[float, ...]
+    extremum: bool = False
+
+
+@dataclass(frozen=True)
+class FigureSpec:
+    """A figure by its name, with the options `x`, `y` and `file` that the file gives."""
+
+    name: str
+    options: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class ReportAt:
+    """Where the state of an orbit is reported: at an event, or where a state passes a value."""
+
+    event: str | None = None
+    side: str | None = None
+    section: tuple[str, float] | None = None
+    direction: str | None = None
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Names that have a value changing along a branch."""
+
+    problems: Problems
+    system: System
+    free: str
+    varying: tuple[str, ...]
+
+    def check(self, key: Key, name: str) -> None:
+        """Note a problem at `key` unless `name` changes along the branch."""
+        observables = tuple(observable.name for observable in self.system.observables)
+        known = tuple(dict.fromkeys((self.free, *self.varying, *observables, *BUILT_IN)))
+        if name in known:
+            return
+        if name in self.system.parameter_names:
+            sentence = f"'{name}' is a parameter that does not change along the branch."
+        elif name in self.system.state_names:
+            sentence = f"'{name}' is a state, not an observable."
+        else:
+            sentence = f"'{name}' is neither the free parameter nor an observable of '{self.system.name}'."
+            self.problems.add(key, sentence, allowed(known, name))
+            return
+        self.problems.add(key, sentence, allowed(known))
+
+
+def free_parameter(problems: Problems, system: System, model: RunModel) -> str | None:
+    """The name of the free parameter, `path` on a parameter path."""
+    name = model.continue_.parameter
+    if model.path is not None:
+        if name is not None:
+            problems.add(
+                ("continue", "parameter"), f"both '{name}' and a path are given.", "Remove one of the two."
+            )
+        return PATH
+    if name is None:
+        problems.add(
+            ("continue", "parameter"),
+            "nothing is continued.",
+            f"Give a parameter here, or a path. {allowed(system.parameter_names)}",
+        )
+        return None
+    return name if parameter_named(problems, ("continue", "parameter"), system, name) else None
+
+
+def continued_range(
+    problems: Problems, system: System, model: RunModel, free: str | None
+) -> tuple[float, float]:
+    """The range of the free parameter, lower end first."""
+    key: Key = ("continue", "range")
+    ends = model.continue_.range
+    on_path = model.path is not None
+    if ends is None and on_path:
+        return 0.0, 1.0
+    if ends is None or len(ends) != 2:
+        sentence = "the key is missing." if ends is None else f"has {len(ends)} numbers."
+        problems.add(key, sentence, "Allowed: two numbers, [lowest, highest].")
+        return 0.0, 0.0
+    low, high = ends
+    if not low < high:
+        what = "is empty: both ends are" if low == high else "is the wrong way round:"
+        values = f"{low:.12g}" if low == high else f"[{low:.12g}, {high:.12g}]"
+        problems.add(
+            key,
+            f"{what} {values}.",
+            "Allowed: [lowest, highest]; the direction is said with direction: forward or backward.",
+        )
+    if on_path and (min(ends) < 0.0 or max(ends) > 1.0):
+        problems.add(key, f"[{low:.12g}, {high:.12g}] leaves the path.", "Allowed: within [0, 1].")
+    for parameter in system.parameters:
+        if parameter.name == free and not on_path:
+            for value in ends:
+                check_bounds(problems, key, parameter, value)
+    return low, high
+
+
+def check_starts_in_range(
+    problems: Problems, starts: tuple[StartSpec, ...], free: str, ends: tuple[float, float]
+) -> None:
+    """Note a problem for a start outside the range; that of a stored point is not known here."""
+    low, high = ends
+    for start in starts:
+        value = start.parameters.get(free)
+        if start.kind != "from" and value is not None and low < high and not low <= value <= high:
+            problems.add(
+                ("continue", "range"),
+                f"the start has {free} = {value:.12g}, outside the range [{low:.12g}, {high:.12g}].",
+                f"Widen the range, or set {free} under parameters to a value inside it.",
+            )
+
+
+def marks(problems: Problems, measured: Measured | None, model: RunModel) -> tuple[Mark, ...]:
+    """The marked values in the order of the file."""
+    result = []
+    for name, written in model.mark.items():
+        if measured is not None:
+            measured.check(("mark", name), name)
+        if not written:
+            problems.add(("mark", name), "lists no value.", "Allowed: numbers, or the word extremum.")
+        values = tuple(dict.fromkeys(value for value in written if isinstance(value, float)))
+        result.append(Mark(name, values, "extremum" in written))
+    return tuple(result)
+
+
+def stops(problems: Problems, measured: Measured | None, model: RunModel) -> dict[str, tuple[float, ...]]:
+    """Values at which a branch ends, by the name of what has them."""
+    for name, values in model.continue_.stop_at.items():
+        key = ("continue", "stop_at", name)
+        if measured is not None:
+            measured.check(key, name)
+        if not values:
+            problems.add(key, "lists no value.", "Allowed: a number or a list of numbers.")
+    return dict(model.continue_.stop_at)
+
+
+def report_place(problems: Problems, system: System, place: ReportPlace | None) -> ReportAt | None:
+    """Where orbits are reported, its names checked."""
+    if place is None:
+        return None
+    if place.event is not None:
+        events = tuple(transition.name for transition in system.transitions)
+        if place.event not in events:
+            problems.add(
+                ("report_at", "event"),
+                f"'{place.event}' is not an event of '{system.name}'.",
+                allowed(events, place.event),
+            )
+        return ReportAt(event=place.event, side=place.side or "before")
+    ((name, value),) = (place.section or {}).items()
+    if name not in system.state_names:
+        problems.add(
+            ("report_at", "section", name),
+            f"'{name}' is not a state of '{system.name}'.",
+            allowed(system.state_names, name),
+        )
+    return ReportAt(section=(name, value), direction=place.direction)
+
+
+def figures(problems: Problems, system: System, model: RunModel) -> tuple[FigureSpec, ...]:
+    """The figures to be drawn, their names and axes checked."""
+    result = []
+    for index, entry in enumerate(model.figures):
+        if len(entry) != 1:
+            problems.add(
+                ("figures", index),
+                f"has {len(entry)} names.",
+                "Allowed: a name, or {name: {x: ..., y: ...}}.",
+            )
+        for name, options in entry.items():
+            key = ("figures", index, name)
+            if name not in FIGURES:
+                problems.add(key, f"there is no figure '{name}'.", allowed(FIGURES, name))
+            _check_axes(problems, system, key, options)
+            result.append(FigureSpec(name, options.model_dump(exclude_none=True)))
+    return tuple(result)
+
+
+def _check_axes(problems: Problems, system: System, key: Key, options: FigureOptions) -> None:
+    observables = tuple(observable.name for observable in system.observables)
+    known = (*system.parameter_names, *system.state_names, *observables, *BUILT_IN, "period", PATH)
+    for axis, name in (("x", options.x), ("y", options.y)):
+        if name is not None and name not in known:
+            problems.add(
+                (*key, axis),
+                f"'{name}' is neither a parameter, a state nor an observable of '{system.name}'.",
+                allowed(tuple(dict.fromkeys(known)), name),
+            )

@@ -1,0 +1,236 @@
+"""Running a study: diagram events into the database as they happen, then the figures."""
+
+from __future__ import annotations
+
+import platform
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from contwalk.branch import Branch, BranchInfo, SpecialPoint
+from contwalk.continuation import outcomes
+from contwalk.continuation.diagram import Began, Cut, Diagram, Ended, Event, Found, Noted, Plan, Start, Stored
+from contwalk.continuation.settings import Mark, Settings
+from contwalk.errors import ContwalkError, DatabaseError
+from contwalk.storage.database import Database, RunHeader
+from contwalk.storage.hdf5 import Hdf5Database
+from contwalk.workflow.figures import draw_figure
+from contwalk.workflow.run_file import RunFile
+from contwalk.workflow.starting import Place, places, starts
+
+
+class Reporter:
+    """Told what happens while it happens. Every method does nothing unless overridden."""
+
+    def branch_began(self, info: BranchInfo) -> None:
+        """A branch begins, or goes on."""
+
+    def point(self, info: BranchInfo, parameter: float, step: float, unstable: int, number: int) -> None:
+        """Point `number` of the branch was stored."""
+
+    def special(self, info: BranchInfo, point: SpecialPoint) -> None:
+        """A special point was stored."""
+
+    def branch_ended(self, branch: Branch) -> None:
+        """A branch ended."""
+
+    def note(self, text: str) -> None:
+        """Something about the run as a whole."""
+
+
+@dataclass
+class RunResult:
+    """What a run left behind."""
+
+    path: Path
+    branches: list[Branch] = field(default_factory=list)
+    figures: list[Path] = field(default_factory=list)
+    interrupted: bool = False
+
+
+def run(
+    run_file: RunFile,
+    *,
+    resume: bool = False,
+    force: bool = False,
+    figures: bool = True,
+    reporter: Reporter | None = None,
+) -> RunResult:
+    """Compute the diagram that a run file describes.
+
+    Parameters
+    ----------
+    run_file : RunFile
+    resume : bool
+        Go on with an output that exists.
+    force : bool
+        Replace an output that exists.
+    figures : bool
+        Draw the figures of the run file.
+    reporter : Reporter, optional
+
+    Raises
+    ------
+    ContwalkError
+        Before anything is written, for bad input; later only if the database cannot be written.
+    """
+    reporter = reporter or Reporter()
+    studies = [(study, *places(study)) for study in run_file.studies()]
+    result = RunResult(run_file.output)
+    with _database(run_file, resume, force) as db:
+        for _, _, notes in studies:
+            for text in notes:
+                reporter.note(text)
+        diagram = Diagram(
+            _all_starts([(study, found) for study, found, _ in studies]),
+            _plan(run_file),
+            lambda name: _stored(db, name),
+        )
+        _Recorder(db, reporter, result).record(diagram)
+        result.branches = db.branches()
+    if figures and not result.interrupted:
+        result.figures = list(_figures(run_file, result, reporter))
+    return result
+
+
+def settings_of(run_file: RunFile) -> Settings:
+    """Settings of every walk of a run."""
+    engine: dict[str, Any] = dict(run_file.engine)
+    if "newton_iterations" in engine:
+        engine["newton_iterations"] = int(engine["newton_iterations"])
+    return Settings(
+        range=run_file.range,
+        max_points=run_file.max_points,
+        marks=tuple(Mark(m.name, m.values, m.extremum) for m in run_file.marks),
+        stop_at=run_file.stop_at,
+        **engine,
+    )
+
+
+def _plan(run_file: RunFile) -> Plan:
+    directions = {"both": (1.0, -1.0), "forward": (1.0,), "backward": (-1.0,)}[run_file.direction]
+    return Plan(settings_of(run_file), run_file.follow, run_file.depth, directions)
+
+
+def _all_starts(studies: list[tuple[RunFile, list[Place]]]) -> Iterator[Start]:
+    for study, found in studies:
+        yield from starts(study, found, settings_of(study))
+
+
+def _database(run_file: RunFile, resume: bool, force: bool) -> Hdf5Database:
+    """The output, new or reopened."""
+    path = run_file.output
+    if resume and path.exists():
+        db = Hdf5Database.open(path, writable=True)
+        if not run_file.same_study(db.header.config):
+            db.close()
+            raise DatabaseError(
+                f"{path} was computed from another run file: its settings differ from {run_file.path}.",
+                "Give another --output, or --force to start anew.",
+            )
+        return db
+    header = RunHeader(run_file.system.name, dict(run_file.model), run_file.config(), provenance(run_file))
+    return Hdf5Database.create(path, header, overwrite=force)
+
+
+def provenance(run_file: RunFile) -> dict[str, Any]:
+    """Where and with what a database was made, as plain values."""
+    import h5py
+    import numpy as np
+
+    from contwalk import __version__
+
+    return {
+        "contwalk_version": __version__,
+        "python": sys.version.split()[0],
+        "numpy": np.__version__,
+        "h5py": h5py.__version__,
+        "platform": platform.platform(),
+        "time": datetime.now(UTC).isoformat(timespec="seconds"),
+        "run_file": str(run_file.path),
+        "run_file_directory": str(run_file.path.resolve().parent),
+        "system_reference": run_file.system_reference,
+        "plugin_sha256": run_file.system.source,
+        "accuracy": run_file.accuracy,
+        "engine": dict(run_file.engine),
+    }
+
+
+def _stored(db: Database, name: str) -> Stored | None:
+    if name not in db.branch_names():
+        return None
+    branch = db.branch(name)
+    return Stored(db.rows(name), db.specials(name), branch.outcome if branch.complete else None)
+
+
+class _Recorder:
+    """Writes the events of a diagram into a database."""
+
+    def __init__(self, db: Database, reporter: Reporter, result: RunResult) -> None:
+        self.db, self.reporter, self.result = db, reporter, result
+        self._current: BranchInfo | None = None
+        self._number = 0
+
+    def record(self, diagram: Diagram) -> None:
+        """Everything until the end, or until the user interrupts."""
+        try:
+            for event in diagram.events():
+                self._handle(event)
+        except KeyboardInterrupt:
+            self.result.interrupted = True
+            if self._current is not None:
+                outcome = outcomes.interrupted()
+                self.db.finish(self._current.name, outcome, self.db.branch(self._current.name).cost)
+
+    def _handle(self, event: Event) -> None:
+        if isinstance(event, Began):
+            self._current, self._number = event.info, 0
+            self.db.start_branch(event.info)
+            self.reporter.branch_began(event.info)
+        elif isinstance(event, Cut):
+            self._current, self._number = event.info, event.rows
+            self.db.drop_outcome(event.info.name)
+            self.db.truncate(event.info.name, event.rows, event.special_points)
+            self.reporter.branch_began(event.info)
+        elif isinstance(event, Found):
+            self._found(event)
+        elif isinstance(event, Ended):
+            self.db.finish(event.branch.name, event.branch.outcome, event.branch.cost)
+            self._current = None
+            self.reporter.branch_ended(event.branch)
+        elif isinstance(event, Noted):
+            self.db.write_note(event.key, event.text)
+            self.reporter.note(event.text)
+
+    def _found(self, event: Found) -> None:
+        name = event.info.name
+        if event.row is not None:
+            self.db.append(name, event.row)
+            row = event.row[0]
+            self._number += 1
+            self.reporter.point(
+                event.info, float(row["free"][0]), float(row["step"]), int(row["unstable"]), self._number
+            )
+        if event.special is not None:
+            self.db.append_special(name, event.special)
+            self.reporter.special(event.info, event.special)
+
+
+def _figures(run_file: RunFile, result: RunResult, reporter: Reporter) -> Iterator[Path]:
+    """Figures beside the database, `<output>_<figure>.png` unless the run file names them."""
+    for number, figure in enumerate(run_file.figures):
+        options = dict(figure.options)
+        same = [f.name for f in run_file.figures[:number]].count(figure.name)
+        suffix = f"_{same + 1}" if same else ""
+        default = result.path.with_name(f"{result.path.stem}_{figure.name}{suffix}.png")
+        file = options.get("file")
+        path = result.path.parent / file if file else default
+        if figure.name == "stability_map" and "y" not in options and run_file.sweep is not None:
+            options["y"] = run_file.sweep[0]
+        try:
+            yield draw_figure(figure.name, result.branches, run_file.system, path, options)
+        except ContwalkError as error:
+            reporter.note(f"The figure '{figure.name}' was not drawn: {error}")

@@ -1,0 +1,263 @@
+"""The bifurcation diagram, by its artists."""
+
+from __future__ import annotations
+
+from itertools import combinations, pairwise
+
+import numpy as np
+import pytest
+from synthetic_branches import branch, fold, hopf, pitchfork
+
+from contwalk.branch import LABELS, SpecialPoint
+from contwalk.errors import ContwalkError
+from contwalk.plotting import new_axes, plot_bifurcation_diagram
+
+
+def lines(ax, start):
+    """Lines whose gid starts so, in the order of drawing."""
+    return [line for line in ax.lines if (line.get_gid() or "").startswith(start)]
+
+
+def words(ax):
+    return [text.get_text() for text in ax.texts]
+
+
+def overlaps(ax):
+    """Pairs of texts whose boxes overlap on the drawn figure."""
+    ax.figure.canvas.draw()
+    boxes = [(text.get_text(), text.get_window_extent()) for text in ax.texts]
+    return [(a, b) for (a, one), (b, two) in combinations(boxes, 2) if one.overlaps(two)]
+
+
+def crowd(count=40):
+    """One smooth branch with `count` special points of all labels but EP close together."""
+    t = np.linspace(0, 6 * np.pi, 400)
+    labels = [label for label in LABELS if label != "EP"]
+    special = tuple(SpecialPoint(labels[i % 9], 150.0 + 2 * i) for i in range(count))
+    return branch({"mu": 0.2 * t + np.sin(t), "x": np.cos(t) * np.exp(-t / 20)}, special=special)
+
+
+def test_pitchfork_changes_style_exactly_at_the_branch_point():
+    ax = plot_bifurcation_diagram(pitchfork())
+    stable, unstable = lines(ax, "b1-stable")[0], lines(ax, "b1-unstable")[0]
+    assert (stable.get_linestyle(), unstable.get_linestyle()) == ("-", "--")
+    # Row 20 is mu = 0 exactly.
+    assert stable.get_xdata()[-1] == unstable.get_xdata()[0] == 0.0
+    assert stable.get_xdata()[0] == -1.0
+    assert unstable.get_xdata()[-1] == 1.0
+    assert [line.get_linestyle() for line in lines(ax, "b2-")[:1]] == ["-"]
+
+
+@pytest.mark.parametrize("case", [fold, hopf])
+def test_every_segment_has_the_style_of_its_regular_end(case):
+    made = case()
+    ax = plot_bifurcation_diagram([made])
+    styles = {}
+    for line in (*lines(ax, "b1-stable"), *lines(ax, "b1-unstable")):
+        x = line.get_xdata()
+        styles |= dict.fromkeys(pairwise(x), line.get_linestyle())
+    x = made["mu"]
+    for i in range(len(made) - 1):
+        end = i + 1 if made["special"][i] else i
+        expected = "--" if made["unstable"][end] else "-"
+        assert styles[x[i], x[i + 1]] == expected
+    assert len(styles) == len(made) - 1
+
+
+def test_a_change_that_was_not_located_is_drawn_unstable():
+    made = branch({"mu": np.arange(4.0), "x": np.arange(4.0)}, unstable=np.array([0, 0, 1, 1]))
+    ax = plot_bifurcation_diagram([made])
+    np.testing.assert_array_equal(lines(ax, "b1-stable")[0].get_xdata(), [0, 1])
+    np.testing.assert_array_equal(lines(ax, "b1-unstable")[0].get_xdata(), [1, 2, 3])
+
+
+def test_between_two_neighbouring_special_rows_their_records_decide():
+    special = (
+        SpecialPoint("HB", 1.0, unstable_before=0, unstable_after=2),
+        SpecialPoint("HB", 2.0, unstable_before=2, unstable_after=0),
+    )
+    made = branch({"mu": np.arange(4.0), "x": np.arange(4.0)}, special=special)
+    ax = plot_bifurcation_diagram([made])
+    np.testing.assert_array_equal(lines(ax, "b1-unstable")[0].get_xdata(), [1, 2])
+    assert [list(line.get_xdata()) for line in lines(ax, "b1-stable")] == [[0, 1], [2, 3]]
+
+
+def test_an_unstable_branch_between_two_end_points_is_unstable():
+    ends = (SpecialPoint("EP", 0.0), SpecialPoint("EP", 1.0))
+    made = branch({"mu": np.arange(2.0), "x": np.arange(2.0)}, unstable=1, special=ends)
+    ax = plot_bifurcation_diagram([made])
+    assert lines(ax, "b1-unstable")
+    assert not lines(ax, "b1-stable")
+
+
+def test_inadmissible_parts_are_light_under_grey_dots():
+    admissible = np.array([True, True, True, False, False])
+    made = branch({"mu": np.arange(5.0), "x": np.arange(5.0)}, admissible=admissible)
+    ax = plot_bifurcation_diagram([made])
+    (dots,) = lines(ax, "b1-inadmissible")
+    assert dots.get_linestyle() == ":"
+    np.testing.assert_array_equal(dots.get_xdata(), [2, 3, 4])
+    first, second = lines(ax, "b1-stable")
+    assert first.get_color() != second.get_color()
+    assert "inadmissible" in [text.get_text() for text in ax.get_legend().get_texts()]
+
+
+def test_special_points_are_labelled_once_and_end_points_not():
+    special = (
+        SpecialPoint("EP", 0.0),
+        SpecialPoint("HB", 10.0, unstable_after=2),
+        SpecialPoint("LP", 20.0, status="unlocated"),
+        SpecialPoint("HB", 30.0, unstable_before=2),
+        SpecialPoint("EP", 40.0),
+    )
+    mu = np.linspace(0, 1, 41)
+    unstable = np.where((mu > mu[10]) & (mu < mu[30]), 2, 0)
+    ax = plot_bifurcation_diagram([branch({"mu": mu, "x": mu**2}, unstable=unstable, special=special)])
+    assert sorted(words(ax)) == ["HB1", "HB2", "LP1"]
+    (located,), (unlocated,) = lines(ax, "b1-HB1"), lines(ax, "b1-LP1")
+    assert located.get_marker() != unlocated.get_marker()
+    assert unlocated.get_markerfacecolor() == "white"
+    assert located.get_markerfacecolor() != "white"
+    assert located.get_xdata()[0] == mu[10]
+    legend = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert "HB  Hopf point" in legend
+    assert "LP  fold" in legend
+    assert "hollow: not located" in legend
+    assert {"stable", "unstable"} <= set(legend)
+
+
+def test_an_unlocated_point_between_rows_lies_between_them():
+    special = (SpecialPoint("BP", 1.5, status="unlocated"),)
+    made = branch({"mu": np.array([0.0, 1.0, 3.0]), "x": np.array([0.0, 2.0, 2.0])}, special=special)
+    ax = plot_bifurcation_diagram([made])
+    (mark,) = lines(ax, "b1-BP1")
+    assert (mark.get_xdata()[0], mark.get_ydata()[0]) == (2.0, 2.0)
+
+
+def test_markers_of_all_labels_differ():
+    ax = plot_bifurcation_diagram([crowd(9)])
+    marks = [line.get_marker() for line in ax.lines if line.get_linestyle() == "None"]
+    assert len(marks) == len(set(marks)) == 9
+
+
+def test_forty_crowded_names_appear_once_inside_the_axes_without_overlap():
+    ax = plot_bifurcation_diagram([crowd()])
+    assert len(words(ax)) == len(set(words(ax))) == 40
+    assert overlaps(ax) == []
+    for text in ax.texts:
+        box = text.get_window_extent()
+        assert ax.bbox.x0 <= box.x0 <= box.x1 <= ax.bbox.x1
+        assert ax.bbox.y0 <= box.y0 <= box.y1 <= ax.bbox.y1
+
+
+def test_many_branches_have_names_and_colours():
+    mu = np.linspace(0, 2, 30)
+    made = [
+        branch(
+            {"mu": mu, "x": np.sin(mu * (1 + j / 5))},
+            name=f"b{j + 1}",
+            special=(SpecialPoint("HB", 12.0 + j, unstable_after=2),),
+        )
+        for j in range(8)
+    ]
+    ax = plot_bifurcation_diagram(made)
+    assert {f"b{j + 1}" for j in range(8)} <= set(words(ax))
+    assert overlaps(ax) == []
+    colors = [lines(ax, f"b{j + 1}-stable")[0].get_color() for j in range(7)]
+    assert len(set(colors)) == 7
+    crowded = [branch({"mu": mu, "x": mu + j}, name=f"b{j}") for j in range(13)]
+    assert words(plot_bifurcation_diagram(crowded)) == []
+
+
+def test_legend_lies_outside_the_axes_and_inside_the_figure():
+    ax = plot_bifurcation_diagram([crowd()])
+    ax.figure.canvas.draw()
+    box = ax.get_legend().get_window_extent()
+    assert box.x0 >= ax.bbox.x1
+    assert box.x1 <= ax.figure.bbox.x1
+    assert box.y0 >= ax.figure.bbox.y0
+
+
+def test_axis_labels_carry_units_and_defaults_are_the_free_parameter_and_own_observable():
+    ax = plot_bifurcation_diagram([hopf()], units={"mu": "N s/m", "amplitude": "m"})
+    assert ax.get_xlabel() == "mu (N s/m)"
+    assert ax.get_ylabel() == "amplitude (m)"
+    assert plot_bifurcation_diagram([fold()], units={"x": "1"}).get_ylabel() == "x"
+    assert plot_bifurcation_diagram([fold()], y="period").get_ylabel() == "period (s)"
+
+
+def test_parameters_are_stated_with_units():
+    ax = plot_bifurcation_diagram([fold()], parameters={"omega": 5.0}, units={"omega": "rad/s"})
+    assert ax.get_title(loc="left") == "omega = 5 rad/s"
+
+
+def test_a_fixed_parameter_can_be_an_axis():
+    ax = plot_bifurcation_diagram([hopf("b1", 1.0), hopf("b2", 2.0)], x="c", y="mu")
+    assert set(lines(ax, "b2-stable")[0].get_xdata()) == {2.0}
+
+
+@pytest.mark.parametrize("k", [0, 1])
+def test_branches_without_a_segment(k):
+    ax = plot_bifurcation_diagram([branch({"mu": np.ones(k), "x": np.ones(k)}, unstable=1)])
+    assert len(lines(ax, "b1-unstable")) == k
+    assert ("no points" in words(ax)) == (k == 0)
+    if k:
+        assert lines(ax, "b1-unstable")[0].get_fillstyle() == "none"
+    ax.figure.canvas.draw()
+
+
+def test_nan_breaks_the_line_and_loses_no_label_of_finite_points():
+    mu = np.linspace(0, 1, 21)
+    x = mu**2
+    x[[5, 6]] = np.nan
+    special = (SpecialPoint("HB", 5.0), SpecialPoint("LP", 10.0))
+    ax = plot_bifurcation_diagram([branch({"mu": mu, "x": x}, special=special)])
+    assert words(ax) == ["LP1"]
+    assert np.isnan(lines(ax, "b1-stable")[0].get_ydata()[5])
+    ax.figure.canvas.draw()
+
+
+def test_labels_of_a_branch_that_leaves_given_limits_far_behind():
+    made = branch(
+        {"mu": np.arange(3.0), "x": np.array([0.0, 1.0, 1e250])}, special=(SpecialPoint("LP", 1.0),)
+    )
+    ax = new_axes("bifurcation_diagram")
+    ax.set_ylim(0.0, 2.0)
+    assert words(plot_bifurcation_diagram([made], ax=ax)) == ["LP1"]
+    assert ax.get_ylim() == (0.0, 2.0)
+
+
+@pytest.mark.parametrize(("level", "limits"), [(0.0, (-1.0, 1.0)), (2.0, (1.8, 2.2))])
+def test_rounding_noise_of_a_constant_branch_is_not_magnified(level, limits):
+    noise = 1e-16 * np.sin(np.arange(20.0))
+    ax = plot_bifurcation_diagram([branch({"mu": np.arange(20.0), "x": level + noise})])
+    assert ax.get_ylim() == pytest.approx(limits, rel=1e-9)  # the noise shifts the limits by 1e-16
+
+
+def test_branches_that_lack_a_name_are_left_out():
+    other = branch({"nu": np.arange(3.0), "z": np.arange(3.0)}, free=("nu",), states=("z",), name="b9")
+    ax = plot_bifurcation_diagram([fold(), other])
+    assert not lines(ax, "b9")
+    with pytest.raises(ContwalkError, match="No branch has all of mu, z"):
+        plot_bifurcation_diagram([fold(), other], x="mu", y="z")
+
+
+def test_bad_names_are_answered_with_the_nearest():
+    with pytest.raises(ContwalkError, match=r"'amplitud'.*Did you mean 'amplitude'\?"):
+        plot_bifurcation_diagram([hopf()], y="amplitud")
+    with pytest.raises(ContwalkError, match="No branch has a quantity named 'spectrum'"):
+        plot_bifurcation_diagram([hopf()], y="spectrum")
+    with pytest.raises(ContwalkError, match="no branches"):
+        plot_bifurcation_diagram([])
+
+
+def test_draws_on_the_axes_it_is_given():
+    ax = new_axes("bifurcation_diagram")
+    assert plot_bifurcation_diagram([fold()], ax=ax) is ax
+
+
+def test_does_not_change_the_branch():
+    made = hopf()
+    before = made.points.copy()
+    plot_bifurcation_diagram([made])
+    assert before.tobytes() == made.points.tobytes()

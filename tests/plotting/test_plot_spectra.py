@@ -1,0 +1,101 @@
+"""Eigenvalues and multipliers in the complex plane."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from synthetic_branches import branch, hopf
+
+from contwalk.errors import ContwalkError
+from contwalk.plotting import plot_eigenvalues, plot_multipliers
+from contwalk.plotting.spectrum import track
+
+
+def by_gid(ax, gid):
+    (artist,) = [artist for artist in ax.get_children() if artist.get_gid() == gid]
+    return artist
+
+
+def test_tracking_undoes_a_shuffle():
+    t = np.linspace(0, 1, 30)
+    loci = np.stack([t + 1j, t - 1j, -1 - t + 0j, -0.5 + 0.2 * t + 0j], axis=1)
+    rng = np.random.default_rng(7)
+    shuffled = np.array([rng.permutation(row) for row in loci])
+    tracked = track(shuffled)
+    # Neighbouring values of one locus are 1/29 apart, those of two loci at least 0.5.
+    assert np.abs(np.diff(tracked, axis=0)).max() < 0.04
+    assert [set(row) for row in tracked.tolist()] == [set(row) for row in loci.tolist()]
+
+
+def test_tracking_is_the_same_in_both_directions():
+    made = hopf()["spectrum"]
+    forth, back = track(made), track(made[::-1])[::-1]
+    assert {tuple(column) for column in forth.T.tolist()} == {tuple(column) for column in back.T.tolist()}
+
+
+def test_tracking_keeps_every_value_where_eigenvalues_come_and_go():
+    nan = np.nan
+    spectrum = np.array(
+        [[1, 2, nan], [2.1, 1.1, 5], [5.1, 1.2, nan], [nan, nan, nan], [3, nan, nan]], dtype=complex
+    )
+    tracked = track(spectrum)
+    np.testing.assert_array_equal(tracked[1].real, [1.1, 2.1, 5])
+    np.testing.assert_array_equal(tracked[2].real, [1.2, nan, 5.1])
+    assert np.isnan(tracked[3]).all()
+    assert np.isfinite(tracked[4]).sum() == 1
+
+
+def test_start_is_a_cross_and_end_a_ring_at_the_first_and_last_spectrum():
+    made = hopf()
+    ax = plot_eigenvalues([made], units={"mu": "N s/m"})
+    start, end = by_gid(ax, "b1-start"), by_gid(ax, "b1-end")
+    assert (start.get_marker(), end.get_marker()) == ("x", "o")
+    assert end.get_markerfacecolor() == "none"
+    assert set(start.get_xdata() + 1j * start.get_ydata()) == set(made["spectrum"][0])
+    assert set(end.get_xdata() + 1j * end.get_ydata()) == set(made["spectrum"][-1])
+    legend = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert legend == ["start: mu = -1.5", "end: mu = 1"]
+    assert [other.get_ylabel() for other in ax.figure.axes if other is not ax] == ["mu (N s/m)"]
+    assert ax.get_xlabel() == "real part (1/s)"
+
+
+def test_lines_are_coloured_by_the_free_parameter_and_the_imaginary_axis_is_there():
+    made = hopf()
+    ax = plot_eigenvalues([made])
+    loci = by_gid(ax, "b1-loci")
+    assert len(loci.get_segments()) == 50 * 3
+    assert loci.get_clim() == (-1.5, 1.0)
+    assert by_gid(ax, "imaginary-axis").get_xdata() == [0.0, 0.0]
+    low, high = ax.get_xlim()
+    assert low < -2.0
+    assert high > 1.0
+
+
+def test_stable_spectra_still_show_the_imaginary_axis():
+    mu = np.linspace(0, 1, 5)
+    made = branch({"mu": mu, "x": mu}, spectrum=(-5 - mu)[:, None].astype(complex))
+    low, high = plot_eigenvalues([made]).get_xlim()
+    assert low < -6 < 0 < high
+
+
+@pytest.mark.parametrize("k", [0, 1, 3])
+def test_few_points_and_nan(k):
+    spectrum = np.full((k, 2), np.nan, dtype=complex)
+    spectrum[:1] = [1j, -1j]
+    ax = plot_eigenvalues([branch({"mu": np.ones(k), "x": np.ones(k)}, spectrum=spectrum)])
+    ax.figure.canvas.draw()
+    assert len([line for line in ax.lines if line.get_gid() == "b1-start"]) == (k > 0)
+
+
+def test_multipliers_have_the_unit_circle_and_eigenvalues_leave_orbits_out():
+    mu = np.linspace(0, 1, 5)
+    spectrum = (-0.5 - mu)[:, None].astype(complex)
+    orbit = branch({"mu": mu, "x": mu}, spectrum=spectrum, problem="periodic_orbit", name="b2")
+    ax = plot_multipliers([hopf(), orbit])
+    assert by_gid(ax, "unit-circle").get_radius() == 1.0
+    assert ax.get_aspect() == 1.0
+    assert not [artist for artist in ax.get_children() if (artist.get_gid() or "").startswith("b1")]
+    with pytest.raises(ContwalkError, match="figure `multipliers`"):
+        plot_eigenvalues([orbit])
+    with pytest.raises(ContwalkError, match="figure `eigenvalues`"):
+        plot_multipliers([hopf()])

@@ -1,0 +1,116 @@
+"""The file that `contwalk init` writes is valid as it stands, and so is each of its suggestions."""
+
+from __future__ import annotations
+
+import pytest
+from run_file_cases import PLUGIN
+
+from contwalk.errors import RunFileError
+from contwalk.system import Mode, Parameter, Start, State, System, load_system
+from contwalk.workflow.run_file import read_run_file, read_run_text
+from contwalk.workflow.run_model import RunModel
+from contwalk.workflow.template import starting_file
+
+BRUSSELATOR = """
+from contwalk.system import Mode, Parameter, State, System
+
+def field(t, x, p, dx):
+    dx[0] = p.A - (p.B + 1.0) * x[0] + x[0] * x[0] * x[1]
+    dx[1] = p.B * x[0] - x[0] * x[0] * x[1]
+
+SYSTEM = System(
+    name="brusselator",
+    states=(State("X", about="activator"), State("Y", about="inhibitor")),
+    parameters=(Parameter("A", 1.0, bounds=(0.0, None), about="feed"), Parameter("B", 1.5, unit="1/s")),
+    modes=(Mode("smooth", field),),
+    reference="Prigogine & Lefever (1968)",
+)
+"""
+FORCED = BRUSSELATOR.replace('reference="', 'period=lambda p: 2.0 / p.B, reference="')
+
+
+def written(folder, plugin, name="machine.py"):
+    """The system of a plugin and the run file written for it."""
+    (folder / name).write_text(plugin)
+    system = load_system(f"./{name}", None, folder)
+    text = starting_file(system, f"./{name}")
+    (folder / "run.yaml").write_text(text)
+    return system, text
+
+
+def test_a_family_with_named_equilibria(tmp_path):
+    system, text = written(tmp_path, PLUGIN)
+    run = read_run_file(tmp_path / "run.yaml")
+    assert run.parameters == system.defaults()
+    assert run.model == {"masses": 2, "suspension": "isotropic"}
+    assert (run.starts[0].kind, run.starts[0].name) == ("equilibrium", "balanced")
+    assert run.free == "stiffness"
+    assert run.range == (1.0, 4.0)
+    for words in ("N m s, [0, 1]", "of the shaft: all", "N m, [0, inf)"):
+        assert words in text
+
+
+def test_a_smooth_system_starts_at_zero(tmp_path):
+    written(tmp_path, BRUSSELATOR)
+    run = read_run_file(tmp_path / "run.yaml")
+    assert run.starts[0].kind == "state"
+    assert run.starts[0].state.tolist() == [0.0, 0.0]
+
+
+def test_a_forced_system_is_simulated_first(tmp_path):
+    written(tmp_path, FORCED)
+    run = read_run_file(tmp_path / "run.yaml")
+    assert (run.starts[0].kind, run.starts[0].until) == ("simulate", "settled")
+
+
+@pytest.mark.parametrize("plugin", [PLUGIN, BRUSSELATOR, FORCED], ids=["family", "brusselator", "forced"])
+def test_every_suggestion_is_valid_and_every_key_is_there(tmp_path, plugin):
+    _, text = written(tmp_path, plugin)
+    lines = text.splitlines()
+    keys = RunModel.known_keys()
+    suggested = [i for i, line in enumerate(lines) if line[:2] == "# " and line[2:].split(":")[0] in keys]
+    for i in suggested:
+        changed = [*lines[:i], lines[i][2:], *lines[i + 1 :]]
+        if lines[i].startswith("# path"):
+            changed = [line for line in changed if not line.startswith("continue")]
+        read_run_text("\n".join(changed), tmp_path / "run.yaml")
+    present = {line.removeprefix("# ").split(":")[0] for line in lines}
+    assert set(keys) - present <= {"model"}
+
+
+def test_names_that_yaml_would_take_for_something_else(tmp_path):
+    plugin = BRUSSELATOR.replace('"A"', '"null"').replace("p.A", "p.B")
+    (tmp_path / "my machine #1.py").write_text(plugin)
+    _, text = written(tmp_path, plugin, "my machine #1.py")
+    run = read_run_text(text, tmp_path / "run.yaml")
+    assert run.free == "null"
+    assert run.system_reference == "./my machine #1.py"
+
+
+def smooth(t, x, p, dx):
+    dx[0] = -x[0]
+
+
+def system_of(*parameters, starts=()):
+    return System("s", states=State("x"), parameters=parameters, modes=Mode("m", smooth), starts=starts)
+
+
+def test_a_parameter_without_room_is_passed_over():
+    text = starting_file(system_of(Parameter("a", 1.0, bounds=(1.0, 1.0)), Parameter("b", 0.0)), "s")
+    assert "parameter: b, range: [-1.0, 1.0]" in text
+
+
+def test_the_range_stays_within_the_bounds():
+    text = starting_file(system_of(Parameter("a", -0.7, bounds=(-0.8, None))), "s")
+    assert "range: [-0.8, -0.35]" in text
+
+
+def test_an_equilibrium_that_does_not_exist_is_passed_over():
+    starts = (Start("no", lambda p: []), Start("yes", lambda p: [[0.0]]))
+    text = starting_file(system_of(Parameter("a", 1.0), starts=starts), "s")
+    assert 'start: {equilibrium: "yes"}' in text
+
+
+def test_nothing_to_continue():
+    with pytest.raises(RunFileError, match="no parameter that could be continued"):
+        starting_file(system_of(), "s")
