@@ -12,15 +12,21 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from contwalk.branch import Branch, SpecialPoint
-    from contwalk.continuation.verbs import continue_branch, points, switch_branch
-    from contwalk.errors import ContwalkError
-    from contwalk.plotting import plot_bifurcation_diagram, plot_eigenvalues, plot_stability_map, save
-    from contwalk.problems.equilibrium import Equilibrium
-    from contwalk.storage import open_database
-    from contwalk.system import load_system
-    from contwalk.workflow.run_file import read_run_file
-    from contwalk.workflow.runner import run
+    from contwalk.branch import Branch as Branch
+    from contwalk.branch import SpecialPoint as SpecialPoint
+    from contwalk.continuation.verbs import continue_branch as continue_branch
+    from contwalk.continuation.verbs import points as points
+    from contwalk.continuation.verbs import switch_branch as switch_branch
+    from contwalk.errors import ContwalkError as ContwalkError
+    from contwalk.plotting import plot_bifurcation_diagram as plot_bifurcation_diagram
+    from contwalk.plotting import plot_eigenvalues as plot_eigenvalues
+    from contwalk.plotting import plot_stability_map as plot_stability_map
+    from contwalk.plotting import save as save
+    from contwalk.problems.equilibrium import Equilibrium as Equilibrium
+    from contwalk.storage import open_database as open_database
+    from contwalk.system import load_system as load_system
+    from contwalk.workflow.run_file import read_run_file as read_run_file
+    from contwalk.workflow.runner import run as run
 
 _HOMES = {
     "Branch": "contwalk.branch",

@@ -17,11 +17,13 @@ from contwalk.continuation.newton import Correction, correct
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Mark, Settings
 from contwalk.errors import PluginError
-from contwalk.problems.linear import Factored, null_vectors
+from contwalk.problems.linear import Factored, kernel_direction
 from contwalk.problems.problem import Located, Problem, Sample
 
 _GROWTH = 1.6
 _SHRINK = 0.4
+# No step moves the parameter by more than this share of its range: curves of observables look smooth.
+PARAMETER_SHARE = 1.0 / 64.0
 
 
 @dataclass(frozen=True)
@@ -50,11 +52,16 @@ class End:
 
 
 def begin(
-    problem: Problem, z: np.ndarray, settings: Settings, toward: np.ndarray | None = None
+    problem: Problem,
+    z: np.ndarray,
+    settings: Settings,
+    toward: np.ndarray | None = None,
+    reach: np.ndarray | None = None,
 ) -> Here | Correction:
     """The first solution of a branch near z, with the tangent towards growing parameter (or along `toward`).
 
-    With `toward`, z is taken as a solution already (a branch point) and `toward` as the tangent there.
+    With `toward`, z is taken as a solution already (a branch point) and `toward` as the tangent there; `reach` then
+    stands in for magnitudes that z does not tell.
     Returns the failed `Correction` where there is no solution.
     """
     value = float(z[-1])
@@ -67,16 +74,20 @@ def begin(
             return correction
         z = np.append(correction.z[:-1], value)
     linearization = problem.linearize(z)
-    weights = updated(None, problem.magnitudes(z, linearization), settings, value)
+    magnitudes = problem.magnitudes(z, linearization)
+    if reach is not None:
+        magnitudes = np.where(np.isfinite(magnitudes) | ~(reach > 0.0), magnitudes, reach)
+    weights = updated(None, magnitudes, settings, z)
     tangent = toward if toward is not None else first_tangent(linearization.jacobian, weights)
     sample = problem.examine(z, tangent, weights, linearization, None)
+    if toward is not None:
+        sample = replace(sample, orientation=0.0)  # not defined at a branch point
     return Here(sample, 0.0, settings.step)
 
 
 def first_tangent(jacobian: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Unit tangent at a start, towards growing parameter where the parameter moves at all."""
-    right, _, _ = null_vectors(jacobian * weights, 1)
-    tangent = right[:, 0] * weights
+    tangent = kernel_direction(jacobian, weights)
     lead = tangent[-1] / weights[-1]
     if abs(lead) < 1e-12:
         lead = (tangent / weights)[int(np.argmax(np.abs(tangent / weights)))]
@@ -111,6 +122,9 @@ def walk(
         if walked >= points:
             yield _end(problem, here, outcomes.max_points(settings.max_points))
             return
+        if _outward(here.sample, settings):
+            yield _end(problem, here, outcomes.bound(observer.parameter, here.sample.parameter))
+            return
         clock, evaluations = time.perf_counter(), _evaluations(problem)
         advance = _advance(problem, here, settings, observer)
         if isinstance(advance, Outcome):
@@ -137,15 +151,19 @@ def walk(
         if closed:
             yield _end(problem, here, outcomes.closed())
             return
-        if advance.at_bound:
-            yield _end(problem, here, outcomes.bound(observer.parameter, here.sample.parameter))
-            return
+
+
+def _outward(sample: Sample, settings: Settings) -> bool:
+    """Whether a walk stands at an end of the range, facing out of it."""
+    low, high = settings.range
+    ahead = sample.tangent[-1]
+    return bool((sample.parameter >= high and ahead > 0) or (sample.parameter <= low and ahead < 0))
 
 
 def updated_weights(problem: Problem, sample: Sample, here: Here, settings: Settings) -> Sample:
     """A new sample in the metric that its own size adds to."""
     magnitudes = problem.magnitudes(sample.z, problem.linearize(sample.z))
-    weights = updated(here.sample.weights, magnitudes, settings, sample.parameter)
+    weights = updated(here.sample.weights, magnitudes, settings, sample.z)
     factor = float(np.linalg.norm(sample.tangent / weights))
     return replace(sample, weights=weights, tangent=sample.tangent / factor, rates=sample.rates / factor)
 
@@ -161,7 +179,6 @@ class Advance:
     there: Sample
     found: list[Found]
     next_step: float
-    at_bound: bool
 
     def closed(self, origin: Here, walked: int) -> bool:
         """Whether the step passed the walk's own beginning again."""
@@ -204,6 +221,7 @@ def _predict(
 ) -> tuple[np.ndarray, np.ndarray, float, bool]:
     """Guess, normal of the corrector's hyperplane, predicted length, and whether the step ends at a bound."""
     sample = here.sample
+    step = min(step, _longest(sample, settings))
     guess = sample.z + step * sample.tangent
     low, high = settings.range
     bound = high if sample.tangent[-1] > 0 else low
@@ -217,6 +235,12 @@ def _predict(
         normal[-1] = 1.0 / sample.weights[-1]
         return guess, normal, length, True
     return guess, sample.tangent / sample.weights**2, step, False
+
+
+def _longest(sample: Sample, settings: Settings) -> float:
+    """The step that moves the parameter by the largest share of its range."""
+    moved = abs(sample.tangent[-1])
+    return PARAMETER_SHARE * settings.width / moved if moved > 0.0 else np.inf
 
 
 def _examined(
@@ -238,19 +262,26 @@ def _examined(
     right = np.zeros(len(z))
     right[-1] = 1.0
     try:
-        tangent = Factored(np.vstack([linearization.jacobian, a.tangent / a.weights**2])).solve(right)
+        bordered = np.vstack([linearization.jacobian, a.tangent / a.weights**2])
+        tangent = Factored(bordered, a.weights).solve(right)
     except np.linalg.LinAlgError:
         raise Disagreement("BP", "The tangent is not determined.") from None
+    if np.array_equal(z, a.z):
+        raise LostBranch("The step is too short to be told from none in double precision.")
     angle = _angle(a, tangent)
     moved = float(np.linalg.norm((z - a.z - length * a.tangent) / a.weights))
     if not smallest and (angle > settings.max_angle or moved > 0.5 * length):
         raise Disagreement("LP", f"The branch turns by {angle:.0f} degrees in one step.")
+    if not smallest and _bend(a, z, tangent) > max(0.25 * np.radians(angle), 0.02):
+        raise Disagreement("BP", "The step does not lie along the branch: it may have left it for another one.")
     beyond = not settings.range[0] <= z[-1] <= settings.range[1]
     if beyond:
         raise Disagreement("EP", "The step passes the end of the range.")
     there = problem.examine(z, tangent, a.weights, linearization, a.unstable)
     there = replace(there, iterations=correction.iterations)
     segment = Segment(problem, a, there)
+    if a.orientation == 0.0:
+        segment = Segment(problem, _beside(segment), there)
     try:
         found = bifurcations(segment)
     except Disagreement as disagreement:
@@ -262,7 +293,25 @@ def _examined(
     found += marked(segment, (*settings.marks, *stops), observer, turns)
     found = sorted(found, key=lambda f: f.theta)
     step = _next_step(length, angle, correction.iterations, settings)
-    return Advance(segment, there, found, max(step, here.step) if to_bound else step, to_bound)
+    return Advance(segment, there, found, max(step, here.step) if to_bound else step)
+
+
+# How far from a branch point its side is looked at, in parts of the first step.
+BESIDE = 1e-4
+
+
+def _beside(segment: Segment) -> Sample:
+    """The branch point that a walk begins at, with orientation and stability as they are right beside it."""
+    near = segment.at(BESIDE)
+    return replace(
+        segment.a,
+        orientation=near.orientation,
+        measures=near.measures,
+        rates=near.rates,
+        errors=near.errors,
+        eigenvalues=near.eigenvalues,
+        unstable=near.unstable,
+    )
 
 
 def _angle(a: Sample, tangent: np.ndarray) -> float:
@@ -270,6 +319,18 @@ def _angle(a: Sample, tangent: np.ndarray) -> float:
     u, v = a.tangent / a.weights, tangent / a.weights
     cosine = float(u @ v / np.linalg.norm(u) / np.linalg.norm(v))
     return float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
+
+
+def _bend(a: Sample, z: np.ndarray, tangent: np.ndarray) -> float:
+    """How far the chord's direction is from the mean of the tangents at its ends.
+
+    On a smooth arc it is an eighth of the square of the turn. A step onto another branch that happens to point the
+    same way keeps the tangents alike, but not the chord.
+    """
+    chord = (z - a.z) / a.weights
+    u, v = a.tangent / a.weights, tangent / a.weights
+    mean = 0.5 * (u / np.linalg.norm(u) + v / np.linalg.norm(v))
+    return float(np.linalg.norm(chord / np.linalg.norm(chord) - mean))
 
 
 def _next_step(length: float, angle: float, iterations: int, settings: Settings) -> float:

@@ -16,13 +16,16 @@ import numpy as np
 
 from contwalk.continuation.rootfinding import narrow
 from contwalk.continuation.segment import LostBranch, Segment
-from contwalk.problems.linear import Factored, null_vectors
+from contwalk.problems.linear import Factored, nearest_eigenpair, solution_plane
 from contwalk.problems.problem import Located, Sample
 
 # Below this share of the parameter in the unit tangent, its sign is rounding noise.
 NO_SHARE = 1e-9
 # An extremum of a stability measure is looked at when it comes this much nearer to zero than the ends.
 NEAR_ZERO = 0.5
+# A located point lies on the branch if it is this near, relative to the segment, beside rounding in the metric.
+SAME_POINT = 1e-6
+ROUNDING = 1e-13
 
 
 @dataclass(frozen=True)
@@ -52,17 +55,14 @@ def bifurcations(segment: Segment) -> list[Found]:
 
     Raises
     ------
-    Disagreement
+    Disagreement, LostBranch
         If the segment must be shorter.
     """
-    try:
-        first = _branch_points(segment, 0.0, 1.0, [])
-        found: list[Found] = []
-        for low, high in pairwise(_knots(segment, first)):
-            found += _crossings(segment, low, high, first)
-        return _counted(segment, sorted(found, key=lambda f: f.theta))
-    except LostBranch as error:
-        raise Disagreement("BP", str(error)) from error
+    first = _branch_points(segment, 0.0, 1.0, [])
+    found: list[Found] = []
+    for low, high in pairwise(_knots(segment, first)):
+        found += _crossings(segment, low, high, first)
+    return _counted(segment, sorted(found, key=lambda f: f.theta))
 
 
 def _crossings(segment: Segment, low: float, high: float, known: list[Found]) -> list[Found]:
@@ -94,21 +94,32 @@ def _branch_points(segment: Segment, low: float, high: float, known: list[Found]
 
 
 def _singularity(segment: Segment, p: Sample, q: Sample) -> Callable[[Sample], float]:
-    """A smooth function that vanishes where [DF; tangent] is singular, with borders chosen at the worse end."""
+    """A smooth function that vanishes where [DF; tangent] is singular.
+
+    It is the corner of the inverse of that matrix bordered once more: by the left critical vector of F_u, and by
+    the direction of the other branch, both taken at the end at which F_u is nearer to being singular.
+    """
+    size = len(segment.chord)
 
     def matrix(sample: Sample) -> np.ndarray:
         jacobian = segment.problem.linearize(sample.z).jacobian
         return np.vstack([jacobian, sample.tangent / sample.weights**2])
 
-    vectors = [null_vectors(matrix(s), 1) for s in (p, q)]
-    right, left, _ = min(vectors, key=lambda v: v[2][-1])
-    size = len(segment.chord)
+    jacobians = [matrix(sample)[:-1] for sample in (p, q)]
+    pairs = [nearest_eigenpair(jacobian[:, :-1]) for jacobian in jacobians]
+    nearer = int(abs(pairs[1].value) < abs(pairs[0].value))
+    plane = solution_plane(jacobians[nearer], pairs[nearer]) / segment.weights[:, None]
+    basis, _ = np.linalg.qr(plane)
+    own = (p, q)[nearer].tangent / segment.weights
+    along = basis.T @ own
+    other = basis @ np.array([-along[1], along[0]])  # in the plane, at a right angle to this branch
+    right, left = other / segment.weights, np.append(pairs[nearer].left.real, 0.0)
 
     def value(sample: Sample) -> float:
         bordered = np.zeros((size + 1, size + 1))
         bordered[:size, :size] = matrix(sample)
-        bordered[:size, size] = left[:, 0]
-        bordered[size, :size] = right[:, 0]
+        bordered[:size, size] = left
+        bordered[size, :size] = right
         unit = np.zeros(size + 1)
         unit[size] = 1.0
         try:
@@ -244,7 +255,7 @@ def _on_branch(
     """Whether a located point is on this branch and not on another one nearby."""
     tangent = segment.problem.tangent_at(label, located, near)
     if tangent is None:
-        return segment.distance(located.z, theta) < 1e-6
+        return same_point(segment, located, theta)
     # At a branch point the corrector is singular: look at both sides of it, along the known tangent.
     along = tangent / float(segment.normal @ tangent)
     offset = max(1e-3 * width, 1e-7)
@@ -252,9 +263,14 @@ def _on_branch(
         if not 0.0 <= theta + side <= 1.0:
             continue
         expected = located.z + side * along
-        if segment.distance(expected, theta + side) > 0.1 * offset + 1e-9:
+        if segment.distance(expected, theta + side) > 0.1 * offset + ROUNDING / segment.length:
             return False
     return True
+
+
+def same_point(segment: Segment, located: Located, theta: float) -> bool:
+    """Whether a located point is the branch's own solution at theta."""
+    return segment.distance(located.z, theta) < SAME_POINT + ROUNDING / segment.length
 
 
 def sample_at(segment: Segment, label: str, located: Located, near: Sample) -> Sample:

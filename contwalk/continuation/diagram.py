@@ -14,7 +14,7 @@ import numpy as np
 
 from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint, named
 from contwalk.continuation import outcomes
-from contwalk.continuation.arclength import End, Here, begin, turned, walk
+from contwalk.continuation.arclength import End, Here, Point, begin, turned, walk
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.recognition import known_branch
@@ -165,22 +165,16 @@ class Diagram:
         if start.parent is None:
             return known_branch(problem, here.sample.z, here.sample.weights, self.branches)
         # A branch point lies on the parent anyway: look at the first points away from it.
+        names: list[str | None] = []
+        observer = Observer(start.free, problem.observable_names)
         for sign in self._signs(start):
             facing = here if sign > 0 else turned(here)
-            observer = Observer(start.free, problem.observable_names)
-            for event in walk(problem, facing, self._plan.settings, observer, sign, 1):
-                if isinstance(event, End):
-                    break
-                if event.special is None:
+            for event in walk(problem, facing, self._plan.settings, observer, sign, self._plan.settings.max_points):
+                if isinstance(event, Point) and event.special is None:
                     sample = event.here.sample
-                    name = known_branch(problem, sample.z, sample.weights, self.branches)
-                    if name is None:
-                        return None
-                    found = name
+                    names.append(known_branch(problem, sample.z, sample.weights, self.branches))
                     break
-            else:
-                return None
-        return found if self._signs(start) else None
+        return names[0] if names and None not in names else None
 
     def _signs(self, start: Start) -> tuple[float, ...]:
         return self._plan.directions if start.parent is None else (1.0, -1.0)
@@ -242,7 +236,7 @@ class Diagram:
             if start.parent is not None and abs(point.s) < 1e-9:
                 continue  # the point that this branch itself was born at
             for seed in problem.seeds(point):
-                here = begin(problem, seed.z, self._plan.settings, seed.tangent)
+                here = begin(problem, seed.z, self._plan.settings, seed.tangent, seed.magnitudes)
                 if isinstance(here, Here):
                     yield replace(
                         start,
@@ -293,6 +287,7 @@ def _resumed(problem: Equilibrium, work: _Work, stored: Stored, signs: tuple[flo
     ends = {1.0 if p.s > 0 else -1.0: p for p in work.special_points if p.label == "EP"}
     if len(kept) == 1 and ends:  # ended where it began
         ends = dict(zip(signs, [p for p in work.special_points if p.label == "EP"], strict=False))
+    born = work.info.parent is not None
     places: dict[float, Here] = {}
     for sign in signs:
         if sign in ends:
@@ -301,9 +296,9 @@ def _resumed(problem: Equilibrium, work: _Work, stored: Stored, signs: tuple[flo
             continue
         side = kept[(np.sign(kept["s"]) == sign) & ~kept["special"]]
         if len(side):
-            places[sign] = from_row(problem, side[-1], sign)
+            places[sign] = from_row(problem, side[-1], sign, born)
         else:
-            places[sign] = from_row(problem, kept[0], sign)
+            places[sign] = from_row(problem, kept[0], sign, born)
     return places
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contwalk.continuation.detection import Found, sample_at
+from contwalk.continuation.detection import Found, same_point, sample_at
 from contwalk.continuation.newton import correct
 from contwalk.continuation.rootfinding import narrow
 from contwalk.continuation.segment import LostBranch, Segment
@@ -64,7 +64,7 @@ def _levels(segment: Segment, name: str, level: float, observer: Observer) -> li
             return None
         position = segment.position(located.z)
         slack = 1e-3 * (right - left) + 1e-12
-        if not left - slack <= position <= right + slack or segment.distance(located.z, position) > 1e-6:
+        if not left - slack <= position <= right + slack or not same_point(segment, located, position):
             return None
         settled = located.settled()
         return settled and Found(position, "UZ", settled, sample_at(segment, "UZ", settled, sample))

@@ -8,12 +8,17 @@ import numpy as np
 
 from contwalk.continuation.settings import Settings
 
+# Stands in for a magnitude that neither the unknown nor the equations tell yet.
+UNKNOWN = 1.0
 
-def updated(weights: np.ndarray | None, magnitudes: np.ndarray, settings: Settings, value: float) -> np.ndarray:
+
+def updated(
+    weights: np.ndarray | None, magnitudes: np.ndarray, settings: Settings, z: np.ndarray
+) -> np.ndarray:
     """Weights at the next point.
 
-    A weight of an unknown never decreases along a branch, so that passing zero does not shrink the steps. The
-    parameter's follows its size, within the width of the range.
+    A weight starts as the magnitude that the problem tells, and then only grows with its unknown, so that passing
+    zero does not shrink the steps. The parameter's follows its size, within the width of the range.
 
     Parameters
     ----------
@@ -21,16 +26,12 @@ def updated(weights: np.ndarray | None, magnitudes: np.ndarray, settings: Settin
         Those of the last point; None at the start.
     magnitudes : ndarray, shape (N + 1,)
         Typical magnitudes at the new point, NaN where unknown.
-    value : float
-        The free parameter.
+    z : ndarray, shape (N + 1,)
+        The new point.
     """
-    known = np.isfinite(magnitudes)
-    result = np.where(known, magnitudes, 1.0)
-    if weights is not None:
-        # 1.0 is also the stand-in for an unknown magnitude; it gives way to a known one.
-        result = np.where(known & (weights != 1.0), np.maximum(weights, result), result)
-        result = np.where(known, result, weights)
-    result[-1] = parameter_weight(magnitudes[-1], settings, value)
+    told = np.where(np.isfinite(magnitudes), magnitudes, UNKNOWN)
+    result = told if weights is None else np.where(weights == UNKNOWN, told, np.maximum(weights, np.abs(z)))
+    result[-1] = parameter_weight(magnitudes[-1], settings, float(z[-1]))
     return result
 
 

@@ -58,7 +58,7 @@ def correct(
                 return Correction(z, here, iteration)
             bordered = np.vstack([here.jacobian, normal])
             try:
-                step = Factored(bordered).solve(np.append(here.residual, normal @ (z - guess)))
+                step = Factored(bordered, weights).solve(np.append(here.residual, normal @ (z - guess)))
             except np.linalg.LinAlgError:
                 return Correction(z, here, iteration, "no_convergence", "The bordered Jacobian is singular.")
             size = float(np.linalg.norm(step / weights))

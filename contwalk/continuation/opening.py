@@ -14,12 +14,12 @@ from contwalk.continuation.newton import correct
 from contwalk.continuation.settings import Settings
 from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.equilibrium import UNDECLARED, Equilibrium, solution_at
-from contwalk.problems.linear import null_vectors
-from contwalk.problems.neutral import undeclared_direction
+from contwalk.problems.linear import nearest_eigenpair
+from contwalk.problems.spectrum import EPSILON
 from contwalk.system import Neutral, System
 
-# A second direction of solutions shows as a second singular value this small.
-RANK = 1e-12
+# F_lambda lies in the range of F_u if what the left vector sees of it is this small a part of its terms.
+IN_RANGE = 1e-8
 
 
 @dataclass(frozen=True)
@@ -66,9 +66,10 @@ def opened(
             here = begin(problem, np.append(here.sample.z[: problem.states], here.sample.z[-1]), settings)
             if not isinstance(here, Here):
                 return outcomes.no_start(here.reason, here.sentence)
-        if _rank_is_full(problem, here.sample.z):
+        direction = second_direction(problem, here.sample.z)
+        if direction is None:
             return Opening(problem, here)
-        return _degenerate(problem, here, settings)
+        return _degenerate(problem, here, direction, settings)
     except PluginError as error:
         return outcomes.no_start("plugin_error", error.sentence)
     except NotFinite as error:
@@ -85,18 +86,30 @@ def _drifts(problem: Equilibrium, here: Here) -> bool:
     return bool(forces.max() > 1e-9 * terms.max())
 
 
-def _rank_is_full(problem: Equilibrium, z: np.ndarray) -> bool:
-    values = null_vectors(problem.jacobian(z), 1)[2]
-    return bool(values[-1] > RANK)
+def second_direction(problem: Equilibrium, z: np.ndarray) -> np.ndarray | None:
+    """A null vector of F_u where F_lambda lies in its range: a second direction of solutions; None if regular."""
+    jacobian = problem.jacobian(z)
+    matrix = jacobian[:, : problem.size]
+    pair = nearest_eigenpair(matrix)
+    n = problem.states
+    entries = np.zeros_like(matrix)
+    entries[:n, :n] = EPSILON * problem.kernels.rounding_of_matrix(*problem.inputs(z))
+    error = pair.error + float(np.abs(pair.left) @ entries @ np.abs(pair.right))
+    if abs(pair.value) > 10.0 * error:
+        return None
+    seen, terms = abs(pair.left @ jacobian[:, -1]), np.abs(pair.left) @ np.abs(jacobian[:, -1])
+    return None if seen > IN_RANGE * terms else pair.right.real
 
 
-def _degenerate(problem: Equilibrium, here: Here, settings: Settings) -> Opening | Outcome:
+def _degenerate(
+    problem: Equilibrium, here: Here, generator: np.ndarray, settings: Settings
+) -> Opening | Outcome:
     """A start with two directions of solutions: an undeclared neutral direction, or a branch point.
 
     The two are told apart a little way on: a neutral direction is still there.
     """
     z = here.sample.z
-    generator = undeclared_direction(problem.jacobian(z)[: problem.states, : problem.states])
+    generator = generator[: problem.states]
     held = problem.with_pins((*problem.pins, _constant(generator)), z[: problem.states])
     there = begin(held, np.concatenate([z[: problem.size], [0.0], z[-1:]]), settings)
     if isinstance(there, Here):
@@ -104,7 +117,7 @@ def _degenerate(problem: Equilibrium, here: Here, settings: Settings) -> Opening
         next_one = correct(held, moved, there.sample.tangent / there.sample.weights**2, there.sample.weights)
         if next_one.ok:
             without = np.append(next_one.z[: problem.size], next_one.z[-1])
-            if _rank_is_full(problem, without):
+            if second_direction(problem, without) is None:
                 # A branch point: begin beside it, on the branch along which the parameter moves.
                 beside = begin(problem, without, settings)
                 if isinstance(beside, Here):

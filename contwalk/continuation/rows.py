@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from contwalk.branch import BranchInfo
@@ -37,11 +39,16 @@ def to_row(info: BranchInfo, problem: Equilibrium, here: Here, sign: float, spec
     return row
 
 
-def from_row(problem: Equilibrium, row: np.void, sign: float) -> Here:
-    """The place that a stored row was made from, facing along the walk."""
+def from_row(problem: Equilibrium, row: np.void, sign: float, born: bool) -> Here:
+    """The place that a stored row was made from, facing along the walk.
+
+    `born` is whether the branch begins at a branch point.
+    """
     z = np.append(row["unknowns"], row["free"])
     linearization = problem.linearize(z)
     sample = problem.examine(
         z, sign * np.array(row["tangent"]), np.array(row["weights"]), linearization, int(row["unstable"])
     )
+    if born and row["s"] == 0.0:
+        sample = replace(sample, orientation=0.0)  # not defined at a branch point
     return Here(sample, float(row["s"]), float(row["step"]))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.continuation.newton import correct
+from contwalk.problems.linear import Factored
 from contwalk.problems.problem import Problem, Sample
 
 
@@ -37,12 +38,10 @@ class Segment:
 
     def tangent(self, jacobian: np.ndarray) -> np.ndarray:
         """Tangent of the branch, pointing along the chord, from the Jacobian on it."""
-        from contwalk.problems.linear import Factored
-
         right = np.zeros(len(self.chord))
         right[-1] = 1.0
         try:
-            return Factored(np.vstack([jacobian, self.normal])).solve(right)
+            return Factored(np.vstack([jacobian, self.normal]), self.weights).solve(right)
         except np.linalg.LinAlgError as error:
             raise LostBranch("The tangent is not determined.") from error
 

@@ -40,7 +40,7 @@ class Settings:
     range: tuple[float, float] = (-math.inf, math.inf)
     max_points: int = 1000
     step: float = 0.02
-    min_step: float = 1e-10
+    min_step: float = 1e-12
     max_step: float = 0.1
     max_angle: float = 20.0
     newton_iterations: int = 8

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contwalk.fields.kernel import Kernel
-from contwalk.problems.linear import null_vectors
+from contwalk.problems.linear import nearest_eigenpair
 from contwalk.problems.problem import Located, Sample
 from contwalk.problems.refine import DefiningSystem, Solution, newton, refine
 
@@ -75,8 +75,8 @@ def _real_eigenvalue(problem: Equilibrium, sample: Sample, shift: float | None) 
     m = size if shift is None else problem.states
     sigma = 0.0 if shift is None else shift
     matrix = problem.jacobian(sample.z)[:m, :m] - sigma * np.eye(m)
-    right, _, _ = null_vectors(matrix, 1)
-    c = right[:, 0] / np.dot(right[:, 0], right[:, 0])
+    start = nearest_eigenpair(matrix).right.real
+    c = start / np.dot(start, start)
 
     def split(u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         v = np.zeros(size + 1)
@@ -113,14 +113,15 @@ def _real_eigenvalue(problem: Equilibrium, sample: Sample, shift: float | None) 
         vectors = {"right": found.values[size + 1 :], "exact": found.exact}
         return Located(found.values[: size + 1], float(found.errors[size]), vectors, found.refined)
 
-    return _solve(system, np.concatenate([sample.z, right[:, 0]]), described)
+    return _solve(system, np.concatenate([sample.z, start]), described)
 
 
 def branch_point(problem: Equilibrium, sample: Sample) -> Located | None:
     """The simple branch point near a sample; None where the nearest one is unfolded (mu is not zero)."""
     size = problem.size
-    _, left, _ = null_vectors(problem.jacobian(sample.z), 2)
-    b = left[:, 0] / np.dot(left[:, 0], left[:, 0])
+    start = nearest_eigenpair(problem.jacobian(sample.z)[:, :size]).left.real
+    start = start / np.linalg.norm(start)
+    b = start
 
     def residual(u: np.ndarray) -> np.ndarray:
         z, psi, mu = u[: size + 1], u[size + 1 : -1], u[-1]
@@ -147,7 +148,7 @@ def branch_point(problem: Equilibrium, sample: Sample) -> Located | None:
 
     rounding = problem.linearize(sample.z).rounding
     unfolding = float(np.max(rounding[b != 0] / np.abs(b[b != 0])))
-    scale = np.concatenate([sample.weights, np.abs(left[:, 0]).max() * np.ones(size), [unfolding]])
+    scale = np.concatenate([sample.weights, np.abs(start).max() * np.ones(size), [unfolding]])
     system = DefiningSystem(scale, residual, jacobian, exactly)
 
     def described(found: Solution) -> Located | None:
@@ -158,7 +159,7 @@ def branch_point(problem: Equilibrium, sample: Sample) -> Located | None:
         vectors = {"left": found.values[size + 1 : -1], "exact": found.exact}
         return Located(found.values[: size + 1], float(found.errors[size]), vectors, found.refined)
 
-    return _solve(system, np.concatenate([sample.z, left[:, 0], [0.0]]), described)
+    return _solve(system, np.concatenate([sample.z, start, [0.0]]), described)
 
 
 def hopf(problem: Equilibrium, sample: Sample, which: int, shift: float = 0.0) -> Located | None:
@@ -167,11 +168,8 @@ def hopf(problem: Equilibrium, sample: Sample, which: int, shift: float = 0.0) -
     eigenvalue = sample.eigenvalues[which]
     omega = abs(eigenvalue.imag)
     a = problem.jacobian(sample.z)[:n, :n]
-    right, _, _ = null_vectors(_complex_as_real(a - shift * np.eye(n), omega), 2)
-    start = right[:n, 0] + 1j * right[n:, 0]
-    # Entries of very different magnitude: normalise each in its own measure.
+    start = nearest_eigenpair(a, complex(eigenvalue.real, omega)).right.astype(complex)
     c = np.conj(start) / np.vdot(start, start).real
-    start = start / (c @ start)
 
     def parts(u: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
         return u[: size + 1], u[size + 1 : size + 1 + n] + 1j * u[size + 1 + n : -1], u[-1]

@@ -257,6 +257,22 @@ class Equations:
         return Kernel(program, GROUPS), Kernel(program.transformed(gradient), GROUPS)
 
 
+_KNOWN: dict[tuple, Equations] = {}
+_MOST_KNOWN = 64
+
+
+def equations_of(
+    system: System, free: str | None, moving: tuple[int, ...], pins: tuple[Neutral, ...]
+) -> Equations:
+    """As `Equations(...)`, traced only once for the same arguments: values of parameters are not among them."""
+    key = (id(system), free, moving, tuple(id(pin) for pin in pins))
+    if key not in _KNOWN:
+        while len(_KNOWN) >= _MOST_KNOWN:
+            del _KNOWN[next(iter(_KNOWN))]
+        _KNOWN[key] = Equations(system, free, moving, pins)  # it keeps its system and pins, and so their ids
+    return _KNOWN[key]
+
+
 def written(
     function: Callable[..., Any], name: str, x: np.ndarray, p: SimpleNamespace, length: int
 ) -> list[Any]:

@@ -14,7 +14,7 @@ from contwalk.fields.blame import first_not_finite
 from contwalk.fields.kernel import Kernel
 from contwalk.problems import defining
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.equations import Equations
+from contwalk.problems.equations import equations_of
 from contwalk.problems.linear import Factored
 from contwalk.problems.normal_forms import (
     branch_point_coefficients,
@@ -80,7 +80,10 @@ class Equilibrium:
         self._direction = [float(end[name]) - float(begin[name]) for name in names]
         moving = [k for k, d in enumerate(self._direction) if d != 0.0]
         self._held = self._held_values()
-        self.kernels = Equations(system, None if path is not None else free, moving, self.pins)
+        declared = [(i, s.scale) for i, s in enumerate(system.states) if s.scale is not None]
+        self._declared = [i for i, _ in declared]
+        self._scales = [scale for _, scale in declared]
+        self.kernels = equations_of(system, None if path is not None else free, tuple(moving), self.pins)
         self._observables: dict[str, tuple[Kernel, Kernel]] = {}
 
     @property
@@ -144,7 +147,8 @@ class Equilibrium:
         # zero only to half an ulp of what would matter.
         level = EPSILON * (bounds + derivatives @ np.abs(z)) + np.finfo(float).tiny
         rough = Linearization(table[:, 0], table[:, 1:], level)
-        level = level + EPSILON * (derivatives @ np.nan_to_num(self.magnitudes(z, rough)))
+        natural = self.magnitudes(z, rough)
+        level = level + EPSILON * (derivatives @ np.where(natural > 0, natural, 0.0))
         return Linearization(table[:, 0], table[:, 1:], level)
 
     def explain(self, z: np.ndarray) -> str:
@@ -161,13 +165,11 @@ class Equilibrium:
         """
         derivatives = np.abs(linearization.jacobian)
         terms = (linearization.rounding / EPSILON)[:, None]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            matters = np.where((derivatives > 0) & (terms > 1e-290), terms / derivatives, np.inf).min(axis=0)
-        natural = np.maximum(np.abs(z), np.where(np.isfinite(matters), matters, 0.0))
-        natural = np.where(natural > 0, natural, np.nan)
-        for i, state in enumerate(self.system.states):
-            if state.scale is not None:
-                natural[i] = state.scale
+        told = (derivatives > 1e-100) & (terms > 1e-290)
+        matters = np.where(told, terms / np.where(told, derivatives, 1.0), np.inf).min(axis=0)
+        natural = np.maximum(np.abs(z), np.where(matters < np.inf, matters, 0.0))
+        natural = np.where(natural > 1e-100, natural, np.nan)  # smaller ones are rounding noise of zero
+        natural[self._declared] = self._scales
         return natural
 
     def observable_kernels(self, name: str) -> tuple[Kernel, Kernel]:
@@ -214,7 +216,7 @@ class Equilibrium:
             z=z,
             tangent=unit,
             weights=weights,
-            orientation=Factored(bordered).orientation(),
+            orientation=Factored(bordered, weights).orientation(),
             eigenvalues=found.values,
             errors=found.errors,
             rates=found.rates,

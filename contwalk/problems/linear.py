@@ -2,37 +2,59 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
+
+EPSILON = float(np.finfo(float).eps)
 
 
 def equilibration(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Row and column factors after which the largest entry of each row and column is about one.
 
-    Factors are powers of two, so that scaling is free of rounding.
+    Factors are powers of two, so that scaling is free of rounding; the work is done on exponents.
     """
-    magnitude = np.abs(matrix)
-    rows = np.ones(matrix.shape[0])
-    columns = np.ones(matrix.shape[1])
-    for _ in range(3):
-        largest = (magnitude * columns).max(axis=1) * rows
-        rows /= _power_of_two(np.sqrt(largest))
-        largest = (magnitude * rows[:, None]).max(axis=0) * columns
-        columns /= _power_of_two(np.sqrt(largest))
-    largest = (magnitude * columns).max(axis=1) * rows
-    return rows / _power_of_two(largest), columns
+    exponents = np.frexp(np.abs(matrix))[1]
+    exponents[matrix == 0] = _NO_ENTRY
+    rows, columns = np.zeros(matrix.shape[0], dtype=int), np.zeros(matrix.shape[1], dtype=int)
+    for _ in range(5):  # D. Ruiz (2001): half of each excess from the rows, half from the columns
+        excess = _largest(exponents, 1)
+        rows -= (excess + 1) // 2
+        exponents = exponents - ((excess + 1) // 2)[:, None]
+        excess = _largest(exponents, 0)
+        columns -= (excess + 1) // 2
+        exponents = exponents - (excess + 1) // 2
+        if -2 < excess.min() and excess.max() < 2:
+            break
+    rows -= _largest(exponents, 1)
+    return np.ldexp(1.0, rows), np.ldexp(1.0, columns)
 
 
-def _power_of_two(values: np.ndarray) -> np.ndarray:
-    usable = np.where((values > 0) & np.isfinite(values), values, 1.0)
-    return np.exp2(np.round(np.log2(usable)))
+_NO_ENTRY = -100_000
+
+
+def _largest(exponents: np.ndarray, axis: int) -> np.ndarray:
+    """Largest exponents along an axis; 0 for a row or column of zeros."""
+    found = exponents.max(axis=axis)
+    return np.where(found > _NO_ENTRY // 2, found, 0)
 
 
 class Factored:
-    """A square matrix, equilibrated; `solve` applies its inverse."""
+    """A square matrix, equilibrated; `solve` applies its inverse.
 
-    def __init__(self, matrix: np.ndarray) -> None:
-        self.rows, self.columns = equilibration(matrix)
-        self._scaled = matrix * self.rows[:, None] * self.columns
+    Where typical magnitudes of the unknowns are known (`weights`), they scale the columns, which is cheaper.
+    """
+
+    def __init__(self, matrix: np.ndarray, weights: np.ndarray | None = None) -> None:
+        if weights is None:
+            self.rows, self.columns = equilibration(matrix)
+            self._scaled = matrix * self.rows[:, None] * self.columns
+        else:
+            self.columns = weights
+            scaled = matrix * weights
+            largest = np.abs(scaled).max(axis=1)
+            self.rows = 1.0 / np.where(largest > 0.0, largest, 1.0)
+            self._scaled = scaled * self.rows[:, None]
 
     def solve(self, right: np.ndarray) -> np.ndarray:
         """x with matrix @ x = right.
@@ -53,25 +75,84 @@ class Factored:
         return float(np.linalg.slogdet(self._scaled)[0])
 
 
-def null_vectors(matrix: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Right and left vectors nearest to the null space, and all singular values, of the equilibrated matrix.
+def kernel_direction(matrix: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """The vector that a matrix with one column more than rows takes to zero, of length one in units of `weights`."""
+    scaled = matrix * weights
+    largest = np.abs(scaled).max(axis=1, keepdims=True)
+    return np.linalg.svd(scaled / np.where(largest > 0, largest, 1.0))[2][-1] * weights
+
+
+def balanced(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """D^-1 A D with rows and columns of like norm, and the diagonal of D (powers of two).
+
+    Eigenvalues of a matrix whose states have very different units are accurate only after this
+    (E. E. Osborne, J. ACM 7, 338, 1960).
+    """
+    d = np.ones(len(matrix))
+    scaled = matrix.copy()
+    np.fill_diagonal(scaled, 0.0)
+    magnitude = np.abs(scaled)
+    for _ in range(20):
+        rows, columns = magnitude.sum(axis=1), magnitude.sum(axis=0)
+        usable = (rows > 0) & (columns > 0)
+        factor = np.ones(len(d))
+        factor[usable] = np.exp2(np.round(0.5 * np.log2(rows[usable] / columns[usable]) * 0.5))
+        if np.all(factor == 1.0):
+            break
+        magnitude = magnitude / factor[:, None] * factor
+        d *= factor
+    return matrix / d[:, None] * d, d
+
+
+@dataclass(frozen=True)
+class EigenPair:
+    """An eigenvalue with its vectors, |right| = 1 and left . right = 1, and its estimated absolute error.
+
+    `right` and `left` have length n; A right = value right, left A = value left.
+    """
+
+    value: complex
+    right: np.ndarray
+    left: np.ndarray
+    error: float
+
+
+def nearest_eigenpair(matrix: np.ndarray, value: complex = 0.0) -> EigenPair:
+    """The eigenvalue nearest to `value`; real where a real one is as near as any complex one.
+
+    Eigenvalues do not depend on the units of the states; singular values would.
+    """
+    scaled, d = balanced(matrix)
+    values, right = np.linalg.eig(scaled)
+    k = int(np.argmin(np.abs(values - value)))
+    left = np.linalg.eig(scaled.T)[1]
+    transposed = np.linalg.eigvals(scaled.T)
+    row = left[:, int(np.argmin(np.abs(transposed - values[k])))]
+    q, p = right[:, k] * d, row / d
+    q = q / np.linalg.norm(q)
+    product = p @ q
+    norm = float(np.linalg.norm(p))
+    defective = abs(product) < 1e-12 * norm  # no left vector can be normalised against a defective eigenvalue
+    p = p / norm if defective else p / product
+    condition = float(np.linalg.norm(p * d) * np.linalg.norm(q / d))
+    error = EPSILON * float(np.linalg.norm(scaled)) * condition
+    if not np.iscomplexobj(matrix) and values[k].imag == 0.0:
+        return EigenPair(values[k].real, q.real, p.real, error)
+    return EigenPair(complex(values[k]), q, p, error)
+
+
+def solution_plane(jacobian: np.ndarray, pair: EigenPair) -> np.ndarray:
+    """The two directions in which solutions can leave a branch point, (q, 0) and (h, 1), shape (N + 1, 2).
 
     Parameters
     ----------
-    matrix : ndarray, shape (m, n) with m <= n
-    count : int
-        Dimension of the right null space that is asked for.
-
-    Returns
-    -------
-    right : ndarray, shape (n, count)
-    left : ndarray, shape (m, count - (n - m))
-    values : ndarray, shape (m,), relative to the largest
+    jacobian : ndarray, shape (N, N + 1)
+        DF, with F_u nearly singular.
+    pair : EigenPair
+        Its critical vectors q and p; h solves F_u h = -F_lambda in the complement of q.
     """
-    rows, columns = equilibration(matrix)
-    u, values, vh = np.linalg.svd(matrix * rows[:, None] * columns)
-    m, n = matrix.shape
-    right = columns[:, None] * vh[n - count :].conj().T
-    left = rows[:, None] * u[:, m - (count - (n - m)) :]
-    scale = values[0] if values[0] > 0 else 1.0
-    return right / np.linalg.norm(right, axis=0), left / np.linalg.norm(left, axis=0), values / scale
+    size = len(jacobian)
+    q, p = pair.right.real, pair.left.real
+    bordered = np.block([[jacobian[:, :size], p[:, None]], [q[None, :], np.zeros((1, 1))]])
+    h = Factored(bordered).solve(np.append(-jacobian[:, -1], 0.0))[:size]
+    return np.column_stack([np.append(q, 0.0), np.append(h, 1.0)])

@@ -7,7 +7,6 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from contwalk.problems.linear import null_vectors
 from contwalk.system import Neutral, System
 
 # A generator counts as neutral where A g is this far below the size of its terms.
@@ -51,8 +50,3 @@ def active(
         chosen.append(neutral)
     return chosen
 
-
-def undeclared_direction(matrix: np.ndarray) -> np.ndarray:
-    """The unit vector that A takes nearest to zero, shape (n,)."""
-    right, _, _ = null_vectors(matrix, 1)
-    return right[:, 0]

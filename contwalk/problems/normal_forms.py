@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contwalk.problems.linear import Factored, null_vectors
+from contwalk.problems.linear import Factored, nearest_eigenpair
 from contwalk.problems.problem import Located
 
 if TYPE_CHECKING:
@@ -37,15 +37,14 @@ class _Forms:
 
 
 def critical_vectors(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """q and p of a singular matrix, |q| = 1, p.q = 1 (or |p| = 1 where p.q vanishes).
+    """q and p of a singular matrix, |q| = 1, p.q = 1 (or |p| = 1 where p.q vanishes, a double zero).
 
     The sign of q makes its largest entry positive.
     """
-    right, left, _ = null_vectors(matrix, 1)
-    q, p = right[:, 0], left[:, 0]
-    q = q * np.sign(q[np.argmax(np.abs(q))])
-    product = float(p @ q)
-    return q, p / product if abs(product) > 1e-10 else p
+    pair = nearest_eigenpair(matrix)
+    q, p = pair.right.real, pair.left.real
+    sign = np.sign(q[np.argmax(np.abs(q))])
+    return sign * q, sign * p
 
 
 def fold_coefficients(problem: Equilibrium, located: Located) -> dict[str, Any]:
@@ -72,8 +71,8 @@ def hopf_coefficients(problem: Equilibrium, located: Located) -> dict[str, Any]:
     n, omega = problem.states, float(located.vectors["omega"])
     a = problem.jacobian(located.z)[:n, :n]
     q = located.vectors["right"] / np.linalg.norm(located.vectors["right"])
-    _, left, _ = null_vectors((a - 1j * omega * np.eye(n)), 1)
-    p = np.conj(left[:, 0]) / (np.conj(left[:, 0]) @ q)  # the conjugate, so that <p, x> is p @ x
+    p = nearest_eigenpair(a, 1j * omega).left  # a row vector: <p, x> is p @ x
+    p = p / (p @ q)
     forms = _Forms(problem, located.z)
     h11 = problem.solve_states(located.z, forms.second(q, np.conj(q))[:n])
     h20 = np.linalg.solve(2j * omega * np.eye(n) - a, forms.second(q, q)[:n])

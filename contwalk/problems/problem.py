@@ -111,12 +111,15 @@ class Located:
 
 @dataclass(frozen=True)
 class Seed:
-    """A branch that leaves a special point: a solution on it (or the point itself) and its direction."""
+    """A branch that leaves a special point: a solution on it (or the point itself) and its direction.
+
+    `magnitudes` estimates how far each unknown moves along it, for unknowns that are zero at the point.
+    """
 
     label: str
     z: np.ndarray
     tangent: np.ndarray
-    description: str
+    magnitudes: np.ndarray
 
 
 class Problem(Protocol):

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contwalk.problems.linear import balanced
+
 EPSILON = float(np.finfo(float).eps)
 
 
@@ -37,28 +39,6 @@ class Spectrum:
             return int(np.sum(real > self.errors))
         positive = np.where(np.abs(real) > self.errors, real > 0, np.arange(len(real)) < before)
         return int(np.sum(positive))
-
-
-def balanced(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """D^-1 A D with rows and columns of like norm, and the diagonal of D (powers of two).
-
-    Eigenvalues of a matrix whose states have very different units are accurate only after this
-    (E. E. Osborne, J. ACM 7, 338, 1960).
-    """
-    d = np.ones(len(matrix))
-    scaled = matrix.copy()
-    np.fill_diagonal(scaled, 0.0)
-    magnitude = np.abs(scaled)
-    for _ in range(20):
-        rows, columns = magnitude.sum(axis=1), magnitude.sum(axis=0)
-        usable = (rows > 0) & (columns > 0)
-        factor = np.ones(len(d))
-        factor[usable] = np.exp2(np.round(0.5 * np.log2(rows[usable] / columns[usable]) * 0.5))
-        if np.all(factor == 1.0):
-            break
-        magnitude = magnitude / factor[:, None] * factor
-        d *= factor
-    return matrix / d[:, None] * d, d
 
 
 def complement(generators: np.ndarray) -> np.ndarray:
@@ -101,9 +81,14 @@ def spectrum(
         left = np.linalg.inv(right)
     except np.linalg.LinAlgError:
         left = np.full_like(right, np.nan)
-    sensitivity = np.abs(left) @ (rounding / d[:, None] * d) @ np.abs(right)
+    # The two-sided Rayleigh quotient is second-order accurate in the vectors: what is left are the roundings of
+    # its own terms, those of the entries of A, and the square of what the eigenvalue algorithm leaves behind.
+    values = np.einsum("ij,jk,ki->i", left, scaled, right)
+    sensitivity = np.abs(left) @ (rounding / d[:, None] * d + 4.0 * EPSILON * np.abs(scaled)) @ np.abs(right)
     norms = np.linalg.norm(left, axis=1) * np.linalg.norm(right, axis=0)
-    errors = np.diag(sensitivity) + EPSILON * np.linalg.norm(scaled) * norms
+    backward = EPSILON * np.linalg.norm(scaled) * norms
+    gaps = np.abs(values[:, None] - values) + np.diag(np.full(len(values), np.inf))
+    errors = np.diag(sensitivity) + np.minimum(backward, backward**2 / np.maximum(gaps.min(axis=1), 1e-300))
     rates = np.einsum("ij,jk,ki->i", left, rate / d[:, None] * d, right).real
     kept = np.sort(np.argsort(np.abs(values), kind="stable")[zeros:])
     values, errors, rates = values[kept], errors[kept], rates[kept]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.problems.linear import null_vectors
+from contwalk.problems.linear import Factored, nearest_eigenpair, solution_plane
 from contwalk.problems.problem import Seed
 
 if TYPE_CHECKING:
@@ -18,14 +18,14 @@ if TYPE_CHECKING:
 def directions(problem: Equilibrium, z: np.ndarray, weights: np.ndarray) -> list[np.ndarray]:
     """Tangents of the two branches through a simple branch point, each a unit vector in the metric.
 
-    With t1, t2 spanning the null space of DF and psi its left null vector, the tangents are x t1 + y t2 with
+    With t1, t2 spanning the null space of DF, (q, 0) and (h, 1), and psi its left null vector, they are x t1 + y t2 with
     psi.D2F(t1,t1) x^2 + 2 psi.D2F(t1,t2) x y + psi.D2F(t2,t2) y^2 = 0. Empty where it has no real solutions.
     """
-    right, left, _ = null_vectors(problem.jacobian(z), 2)
+    size, jacobian, inputs = problem.size, problem.jacobian(z), problem.inputs(z)
+    pair = nearest_eigenpair(jacobian[:, :size])
+    psi, basis = pair.left.real, solution_plane(jacobian, pair)
     # An orthonormal basis in the metric of the weights keeps the quadratic well scaled.
-    q, _ = np.linalg.qr(right / weights[:, None])
-    t1, t2 = q[:, 0] * weights, q[:, 1] * weights
-    psi, inputs = left[:, 0], problem.inputs(z)
+    t1, t2 = (np.linalg.qr(basis / weights[:, None])[0] * weights[:, None]).T
     a, b, c = (
         float(psi @ problem.kernels.second(*inputs, v.tolist(), w.tolist()))
         for v, w in ((t1, t1), (t1, t2), (t2, t2))
@@ -68,4 +68,29 @@ def branch_point_seeds(problem: Equilibrium, point: SpecialPoint) -> Sequence[Se
     other = found[int(np.argmin(products))]
     # Grow towards larger parameter, or where the branch leaves at a right angle, towards a larger first state.
     lead = other[-1] if abs(other[-1] / weights[-1]) > 1e-6 else other[int(np.argmax(np.abs(other / weights)))]
-    return (Seed("BP", z, other * np.sign(lead), f"the other branch through {point.name or 'BP'}"),)
+    tangent = other * np.sign(lead)
+    return (Seed("BP", z, tangent, reach(problem, z, tangent, float(weights[-1]))),)
+
+
+def reach(problem: Equilibrium, z: np.ndarray, tangent: np.ndarray, change: float) -> np.ndarray:
+    """How far each unknown moves on a branch while the parameter changes by about `change`, shape (N + 1,).
+
+    Along a tangent with a parameter component it is linear. Without one, as at a pitchfork, the amplitude is the
+    root of change / curvature, and unknowns outside the critical direction move with its square.
+    """
+    size = problem.size
+    if tangent[-1] != 0.0 and abs(tangent[-1]) > 1e-9 * np.linalg.norm(tangent):
+        return np.abs(tangent * change / tangent[-1])
+    jacobian, inputs = problem.jacobian(z), problem.inputs(z)
+    pair = nearest_eigenpair(jacobian[:, :size])
+    q, p = pair.right.real, pair.left.real
+    q1 = np.append(q, 0.0).tolist()
+    bordered = Factored(np.block([[jacobian[:, :size], p[:, None]], [q[None, :], np.zeros((1, 1))]]))
+    h2 = bordered.solve(np.append(-problem.kernels.second(*inputs, q1, q1), 0.0))[:size]
+    h = np.append(bordered.solve(np.append(-jacobian[:, -1], 0.0))[:size], 1.0).tolist()
+    cubic = problem.kernels.third(*inputs, q1, q1, q1)
+    cubic = cubic + 3.0 * problem.kernels.second(*inputs, q1, np.append(h2, 0.0).tolist())
+    curvature = abs(float(p @ cubic)) / 6.0
+    drive = abs(float(p @ problem.kernels.second(*inputs, q1, h)))
+    amplitude = float(np.sqrt(drive * change / curvature)) if curvature > 0.0 and drive > 0.0 else 0.0
+    return np.append(np.maximum(np.abs(amplitude * q), 0.5 * amplitude**2 * np.abs(h2)), change)

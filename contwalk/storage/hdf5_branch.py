@@ -1,4 +1,4 @@
-"""One branch in a file: a group with three record logs, whose attributes never change."""
+"""One branch in a file: a group with four record logs."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from contwalk.branch import BranchInfo, Outcome, SpecialPoint
 from contwalk.storage.hdf5_file import publish
-from contwalk.storage.records import RecordLog
+from contwalk.storage.records import RecordLog, describe
 from contwalk.storage.schema import (
     POINT_CHUNK,
     SPECIAL_CHUNK,
@@ -31,7 +31,7 @@ REOPENED = "null"  # the text in the log of outcomes that takes the one before i
 
 
 class StoredBranch:
-    """A branch group and its logs `points`, `special_points` and `outcome`."""
+    """A branch group and its logs `info`, `points`, `special_points` and `outcome`."""
 
     def __init__(self, group: h5py.Group, info: BranchInfo) -> None:
         self.info = info
@@ -44,7 +44,8 @@ class StoredBranch:
     @classmethod
     def open(cls, group: h5py.Group) -> StoredBranch:
         """An existing branch."""
-        return cls(group, info_from_text(group.attrs["info"]))
+        (text,) = joined(RecordLog(group["info"], TEXT_DTYPE).read())
+        return cls(group, info_from_text(text))
 
     @classmethod
     def create(
@@ -60,9 +61,15 @@ class StoredBranch:
         text = info_text(info)
         # Nameless until it is whole and on disk: a kill meanwhile leaves no half branch behind.
         group = file.create_group(None)
-        group.attrs["info"] = text
-        _describe(group, info)
+        describe(
+            group,
+            problem=info.problem,
+            free=", ".join(info.free),
+            states=", ".join(info.states),
+            observables=", ".join(info.observables),
+        )
         for name, records, chunk in (
+            ("info", pieces(text), TEXT_CHUNK),
             ("points", np.empty(0, point_record_dtype(info)) if rows is None else rows, POINT_CHUNK),
             (
                 "special_points",
@@ -119,11 +126,3 @@ class StoredBranch:
         """Take the outcome back."""
         self.outcomes.append(pieces(REOPENED))
         self._end = None
-
-
-def _describe(group: h5py.Group, info: BranchInfo) -> None:
-    """Attributes that any HDF5 browser shows; contwalk itself reads `info`."""
-    group.attrs["problem"] = info.problem
-    group.attrs["origin"] = info.origin
-    for key, names in (("free", info.free), ("states", info.states), ("observables", info.observables)):
-        group.attrs[key] = ", ".join(names)

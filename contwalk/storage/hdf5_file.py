@@ -10,11 +10,12 @@ import numpy as np
 from contwalk.errors import DatabaseError
 from contwalk.storage.database import RunHeader
 from contwalk.storage.failures import failures_of, not_contwalk
-from contwalk.storage.records import RecordLog
-from contwalk.storage.schema import FORMAT, SCHEMA_VERSION, TEXT_CHUNK, TEXT_DTYPE, decode
+from contwalk.storage.records import RecordLog, describe
+from contwalk.storage.schema import FORMAT, SCHEMA_VERSION, TEXT_CHUNK, TEXT_DTYPE, decode, joined, pieces
 
 BRANCHES = "branches"
 CATALOGUE = "catalogue"
+HEADER = "header"
 NOTES = "notes"
 
 # A file of the newest HDF5 format is marked as open while it is written and cannot be opened after a kill.
@@ -26,13 +27,10 @@ def create_file(
 ) -> h5py.File:
     """A new file without branches, with room in its catalogue for at least twice as many as announced."""
     file = h5py.File(path, "x", libver=LIBVER)
-    file.attrs["format"] = FORMAT
+    describe(file, format=FORMAT, system=header.system)
     file.attrs["schema_version"] = SCHEMA_VERSION
-    file.attrs["header"] = header_text
-    # The same again, readable in any HDF5 browser.
-    file.attrs["system"] = header.system
-    file.attrs["config"] = header.config
     file.create_group(BRANCHES)
+    RecordLog.create(file, HEADER, pieces(header_text), TEXT_CHUNK)
     # HDF5 adds a link to a group in several writes, which a kill can tear; an entry of the catalogue is one.
     file[CATALOGUE] = np.full(max(64, 2 * branches), h5py.Reference(), h5py.ref_dtype)
     RecordLog.create(file, NOTES, np.empty(0, TEXT_DTYPE) if notes is None else notes, TEXT_CHUNK)
@@ -67,13 +65,14 @@ def read_header(path: Path, file: h5py.File) -> RunHeader:
         If the file is HDF5 of something else, has a newer schema, or is damaged.
     """
     with failures_of(path, "read"):
-        stated = {key: file.attrs.get(key) for key in ("format", "schema_version", "header")}
-    if not (isinstance(stated["format"], str) and stated["format"] == FORMAT):
+        stated = file.attrs.get("format")
+    if not (isinstance(stated, bytes | np.bytes_) and stated == FORMAT.encode()):
         raise not_contwalk(path, "an HDF5 file of another program")
     with failures_of(path, "read"):
-        version = int(stated["schema_version"])
+        version = int(file.attrs["schema_version"])
         if version <= SCHEMA_VERSION:
-            return RunHeader(**decode(stated["header"]))
+            (text,) = joined(RecordLog(file[HEADER], TEXT_DTYPE).read())
+            return RunHeader(**decode(text))
     raise DatabaseError(
         f"{path} has schema version {version}; this contwalk reads versions up to {SCHEMA_VERSION}.",
         "Read it with the newer contwalk that wrote it: pip install --upgrade contwalk",

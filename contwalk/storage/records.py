@@ -3,10 +3,10 @@
 A resizable compound dataset. Its last column is the CRC-32 of the bytes before it, so that a record that was
 not written to its end is recognised, whatever it holds: the fill value, a hole of zeros, or half of itself.
 
-For each append HDF5 writes the record, then the new length and, last, how far the file reaches. A kill between
-these is harmless. But where the index of chunks outgrows its first node, HDF5 moves entries between nodes
-in several writes, and a kill between those loses rows in the middle. So a chunk holds many rows, and a log
-that is `full` is to be copied, into one with larger chunks, before it grows on.
+For each append HDF5 writes the record, then the new length and, last, how far the file reaches. A kill
+between these is harmless. But where the index of chunks outgrows its first node, HDF5 moves entries between
+nodes in several writes, and a kill between those loses rows in the middle. So a chunk holds many rows, and
+a log that is `full` is to be copied, into one with larger chunks, before it grows on.
 """
 
 from __future__ import annotations
@@ -41,6 +41,16 @@ def _sealed(records: np.ndarray) -> np.ndarray:
         part = raw[start : start + size]
         parts += [part, zlib.crc32(part).to_bytes(4, "little")]
     return np.frombuffer(b"".join(parts), _stored(dtype))
+
+
+def describe(target: h5py.Group, **attributes: str) -> None:
+    """Texts as attributes, for the reader of an HDF5 browser.
+
+    Of fixed length: HDF5 keeps others in a heap, and can search a damaged heap for ever.
+    """
+    for name, text in attributes.items():
+        raw = text.encode()
+        target.attrs.create(name, raw, dtype=h5py.string_dtype("utf-8", max(1, len(raw))))
 
 
 class RecordLog:

@@ -1,0 +1,120 @@
+"""`contwalk continue`: compute the study that a run file describes."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from contwalk.branch import Branch
+    from contwalk.workflow.run_file import RunFile
+    from contwalk.workflow.runner import RunResult
+
+
+@click.command("continue")
+@click.argument("file")
+@click.option("--set", "overrides", metavar="KEY=VALUE", multiple=True, help="Set a value of the run file.")
+@click.option("--output", metavar="X.h5", help="The database to write, instead of the run file's output.")
+@click.option("--resume", is_flag=True, help="Go on with a database that an earlier run has begun.")
+@click.option("--force", is_flag=True, help="Replace a database that exists.")
+@click.option("--quiet", is_flag=True, help="Print errors only.")
+@click.option("--no-figures", is_flag=True, help="Do not draw the figures of the run file.")
+@click.option("--strict", is_flag=True, help="Exit with 1 if a special point could not be located.")
+@click.pass_context
+def command(
+    context: click.Context,
+    file: str,
+    overrides: tuple[str, ...],
+    output: str | None,
+    resume: bool,
+    force: bool,
+    quiet: bool,
+    no_figures: bool,
+    strict: bool,
+) -> int:
+    """Compute the study that the run file FILE describes.
+
+    Every point is stored when it is found: after Ctrl-C or a crash, --resume goes on from there. Several
+    values are set with several options: --set parameters.c=0.9 --set continue.range=[1,6].
+
+    Exit codes: 0; 1 if a branch failed; 2 for bad input, with nothing written; 130 after Ctrl-C.
+    """
+    if resume and force:
+        raise click.UsageError(
+            "--resume goes on with a database, --force replaces it. Give one of them.", context
+        )
+    from contwalk.cli.progress import reporter_for
+    from contwalk.workflow.run_file import read_run_file
+    from contwalk.workflow.runner import run
+
+    run_file = read_run_file(file, overrides, output)
+    again = _resuming(
+        file, overrides, output, {"--no-figures": no_figures, "--strict": strict, "--quiet": quiet}
+    )
+    reporter = reporter_for(run_file.range, quiet)
+    try:
+        with reporter:
+            result = run(run_file, resume=resume, force=force, figures=not no_figures, reporter=reporter)
+    except KeyboardInterrupt:  # outside the computing itself; what was found is stored all the same
+        return _interrupted(again if run_file.output.exists() else None)
+    if not quiet:
+        _print(run_file, result, reporter.notes)
+    failed = _failures(result.branches, strict)
+    if result.interrupted:
+        return _interrupted(again)
+    return 1 if failed else 0
+
+
+def _print(run_file: RunFile, result: RunResult, notes: Sequence[str]) -> None:
+    from contwalk.cli.summary import print_branches, print_notes, print_where
+    from contwalk.cli.terminal import console
+
+    out = console()
+    print_branches(out, run_file.system.name, run_file.model, result.branches, result.branches)
+    print_notes(out, notes)
+    print_where(out, result.path, result.figures, result.branches)
+
+
+def _failures(branches: Sequence[Branch], strict: bool) -> bool:
+    """Say on stderr what failed; whether anything did."""
+    from contwalk.cli.entry import say
+
+    failed = [branch for branch in branches if branch.outcome.status == "failed"]
+    for branch in failed:
+        say(f"error: branch {branch.name} failed ({branch.outcome.reason}): {branch.outcome.message}")
+    unlocated = [
+        f"{branch.name}/{point.name}"
+        for branch in branches
+        for point in branch.special_points
+        if point.status == "unlocated"
+    ]
+    if unlocated and strict:
+        say(
+            f"error: {', '.join(unlocated)} could not be located, which --strict does not allow. "
+            "See the notes of these points, or take smaller steps with --set engine.max_step=0.02."
+        )
+    return bool(failed) or (strict and bool(unlocated))
+
+
+def _interrupted(again: str | None) -> int:
+    from contwalk.cli.entry import INTERRUPTED, say
+
+    say(
+        "Interrupted."
+        if again is None
+        else f"Interrupted; everything found is stored. Go on with:\n  {again}"
+    )
+    return INTERRUPTED
+
+
+def _resuming(file: str, overrides: Sequence[str], output: str | None, flags: dict[str, bool]) -> str:
+    """The command that goes on with this run."""
+    words = ["contwalk", "continue", file]
+    for override in overrides:
+        words += ["--set", override]
+    if output is not None:
+        words += ["--output", output]
+    return shlex.join([*words, "--resume", *[flag for flag, given in flags.items() if given]])

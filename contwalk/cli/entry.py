@@ -1,0 +1,103 @@
+"""The entry point: the group of all commands, and what becomes of errors."""
+
+from __future__ import annotations
+
+import os
+import sys
+import traceback
+from collections.abc import Sequence
+
+import click
+
+from contwalk.cli.lazy_group import LazyGroup
+from contwalk.errors import ContwalkError
+
+INTERRUPTED = 130  # 128 + SIGINT, as shells count
+
+_COMMANDS = {
+    "init": ("contwalk.cli.init_command", "Write a commented run file for a system, to start from."),
+    "continue": ("contwalk.cli.continue_command", "Compute the study that a run file describes."),
+    "show": ("contwalk.cli.show_command", "Show what a database holds, as text or as JSON."),
+    "plot": ("contwalk.cli.plot_command", "Draw a figure of a database."),
+    "export": ("contwalk.cli.export_command", "Write a database as CSV tables."),
+    "systems": ("contwalk.cli.systems_command", "List, describe and check systems."),
+}
+
+
+@click.group(
+    cls=LazyGroup,
+    lazy=_COMMANDS,
+    invoke_without_command=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+@click.version_option(package_name="contwalk", prog_name="contwalk", message="%(prog)s %(version)s")
+@click.pass_context
+def group(context: click.Context) -> None:
+    """Continuation and bifurcation analysis of smooth and impacting machines.
+
+    A first study: `contwalk systems list`, `contwalk init SYSTEM`, `contwalk continue FILE`.
+    """
+    if context.invoked_subcommand is None:
+        click.echo(context.get_help())
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line and leave the process with its exit code."""
+    sys.exit(run(arguments))
+
+
+def run(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Returns
+    -------
+    int
+        0; 1 where a computation failed; 2 for bad input; 130 after Ctrl-C.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):  # a terminal that lacks a letter shows its code
+            stream.reconfigure(errors="backslashreplace")
+    try:
+        code = group.main(args=arguments, prog_name="contwalk", standalone_mode=False)
+        sys.stdout.flush()
+        return code if isinstance(code, int) else 0
+    except ContwalkError as error:
+        say(f"error: {error}")
+        return error.exit_code
+    except click.UsageError as error:
+        say(f"error: {error.format_message()}")
+        if error.ctx is not None:
+            say(f"See: {error.ctx.command_path} --help")
+        return error.exit_code
+    except click.ClickException as error:
+        say(f"error: {error.format_message()}")
+        return error.exit_code
+    except (KeyboardInterrupt, click.Abort):
+        say("Interrupted.")
+        return INTERRUPTED
+    except BrokenPipeError:
+        _close_stdout()
+        return 1
+    except Exception as error:
+        return _internal(error)
+
+
+def say(text: str) -> None:
+    """A line on stderr."""
+    click.echo(text, err=True)
+
+
+def _close_stdout() -> None:
+    """Nobody reads any more, as after `| head`: let what is still buffered go nowhere, silently."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _internal(error: Exception) -> int:
+    """An error that is not the user's."""
+    if os.environ.get("CONTWALK_TRACEBACK") == "1":
+        traceback.print_exception(error)
+        where = ""
+    else:
+        where = " Set CONTWALK_TRACEBACK=1 to see where, and add that to the report."
+    say(f"internal error: {type(error).__name__}: {error}. Please report it; it is not your mistake.{where}")
+    return 1

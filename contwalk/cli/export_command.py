@@ -1,0 +1,20 @@
+"""`contwalk export`: a database as tables."""
+
+from __future__ import annotations
+
+import click
+
+
+@click.command("export")
+@click.argument("db")
+@click.option("--csv", "directory", metavar="DIR", required=True, help="The directory to write into.")
+def command(db: str, directory: str) -> None:
+    """Write the database DB as CSV tables into the directory DIR.
+
+    branches.csv, special_points.csv, and one table per branch, with every point. Numbers keep all their digits.
+    """
+    from contwalk.storage import open_database, write_tables
+
+    with open_database(db) as database:
+        for path in write_tables(database, directory):
+            click.echo(path)

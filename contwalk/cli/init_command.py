@@ -1,0 +1,50 @@
+"""`contwalk init`: a run file to start from."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+
+from contwalk.cli.model_option import model_of, model_option
+from contwalk.errors import ContwalkError
+
+
+@click.command("init")
+@click.argument("system")
+@click.option("-o", "output", metavar="FILE", help="The run file to write; SYSTEM.yaml by default.")
+@model_option
+def command(system: str, output: str | None, choices: Sequence[str]) -> None:
+    """Write a commented run file for SYSTEM, an installed system or the path of a plugin file.
+
+    The file runs as it stands. A file that exists is not replaced.
+    """
+    from contwalk.system import load_system
+    from contwalk.system.loading import is_path
+    from contwalk.workflow.template import starting_file
+
+    loaded = load_system(system, model_of(choices))
+    path = Path(output or f"{loaded.name}.yaml")
+    reference = _relative(system, path) if is_path(system) else system
+    text = starting_file(loaded, reference)
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        raise ContwalkError(f"{path} exists.", "Give another name with -o, or remove it first.") from None
+    except OSError as error:
+        raise ContwalkError(
+            f"{path} cannot be written: {error.strerror}.", "Give another name with -o."
+        ) from None
+    click.echo(f"Wrote {path}. Next: contwalk continue {path}")
+
+
+def _relative(plugin: str, run_file: Path) -> str:
+    """The plugin's path as the run file must say it."""
+    try:
+        path = Path(os.path.relpath(Path(plugin).resolve(), run_file.resolve().parent)).as_posix()
+    except ValueError:  # on another drive
+        return Path(plugin).resolve().as_posix()
+    return path if path.startswith("../") else f"./{path}"

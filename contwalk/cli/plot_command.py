@@ -1,0 +1,101 @@
+"""`contwalk plot`: a figure of a database."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from contwalk.errors import ContwalkError
+
+if TYPE_CHECKING:
+    from contwalk.branch import Branch
+    from contwalk.system import System
+
+KINDS = ("bifurcation_diagram", "eigenvalues", "multipliers", "stability_map", "machine")
+
+
+@click.command("plot")
+@click.argument("db")
+@click.option("-x", "x", metavar="P", help="What stands on the horizontal axis.")
+@click.option("-y", "y", metavar="OBS", help="What stands on the vertical axis.")
+@click.option("-o", "output", metavar="FIG", required=True, help="The file to write: PNG, SVG or PDF.")
+@click.option("--kind", type=click.Choice(KINDS), default=KINDS[0], show_default=True, help="The figure.")
+@click.option("--branch", "names", metavar="b1", multiple=True, help="A branch to draw; all by default.")
+@click.option("--point", metavar="b1/HB1", help="Where to draw the machine; the start by default.")
+def command(
+    db: str, x: str | None, y: str | None, output: str, kind: str, names: tuple[str, ...], point: str | None
+) -> None:
+    """Draw a figure of the database DB into the file FIG.
+
+    The axes take any parameter, state or observable. For a stability map, -x is the free parameter and -y the
+    swept one.
+    """
+    from contwalk.cli.stored_system import system_of
+    from contwalk.storage import open_database
+    from contwalk.workflow.figures import draw_figure
+
+    _check_options(kind, x, y, point)
+    with open_database(db) as database:
+        branches = [database.branch(name) for name in dict.fromkeys(names)] or database.branches()
+        pointed = None if point is None else database.branch(point.partition("/")[0])
+        system: System | None = None
+        try:
+            system = system_of(database.header, Path(db))
+        except ContwalkError:
+            if kind == "machine":
+                raise
+    if pointed is not None and point is not None and system is not None:
+        _draw_machine(system, pointed, point, output)
+    else:
+        if kind == "stability_map":
+            y = y or _swept(branches)
+        options = {axis: name for axis, name in (("x", x), ("y", y)) if name}
+        draw_figure(kind, branches, system, Path(output), options)
+    click.echo(f"Wrote {output}.")
+
+
+def _check_options(kind: str, x: str | None, y: str | None, point: str | None) -> None:
+    if point is not None and kind != "machine":
+        raise ContwalkError(f"--point belongs to --kind machine, not to {kind}.", "Leave it out.")
+    if (x or y) and kind not in ("bifurcation_diagram", "stability_map"):
+        raise ContwalkError(f"The figure {kind} has no -x and -y.", "Leave them out.")
+
+
+def _swept(branches: list[Branch]) -> str:
+    """The parameter that differs from branch to branch.
+
+    Raises
+    ------
+    ContwalkError
+        Unless there is exactly one.
+    """
+    from contwalk.cli.summary import differing
+
+    found = differing(branches)
+    if len(found) != 1:
+        raise ContwalkError(
+            f"The branches differ in {', '.join(found) or 'no parameter'}.",
+            "A stability map needs a sweep over one parameter: name it with -y.",
+        )
+    return found[0]
+
+
+def _draw_machine(system: System, branch: Branch, point: str, output: str) -> None:
+    from contwalk import plotting
+    from contwalk.cli.point_page import row_of, special_of
+    from contwalk.cli.summary import free_value
+
+    name = point.partition("/")[2]
+    row = row_of(branch, name)
+    if row is None:
+        special = special_of(branch, name)
+        state, parameters, value = special.state, dict(special.parameters), free_value(branch, special)
+    else:
+        value = float(branch.points["free"][row][0])
+        state = dict(zip(branch.info.states, branch.points["state"][row], strict=True))
+        parameters = {**branch.info.parameters, branch.info.free[0]: value}
+    known = {key: parameters[key] for key in system.parameter_names if key in parameters}
+    title = f"{point}: {branch.info.free[0]} = {value:.6g}"
+    plotting.save(plotting.plot_machine(system, state, known, title=title), output)

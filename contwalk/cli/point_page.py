@@ -1,0 +1,122 @@
+"""Everything that is known of one point."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from contwalk.cli.summary import free_value
+from contwalk.cli.terminal import line, table
+from contwalk.cli.words import exact, meaning, rough, with_unit
+from contwalk.errors import ContwalkError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from contwalk.branch import Branch, SpecialPoint
+
+
+def row_of(branch: Branch, name: str) -> int | None:
+    """The row that a point's name is the number of; None for the name of a special point.
+
+    Raises
+    ------
+    ContwalkError
+        If the branch has no such row.
+    """
+    if not (name.isascii() and name.isdigit()):
+        return None
+    if int(name) >= len(branch):
+        raise ContwalkError(
+            f"Branch {branch.name} has no point {name}.", f"Its points are 0 to {len(branch) - 1}."
+        )
+    return int(name)
+
+
+def special_of(branch: Branch, name: str) -> SpecialPoint:
+    """The special point of this name.
+
+    Raises
+    ------
+    ContwalkError
+        If the branch has none; the remedy names those it has.
+    """
+    for point in branch.special_points:
+        if point.name == name:
+            return point
+    from contwalk.system.declarations import nearest
+
+    known = [point.name for point in branch.special_points]
+    raise ContwalkError(
+        f"Branch {branch.name} has no special point '{name}'.",
+        f"{nearest(name, known)} Known: {', '.join(known) or 'none'}; or the number of a point, "
+        f"0 to {len(branch) - 1}.".strip(),
+    )
+
+
+def print_special(out: Console, branch: Branch, point: SpecialPoint, units: Mapping[str, str]) -> None:
+    """A special point: where it is, what happens there, and the numbers that say so."""
+    line(out, f"{branch.name}/{point.name}  {meaning(point.label, point.kind, point.status)}", style="bold")
+    free = branch.info.free[0]
+    error = f", estimated error {rough(point.error)}" if point.error is not None else ""
+    facts = [f"{free} = {exact(free_value(branch, point))} {with_unit(free, units)}".strip() + error]
+    facts.append(f"unstable directions: {point.unstable_before} -> {point.unstable_after}")
+    facts += [f"criticality: {point.criticality}"] if point.criticality else []
+    facts += [f"note: {point.note}"] if point.note else []
+    facts += [] if point.admissible else ["not admissible"]
+    for name, value in (
+        ("period", point.period),
+        ("full period", point.period_full),
+        ("error of the trivial multiplier", point.trivial_error),
+    ):
+        facts += [] if value is None else [f"{name}: {exact(value)}"]
+    facts.append(f"point {point.index} of the branch, {branch.info.problem.replace('_', ' ')}")
+    for fact in facts:
+        line(out, fact, indent=4)
+    _values(out, "parameter", point.parameters.items(), units)
+    _values(out, "state", point.state.items(), units)
+    _values(out, "margin", point.margin.items(), {})
+    _spectrum(out, branch, point.spectrum, "")
+    _spectrum(out, branch, point.spectrum_full or (), " of the full orbit")
+    if point.coefficients:
+        out.print()
+        table(
+            out, ["coefficient", ""], [[name, _text(v)] for name, v in point.coefficients.items()], indent=4
+        )
+
+
+def print_row(out: Console, branch: Branch, row: int, units: Mapping[str, str]) -> None:
+    """Any other stored point."""
+    info, point = branch.info, branch.points[row]
+    line(out, f"{branch.name}/{row}  point of {info.problem.replace('_', ' ')}", style="bold")
+    stable = "stable" if point["stable"] else "not stable"
+    line(out, f"unstable directions: {int(point['unstable'])} ({stable})", indent=4)
+    if not point["admissible"]:
+        line(out, "not admissible", indent=4)
+    parameters = {**info.parameters, **dict(zip(info.free, point["free"], strict=True))}
+    _values(out, "parameter", parameters.items(), units)
+    _values(out, "state", zip(info.states, point["state"], strict=True), units)
+    _values(out, "observable", zip(info.observables, point["observables"], strict=True), units)
+    _spectrum(out, branch, point["spectrum"], "")
+
+
+def _values(out: Console, title: str, values: Iterable[tuple[str, float]], units: Mapping[str, str]) -> None:
+    rows = [[name, exact(value), with_unit(name, units)] for name, value in values]
+    if rows:
+        out.print()
+        header = [title, "value", "unit" if any(row[2] for row in rows) else ""]
+        table(out, header, rows, indent=4)
+
+
+def _spectrum(out: Console, branch: Branch, spectrum: Iterable[complex], which: str) -> None:
+    orbit = branch.info.problem not in ("equilibrium", "locus")
+    numbers = [complex(number) for number in spectrum]
+    rows = [[exact(n.real), exact(n.imag), *([exact(abs(n))] if orbit else [])] for n in numbers if n == n]
+    if rows:
+        out.print()
+        name = "multipliers" if orbit else "eigenvalues"
+        table(out, [f"{name}{which}: real", "imaginary", *(["modulus"] if orbit else [])], rows, indent=4)
+
+
+def _text(value: Any) -> str:
+    return exact(value) if isinstance(value, float) else str(value)

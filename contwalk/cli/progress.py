@@ -1,0 +1,95 @@
+"""What a run says while it computes: a live line on a terminal, nothing elsewhere."""
+
+from __future__ import annotations
+
+import sys
+from types import TracebackType
+from typing import Any
+
+from contwalk.branch import BranchInfo, SpecialPoint
+from contwalk.cli.terminal import console
+from contwalk.workflow.runner import Reporter
+
+
+class NoteKeeper(Reporter):
+    """Keeps the notes for the summary."""
+
+    def __init__(self) -> None:
+        self.notes: list[str] = []
+
+    def note(self, text: str) -> None:
+        """Keep a note, once."""
+        if text not in self.notes:
+            self.notes.append(text)
+
+    def __enter__(self) -> NoteKeeper:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Nothing to release."""
+
+
+class ProgressLine(NoteKeeper):
+    """A live line on stderr: branch, parameter, step, unstable count, and the part of the range that is done.
+
+    Parameters
+    ----------
+    ends : tuple of float
+        The range of the free parameter.
+    """
+
+    def __init__(self, ends: tuple[float, float]) -> None:
+        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+        super().__init__()
+        self._low, self._high = ends
+        self._visited: dict[str, tuple[float, float]] = {}
+        columns = (
+            TextColumn("{task.description}", markup=False),
+            BarColumn(bar_width=20),
+            TimeElapsedColumn(),
+        )
+        self._progress = Progress(*columns, console=console(stderr=True), transient=True)
+        self._task: Any = None
+
+    def __enter__(self) -> ProgressLine:
+        self._progress.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._progress.stop()
+
+    def branch_began(self, info: BranchInfo) -> None:
+        """A new bar for each branch."""
+        if self._task is not None:
+            self._progress.remove_task(self._task)
+        self._task = self._progress.add_task(f"{info.name}  {info.origin}", total=1.0)
+
+    def point(self, info: BranchInfo, parameter: float, step: float, unstable: int, number: int) -> None:
+        """Redraw the line."""
+        low, high = self._visited.get(info.name, (parameter, parameter))
+        low, high = min(low, parameter), max(high, parameter)
+        self._visited[info.name] = low, high
+        width = self._high - self._low
+        where = f"{info.name}  {info.free[0]} = {parameter:.6g}  step {step:.1e}"
+        text = f"{where}  unstable {unstable}  point {number}"
+        if self._task is not None:
+            done = (high - low) / width if width > 0.0 else 0.0
+            self._progress.update(self._task, description=text, completed=min(done, 1.0))
+
+    def special(self, info: BranchInfo, point: SpecialPoint) -> None:
+        """A line that stays for each special point."""
+        if point.label != "EP":
+            value = point.parameters.get(info.free[0])
+            at = "" if value is None else f" at {info.free[0]} = {value:.10g}"
+            self._progress.console.print(f"{info.name}  {point.label}{at}")
+
+
+def reporter_for(ends: tuple[float, float], quiet: bool) -> NoteKeeper:
+    """The live line where somebody watches a terminal; else one that only keeps the notes."""
+    watched = sys.stdout.isatty() and sys.stderr.isatty() and not quiet
+    return ProgressLine(ends) if watched else NoteKeeper()

@@ -1,0 +1,126 @@
+"""A run in a few lines: its branches, how they ended, and their special points."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from contwalk.cli.terminal import line, table
+from contwalk.cli.words import choices, exact, meaning, plural, rough
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from contwalk.branch import Branch, SpecialPoint
+
+
+def print_branches(
+    out: Console, system: str, model: Mapping[str, Any], branches: Sequence[Branch], among: Sequence[Branch]
+) -> None:
+    """Each of `branches`. Parameters that differ among all branches of the run (`among`) are named."""
+    chosen = choices(model)
+    line(out, system + (f" ({chosen})" if chosen else ""), style="bold")
+    fixed = differing(among)
+    for branch in branches:
+        out.print()
+        _print_branch(out, branch, among, fixed)
+    if not branches:
+        line(out, "There are no branches.")
+
+
+def print_notes(out: Console, notes: Sequence[str]) -> None:
+    """Notes about the run as a whole."""
+    if notes:
+        out.print()
+        for note in notes:
+            line(out, f"note: {note}")
+
+
+def print_where(out: Console, database: Path, figures: Sequence[Path], branches: Sequence[Branch]) -> None:
+    """Where the results are, and what to do next."""
+    import shlex
+
+    out.print()
+    line(out, f"database: {database}")
+    for figure in figures:
+        line(out, f"figure:   {figure}")
+    special = [f"{b.name}/{p.name}" for b in branches for p in b.special_points if p.label != "EP"]
+    show = ["contwalk", "show", str(database), *special[:1]]
+    plot = ["contwalk", "plot", str(database), "-o", f"{database.stem}.png"]
+    line(out, f"next:     {shlex.join(show)}")
+    line(out, f"          {shlex.join(plot)}")
+
+
+def _print_branch(out: Console, branch: Branch, among: Sequence[Branch], fixed: Sequence[str]) -> None:
+    info, outcome = branch.info, branch.outcome
+    words = [info.problem.replace("_", " ")]
+    if info.free and len(branch):
+        values = branch[info.free[0]]
+        words.append(f"{info.free[0]} from {values.min():.6g} to {values.max():.6g}")
+    words += [plural(len(branch), "point"), f"{branch.cost.get('seconds', 0.0):.3g} s"]
+    line(out, f"{branch.name}  {', '.join(words)}", style="bold")
+    if info.origin:
+        line(out, info.origin, indent=4)
+    if info.parent is not None:
+        line(out, f"parent: {_parent(info.parent, among)}", indent=4)
+    if info.signature:
+        line(out, f"signature: {' '.join(info.signature)}", indent=4)
+    shown = [name for name in fixed if name not in info.free]
+    if shown:
+        line(out, ", ".join(f"{name} = {info.parameters[name]!r}" for name in shown), indent=4)
+    style = "red" if outcome.status == "failed" else ""
+    line(out, f"{outcome.status} ({outcome.reason}): {outcome.message}", indent=4, style=style)
+    _print_special(out, branch)
+
+
+def _print_special(out: Console, branch: Branch) -> None:
+    if not branch.special_points:
+        return
+    header = ["name", "what", branch.info.free[0], "error", "criticality", "unstable"]
+    rows = [
+        [
+            point.name,
+            meaning(point.label, point.kind, point.status),
+            exact(free_value(branch, point)),
+            rough(point.error),
+            point.criticality or "",
+            f"{point.unstable_before} -> {point.unstable_after}",
+        ]
+        for point in branch.special_points
+    ]
+    table(out, header, rows, indent=4)
+    for point in branch.special_points:
+        if point.note and point.label != "EP":  # why a branch ends is said above
+            line(out, f"{point.name}: {point.note}", indent=4)
+        if not point.admissible:
+            line(out, f"{point.name}: not admissible", indent=4)
+
+
+def free_value(branch: Branch, point: SpecialPoint) -> float:
+    """The free parameter at a special point; on a path it is known from the point's row."""
+    name = branch.info.free[0]
+    if name in point.parameters:
+        return float(point.parameters[name])
+    return float(branch[name][point.index])
+
+
+def _parent(parent: tuple[str, float], among: Sequence[Branch]) -> str:
+    """`b1/HB1`: the special point of the parent that a branch left."""
+    name, s = parent
+    points = [point for branch in among if branch.name == name for point in branch.special_points]
+    if not points:
+        return name
+    return f"{name}/{min(points, key=lambda point: abs(point.s - s)).name}"
+
+
+def differing(branches: Sequence[Branch]) -> list[str]:
+    """Parameters that are fixed at different values on different branches, as in a sweep."""
+    values: dict[str, set[float]] = {}
+    for branch in branches:
+        for name, value in branch.info.parameters.items():
+            if name not in branch.info.free:
+                values.setdefault(name, set()).add(float(value))
+    # On a path every parameter may move; its values at the start say nothing.
+    on_path = any("path" in branch.info.free for branch in branches)
+    return [] if on_path else [name for name, found in values.items() if len(found) > 1]

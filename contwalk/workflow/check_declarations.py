@@ -1,0 +1,211 @@
+"""Declarations: units and meanings, presets, the period, observables, starts."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterable
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+
+from contwalk.errors import ContwalkError
+from contwalk.system import Observable, Start, System
+from contwalk.workflow.check_findings import NOWHERE, Place, Report, place_of, place_of_error
+from contwalk.workflow.check_samples import Samples
+from contwalk.workflow.check_traced import Traced, number_form, traced
+
+_UNIT_AT = {"State": 1, "Parameter": 2, "Observable": 2}  # position of `unit` among the arguments
+_KINDS = {"State": "state", "Parameter": "parameter", "Observable": "observable"}
+# Closed forms are good to 1e-12 or so; a printed constant in one may have six digits.
+ZERO = 1e-6
+INSTANTS = (1, 5)
+
+
+class Written:
+    """Where the plugin's files declare states, parameters and observables, and those without a unit."""
+
+    def __init__(self, files: Iterable[Path]) -> None:
+        self.places: dict[tuple[str, str], Place] = {}
+        self.without_unit: list[tuple[str, str, Place]] = []
+        for file in dict.fromkeys(files):
+            try:
+                tree = ast.parse(file.read_text(encoding="utf-8"))
+            except (OSError, ValueError, SyntaxError):
+                continue  # not source text, such as a compiled module
+            for node in ast.walk(tree):
+                if isinstance(node, ast.Call):
+                    self._read(node, str(file))
+
+    def _read(self, call: ast.Call, file: str) -> None:
+        function = getattr(call.func, "id", getattr(call.func, "attr", ""))
+        if function not in _UNIT_AT:
+            return
+        given: dict[str | None, ast.expr] = {keyword.arg: keyword.value for keyword in call.keywords}
+        first = call.args[0] if call.args else given.get("name")
+        name = str(first.value) if isinstance(first, ast.Constant) else ""
+        place = (file, call.lineno)
+        if name:
+            self.places[_KINDS[function], name] = place
+        unpacked = None in given or any(isinstance(argument, ast.Starred) for argument in call.args)
+        if not unpacked and "unit" not in given and len(call.args) <= _UNIT_AT[function]:
+            self.without_unit.append((_KINDS[function], name, place))
+
+    def place(self, kind: str, name: str) -> Place:
+        """Where this one is declared, if that can be read off."""
+        return self.places.get((kind, name), NOWHERE)
+
+
+def check_words(report: Report, system: System, written: Written) -> None:
+    """Units and meanings of states and parameters."""
+    before = len(report.findings)
+    for kind, entries in (("state", system.states), ("parameter", system.parameters)):
+        for entry in entries:
+            what, place = f"{kind} '{entry.name}'", written.place(kind, entry.name)
+            unstated = any(entry.name == name and kind == other for other, name, _ in written.without_unit)
+            if unstated or not isinstance(entry.unit, str) or not entry.unit.strip():
+                report.warning(what, 'No unit is given. Write unit="m", or unit="1" if it has none.', place)
+            if not entry.about.strip():
+                report.warning(what, 'Its meaning is missing. Write about="one line".', place)
+    for kind, name, place in written.without_unit:
+        if not name:
+            report.warning(f"a {kind}", 'No unit is given. Write unit="1" if it has none.', place)
+    if not system.reference.strip():
+        report.warning(
+            f"system '{system.name}'",
+            'It has no reference. Say with reference="..." where its equations come from.',
+        )
+    if len(report.findings) == before:
+        report.ok("units and meanings", "are given for all states and parameters.")
+
+
+def check_presets(report: Report, system: System) -> None:
+    """Presets within the bounds of the parameters."""
+    before = len(report.findings)
+    by_name = {parameter.name: parameter for parameter in system.parameters}
+    for preset, values in system.presets.items():
+        wrong = [
+            f"{name} = {value!r} lies outside {by_name[name].interval()}"
+            for name, value in values.items()
+            if not by_name[name].allows(value)
+        ]
+        if wrong:
+            report.error(f"preset '{preset}'", f"{'; '.join(wrong)}. Change the preset, or the bounds.")
+    if system.presets and len(report.findings) == before:
+        report.ok("presets", f"{', '.join(system.presets)} lie within the bounds.")
+
+
+def check_period(report: Report, system: System) -> float | None:
+    """The period of the forcing at the defaults; None for an autonomous system, or a wrong one."""
+    if system.period is None:
+        return None
+    place = place_of(system.period)
+    try:
+        period = float(system.period(SimpleNamespace(**system.defaults())))
+    except Exception as error:
+        report.error(
+            "period",
+            f"period(p) raises {type(error).__name__}: {error}. It must return a positive number.",
+            place_of_error(error, system.period),
+        )
+        return None
+    if not (np.isfinite(period) and period > 0.0):
+        report.error("period", f"period(p) is {period} at the defaults. It must be a positive number.", place)
+        return None
+    report.ok("period", f"is {period:.6g} s at the defaults.", place)
+    return period
+
+
+def check_repeats(report: Report, what: str, field: Traced, samples: Samples, period: float) -> None:
+    """Does a forced field repeat after its period?"""
+    for t, x in zip(samples.times, samples.states, strict=True):
+        now, later = (field.values(time, x, samples.values) for time in (t, t + period))
+        rounding = field.roundings(t, x, samples.values)
+        slope = np.abs(field.slopes(t, x, samples.values)[:, 0])
+        # Rounding of the period and of t, times the rate of the forcing.
+        allowed = 1e3 * np.finfo(float).eps * (rounding + slope * (t + period) + np.abs(now))
+        if np.isfinite(now).all() and np.isfinite(later).all() and (np.abs(later - now) > allowed).any():
+            i = int(np.argmax(np.abs(later - now) - allowed))
+            report.error(
+                what,
+                f"It does not repeat after period(p) = {period:.6g} s: {field.form.entry(i)} is "
+                f"{now[i]:.6g} at t = {t:.4g} and {later[i]:.6g} a period later. Correct period or the field.",
+                place_of(field.function),
+            )
+            return
+
+
+def check_observable(report: Report, observable: Observable, system: System, samples: Samples) -> None:
+    """A finite number for a motion of one instant and of several, and differentiable at an equilibrium."""
+    what, place = f"observable '{observable.name}'", place_of(observable.function)
+    p = SimpleNamespace(**samples.parameters)
+    for instants in INSTANTS:
+        x = samples.states[:instants]
+        try:
+            with np.errstate(all="ignore"):
+                value = observable.function(np.linspace(0.0, 1.0, instants), x.copy(), p)
+            finite = np.ndim(value) == 0 and np.isfinite(float(value))
+        except Exception as error:
+            report.error(
+                what,
+                f"For a motion of {_instants(instants)} it raises {type(error).__name__}: {error}. "
+                f"It gets t of shape ({instants},) and x of shape ({instants}, {len(system.states)}), "
+                "and returns a number.",
+                place_of_error(error, observable.function),
+            )
+            return
+        if not finite:
+            report.error(
+                what,
+                f"For a motion of {_instants(instants)} it gives {value!r}. "
+                "It must return one finite number.",
+                place,
+            )
+            return
+    if system.period is not None:
+        usable = True
+    else:
+        form = number_form("observable(t, x, p)")
+        usable = traced(report, what, observable.function, system, form, instants=1) is not None
+    if usable:
+        report.ok(what, "gives a finite number.", place)
+
+
+def _instants(number: int) -> str:
+    return "1 instant" if number == 1 else f"{number} instants"
+
+
+def check_start(report: Report, start: Start, system: System, field: Traced | None, samples: Samples) -> None:
+    """Are the named equilibria zeros of the field, at the default parameters?"""
+    what, place = f"start '{start.name}'", place_of(start.states)
+    try:
+        states = system.named_states(start.name, samples.parameters)
+    except ContwalkError as error:
+        missing = type(error).__name__ == "StartError"
+        sentence = f"not checked: {error.sentence}" if missing else str(error)
+        report.add("ok" if missing else "error", what, sentence, place)
+        return
+    except Exception as error:
+        report.error(
+            what,
+            f"It raises {type(error).__name__}: {error}. Return [] where it does not exist.",
+            place_of_error(error, start.states),
+        )
+        return
+    if field is None:
+        return
+    for x in states:
+        value = field.values(0.0, x, samples.values)
+        slope = np.abs(field.slopes(0.0, x, samples.values)[:, 1:])
+        allowed = ZERO * (slope @ np.maximum(np.abs(x), samples.scales))
+        if not (np.abs(value) <= allowed).all():
+            i = int(np.argmax(np.where(np.isfinite(value), np.abs(value) - allowed, np.inf)))
+            report.error(
+                what,
+                f"It is not an equilibrium at the defaults: {field.form.entry(i)} is {value[i]:.6g} there.",
+                place,
+            )
+            return
+    report.ok(
+        what, f"gives {len(states)} equilibri{'um' if len(states) == 1 else 'a'} at the defaults.", place
+    )

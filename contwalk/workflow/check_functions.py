@@ -1,0 +1,149 @@
+"""Checks that every function of a plugin passes: its form, its values, its derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from contwalk.system import System
+from contwalk.workflow.check_findings import Report, place_of
+from contwalk.workflow.check_samples import Samples, where_not_finite
+from contwalk.workflow.check_traced import Form, Traced, number_form, traced, vector_form
+
+EPSILON = float(np.finfo(float).eps)
+# A trace may sum in another order than the plugin does; both are within their rounding bounds.
+SAME = 16.0
+# A central difference errs least for steps of about the cube root of the machine epsilon.
+STEP = EPSILON ** (1.0 / 3.0)
+
+
+def check_field(
+    report: Report, what: str, function: Callable[..., Any], system: System, samples: Samples
+) -> Traced | None:
+    """Check a mode's field; None where it cannot be used."""
+    found = traced(report, what, function, system, vector_form(system, "field", "dx"))
+    if found is None or not check_values(report, what, found, samples):
+        return None
+    check_derivatives(report, what, found, samples)
+    if system.period is None and 0 in found.depends():
+        report.error(
+            what,
+            "It depends on t, but the system declares no period. Declare period=function of p, as "
+            "period=lambda p: 2 * math.pi / p.omega.",
+            place_of(function),
+        )
+    report.ok(
+        what, f"writes all {len(system.states)} components and can be differentiated.", place_of(function)
+    )
+    return found
+
+
+def check_guard(
+    report: Report, what: str, function: Callable[..., Any], system: System, samples: Samples
+) -> Traced | None:
+    """Check a transition's guard; None where it cannot be used."""
+    found = traced(report, what, function, system, number_form("guard(t, x, p)"))
+    if found is None or not check_values(report, what, found, samples):
+        return None
+    check_derivatives(report, what, found, samples)
+    if not found.depends():
+        report.error(
+            what, "It depends neither on the state nor on t, so it never passes zero.", place_of(function)
+        )
+        return None
+    report.ok(what, "returns a finite number.", place_of(function))
+    return found
+
+
+def check_map(
+    report: Report, what: str, function: Callable[..., Any], system: System, samples: Samples, form: Form
+) -> Traced | None:
+    """Check a reset, a symmetry's map or a neutral generator; None where it cannot be used."""
+    found = traced(report, what, function, system, form)
+    if found is None or not check_values(report, what, found, samples):
+        return None
+    check_derivatives(report, what, found, samples)
+    report.ok(what, f"writes all {len(system.states)} components.", place_of(function))
+    return found
+
+
+def check_values(report: Report, what: str, found: Traced, samples: Samples) -> bool:
+    """Finite at the samples, and the same as when the function is called with plain numbers."""
+    values = np.array([samples.evaluate(found, row) for row in range(len(samples.states))])
+    finite = np.isfinite(values).all(axis=1)
+    if not finite.all():
+        row = int(np.argmin(finite))
+        where, what_arises = where_not_finite(
+            found, samples.times[row], samples.states[row], samples.parameters
+        )
+        at = f"at the default parameters and the state {_shown(found.system, samples.states[row])}"
+        if not finite.any():
+            report.error(what, f"It is not finite at any state that was tried: {what_arises}, {at}.", where)
+            return False
+        report.warning(
+            what,
+            f"It is not finite at {np.sum(~finite)} of {len(finite)} states that were tried: {what_arises}, "
+            f"{at}. A run that gets there ends.",
+            where,
+        )
+    for row in map(int, np.flatnonzero(finite)):
+        t, x = samples.times[row], samples.states[row]
+        own = found.plainly(t, x, samples.parameters)
+        bound = SAME * EPSILON * (found.roundings(t, x, samples.values) + np.abs(values[row]))
+        if not (np.abs(own - values[row]) <= bound).all():
+            report.error(
+                what,
+                "Called again it gives other values: it depends on something besides t, x and p, such as "
+                f"a random number or a variable that changes, at the state {_shown(found.system, x)}.",
+                place_of(found.function),
+            )
+            return False
+    return True
+
+
+def check_derivatives(report: Report, what: str, found: Traced, samples: Samples) -> None:
+    """The exact Jacobian against central differences of the function itself, to the differences' own error.
+
+    A difference D(h) with step h errs by c h^2 from truncation, of which |D(2 h) - D(h)| is three times the
+    size, and by rounding of the values over h. Three times the first and twice the second are allowed.
+    """
+    for row in range(len(samples.states)):
+        t, x = samples.times[row], samples.states[row]
+        slope = found.slopes(t, x, samples.values)[:, 1:]
+        rounding = EPSILON * found.roundings(t, x, samples.values)
+        for j in range(len(x)):
+            h = STEP * max(abs(x[j]), samples.scales[j])
+            near, far = (_difference(found, t, x, j, k * h, samples.parameters) for k in (1.0, 2.0))
+            allowed = 3.0 * np.abs(far - near) + 2.0 * (rounding + EPSILON * np.abs(slope[:, j] * x[j])) / h
+            wrong = np.abs(near - slope[:, j]) > allowed
+            if wrong.any():
+                i = int(np.argmax(wrong))
+                entry = found.form.entry(i) if found.form.argument else "its value"
+                report.error(
+                    what,
+                    f"The derivative of {entry} by {found.system.state_names[j]} is {slope[i, j]:.10g}, "
+                    f"but a central difference with the step {h:.2g} gives {near[i]:.10g}, which errs by at "
+                    f"most {allowed[i]:.1g}, at the state {_shown(found.system, x)}. Does the function do "
+                    "more than arithmetic with x, such as rounding, or remember earlier calls?",
+                    place_of(found.function),
+                )
+                return
+
+
+def _difference(
+    found: Traced, t: float, x: np.ndarray, j: int, h: float, parameters: dict[str, float]
+) -> np.ndarray:
+    """Central difference by state j; NaN, which agrees with everything, where the function has no value."""
+    right, left = x.copy(), x.copy()
+    right[j] += h
+    left[j] -= h
+    width = right[j] - left[j]
+    return (found.plainly(t, right, parameters) - found.plainly(t, left, parameters)) / width
+
+
+def _shown(system: System, x: np.ndarray) -> str:
+    """A state in a message: the first six entries."""
+    entries = [f"{name}={value:.4g}" for name, value in zip(system.state_names, x, strict=True)]
+    return ", ".join(entries[:6]) + (", ..." if len(entries) > 6 else "")

@@ -1,0 +1,195 @@
+"""A plugin's function made ready for checks: traced, differentiated, and callable with plain numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from contwalk.errors import ContwalkError, PluginError
+from contwalk.fields.derivative import jacobian
+from contwalk.fields.kernel import Kernel
+from contwalk.fields.rebind import rebound
+from contwalk.fields.rounding import error_bounds
+from contwalk.fields.trace import Outputs, Program, Raises, Tracer, trace
+from contwalk.system import System
+from contwalk.workflow.check_findings import Report, place_of, split_place
+
+GROUPS = ("t", "x", "p")
+_RELATIONS = ("lt", "le", "eq")
+
+
+@dataclass(frozen=True)
+class Form:
+    """What a function is expected to give: a number, or every entry of the argument called `argument`.
+
+    `names` are the names of the entries.
+    """
+
+    signature: str
+    names: Sequence[str]
+    argument: str = ""
+
+    def entry(self, index: int) -> str:
+        """An entry in words: `dx[1] (state Y)`."""
+        return f"{self.argument}[{index}] (state {self.names[index]})"
+
+
+def vector_form(system: System, name: str, argument: str) -> Form:
+    """The form of `field`, `reset`, `map` and `generator`."""
+    return Form(f"{name}(t, x, p, {argument})", system.state_names, argument)
+
+
+def number_form(signature: str) -> Form:
+    """The form of `guard` and of observables."""
+    return Form(signature, ("its value",))
+
+
+class Traced:
+    """A function as a program in t, x and p.
+
+    Parameters
+    ----------
+    function : callable
+        `function(t, x, p, out)`, or `function(t, x, p)` for a number.
+    system : System
+    form : Form
+    instants : int
+        For an observable, the number of instants of the motion it is given; 0 for all other functions.
+    """
+
+    def __init__(self, function: Callable[..., Any], system: System, form: Form, instants: int = 0) -> None:
+        self.function = function
+        self.system = system
+        self.form = form
+        self.instants = instants
+        self.unwritten: set[int] = set()
+        self._copy = rebound(function)
+        self.program: Program = trace(self._record)
+
+    def _record(self, tracer: Tracer) -> list[Any]:
+        symbols = [tracer.symbol("x", i) for i in range(len(self.system.states))]
+        x = np.array(symbols, dtype=object)
+        p = {name: tracer.symbol("p", k) for k, name in enumerate(self.system.parameter_names)}
+        out = self._call(self._copy, tracer.symbol("t", 0), x, SimpleNamespace(**p), None, object)
+        self.unwritten |= {i for i, entry in enumerate(out) if entry is None}
+        return [0.0 if entry is None else entry for entry in out]
+
+    def _call(
+        self, function: Callable[..., Any], t: Any, x: np.ndarray, p: SimpleNamespace, blank: Any, dtype: Any
+    ) -> np.ndarray:
+        out = np.full(len(self.form.names), blank, dtype=dtype)
+        if self.instants:
+            out[0] = function(np.zeros(self.instants), np.tile(x, (self.instants, 1)), p)
+        elif self.form.argument:
+            function(t, x, p, out)
+        else:
+            out[0] = function(t, x, p)
+        return out
+
+    def plainly(self, t: float, x: np.ndarray, parameters: dict[str, float]) -> np.ndarray:
+        """The function's own values, called with numbers; NaN where it raises."""
+        with np.errstate(all="ignore"):
+            try:
+                return self._call(self.function, t, x.copy(), SimpleNamespace(**parameters), np.nan, float)
+            except (ArithmeticError, ValueError):
+                return np.full(len(self.form.names), np.nan)
+
+    def raises(self) -> list[str]:
+        """What the function raises, on those of its paths that end so."""
+        return [leaf.message for leaf in self.program.leaves() if isinstance(leaf, Raises)]
+
+    def outputs(self) -> list[Outputs]:
+        """The other ends of its paths."""
+        return [leaf for leaf in self.program.leaves() if isinstance(leaf, Outputs)]
+
+    def is_condition(self) -> bool:
+        """Whether a result is True or False rather than a number."""
+        nodes = self.program.graph.nodes
+        return any(nodes[node][0] in _RELATIONS for leaf in self.outputs() for node in leaf.nodes)
+
+    def _inputs(self) -> list[int]:
+        graph = self.program.graph
+        return [graph.input("t", 0), *[graph.input("x", i) for i in range(len(self.system.states))]]
+
+    def depends(self) -> set[int]:
+        """Which of t (0) and the states (1, 2, ...) the results depend on."""
+        rows = (jacobian(self.program.graph, leaf.nodes, self._inputs()) for leaf in self.outputs())
+        return {k for matrix in rows for row in matrix for k in row}
+
+    def values(self, t: float, x: np.ndarray, parameters: Sequence[float]) -> np.ndarray:
+        """Values, shape (m,); NaN where there are none."""
+        return _evaluated(self._value, t, x, parameters)
+
+    def slopes(self, t: float, x: np.ndarray, parameters: Sequence[float]) -> np.ndarray:
+        """Exact derivatives by t (column 0) and the states, shape (m, n + 1); NaN where there are none."""
+        return _evaluated(self._slope, t, x, parameters)
+
+    def roundings(self, t: float, x: np.ndarray, parameters: Sequence[float]) -> np.ndarray:
+        """Bounds of the rounding errors of the values, in units of the machine epsilon, shape (m,)."""
+        return _evaluated(self._rounding, t, x, parameters)
+
+    @cached_property
+    def _value(self) -> Kernel:
+        return Kernel(self.program, GROUPS, (len(self.form.names),))
+
+    @cached_property
+    def _rounding(self) -> Kernel:
+        graph = self.program.graph
+        program = self.program.transformed(lambda outputs: error_bounds(graph, outputs))
+        return Kernel(program, GROUPS, (len(self.form.names),))
+
+    @cached_property
+    def _slope(self) -> Kernel:
+        graph, inputs = self.program.graph, self._inputs()
+
+        def change(outputs: tuple[int, ...]) -> list[int]:
+            rows = jacobian(graph, outputs, inputs)
+            return [row.get(k, graph.zero) for row in rows for k in range(len(inputs))]
+
+        shape = (len(self.form.names), len(inputs))
+        return Kernel(self.program.transformed(change), GROUPS, shape)
+
+
+def _evaluated(kernel: Kernel, t: float, x: np.ndarray, parameters: Sequence[float]) -> np.ndarray:
+    try:
+        return np.asarray(kernel([float(t)], x.tolist(), parameters), dtype=float)
+    except PluginError:
+        return np.full(kernel.shape or (), np.nan)
+
+
+def traced(
+    report: Report, what: str, function: Callable[..., Any], system: System, form: Form, instants: int = 0
+) -> Traced | None:
+    """The traced function; a finding for all that is wrong with it, and None if it cannot be used."""
+    place = place_of(function)
+    try:
+        found = Traced(function, system, form, instants)
+    except ContwalkError as error:
+        where, sentence = split_place(error.sentence, place)
+        report.error(what, f"{sentence} {error.remedy}", where)
+        return None
+    usable = True
+    for message in found.raises():
+        where, sentence = split_place(message, place)
+        if found.outputs():
+            report.warning(
+                what, f"On one of its paths it raises {sentence}. A run that gets there ends.", where
+            )
+        else:
+            report.error(what, f"It raises {sentence}. Its form is {form.signature}.", where)
+            usable = False
+    for index in sorted(found.unwritten):
+        usable = False
+        if form.argument:
+            report.error(what, f"It does not write {form.entry(index)}. Every entry must be written.", place)
+        else:
+            report.error(what, f"It returns nothing. {form.signature} must return a number.", place)
+    if usable and found.is_condition():
+        report.error(what, "It gives True or False. A number is needed, whose sign changes there.", place)
+        usable = False
+    return found if usable else None
