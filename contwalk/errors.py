@@ -7,6 +7,10 @@ the class's exit code; a library user catches one class.
 
 from __future__ import annotations
 
+import traceback
+from collections.abc import Callable
+from typing import Any
+
 
 class ContwalkError(Exception):
     """Root of all errors raised on purpose.
@@ -60,3 +64,34 @@ class NotFinite(ContwalkError):
     """A plugin's function gave NaN or infinity; the sentence names the line where it first arose."""
 
     exit_code = 1
+
+
+def plugin_line(error: BaseException) -> str:
+    """`file, line n` of the innermost frame of the traceback that is not part of contwalk or numpy."""
+    frames = [
+        f
+        for f in traceback.extract_tb(error.__traceback__)
+        if "/contwalk/" not in f.filename.replace("\\", "/") and "/numpy/" not in f.filename
+    ]
+    if not frames:
+        return "the plugin"
+    return f"{frames[-1].filename}, line {frames[-1].lineno}"
+
+
+def called(what: str, function: Callable[..., Any], *arguments: Any) -> Any:
+    """The result of a plugin's function; an exception in it becomes a `PluginError` that names the line.
+
+    Parameters
+    ----------
+    what : str
+        The function in words, as `observable 'amplitude'`.
+    """
+    try:
+        return function(*arguments)
+    except ContwalkError:
+        raise
+    except Exception as error:
+        raise PluginError(
+            f"The {what} raised an exception at {plugin_line(error)}: {type(error).__name__}: {error}.",
+            "Mend the plugin.",
+        ) from error

@@ -11,7 +11,7 @@ import click
 def command(db: str, directory: str) -> None:
     """Write the database DB as CSV tables into the directory DIR.
 
-    branches.csv, special_points.csv, and one table per branch, with every point. Numbers keep all their digits.
+    branches.csv, special_points.csv, and one table per branch with every point. Numbers keep all digits.
     """
     from contwalk.storage import open_database, write_tables
 

@@ -14,7 +14,8 @@ import numpy as np
 
 from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint, named
 from contwalk.continuation import outcomes
-from contwalk.continuation.arclength import End, Here, Point, begin, turned, walk
+from contwalk.continuation.arclength import End, Point, walk
+from contwalk.continuation.here import Here, begin, turned
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.recognition import known_branch

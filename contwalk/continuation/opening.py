@@ -9,17 +9,13 @@ import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.continuation import outcomes
-from contwalk.continuation.arclength import Here, begin
+from contwalk.continuation.here import Here, begin
 from contwalk.continuation.newton import correct
 from contwalk.continuation.settings import Settings
 from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.equilibrium import UNDECLARED, Equilibrium, solution_at
-from contwalk.problems.linear import nearest_eigenpair
-from contwalk.problems.spectrum import EPSILON
+from contwalk.problems.switching import second_direction
 from contwalk.system import Neutral, System
-
-# F_lambda lies in the range of F_u if what the left vector sees of it is this small a part of its terms.
-IN_RANGE = 1e-8
 
 
 @dataclass(frozen=True)
@@ -84,21 +80,6 @@ def _drifts(problem: Equilibrium, here: Here) -> bool:
     forces = np.abs(jacobian[:n, n : problem.size] * tangent[n : problem.size])
     terms = np.abs(jacobian[:n]) @ np.abs(tangent)
     return bool(forces.max() > 1e-9 * terms.max())
-
-
-def second_direction(problem: Equilibrium, z: np.ndarray) -> np.ndarray | None:
-    """A null vector of F_u where F_lambda lies in its range: a second direction of solutions; None if regular."""
-    jacobian = problem.jacobian(z)
-    matrix = jacobian[:, : problem.size]
-    pair = nearest_eigenpair(matrix)
-    n = problem.states
-    entries = np.zeros_like(matrix)
-    entries[:n, :n] = EPSILON * problem.kernels.rounding_of_matrix(*problem.inputs(z))
-    error = pair.error + float(np.abs(pair.left) @ entries @ np.abs(pair.right))
-    if abs(pair.value) > 10.0 * error:
-        return None
-    seen, terms = abs(pair.left @ jacobian[:, -1]), np.abs(pair.left) @ np.abs(jacobian[:, -1])
-    return None if seen > IN_RANGE * terms else pair.right.real
 
 
 def _degenerate(

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.branch import BranchInfo
-from contwalk.continuation.arclength import Here
+from contwalk.continuation.here import Here
 from contwalk.problems.equilibrium import Equilibrium
 
 

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import Branch, Outcome, SpecialPoint
-from contwalk.continuation.arclength import Point, begin, turned, walk
+from contwalk.continuation.arclength import Point, walk
 from contwalk.continuation.diagram import Diagram, Plan, Start
+from contwalk.continuation.here import begin, turned
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.opening import Opening, opened
 from contwalk.continuation.settings import Mark, Settings

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from contwalk.errors import plugin_line
 from contwalk.fields.functions import FUNCTIONS, Number
 from contwalk.fields.rebind import rebound
-from contwalk.fields.trace import plugin_line
 
 
 class _FoundNotFinite(Exception):

@@ -6,12 +6,11 @@ each path. The result is a `Program`: a tree whose inner nodes are conditions an
 
 from __future__ import annotations
 
-import traceback
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from contwalk.errors import ContwalkError, UnsupportedOperation
+from contwalk.errors import ContwalkError, UnsupportedOperation, plugin_line
 from contwalk.fields.expression import Expression, Graph
 
 MOST_PATHS = 256
@@ -151,18 +150,6 @@ def _leaf(function: Callable[[Tracer], Sequence[Any]], tracer: Tracer) -> Output
         return Raises(f"{plugin_line(error)}: {type(error).__name__}: {error}")
     zero = Expression(tracer.graph, tracer.graph.zero, tracer)
     return Outputs(tuple(zero.lift(result) for result in results))
-
-
-def plugin_line(error: BaseException) -> str:
-    """`file, line n` of the innermost frame of the traceback that is not part of contwalk or numpy."""
-    frames = [
-        f
-        for f in traceback.extract_tb(error.__traceback__)
-        if "/contwalk/" not in f.filename.replace("\\", "/") and "/numpy/" not in f.filename
-    ]
-    if not frames:
-        return "the plugin"
-    return f"{frames[-1].filename}, line {frames[-1].lineno}"
 
 
 def _tree(paths: list[tuple[list[tuple[int, bool]], Outputs | Raises]], depth: int) -> Tree:

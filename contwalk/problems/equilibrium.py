@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.errors import NotFinite, SystemDefinitionError
+from contwalk.errors import NotFinite, SystemDefinitionError, called
 from contwalk.fields.blame import first_not_finite
 from contwalk.fields.kernel import Kernel
 from contwalk.problems import defining
@@ -23,7 +23,7 @@ from contwalk.problems.normal_forms import (
 )
 from contwalk.problems.problem import Linearization, Located, Sample, Seed
 from contwalk.problems.spectrum import EPSILON, Spectrum, spectrum
-from contwalk.problems.switching import branch_point_seeds, tangent_through
+from contwalk.problems.switching import branch_point_seeds, second_direction, tangent_through
 from contwalk.system import Neutral, System
 
 MAX_RE = "max_re"
@@ -183,7 +183,10 @@ class Equilibrium:
         """Values of `observable_names`, shape (o,)."""
         x = z[: self.states].reshape(1, -1)
         p = SimpleNamespace(**self.values_of(z))
-        values = [float(o.function(np.zeros(1), x, p)) for o in self.system.observables]
+        values = [
+            called(f"observable '{o.name}'", lambda f: float(f(np.zeros(1), x, p)), o.function)
+            for o in self.system.observables
+        ]
         values.append(float(spectrum_.values[0].real) if len(spectrum_.values) else float("nan"))
         return np.array(values)
 
@@ -267,6 +270,10 @@ class Equilibrium:
         """At a branch point, the tangent of the branch that `near` is on."""
         return tangent_through(self, located.z, near.weights, near.tangent) if label == "BP" else None
 
+    def many_branches(self, z: np.ndarray) -> bool:
+        """Whether more than one branch passes through a solution, to rounding."""
+        return second_direction(self, z) is not None
+
     def label_of(self, sample: Sample, which: int) -> str | None:
         """HB for a complex pair; a real eigenvalue is the business of the fold and branch point tests."""
         return "HB" if sample.eigenvalues[which].imag != 0.0 else None
@@ -327,7 +334,8 @@ class Equilibrium:
         """Image of a solution under a declared symmetry."""
         declared = next(s for s in self.system.symmetries if s.name == symmetry)
         x = np.zeros(self.states)
-        declared.map(0.0, z[: self.states], SimpleNamespace(**self.values_of(z)), x)
+        p = SimpleNamespace(**self.values_of(z))
+        called(f"symmetry '{symmetry}'", declared.map, 0.0, z[: self.states], p, x)
         return np.concatenate([x, z[self.states :]])
 
     def seeds(self, point: SpecialPoint) -> Sequence[Seed]:

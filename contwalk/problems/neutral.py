@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from contwalk.errors import called
 from contwalk.system import Neutral, System
 
 # A generator counts as neutral where A g is this far below the size of its terms.
@@ -16,7 +17,8 @@ NEUTRAL = 1e-12
 def generator_at(neutral: Neutral, x: np.ndarray, parameters: Mapping[str, float]) -> np.ndarray:
     """The direction a neutral generator points at state x, shape (n,)."""
     v = np.zeros(len(x))
-    neutral.generator(0.0, x, SimpleNamespace(**parameters), v)
+    what = f"generator of the neutral direction '{neutral.name}'"
+    called(what, neutral.generator, 0.0, x, SimpleNamespace(**parameters), v)
     return v
 
 

@@ -126,6 +126,7 @@ class Problem(Protocol):
     """Equations F(u, lambda) = 0 with what is special about them."""
 
     size: int
+    evaluations: int
 
     def linearize(self, z: np.ndarray) -> Linearization:
         """Residual, Jacobian and rounding level at z."""
@@ -156,6 +157,10 @@ class Problem(Protocol):
 
     def tangent_at(self, label: str, located: Located, near: Sample) -> np.ndarray | None:
         """Tangent of the branch at a special point where DF alone does not determine it; else None."""
+        ...
+
+    def many_branches(self, z: np.ndarray) -> bool:
+        """Whether more than one branch passes through a solution, to rounding."""
         ...
 
     def label_of(self, sample: Sample, which: int) -> str | None:

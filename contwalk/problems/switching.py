@@ -8,11 +8,30 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.problems.linear import Factored, nearest_eigenpair, solution_plane
+from contwalk.problems.linear import EPSILON, Factored, nearest_eigenpair, solution_plane
 from contwalk.problems.problem import Seed
 
 if TYPE_CHECKING:
     from contwalk.problems.equilibrium import Equilibrium
+
+
+# F_lambda lies in the range of F_u if what the left vector sees of it is this small a part of its terms.
+IN_RANGE = 1e-8
+
+
+def second_direction(problem: Equilibrium, z: np.ndarray) -> np.ndarray | None:
+    """A null vector of F_u where F_lambda lies in its range: a second direction of solutions; None if regular."""
+    jacobian = problem.jacobian(z)
+    matrix = jacobian[:, : problem.size]
+    pair = nearest_eigenpair(matrix)
+    n = problem.states
+    entries = np.zeros_like(matrix)
+    entries[:n, :n] = EPSILON * problem.kernels.rounding_of_matrix(*problem.inputs(z))
+    error = pair.error + float(np.abs(pair.left) @ entries @ np.abs(pair.right))
+    if abs(pair.value) > 10.0 * error:
+        return None
+    seen, terms = abs(pair.left @ jacobian[:, -1]), np.abs(pair.left) @ np.abs(jacobian[:, -1])
+    return None if seen > IN_RANGE * terms else pair.right.real
 
 
 def directions(problem: Equilibrium, z: np.ndarray, weights: np.ndarray) -> list[np.ndarray]:

@@ -32,15 +32,15 @@ def _stored(dtype: np.dtype) -> np.dtype:
     return np.dtype([*columns, (CRC, "<u4")])
 
 
-def _sealed(records: np.ndarray) -> np.ndarray:
+def _sealed(records: np.ndarray, stored: np.dtype) -> np.ndarray:
     """Records with their checksums, as they are stored."""
-    dtype, size = records.dtype, records.dtype.itemsize
+    size = records.dtype.itemsize
     raw = records.tobytes()
     parts = []
     for start in range(0, len(raw), size):
         part = raw[start : start + size]
         parts += [part, zlib.crc32(part).to_bytes(4, "little")]
-    return np.frombuffer(b"".join(parts), _stored(dtype))
+    return np.frombuffer(b"".join(parts), stored)
 
 
 def describe(target: h5py.Group, **attributes: str) -> None:
@@ -66,6 +66,11 @@ class RecordLog:
     def __init__(self, dataset: h5py.Dataset, dtype: np.dtype) -> None:
         self.dataset = dataset
         self.dtype = dtype
+        self._stored = _stored(dtype)
+        # The file's own type in memory as well spares HDF5 a conversion, most of the time of an append.
+        self._type = dataset.id.get_type()
+        self._one = h5py.h5s.create_simple((1,))
+        self._capacity = INDEX_ENTRIES * int(dataset.chunks[0])
         # Kept here, not read from the dataset: after a Ctrl-C between growing and writing, the dataset has a
         # row that was never written, and the next append must fill it.
         self.count = int(dataset.shape[0])
@@ -77,24 +82,29 @@ class RecordLog:
         A chunk holds `chunk` rows, or more where the log is long already.
         """
         chunk = max(chunk, 2 * len(records) // INDEX_ENTRIES + 1)
-        dataset = group.create_dataset(
-            name, (len(records),), _stored(records.dtype), maxshape=(None,), chunks=(chunk,)
-        )
+        stored = _stored(records.dtype)
+        dataset = group.create_dataset(name, (len(records),), stored, maxshape=(None,), chunks=(chunk,))
         if len(records):
-            dataset[...] = _sealed(records)
+            dataset[...] = _sealed(records, stored)
         return cls(dataset, records.dtype)
 
     def full(self, more: int) -> bool:
         """Whether `more` records would outgrow the first node of the chunk index."""
-        return self.count + more > INDEX_ENTRIES * int(self.dataset.chunks[0])
+        return self.count + more > self._capacity
 
     def append(self, records: np.ndarray) -> None:
         """Append records one by one, each on disk before the next, so that one at most can be torn."""
-        for sealed in _sealed(records):
-            self.dataset.resize((self.count + 1,))
-            self.dataset[self.count] = sealed
-            self.dataset.file.flush()
+        sealed = _sealed(records, self._stored)
+        for row in range(len(sealed)):
+            self.dataset.id.set_extent((self.count + 1,))
+            self._write(sealed[row : row + 1])
+            h5py.h5f.flush(self.dataset.id)
             self.count += 1
+
+    def _write(self, sealed: np.ndarray) -> None:
+        space = self.dataset.id.get_space()
+        space.select_hyperslab((self.count,), (1,))
+        self.dataset.id.write(self._one, space, sealed, self._type)
 
     def read(self) -> np.ndarray:
         """All whole records; a torn one at the end is left out.

@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.errors import StartError, SystemDefinitionError
+from contwalk.errors import StartError, SystemDefinitionError, called
 
 ROLES_OF_TRANSITIONS = ("hard", "soft", "watched")
 ROLES_OF_SYMMETRIES = ("relabel", "spatial")
@@ -379,7 +379,8 @@ class System:
             Where the equilibrium does not exist at these parameters.
         """
         start = self.start(name)
-        states = [np.asarray(x, dtype=float) for x in start.states(SimpleNamespace(**parameters))]
+        found = called(f"start '{name}'", start.states, SimpleNamespace(**parameters))
+        states = [np.asarray(x, dtype=float) for x in found]
         if not states:
             reason = f" It exists {start.exists}." if start.exists else ""
             raise StartError(

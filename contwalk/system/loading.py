@@ -12,7 +12,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
-from contwalk.errors import ContwalkError, SystemDefinitionError
+from contwalk.errors import ContwalkError, SystemDefinitionError, called
 from contwalk.system.declarations import System, nearest
 from contwalk.system.family import Family
 
@@ -48,7 +48,13 @@ def load_declaration(reference: str, base: Path | None = None) -> System | Famil
         return _from_file((base or Path.cwd()) / reference, reference)
     for point in entry_points(group=GROUP):
         if point.name == reference:
-            return _checked(point.load(), reference)
+            try:
+                return _checked(point.load(), reference)
+            except ImportError as error:
+                raise SystemDefinitionError(
+                    f"The installed system '{reference}' ({point.value}) cannot be imported: {error}.",
+                    "Install it again, or give the path of its plugin file.",
+                ) from error
     known = list(list_systems())
     raise SystemDefinitionError(
         f"There is no installed system named '{reference}'.",
@@ -67,7 +73,7 @@ def load_system(reference: str, model: Mapping[str, Any] | None = None, base: Pa
     """
     declared = load_declaration(reference, base)
     if isinstance(declared, Family):
-        system = declared.with_model(model or {})
+        system = called(f"system '{reference}'", declared.with_model, model or {})
     elif model:
         raise SystemDefinitionError(
             f"System '{reference}' has no model choices, but {', '.join(model)} is given.",

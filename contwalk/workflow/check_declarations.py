@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from contwalk.errors import ContwalkError
+from contwalk.errors import ContwalkError, StartError
 from contwalk.system import Observable, Start, System
 from contwalk.workflow.check_findings import NOWHERE, Place, Report, place_of, place_of_error
 from contwalk.workflow.check_samples import Samples
@@ -129,7 +129,7 @@ def check_repeats(report: Report, what: str, field: Traced, samples: Samples, pe
             report.error(
                 what,
                 f"It does not repeat after period(p) = {period:.6g} s: {field.form.entry(i)} is "
-                f"{now[i]:.6g} at t = {t:.4g} and {later[i]:.6g} a period later. Correct period or the field.",
+                f"{now[i]:.6g} at t = {t:.4g} and {later[i]:.6g} a period later. Correct one of them.",
                 place_of(field.function),
             )
             return
@@ -181,9 +181,10 @@ def check_start(report: Report, start: Start, system: System, field: Traced | No
     try:
         states = system.named_states(start.name, samples.parameters)
     except ContwalkError as error:
-        missing = type(error).__name__ == "StartError"
+        missing = isinstance(error, StartError)
         sentence = f"not checked: {error.sentence}" if missing else str(error)
-        report.add("ok" if missing else "error", what, sentence, place)
+        where = place_of_error(error.__cause__ or error, start.states)
+        report.add("ok" if missing else "error", what, sentence, where)
         return
     except Exception as error:
         report.error(

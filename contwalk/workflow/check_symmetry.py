@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -30,32 +31,41 @@ def check_symmetry(
     """
     what, place = f"symmetry '{symmetry.name}'", place_of(symmetry.map)
     image = check_map(report, what, symmetry.map, system, samples, vector_form(system, "map", "x_image"))
-    if image is None or not fields:
+    if image is None or len(fields) < len(system.modes):
         return
     shifts = [0.0] if period is None else [0.0, 0.5 * period]
+    compared = 0
     for name, field in fields.items():
-        best: tuple[float, str] | None = None
-        for other in (name, *[mode for mode in fields if mode != name]):
-            for shift in shifts:
-                excess, sentence = _violation(image, field, fields[other], samples, shift)
-                if best is None or excess < best[0]:
-                    best = excess, sentence
-        if best is not None and best[0] > 1.0:
+        others = [fields[name], *[other for mode, other in fields.items() if mode != name]]
+        found = [_compare(image, field, other, samples, shift) for other in others for shift in shifts]
+        best = min((c for c in found if c.states), key=lambda c: c.excess, default=None)
+        if best is not None and best.excess > 1.0:
             report.error(
                 what,
-                f"It does not hold in mode '{name}': {best[1]}. "
+                f"It does not hold in mode '{name}': {best.sentence}. "
                 "Correct the map or the field, or remove the symmetry.",
                 place,
             )
             return
-    report.ok(what, f"f(S x) = DS f(x) holds at {len(samples.states)} states.", place)
+        compared += 0 if best is None else best.states
+    if compared:
+        report.ok(what, f"f(S x) = DS f(x) holds at {compared} states.", place)
+    else:
+        report.ok(what, "not checked whether it holds: no state and its image are both finite.", place)
 
 
-def _violation(
-    image: Traced, before: Traced, after: Traced, samples: Samples, shift: float
-) -> tuple[float, str]:
-    """How far the two sides differ, in units of what rounding allows, and where most."""
-    worst, sentence = 0.0, ""
+@dataclass(frozen=True)
+class Comparison:
+    """How far both sides differ at most, in units of what rounding allows, where, and at how many states."""
+
+    excess: float
+    sentence: str
+    states: int
+
+
+def _compare(image: Traced, before: Traced, after: Traced, samples: Samples, shift: float) -> Comparison:
+    """Compare at all samples where both sides are finite."""
+    worst, sentence, states = 0.0, "", 0
     for t, x in zip(samples.times, samples.states, strict=True):
         slope = image.slopes(t, x, samples.values)
         mapped = image.values(t, x, samples.values)
@@ -64,16 +74,16 @@ def _violation(
         right = slope[:, 0] + slope[:, 1:] @ rates
         if not (np.isfinite(left).all() and np.isfinite(right).all()):
             continue
+        states += 1
         inherited = np.abs(after.slopes(t + shift, mapped, samples.values)) @ np.abs([t + shift, *mapped])
         bound = after.roundings(t + shift, mapped, samples.values) + inherited
         bound += np.abs(slope[:, 1:]) @ (before.roundings(t, x, samples.values) + np.abs(rates))
-        difference = np.abs(left - right)
-        excess = difference / np.maximum(FACTOR * EPSILON * bound, np.finfo(float).tiny)
+        excess = np.abs(left - right) / np.maximum(FACTOR * EPSILON * bound, np.finfo(float).tiny)
         i = int(np.argmax(excess))
         if excess[i] > worst:
-            name = image.form.names[i]
             worst = float(excess[i])
             sentence = (
-                f"the rate of {name} at the image is {left[i]:.6g}, the image of the rate is {right[i]:.6g}"
+                f"the rate of {image.form.names[i]} at the image is {left[i]:.6g}, "
+                f"the image of the rate is {right[i]:.6g}"
             )
-    return worst, sentence
+    return Comparison(worst, sentence, states)

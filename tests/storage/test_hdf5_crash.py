@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from contwalk.storage import Hdf5Database, open_database
+from contwalk.storage.records import RecordLog
 
 WRITER = """
 import os, signal, sys
@@ -135,7 +136,7 @@ def test_an_append_that_was_interrupted_leaves_no_gap(tmp_path, header, make_inf
             raise KeyboardInterrupt
 
         with monkeypatch.context() as patch:
-            patch.setattr(h5py.Dataset, "__setitem__", interrupted)
+            patch.setattr(RecordLog, "_write", interrupted)
             with pytest.raises(KeyboardInterrupt):
                 db.append("b1", make_row(info, 1.0))
         assert db.rows("b1")["s"].tolist() == [0.0]

@@ -13,6 +13,7 @@ import pytest
 
 from contwalk.errors import DatabaseError
 from contwalk.storage import Hdf5Database, RunHeader, failures, hdf5, open_database
+from contwalk.storage.records import RecordLog
 
 
 @pytest.fixture
@@ -291,10 +292,10 @@ def test_full_disk_keeps_every_point(
 def test_full_disk_reported_by_hdf5(stored, make_info, make_row, monkeypatch):
     with Hdf5Database.open(stored, writable=True) as db:
 
-        def full(_dataset, _shape):
+        def full(_log, _record):
             raise OSError(f"Can't write data ({os.strerror(errno.ENOSPC)})")
 
-        monkeypatch.setattr(h5py.Dataset, "resize", full)
+        monkeypatch.setattr(RecordLog, "_write", full)
         with pytest.raises(DatabaseError, match="disk is full"):
             db.append("b1", make_row(make_info(), 20.0))
     with open_database(stored) as db:

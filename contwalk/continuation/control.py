@@ -1,0 +1,52 @@
+"""Step control: how much a step turned, whether it stayed on its branch, and how long the next one may be."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contwalk.continuation.settings import Settings
+from contwalk.problems.problem import Sample
+
+# Largest factors from one step to the next.
+GROWTH, DECAY = 1.6, 0.3
+# Shrinking after a failure: fast where the step is small already.
+SHRINK, PLUNGE, SMALL = 0.4, 0.1, 1e-6
+# No step moves the parameter by more than this share of its range: curves of observables look smooth.
+PARAMETER_SHARE = 1.0 / 64.0
+
+
+def turn(a: Sample, tangent: np.ndarray) -> float:
+    """Turn of the tangent, degrees, in the metric of `a`."""
+    u, v = a.tangent / a.weights, tangent / a.weights
+    cosine = float(u @ v / np.linalg.norm(u) / np.linalg.norm(v))
+    return float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
+
+
+def bend(a: Sample, z: np.ndarray, tangent: np.ndarray) -> float:
+    """How far the chord's direction is from the mean of the tangents at its ends.
+
+    On a smooth arc it is an eighth of the square of the turn. A step onto another branch that happens to point the
+    same way keeps the tangents alike, but not the chord.
+    """
+    chord = (z - a.z) / a.weights
+    u, v = a.tangent / a.weights, tangent / a.weights
+    mean = 0.5 * (u / np.linalg.norm(u) + v / np.linalg.norm(v))
+    return float(np.linalg.norm(chord / np.linalg.norm(chord) - mean))
+
+
+def next_step(length: float, angle: float, iterations: int, settings: Settings) -> float:
+    """Step length from curvature (half the largest angle is aimed at) and from the corrector's effort."""
+    by_angle = 0.5 * settings.max_angle / max(angle, 1e-3)
+    by_effort = {0: 2.0, 1: 2.0, 2: 1.5, 3: 1.2}.get(iterations, 0.7)
+    return float(np.clip(length * np.clip(min(by_angle, by_effort), DECAY, GROWTH), settings.min_step, settings.max_step))
+
+
+def shrunk(step: float) -> float:
+    """The next shorter step to try."""
+    return step * (SHRINK if step > SMALL else PLUNGE)
+
+
+def longest(sample: Sample, settings: Settings) -> float:
+    """The step that moves the parameter by the largest share of its range."""
+    moved = abs(sample.tangent[-1])
+    return PARAMETER_SHARE * settings.width / moved if moved > 0.0 else np.inf

@@ -1,0 +1,91 @@
+"""Where a walk stands, and where it begins."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from contwalk.continuation.metric import updated
+from contwalk.continuation.newton import Correction, correct
+from contwalk.continuation.settings import Settings
+from contwalk.problems.linear import kernel_direction
+from contwalk.problems.problem import Problem, Sample
+
+
+@dataclass(frozen=True)
+class Here:
+    """What is needed to go on from a point of a branch, and nothing else.
+
+    `s` is the signed arclength, `step` the length of the next step. The sample's tangent points the way to go.
+    """
+
+    sample: Sample
+    s: float
+    step: float
+
+    def at_bound(self, settings: Settings) -> bool:
+        """Whether this is an end of the range, facing out of it."""
+        low, high = settings.range
+        value, ahead = self.sample.parameter, self.sample.tangent[-1]
+        return bool((value >= high and ahead > 0) or (value <= low and ahead < 0))
+
+
+def begin(
+    problem: Problem,
+    z: np.ndarray,
+    settings: Settings,
+    toward: np.ndarray | None = None,
+    reach: np.ndarray | None = None,
+) -> Here | Correction:
+    """The first solution of a branch near z, with the tangent towards growing parameter (or along `toward`).
+
+    With `toward`, z is taken as a solution already (a branch point) and `toward` as the tangent there; `reach` then
+    stands in for magnitudes that z does not tell.
+    Returns the failed `Correction` where there is no solution.
+    """
+    value = float(z[-1])
+    normal = np.zeros(len(z))
+    normal[-1] = 1.0
+    if toward is None:
+        size = np.maximum(np.abs(z), 1.0)
+        correction = correct(problem, z, normal, size, iterations=60, damped=True)
+        if not correction.ok:
+            return correction
+        z = np.append(correction.z[:-1], value)
+    linearization = problem.linearize(z)
+    magnitudes = problem.magnitudes(z, linearization)
+    if reach is not None:
+        magnitudes = np.where(np.isfinite(magnitudes) | ~(reach > 0.0), magnitudes, reach)
+    weights = updated(None, magnitudes, settings, z)
+    tangent = toward if toward is not None else first_tangent(linearization.jacobian, weights)
+    sample = problem.examine(z, tangent, weights, linearization, None)
+    if toward is not None:
+        sample = replace(sample, orientation=0.0)  # not defined at a branch point
+    return Here(sample, 0.0, settings.step)
+
+
+def first_tangent(jacobian: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Unit tangent at a start, towards growing parameter where the parameter moves at all."""
+    tangent = kernel_direction(jacobian, weights)
+    lead = tangent[-1] / weights[-1]
+    if abs(lead) < 1e-12:
+        lead = (tangent / weights)[int(np.argmax(np.abs(tangent / weights)))]
+    return tangent * np.sign(lead)
+
+
+def turned(here: Here) -> Here:
+    """The same place, facing the other way."""
+    sample = here.sample
+    back = replace(
+        sample, tangent=-sample.tangent, orientation=-sample.orientation, rates=-sample.rates
+    )
+    return replace(here, sample=back)
+
+
+def grown(problem: Problem, sample: Sample, here: Here, settings: Settings) -> Sample:
+    """A new sample in the metric that its own size adds to."""
+    magnitudes = problem.magnitudes(sample.z, problem.linearize(sample.z))
+    weights = updated(here.sample.weights, magnitudes, settings, sample.z)
+    factor = float(np.linalg.norm(sample.tangent / weights))
+    return replace(sample, weights=weights, tangent=sample.tangent / factor, rates=sample.rates / factor)

@@ -1,0 +1,36 @@
+"""Records of special points and of end points, counted in the order of growing arclength."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from contwalk.branch import Outcome, SpecialPoint
+from contwalk.continuation.detection import Found
+from contwalk.continuation.here import Here
+from contwalk.problems.problem import Located, Problem
+
+
+def found_record(problem: Problem, found: Found, s: float, sign: float) -> SpecialPoint:
+    """The record of a found point; counts are in the order of growing arclength."""
+    before, after = (found.before, found.after) if sign > 0 else (found.after, found.before)
+    if found.kind == "unlocated":
+        record = problem.special_point("UZ", found.located, found.sample, s)
+        note = str(found.located.vectors["note"])
+        record = replace(record, label=found.label, status="unlocated", note=note)
+    else:
+        record = problem.special_point(found.label, found.located, found.sample, s)
+        if found.kind is not None:
+            record = replace(record, kind=found.kind)
+    return replace(record, unstable_before=before, unstable_after=after)
+
+
+def end_record(problem: Problem, here: Here, outcome: Outcome) -> SpecialPoint:
+    """The record of an end point; its note keeps the outcome's sentence."""
+    error = 0.0 if outcome.reason == "bound" else float(np.spacing(abs(here.sample.parameter)))
+    record = problem.special_point("EP", Located(here.sample.z, error), here.sample, here.s)
+    count = here.sample.unstable
+    return replace(
+        record, kind=outcome.reason, unstable_before=count, unstable_after=count, note=outcome.message
+    )

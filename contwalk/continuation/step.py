@@ -1,0 +1,194 @@
+"""One step along a branch: predict, correct, and examine what lies between; shorter until all tests agree."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from contwalk.branch import Outcome
+from contwalk.continuation import control, outcomes
+from contwalk.continuation.detection import Disagreement, Found, bifurcations
+from contwalk.continuation.here import Here
+from contwalk.continuation.marks import Observer, marked
+from contwalk.continuation.newton import Correction, correct
+from contwalk.continuation.segment import LostBranch, Segment
+from contwalk.continuation.settings import Mark, Settings
+from contwalk.errors import PluginError
+from contwalk.problems.linear import Factored
+from contwalk.problems.problem import Linearization, Located, Problem, Sample
+
+# How far from a branch point that a walk begins at its side is looked at, in parts of the first step.
+BESIDE = 1e-4
+
+
+@dataclass(frozen=True)
+class Step:
+    """An accepted step: the piece of branch, what is special on it in order, and the length of the next step."""
+
+    segment: Segment
+    there: Sample
+    found: list[Found]
+    next_length: float
+
+    def closes(self, origin: Here) -> bool:
+        """Whether the step passed a walk's beginning, the same way round."""
+        theta = self.segment.position(origin.sample.z)
+        same_way = origin.sample.tangent / origin.sample.weights**2 @ self.there.tangent > 0.0
+        if not (0.0 < theta <= 1.0 and same_way):
+            return False
+        try:
+            return self.segment.distance(origin.sample.z, theta) < 1e-5
+        except LostBranch:
+            return False
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """A guess, the normal of the corrector's hyperplane through it, and how far it is along the tangent."""
+
+    guess: np.ndarray
+    normal: np.ndarray
+    length: float
+    to_bound: bool = False
+
+
+def take_step(problem: Problem, here: Here, settings: Settings, observer: Observer) -> Step | Outcome:
+    """The longest step from here that converges, turns little, and on which the tests agree."""
+    length = min(here.step, settings.max_step)
+    while True:
+        smallest = length <= settings.min_step
+        length = max(length, settings.min_step)
+        prediction = predict(here, length, settings)
+        correction = correct(
+            problem, prediction.guess, prediction.normal, here.sample.weights, settings.newton_iterations
+        )
+        reason, sentence = correction.reason, correction.sentence
+        if correction.ok:
+            try:
+                segment = _segment(problem, here, prediction, correction, settings, smallest)
+                found = _special(segment, settings, observer, smallest)
+                return Step(segment, segment.b, found, _next_length(segment, prediction, here, settings))
+            except (Disagreement, LostBranch) as error:
+                sentence = str(error)
+            except PluginError as error:
+                reason, sentence = "plugin_error", error.sentence
+        if smallest:
+            return outcomes.stuck(reason, sentence, length, observer.parameter, here.sample.parameter)
+        length = control.shrunk(length)
+
+
+def predict(here: Here, length: float, settings: Settings) -> Prediction:
+    """The point at `length` along the tangent; an end of the range that lies before it is met exactly."""
+    sample = here.sample
+    length = min(length, control.longest(sample, settings))
+    guess = sample.z + length * sample.tangent
+    ahead = sample.tangent[-1]
+    bound = settings.range[1] if ahead > 0 else settings.range[0]
+    left = (bound - sample.z[-1]) / ahead if ahead != 0.0 else np.inf
+    if left > 1.001 * length:  # a remainder of a thousandth of a step is not left over
+        return Prediction(guess, sample.tangent / sample.weights**2, length)
+    guess = sample.z + left * sample.tangent
+    guess[-1] = bound
+    normal = np.zeros(len(guess))
+    normal[-1] = 1.0 / sample.weights[-1]
+    return Prediction(guess, normal, left, to_bound=True)
+
+
+def _segment(
+    problem: Problem,
+    here: Here,
+    prediction: Prediction,
+    correction: Correction,
+    settings: Settings,
+    smallest: bool,
+) -> Segment:
+    """The piece of branch up to the corrected point; `Disagreement` if it turned too much or left the branch."""
+    a, linearization = here.sample, correction.linearization
+    assert linearization is not None
+    z = correction.z
+    if prediction.to_bound:
+        z = np.append(z[:-1], prediction.guess[-1])
+        if problem.many_branches(z):
+            return _onto_crossing(problem, a, z, linearization)
+    if np.array_equal(z, a.z):
+        raise LostBranch("The step is too short to be told from none in double precision.")
+    tangent = _tangent(a, linearization)
+    if not smallest:
+        _check_shape(a, z, tangent, prediction, settings)
+    if not settings.range[0] <= z[-1] <= settings.range[1]:
+        raise Disagreement("EP", "The step passes the end of the range.")
+    there = problem.examine(z, tangent, a.weights, linearization, a.unstable)
+    segment = Segment(problem, a, replace(there, iterations=correction.iterations))
+    # Orientation is not defined at a branch point that the walk begins at.
+    return Segment(problem, _beside(segment), segment.b) if a.orientation == 0.0 else segment
+
+
+def _tangent(a: Sample, linearization: Linearization) -> np.ndarray:
+    right = np.zeros(len(a.z))
+    right[-1] = 1.0
+    try:
+        bordered = np.vstack([linearization.jacobian, a.tangent / a.weights**2])
+        return Factored(bordered, a.weights).solve(right)
+    except np.linalg.LinAlgError:
+        raise Disagreement("BP", "The tangent is not determined.") from None
+
+
+def _check_shape(
+    a: Sample, z: np.ndarray, tangent: np.ndarray, prediction: Prediction, settings: Settings
+) -> None:
+    """Refuse a step on which the branch turns too much, or that may have ended on another branch."""
+    angle = control.turn(a, tangent)
+    moved = float(np.linalg.norm((z - prediction.guess) / a.weights))
+    if angle > settings.max_angle or moved > 0.5 * prediction.length:
+        raise Disagreement("LP", f"The branch turns by {angle:.0f} degrees in one step.")
+    if control.bend(a, z, tangent) > max(0.25 * np.radians(angle), 0.02):
+        raise Disagreement("BP", "The step does not lie along the branch: it may have left it for another one.")
+
+
+def _onto_crossing(problem: Problem, a: Sample, z: np.ndarray, linearization: Linearization) -> Segment:
+    """The step onto an end of the range that is a branch point itself: the tangent there is the chord's."""
+    there = problem.examine(z, z - a.z, a.weights, linearization, a.unstable)
+    return Segment(problem, a, replace(there, orientation=a.orientation, unstable=a.unstable))
+
+
+def _beside(segment: Segment) -> Sample:
+    """The branch point that a walk begins at, with orientation and stability as they are right beside it."""
+    near = segment.at(BESIDE)
+    return replace(
+        segment.a,
+        orientation=near.orientation,
+        measures=near.measures,
+        rates=near.rates,
+        errors=near.errors,
+        eigenvalues=near.eigenvalues,
+        unstable=near.unstable,
+    )
+
+
+def _special(segment: Segment, settings: Settings, observer: Observer, smallest: bool) -> list[Found]:
+    """Everything special on a segment, in its order; at the smallest step, what cannot be located as well."""
+    try:
+        found = bifurcations(segment)
+    except Disagreement as disagreement:
+        if not smallest:
+            raise
+        found = [_unlocated(segment, disagreement)]
+    stops = tuple(Mark(name, values) for name, values in settings.stop_at.items())
+    turns = [f.theta for f in found if f.label in ("LP", "BP")]
+    found += marked(segment, (*settings.marks, *stops), observer, turns)
+    return sorted(found, key=lambda f: f.theta)
+
+
+def _unlocated(segment: Segment, disagreement: Disagreement) -> Found:
+    """What is detected and cannot be located is kept, between the samples that show it."""
+    b = segment.b
+    width = abs(float(segment.chord[-1]))
+    located = Located(b.z, width, {"note": disagreement.sentence}, refined=False)
+    return Found(1.0, disagreement.label, located, b, segment.a.unstable, b.unstable, kind="unlocated")
+
+
+def _next_length(segment: Segment, prediction: Prediction, here: Here, settings: Settings) -> float:
+    angle = control.turn(segment.a, segment.b.tangent)
+    length = control.next_step(prediction.length, angle, segment.b.iterations, settings)
+    return max(length, here.step) if prediction.to_bound else length

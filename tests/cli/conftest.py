@@ -1,0 +1,76 @@
+"""The command line in a folder of its own, with a small machine that has a pitchfork at r = 0."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from contwalk.cli.entry import run
+
+# x' = r x - x^3: pitchfork at r = 0. y' = a - y is a second direction that is always stable.
+PLUGIN = """\
+from contwalk.system import Mode, Observable, Parameter, Start, State, System
+
+def field(t, x, p, dx):
+    dx[0] = p.r * x[0] - x[0] ** 3
+    dx[1] = p.a - x[1]
+
+def draw(axes, t, x, p):
+    axes.plot([0.0, x[0]], [0.0, 1.0])
+
+SYSTEM = System(
+    name="fork",
+    states=(State("x", unit="m", about="deflection"), State("y", unit="1", about="level")),
+    parameters=(
+        Parameter("r", -0.5, unit="N", bounds=(-5.0, 5.0), about="load"),
+        Parameter("a", 0.25, unit="1", about="supply"),
+    ),
+    modes=(Mode("free", field),),
+    observables=(Observable("height", lambda t, x, p: x[:, 0].max(), unit="m", about="largest x"),),
+    starts=(Start("upright", lambda p: [[0.0, p.a]]),),
+    presets={"rich": {"a": 2.0}},
+    draw=draw,
+    reference="any textbook",
+)
+"""
+
+RUN = """\
+contwalk: 1
+system: ./fork.py
+start: {equilibrium: upright}
+continue: {parameter: r, range: [-1.0, 1.0]}
+diagram: none
+output: fork.h5
+"""
+
+
+@dataclass
+class Outcome:
+    """What a command left behind."""
+
+    code: int
+    out: str
+    err: str
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch) -> Path:
+    """The current directory, with the plugin and its run file."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "fork.py").write_text(PLUGIN, encoding="utf-8")
+    (tmp_path / "run.yaml").write_text(RUN, encoding="utf-8")
+    return tmp_path
+
+
+@pytest.fixture
+def contwalk(folder, capsys):
+    """Runs a command in the folder."""
+
+    def call(*arguments: str) -> Outcome:
+        capsys.readouterr()
+        code = run(arguments)
+        return Outcome(code, *capsys.readouterr())
+
+    return call

@@ -1,0 +1,197 @@
+"""`contwalk continue`: the summary, the options, exit codes, interruption and resumption."""
+
+from __future__ import annotations
+
+import json
+import shlex
+
+import numpy as np
+import pytest
+
+from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint
+from contwalk.cli import progress
+from contwalk.storage import open_database
+from contwalk.workflow import runner
+
+
+def test_summary(contwalk, folder):
+    done = contwalk("continue", "run.yaml")
+    assert done.code == 0
+    assert done.err == ""  # no progress where nobody watches
+    lines = [line.strip() for line in done.out.splitlines()]
+    assert lines[0] == "fork"
+    assert any(line.startswith("b1  equilibrium, r from -1 to 1, ") for line in lines)
+    bp = next(line for line in lines if line.startswith("BP1 "))
+    assert "branch point (pitchfork)" in bp
+    assert "supercritical" in bp
+    assert bp.endswith("0 -> 1")
+    assert "database: fork.h5" in lines
+    assert "next:     contwalk show fork.h5 b1/BP1" in lines
+    assert "contwalk plot fork.h5 -o fork.png" in lines
+    assert not any(line != line.rstrip() for line in done.out.splitlines())
+
+
+def test_values_have_all_their_digits(contwalk):
+    done = contwalk("continue", "run.yaml", "--set", "continue.range=[-1.0, 0.1234567890123456]")
+    assert "0.1234567890123456 " in done.out
+
+
+def test_quiet(contwalk, folder):
+    done = contwalk("continue", "run.yaml", "--quiet")
+    assert (done.code, done.out, done.err) == (0, "", "")
+    assert (folder / "fork.h5").is_file()
+
+
+def test_set_and_output(contwalk, folder):
+    done = contwalk("continue", "run.yaml", "--set", "parameters.a=2.5", "--output", "other.h5")
+    assert done.code == 0
+    assert not (folder / "fork.h5").exists()
+    with open_database(folder / "other.h5") as db:
+        assert db.branch("b1").info.parameters["a"] == 2.5
+
+
+def test_output_that_exists(contwalk, folder):
+    contwalk("continue", "run.yaml")
+    first = (folder / "fork.h5").read_bytes()
+    done = contwalk("continue", "run.yaml")
+    assert done.code == 2
+    assert "--resume" in done.err
+    assert "--force" in done.err
+    assert (folder / "fork.h5").read_bytes() == first
+    assert contwalk("continue", "run.yaml", "--force").code == 0
+    assert contwalk("continue", "run.yaml", "--resume").code == 0
+
+
+def test_figures(contwalk, folder):
+    done = contwalk("continue", "run.yaml", "--set", "figures=[bifurcation_diagram]")
+    figure = folder / "fork_bifurcation_diagram.png"
+    assert figure.read_bytes().startswith(b"\x89PNG")
+    assert f"figure:   {figure.name}" in done.out
+    figure.unlink()
+    again = contwalk(
+        "continue", "run.yaml", "--set", "figures=[bifurcation_diagram]", "--force", "--no-figures"
+    )
+    assert not figure.exists()
+    assert "figure:" not in again.out
+
+
+def test_sweep_names_the_swept_value(contwalk):
+    done = contwalk("continue", "run.yaml", "--set", "sweep={a: [0.5, 0.75]}")
+    lines = [line.strip() for line in done.out.splitlines()]
+    assert "a = 0.5" in lines
+    assert "a = 0.75" in lines
+
+
+def test_failed_branch(contwalk, folder):
+    # The square root ends the field at r = 0.5.
+    plugin = (folder / "fork.py").read_text(encoding="utf-8")
+    (folder / "fork.py").write_text(
+        plugin.replace("p.a - x[1]", "p.a - x[1] + (0.5 - p.r) ** 0.5"), encoding="utf-8"
+    )
+    done = contwalk("continue", "run.yaml", "--quiet", "--set", "start={state: {x: 0, y: 1.25}}")
+    assert done.code == 1
+    assert done.err.startswith("error: branch b1 failed (")
+    assert done.out == ""
+    with open_database(folder / "fork.h5") as db:
+        assert len(db.branch("b1")) > 3
+
+
+class Interrupting(progress.NoteKeeper):
+    """Somebody presses Ctrl-C at the fifth point."""
+
+    def point(self, info, parameter, step, unstable, number):
+        if number == 5:
+            raise KeyboardInterrupt
+
+
+def test_ctrl_c_and_the_command_that_resumes(contwalk, folder, monkeypatch):
+    options = ["--set", "continue.range=[-1, 1.5]", "--output", "my run.h5"]
+    whole = contwalk("continue", "run.yaml", *options[:2], "--output", "whole.h5")
+    assert whole.code == 0
+    with monkeypatch.context() as patched:
+        patched.setattr(progress, "reporter_for", lambda ends, quiet: Interrupting())
+        done = contwalk("continue", "run.yaml", *options, "--quiet", "--force")
+    assert done.code == 130
+    assert "Interrupted" in done.err
+    command = done.err.splitlines()[-1].strip()
+    assert "'continue.range=[-1, 1.5]'" in command
+    assert "--force" not in command
+    words = shlex.split(command)
+    assert words[0] == "contwalk"
+    with open_database(folder / "my run.h5") as db:
+        assert db.branch("b1").outcome.reason == "interrupted"
+        assert len(db.branch("b1")) == 5
+    assert contwalk(*words[1:]).code == 0
+    with open_database(folder / "my run.h5") as db, open_database(folder / "whole.h5") as other:
+        assert [b.name for b in db.branches()] == [b.name for b in other.branches()]
+        for mine, theirs in zip(db.branches(), other.branches(), strict=True):
+            assert np.array_equal(mine.points["free"], theirs.points["free"])
+
+
+def test_ctrl_c_outside_the_computing(contwalk, monkeypatch):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(runner, "run", interrupted)
+    done = contwalk("continue", "run.yaml")
+    assert (done.code, done.err.strip()) == (130, "Interrupted.")
+
+
+def fake_result(folder, **special):
+    info = BranchInfo("b1", "equilibrium", ("x",), (), ("r",), {"r": 0.0}, 1, 1)
+    points = np.zeros(2, info.point_dtype())
+    point = SpecialPoint("HB", 1.0, name="HB1", index=1, parameters={"r": 0.5}, **special)
+    branch = Branch(info, points, [point], Outcome("complete", "bound", "Done."))
+    return runner.RunResult(folder / "fork.h5", [branch])
+
+
+def test_strict(contwalk, folder, monkeypatch):
+    result = fake_result(folder, status="unlocated", note="two pairs cross at once")
+    monkeypatch.setattr(runner, "run", lambda *_, **__: result)
+    relaxed = contwalk("continue", "run.yaml")
+    assert relaxed.code == 0
+    assert "Hopf point, NOT LOCATED" in relaxed.out
+    assert "HB1: two pairs cross at once" in relaxed.out
+    strict = contwalk("continue", "run.yaml", "--strict", "--quiet")
+    assert strict.code == 1
+    assert "b1/HB1" in strict.err
+    monkeypatch.setattr(runner, "run", lambda *_, **__: fake_result(folder))
+    assert contwalk("continue", "run.yaml", "--strict").code == 0
+
+
+def test_notes_are_told(contwalk, folder, monkeypatch):
+    def noting(run_file, *, reporter, **_):
+        reporter.note("The start 'tilted' does not exist.")
+        reporter.note("The start 'tilted' does not exist.")
+        return fake_result(folder)
+
+    monkeypatch.setattr(runner, "run", noting)
+    assert contwalk("continue", "run.yaml").out.count("note: The start 'tilted' does not exist.") == 1
+
+
+@pytest.mark.parametrize(
+    ("watched", "quiet", "live"), [(True, False, True), (True, True, False), (False, False, False)]
+)
+def test_progress_only_where_somebody_watches(monkeypatch, watched, quiet, live):
+    for stream in (progress.sys.stdout, progress.sys.stderr):
+        monkeypatch.setattr(stream, "isatty", lambda: watched, raising=False)
+    assert isinstance(progress.reporter_for((0.0, 1.0), quiet), progress.ProgressLine) is live
+
+
+def test_progress_line_says_where_the_run_is(monkeypatch):
+    info = BranchInfo("b1", "equilibrium", ("x",), (), ("r",), {"r": 0.0}, 1, 1, origin="[upright]")
+    with progress.ProgressLine((-1.0, 1.0)) as reporter:
+        reporter.branch_began(info)
+        reporter.point(info, -0.5, 0.01, 2, 1)
+        reporter.point(info, 0.5, 0.02, 3, 2)
+        (task,) = reporter._progress.tasks
+        assert task.description == "b1  r = 0.5  step 2.0e-02  unstable 3  point 2"
+        assert task.completed == 0.5  # from -0.5 to 0.5 of a range of 2
+        reporter.branch_began(info)
+        assert len(reporter._progress.tasks) == 1
+
+
+def test_json_of_a_run_is_the_documents(contwalk):
+    contwalk("continue", "run.yaml")
+    shown = json.loads(contwalk("show", "fork.h5", "--json").out)
+    assert [p["label"] for p in shown["branches"][0]["special_points"]] == ["EP", "BP", "EP"]

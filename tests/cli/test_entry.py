@@ -1,0 +1,141 @@
+"""The commands as a whole: help, bad input, exit codes, what becomes of errors."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+import contwalk as package
+from contwalk.cli import show_command
+
+COMMANDS = (
+    (),
+    ("init",),
+    ("continue",),
+    ("show",),
+    ("plot",),
+    ("export",),
+    ("systems",),
+    ("systems", "list"),
+    ("systems", "describe"),
+    ("systems", "check"),
+)
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
+def test_help_imports_nothing_heavy(command):
+    code = (
+        "import sys; from contwalk.cli.entry import run\n"
+        f"assert run({[*command, '--help']!r}) == 0\n"
+        "heavy = {'numpy', 'h5py', 'matplotlib', 'pydantic', 'ruamel', 'rich', 'mpmath'} & set(sys.modules)\n"
+        "assert not heavy, heavy"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("Usage: contwalk")
+
+
+def test_help_lists_what_there_is(contwalk):
+    bare = contwalk()
+    assert bare.code == 0
+    for name in ("init", "continue", "show", "plot", "export", "systems"):
+        assert f"\n  {name} " in bare.out
+
+
+def test_version(contwalk):
+    assert contwalk("--version").out == f"contwalk {package.__version__}\n"
+
+
+def test_python_m(folder):
+    done = subprocess.run(
+        [sys.executable, "-m", "contwalk", "--version"], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.startswith("contwalk ")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("sho",), "There is no command 'sho'. Did you mean 'show'?"),
+        (("systems", "chek"), "Did you mean 'check'?"),
+        (("continue",), "Missing argument 'FILE'"),
+        (("continue", "nothing.yaml"), "nothing.yaml does not exist"),
+        (("continue", "run.yaml", "--resume", "--force"), "Give one of them"),
+        (("continue", "run.yaml", "--sett", "x=1"), "--sett"),
+        (("continue", "run.yaml", "--set", "parameters.q=1"), "'q' is not a parameter"),
+        (("continue", "fork.py"), "fork.py"),
+        (("show", "nothing.h5"), "nothing.h5 does not exist"),
+        (("show", "run.yaml"), "not a contwalk database"),
+        (("show",), "Missing argument 'DB'"),
+        (("plot", "nothing.h5", "-o", "x.png"), "nothing.h5 does not exist"),
+        (("export", "nothing.h5", "--csv", "tables"), "nothing.h5 does not exist"),
+        (("systems", "describe", "forkk"), "no installed system named 'forkk'"),
+        (("systems", "describe", "./none.py"), "none.py does not exist"),
+        (("systems", "check", "./none.py"), "none.py does not exist"),
+        (("init", "./none.py"), "none.py does not exist"),
+    ],
+)
+def test_bad_input(contwalk, folder, arguments, said):
+    before = sorted(folder.iterdir())
+    done = contwalk(*arguments)
+    assert done.code == 2
+    assert done.out == ""
+    assert done.err.startswith("error: ")
+    assert said in done.err
+    assert "Traceback" not in done.err
+    assert [p for p in sorted(folder.iterdir()) if p.name != "__pycache__"] == before
+
+
+def _fails(error):
+    def print_text(*_):
+        raise error
+
+    return print_text
+
+
+@pytest.fixture
+def database(contwalk):
+    assert contwalk("continue", "run.yaml", "--quiet").code == 0
+    return "fork.h5"
+
+
+def test_a_bug_is_not_hidden(contwalk, database, monkeypatch):
+    monkeypatch.setattr(show_command, "_print_text", _fails(RuntimeError("lost a sign")))
+    done = contwalk("show", database)
+    assert done.code == 1
+    assert "internal error: RuntimeError: lost a sign" in done.err
+    assert "CONTWALK_TRACEBACK=1" in done.err
+    assert "Traceback" not in done.err
+    monkeypatch.setenv("CONTWALK_TRACEBACK", "1")
+    assert "Traceback (most recent call last)" in contwalk("show", database).err
+
+
+def test_ctrl_c_anywhere(contwalk, database, monkeypatch):
+    monkeypatch.setattr(show_command, "_print_text", _fails(KeyboardInterrupt()))
+    done = contwalk("show", database)
+    assert (done.code, done.err.strip()) == (130, "Interrupted.")
+
+
+def test_reader_that_leaves(contwalk, database, folder):
+    """As `contwalk show ... | head -1`, with more output than a pipe holds."""
+    read, write = os.pipe()
+    command = [sys.executable, "-m", "contwalk", "show", database, "--json", "--points"]
+    process = subprocess.Popen(command, stdout=write, stderr=subprocess.PIPE, cwd=folder)
+    os.close(write)
+    os.read(read, 10)
+    os.close(read)
+    assert process.communicate()[1] == b""
+    assert process.returncode in (0, 1)
+
+
+def test_letters_that_the_terminal_lacks(contwalk, database, folder):
+    environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
+    plugin = (folder / "fork.py").read_text(encoding="utf-8").replace("any textbook", "Poincaré")
+    (folder / "fork.py").write_text(plugin, encoding="utf-8")
+    command = [sys.executable, "-m", "contwalk", "systems", "describe", "./fork.py"]
+    done = subprocess.run(command, capture_output=True, env=environment, cwd=folder, check=False)
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert b"Poincar\\xe9" in done.stdout

@@ -1,0 +1,215 @@
+"""What is true of any branch of equilibria, checked against the plugin's own field and nothing else."""
+
+from __future__ import annotations
+
+import math
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+
+from contwalk.branch import LABELS, Branch, SpecialPoint
+from contwalk.problems.equilibrium import Equilibrium
+
+EPSILON = sys.float_info.epsilon
+# The corrector ends at 1e4 roundings of the terms at the latest; the terms are known here to a factor of ten.
+RESIDUAL = 1e5 * EPSILON
+# Differences of fourth order with a step of 1e-4: truncation 1e-16, rounding eps / 1e-4 = 2e-12 of the terms, and
+# the state itself is that of a corrector that ended at 1e4 roundings.
+DIFFERENCE = 1e-9
+# Away from a bifurcation an eigenvalue's sign is certain when it exceeds some roundings of the matrix.
+CERTAIN = 1e3 * EPSILON
+
+
+def check_branch(branch: Branch, problem: Equilibrium) -> None:
+    """Assert the invariants of a branch of `problem`'s equilibria."""
+    assert branch.complete
+    assert branch.info.states == problem.system.state_names
+    assert branch.outcome.status in ("complete", "stopped", "failed")
+    assert branch.outcome.message.endswith((".", ".)"))
+    _check_order(branch)
+    for row in branch.points:
+        _check_row(branch, problem, row)
+    _check_continuity(branch)
+    _check_counts_between(branch)
+    _check_names(branch)
+    for point in branch.special_points:
+        _check_special_point(branch, point)
+
+
+# -- rows ------------------------------------------------------------------------------------------------
+
+
+def _check_order(branch: Branch) -> None:
+    s = branch["s"]
+    assert np.all(np.isfinite(s))
+    assert np.all(np.diff(s) >= 0.0), "points are not ordered by arclength"
+    assert np.any(s == 0.0), "the start is missing"
+    regular = s[~branch["special"]]
+    assert np.all(np.diff(regular) > 0.0), "two regular points at the same place"
+
+
+def parameters_at(branch: Branch, problem: Equilibrium, row: np.void) -> SimpleNamespace:
+    """All parameters at a row."""
+    value = float(row["free"][0])
+    if problem.path is None:
+        return SimpleNamespace(**{**branch.info.parameters, branch.info.free[0]: value})
+    begin, end = problem.path
+    return SimpleNamespace(**{name: begin[name] + value * (end[name] - begin[name]) for name in begin})
+
+
+def _field(problem: Equilibrium, x: np.ndarray, p: SimpleNamespace) -> np.ndarray:
+    dx = np.full(len(x), np.nan)
+    problem.system.modes[0].field(0.0, x, p, dx)
+    return dx
+
+
+def differenced_jacobian(problem: Equilibrium, x: np.ndarray, p: SimpleNamespace, scale: np.ndarray) -> np.ndarray:
+    """df/dx by central differences of fourth order."""
+    columns = []
+    for j, size in enumerate(np.maximum(np.abs(x), scale)):
+        h = np.zeros(len(x))
+        h[j] = 2.0 ** round(math.log2(1e-4 * size))
+        near = _field(problem, x + h, p) - _field(problem, x - h, p)
+        far = _field(problem, x + 2 * h, p) - _field(problem, x - 2 * h, p)
+        columns.append((8.0 * near - far) / (12.0 * h[j]))
+    return np.column_stack(columns)
+
+
+def _check_row(branch: Branch, problem: Equilibrium, row: np.void) -> None:
+    x, n = np.array(row["state"]), len(branch.info.states)
+    p = parameters_at(branch, problem, row)
+    scale = np.array(row["weights"])[:n]
+    assert np.all(scale > 0.0)
+    assert np.array_equal(row["unknowns"][:n], x)
+    norm = np.linalg.norm(row["tangent"] / row["weights"])
+    assert abs(norm - 1.0) < 1e-9, "the tangent is not a unit vector"
+    matrix = differenced_jacobian(problem, x, p, scale)
+    _check_residual(branch, problem, row, x, p, matrix)
+    _check_spectrum(row, matrix / scale[:, None] * scale, n)
+    assert bool(row["stable"]) == (row["unstable"] == 0)
+
+
+def _check_residual(
+    branch: Branch, problem: Equilibrium, row: np.void, x: np.ndarray, p: SimpleNamespace, matrix: np.ndarray
+) -> None:
+    """The field is small beside what moving the state or the parameter by their own size would make of it."""
+    weights = np.array(row["weights"])
+    terms = np.abs(matrix) @ np.maximum(np.abs(x), weights[: len(x)])
+    change = 1e-6 * weights[-1]
+    moved = row.copy()
+    moved["free"] = row["free"] - math.copysign(change, row["free"][0])
+    if problem.path is None or 0.0 <= moved["free"][0] <= 1.0:
+        there = _field(problem, x, parameters_at(branch, problem, moved))
+        slope = np.abs(there - _field(problem, x, p)) / change
+        terms = terms + slope * max(abs(float(row["free"][0])), weights[-1])
+    field = np.abs(_field(problem, x, p))
+    assert np.all(field <= RESIDUAL * terms + 1e-290), f"residual {field} of terms {terms}"
+    assert 0.0 <= row["residual"] <= 1e4
+
+
+def _check_spectrum(row: np.void, matrix: np.ndarray, n: int) -> None:
+    """Each stored eigenvalue is one of a matrix that is nearly `matrix`; their sum is its trace.
+
+    Distances between eigenvalues themselves would be no measure near a double one.
+    """
+    size = float(np.linalg.norm(matrix))
+    values = np.array(row["spectrum"])
+    kept = values[np.isfinite(values)]
+    for value in kept:
+        distance = np.linalg.svd(matrix - value * np.eye(n), compute_uv=False)[-1]
+        assert distance <= DIFFERENCE * max(size, 1e-290), f"{value} is no eigenvalue: {distance} of {size}"
+    assert abs(kept.sum() - np.trace(matrix)) <= n * DIFFERENCE * max(size, 1e-290)
+    assert np.all(np.diff(kept.real) <= 0.0), "the spectrum is not in descending order"
+    assert abs(kept.imag.sum()) <= n * EPSILON * size, "complex eigenvalues are not in pairs"
+    doubt = max(float(row["spectrum_error"]), CERTAIN * size)
+    assert np.sum(kept.real > doubt) <= row["unstable"] <= np.sum(kept.real > -doubt)
+
+
+def _check_continuity(branch: Branch) -> None:
+    """Neighbours are as far apart as their arclengths say, in the metric of the one nearer to the start."""
+    rows = branch.points
+    for a, b in zip(rows[:-1], rows[1:], strict=True):
+        inner = a if b["s"] > 0.0 else b
+        change = np.append(b["unknowns"] - a["unknowns"], b["free"] - a["free"]) / inner["weights"]
+        length = b["s"] - a["s"]
+        distance = float(np.linalg.norm(change))
+        # Positions of special points are feet on a chord of an arc of at most 20 degrees, from which they are
+        # less than a tenth of its length away; no step is longer than 0.1 but by its own stretch to a bound.
+        assert distance <= 1.1 * length + 0.01, f"a jump of {distance} at s = {a['s']}"
+
+
+def _check_counts_between(branch: Branch) -> None:
+    """The unstable count changes at bifurcations only."""
+    rows = branch.points
+    for a, b in zip(rows[:-1], rows[1:], strict=True):
+        if not a["special"] and not b["special"]:
+            assert a["unstable"] == b["unstable"], f"a crossing was missed between s = {a['s']} and {b['s']}"
+
+
+# -- special points --------------------------------------------------------------------------------------
+
+
+def _check_names(branch: Branch) -> None:
+    counts = dict.fromkeys(LABELS, 0)
+    places = [point.s for point in branch.special_points]
+    assert places == sorted(places)
+    for point in branch.special_points:
+        counts[point.label] += 1
+        assert point.name == f"{point.label}{counts[point.label]}"
+    kinds = [point.kind for point in branch.special_points if point.label == "EP"]
+    assert branch.outcome.reason in kinds
+    assert sum(branch["special"]) == len(branch.special_points) - len(kinds)
+
+
+def _check_special_point(branch: Branch, point: SpecialPoint) -> None:
+    row = branch.points[point.index]
+    assert row["s"] == point.s
+    free = branch.info.free[0]
+    value = point.parameters[free] if free in point.parameters else float(row["free"][0])
+    assert row["free"][0] == value
+    assert np.array_equal(row["state"], [point.state[name] for name in branch.info.states])
+    if point.status == "located":
+        assert point.error is not None
+        assert math.isfinite(point.error)
+        assert point.error >= 0.0
+    decided = point.label == "HB" or point.kind == "pitchfork"
+    if point.status == "located":
+        assert (point.criticality in ("supercritical", "subcritical")) == decided
+    if point.label != "EP":
+        assert row["special"]
+        _check_interval(branch, point, value)
+    _check_counts(branch, point)
+
+
+def _check_interval(branch: Branch, point: SpecialPoint, value: float) -> None:
+    """The parameter lies between the neighbours' ones; a fold, or the fold-like side of a pitchfork, beyond them."""
+    free, i = branch["free"][:, 0], point.index
+    assert 0 < i < len(branch) - 1 or point.label == "UZ", "a bifurcation at an end"
+    if not 0 < i < len(branch) - 1:
+        return
+    slack = float(point.error or 0.0) + 4.0 * float(np.spacing(abs(value)))
+    low, high = sorted((free[i - 1], free[i + 1]))
+    if point.label == "LP":
+        assert value >= high - slack or value <= low + slack, "a fold between its neighbours' parameters"
+    elif point.label != "BP":
+        assert low - slack <= value <= high + slack
+
+
+def _check_counts(branch: Branch, point: SpecialPoint) -> None:
+    """Counts on both sides are those of the neighbouring points."""
+    before, after = point.unstable_before, point.unstable_after
+    if point.label in ("EP", "UZ"):
+        assert before == after
+    elif point.status == "located":
+        assert abs(after - before) in {"HB": (2,), "LP": (1,), "BP": (0, 1)}[point.label]
+    if point.label == "EP":
+        return
+    at = {other.index: other for other in branch.special_points if other.label != "EP"}
+    i = point.index
+    if i > 0:
+        left = at[i - 1].unstable_after if i - 1 in at else branch["unstable"][i - 1]
+        assert before == left, f"{point.name}: {before} before, {left} at its neighbour"
+    if i < len(branch) - 1:
+        right = at[i + 1].unstable_before if i + 1 in at else branch["unstable"][i + 1]
+        assert after == right, f"{point.name}: {after} after, {right} at its neighbour"
