@@ -46,7 +46,7 @@ _HOMES = {
     "switch_branch": "contwalk.continuation.verbs",
 }
 
-__all__ = sorted(_HOMES)  # noqa: PLE0605 - the names above
+__all__ = sorted(_HOMES)
 
 
 def __getattr__(name: str) -> Any:

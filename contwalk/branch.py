@@ -75,7 +75,7 @@ class BranchInfo:
                 ("special", "?"),  # the row of a special point
                 ("unknowns", "f8", (self.unknowns,)),
                 ("tangent", "f8", (self.unknowns + 1,)),  # unit vector, towards growing s
-                ("weights", "f8", (self.unknowns + 1,)),  # metric: typical magnitudes of unknowns and parameter
+                ("weights", "f8", (self.unknowns + 1,)),  # of the metric
                 ("step", "f8"),  # next step length from here
                 ("residual", "f8"),  # residual over its own rounding error
                 ("iterations", "i4"),

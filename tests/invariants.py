@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Sequence
 from types import SimpleNamespace
 
 import numpy as np
@@ -21,15 +22,19 @@ DIFFERENCE = 1e-9
 CERTAIN = 1e3 * EPSILON
 
 
-def check_branch(branch: Branch, problem: Equilibrium) -> None:
-    """Assert the invariants of a branch of `problem`'s equilibria."""
+def check_branch(branch: Branch, problem: Equilibrium, scale: Sequence[float] | None = None) -> None:
+    """Assert the invariants of a branch of `problem`'s equilibria.
+
+    `scale` holds typical magnitudes of the states where the branch's own metric does not know them: those that
+    are zero along the branch while the field bends on another scale than one.
+    """
     assert branch.complete
     assert branch.info.states == problem.system.state_names
     assert branch.outcome.status in ("complete", "stopped", "failed")
     assert branch.outcome.message.endswith((".", ".)"))
     _check_order(branch)
     for row in branch.points:
-        _check_row(branch, problem, row)
+        _check_row(branch, problem, row, scale)
     _check_continuity(branch)
     _check_counts_between(branch)
     _check_names(branch)
@@ -76,10 +81,12 @@ def differenced_jacobian(problem: Equilibrium, x: np.ndarray, p: SimpleNamespace
     return np.column_stack(columns)
 
 
-def _check_row(branch: Branch, problem: Equilibrium, row: np.void) -> None:
+def _check_row(
+    branch: Branch, problem: Equilibrium, row: np.void, given: Sequence[float] | None
+) -> None:
     x, n = np.array(row["state"]), len(branch.info.states)
     p = parameters_at(branch, problem, row)
-    scale = np.array(row["weights"])[:n]
+    scale = np.array(row["weights"])[:n] if given is None else np.array(given, dtype=float)
     assert np.all(scale > 0.0)
     assert np.array_equal(row["unknowns"][:n], x)
     norm = np.linalg.norm(row["tangent"] / row["weights"])
@@ -96,13 +103,13 @@ def _check_residual(
     """The field is small beside what moving the state or the parameter by their own size would make of it."""
     weights = np.array(row["weights"])
     terms = np.abs(matrix) @ np.maximum(np.abs(x), weights[: len(x)])
-    change = 1e-6 * weights[-1]
+    value = float(row["free"][0])
+    change = 1e-6 * (abs(value) or weights[-1])
     moved = row.copy()
-    moved["free"] = row["free"] - math.copysign(change, row["free"][0])
-    if problem.path is None or 0.0 <= moved["free"][0] <= 1.0:
-        there = _field(problem, x, parameters_at(branch, problem, moved))
-        slope = np.abs(there - _field(problem, x, p)) / change
-        terms = terms + slope * max(abs(float(row["free"][0])), weights[-1])
+    moved["free"] = value - math.copysign(change, value)
+    there = _field(problem, x, parameters_at(branch, problem, moved))
+    slope = np.abs(there - _field(problem, x, p)) / change
+    terms = terms + slope * max(abs(value), weights[-1])
     field = np.abs(_field(problem, x, p))
     assert np.all(field <= RESIDUAL * terms + 1e-290), f"residual {field} of terms {terms}"
     assert 0.0 <= row["residual"] <= 1e4
@@ -123,7 +130,7 @@ def _check_spectrum(row: np.void, matrix: np.ndarray, n: int) -> None:
     assert np.all(np.diff(kept.real) <= 0.0), "the spectrum is not in descending order"
     assert abs(kept.imag.sum()) <= n * EPSILON * size, "complex eigenvalues are not in pairs"
     doubt = max(float(row["spectrum_error"]), CERTAIN * size)
-    assert np.sum(kept.real > doubt) <= row["unstable"] <= np.sum(kept.real > -doubt)
+    assert np.sum(kept.real > doubt) <= row["unstable"] <= np.sum(kept.real >= -doubt)
 
 
 def _check_continuity(branch: Branch) -> None:

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.continuation import outcomes
-from contwalk.continuation.detection import Found
 from contwalk.continuation.here import Here, grown
+from contwalk.continuation.locating import Found
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.records import end_record, found_record
 from contwalk.continuation.settings import Settings

@@ -25,8 +25,8 @@ def turn(a: Sample, tangent: np.ndarray) -> float:
 def bend(a: Sample, z: np.ndarray, tangent: np.ndarray) -> float:
     """How far the chord's direction is from the mean of the tangents at its ends.
 
-    On a smooth arc it is an eighth of the square of the turn. A step onto another branch that happens to point the
-    same way keeps the tangents alike, but not the chord.
+    On a smooth arc it is an eighth of the square of the turn. A step onto another branch that happens to
+    point the same way keeps the tangents alike, but not the chord.
     """
     chord = (z - a.z) / a.weights
     u, v = a.tangent / a.weights, tangent / a.weights
@@ -38,7 +38,11 @@ def next_step(length: float, angle: float, iterations: int, settings: Settings) 
     """Step length from curvature (half the largest angle is aimed at) and from the corrector's effort."""
     by_angle = 0.5 * settings.max_angle / max(angle, 1e-3)
     by_effort = {0: 2.0, 1: 2.0, 2: 1.5, 3: 1.2}.get(iterations, 0.7)
-    return float(np.clip(length * np.clip(min(by_angle, by_effort), DECAY, GROWTH), settings.min_step, settings.max_step))
+    return float(
+        np.clip(
+            length * np.clip(min(by_angle, by_effort), DECAY, GROWTH), settings.min_step, settings.max_step
+        )
+    )
 
 
 def shrunk(step: float) -> float:

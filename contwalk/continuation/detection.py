@@ -1,19 +1,22 @@
 """What is special between two neighbouring solutions.
 
-Three independent tests look at a segment: the orientation of the bordered Jacobian (branch points), the parameter's
-share of the tangent (folds), and the sorted stability measures (eigenvalues that cross). Sorted measures are
-continuous functions along a branch, so a sign change brackets a crossing, and an interior extremum near zero may
-hide two. The tests must agree on how many eigenvalues crossed; if not, the segment is too long.
+Three independent tests look at a segment: the orientation of the bordered Jacobian (branch points), the
+parameter's share of the tangent (folds), and the sorted stability measures (eigenvalues that cross). Sorted
+measures are continuous functions along a branch, so a sign change brackets a crossing, and an interior
+extremum near zero may hide two. The tests must agree on how many eigenvalues crossed; if not, the segment is
+too long.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
+from contwalk.continuation.hidden import knots_of
+from contwalk.continuation.locating import Disagreement, Found, accepted, locate
 from contwalk.continuation.rootfinding import narrow
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.problems.linear import Factored, nearest_eigenpair, solution_plane
@@ -21,33 +24,6 @@ from contwalk.problems.problem import Located, Sample
 
 # Below this share of the parameter in the unit tangent, its sign is rounding noise.
 NO_SHARE = 1e-9
-# An extremum of a stability measure is looked at when it comes this much nearer to zero than the ends.
-NEAR_ZERO = 0.5
-# A located point lies on the branch if it is this near, relative to the segment, beside rounding in the metric.
-SAME_POINT = 1e-6
-ROUNDING = 1e-13
-
-
-@dataclass(frozen=True)
-class Found:
-    """A located special point: where on the segment, what, and the sample there."""
-
-    theta: float
-    label: str
-    located: Located
-    sample: Sample
-    before: int = 0
-    after: int = 0
-    kind: str | None = None
-
-
-class Disagreement(Exception):
-    """The tests do not agree, or what they see cannot be located."""
-
-    def __init__(self, label: str, sentence: str) -> None:
-        super().__init__(sentence)
-        self.label = label
-        self.sentence = sentence
 
 
 def bifurcations(segment: Segment) -> list[Found]:
@@ -60,7 +36,7 @@ def bifurcations(segment: Segment) -> list[Found]:
     """
     first = _branch_points(segment, 0.0, 1.0, [])
     found: list[Found] = []
-    for low, high in pairwise(_knots(segment, first)):
+    for low, high in pairwise(knots_of(segment, first)):
         found += _crossings(segment, low, high, first)
     return _counted(segment, sorted(found, key=lambda f: f.theta))
 
@@ -79,7 +55,7 @@ def _crossings(segment: Segment, low: float, high: float, known: list[Found]) ->
 
 
 def _branch_points(segment: Segment, low: float, high: float, known: list[Found]) -> list[Found]:
-    """The branch point between two positions whose orientations differ, looked up among the known ones first."""
+    """The branch point between two positions whose orientations differ; known ones first."""
     p, q = segment.at(low), segment.at(high)
     if p.orientation == q.orientation:
         return []
@@ -87,7 +63,7 @@ def _branch_points(segment: Segment, low: float, high: float, known: list[Found]
     if inside:
         return inside
     value = _singularity(segment, p, q)
-    found = _locate(segment, "BP", low, high, lambda t: value(segment.at(t)), 0)
+    found = locate(segment, "BP", low, high, lambda t: value(segment.at(t)), 0)
     if found is None:
         raise Disagreement("BP", "The orientation changes, but no branch point is found.")
     return [found]
@@ -96,8 +72,8 @@ def _branch_points(segment: Segment, low: float, high: float, known: list[Found]
 def _singularity(segment: Segment, p: Sample, q: Sample) -> Callable[[Sample], float]:
     """A smooth function that vanishes where [DF; tangent] is singular.
 
-    It is the corner of the inverse of that matrix bordered once more: by the left critical vector of F_u, and by
-    the direction of the other branch, both taken at the end at which F_u is nearer to being singular.
+    It is the corner of the inverse of that matrix bordered once more: by the left critical vector of F_u,
+    and by the direction of the other branch, both taken at the end at which F_u is nearer to being singular.
     """
     size = len(segment.chord)
 
@@ -147,7 +123,7 @@ def _folds(segment: Segment, low: float, high: float, branch_points: list[Found]
     found = []
     for (t0, v0), (t1, v1) in pairwise(ends):
         if v0 * v1 < 0.0:
-            fold = _locate(segment, "LP", t0, t1, lambda t: _share(segment.at(t)), 0, (v0, v1))
+            fold = locate(segment, "LP", t0, t1, lambda t: _share(segment.at(t)), 0, (v0, v1))
             if fold is None:
                 raise Disagreement("LP", "The parameter turns, but no fold is found.")
             found.append(fold)
@@ -165,21 +141,25 @@ def _measure_crossings(segment: Segment, low: float, high: float, known: list[Fo
         if isinstance(crossing, Found):
             found.append(crossing)
         elif not any(abs(f.theta - crossing) < 1e-3 for f in known):
-            raise Disagreement("BP", "A real eigenvalue passes zero where there is no fold and no branch point.")
+            raise Disagreement(
+                "BP", "A real eigenvalue passes zero where there is no fold and no branch point."
+            )
     real = q.unstable - p.unstable - sum(2 if q.unstable > p.unstable else -2 for _ in found)
     folds = sum(1 for f in known if f.label == "LP")
-    if abs(real) > len(known) or (real - len(known)) % 2 and not _has_even(known, folds):
-        raise Disagreement("HB", "The number of eigenvalues that crossed does not agree with the points found.")
+    if abs(real) > len(known) or ((real - len(known)) % 2 and not _has_even(known, folds)):
+        raise Disagreement(
+            "HB", "The number of eigenvalues that crossed does not agree with the points found."
+        )
     return found
 
 
 def _has_even(known: list[Found], folds: int) -> bool:
-    """Whether a branch point among the known may leave the count as it was (the fold-like side of a pitchfork)."""
+    """Whether a branch point among the known may leave the count as it was, as a pitchfork can."""
     return len(known) > folds
 
 
 def _same_pair(found: Found, which: int) -> bool:
-    """Whether measure `which` belongs to the pair that was found (pairs are neighbours in the sorted order)."""
+    """Whether measure `which` belongs to the pair that was found: pairs are neighbours in the order."""
     critical = found.located.vectors.get("which", -10)
     return abs(which - int(critical)) == 1
 
@@ -195,7 +175,7 @@ def _locate_crossing(segment: Segment, low: float, high: float, which: int) -> F
         sample = segment.at(theta)
         label = segment.problem.label_of(sample, which)
         if label is not None:
-            return _accepted(segment, label, sample, which, left, right)
+            return accepted(segment, label, sample, which, left, right)
         real[:] = [theta]
         return None
 
@@ -214,76 +194,6 @@ def _with(located: Located, **vectors: object) -> Located:
     return replace(located, vectors={**located.vectors, **vectors})
 
 
-def _locate(
-    segment: Segment,
-    label: str,
-    low: float,
-    high: float,
-    value: Callable[[float], float],
-    which: int,
-    values: tuple[float, float] | None = None,
-) -> Found | None:
-    """The special point bracketed by a test, by its defining system."""
-
-    def attempt(theta: float, left: float, right: float) -> Found | None:
-        return _accepted(segment, label, segment.at(theta), which, left, right)
-
-    v0, v1 = values or (value(low), value(high))
-    return narrow(value, low, high, v0, v1, attempt)
-
-
-def _accepted(
-    segment: Segment, label: str, near: Sample, which: int, left: float, right: float
-) -> Found | None:
-    """The solution of the defining system near a sample, if it lies in the bracket and on this branch."""
-    located = segment.problem.locate(label, near, which)
-    if located is None:
-        return None
-    theta = segment.position(located.z)
-    slack = 1e-3 * (right - left) + 1e-12
-    if not left - slack <= theta <= right + slack:
-        return None
-    if not _on_branch(segment, label, located, near, theta, right - left):
-        return None
-    settled = located.settled()
-    return None if settled is None else Found(theta, label, settled, sample_at(segment, label, settled, near))
-
-
-def _on_branch(
-    segment: Segment, label: str, located: Located, near: Sample, theta: float, width: float
-) -> bool:
-    """Whether a located point is on this branch and not on another one nearby."""
-    tangent = segment.problem.tangent_at(label, located, near)
-    if tangent is None:
-        return same_point(segment, located, theta)
-    # At a branch point the corrector is singular: look at both sides of it, along the known tangent.
-    along = tangent / float(segment.normal @ tangent)
-    offset = max(1e-3 * width, 1e-7)
-    for side in (-offset, offset):
-        if not 0.0 <= theta + side <= 1.0:
-            continue
-        expected = located.z + side * along
-        if segment.distance(expected, theta + side) > 0.1 * offset + ROUNDING / segment.length:
-            return False
-    return True
-
-
-def same_point(segment: Segment, located: Located, theta: float) -> bool:
-    """Whether a located point is the branch's own solution at theta."""
-    return segment.distance(located.z, theta) < SAME_POINT + ROUNDING / segment.length
-
-
-def sample_at(segment: Segment, label: str, located: Located, near: Sample) -> Sample:
-    """The sample at a located point; its tangent is the branch's own even where DF does not determine it."""
-    linearization = segment.problem.linearize(located.z)
-    tangent = segment.problem.tangent_at(label, located, near)
-    if tangent is None:
-        tangent = segment.tangent(linearization.jacobian)
-    elif segment.normal @ tangent < 0:
-        tangent = -tangent
-    return segment.problem.examine(located.z, tangent, segment.weights, linearization, near.unstable)
-
-
 def _counted(segment: Segment, found: list[Found]) -> list[Found]:
     """Unstable counts on both sides of each point, from samples between neighbouring points."""
     if not found:
@@ -294,60 +204,3 @@ def _counted(segment: Segment, found: list[Found]) -> list[Found]:
         replace(f, before=before, after=after)
         for f, (before, after) in zip(found, pairwise(counts), strict=True)
     ]
-
-
-def _knots(segment: Segment, branch_points: list[Found]) -> list[float]:
-    """Ends of the segment, and extrema of stability measures at which a sign changes unseen by the ends.
-
-    A branch point splits the search: there a measure may touch zero without passing it.
-    """
-    ends = [(0.0, segment.a), *[(f.theta, f.sample) for f in branch_points], (1.0, segment.b)]
-    knots = [0.0, 1.0]
-    for (low, a), (high, b) in pairwise(ends):
-        for which in _suspects(a, b, (high - low) * segment.length):
-            extremum = _hidden_extremum(segment, which, (low, a), (high, b))
-            if extremum is not None:
-                knots.append(extremum)
-    return sorted(set(knots))
-
-
-def _suspects(a: Sample, b: Sample, length: float) -> Iterable[int]:
-    """Measures with the same sign at both ends whose cubic interpolation comes near zero in between."""
-    ma, mb = a.measures, b.measures
-    da, db = a.rates * length, b.rates * length
-    certain = (np.abs(ma) > a.errors) & (np.abs(mb) > b.errors)
-    usable = certain & (ma * mb > 0) & np.isfinite(da) & np.isfinite(db)
-    sign = np.sign(ma)
-    # towards zero at the one end, away from it at the other: an extremum lies between
-    turning = usable & (sign * da < 0) & (sign * db > 0)
-    for which in np.flatnonzero(turning):
-        lowest = _cubic_extremum(ma[which], mb[which], da[which], db[which], sign[which])
-        if lowest < NEAR_ZERO * min(abs(ma[which]), abs(mb[which])):
-            yield int(which)
-
-
-def _cubic_extremum(ma: float, mb: float, da: float, db: float, sign: float) -> float:
-    """Least value of sign * (cubic Hermite interpolation) on 0..1."""
-    t = np.linspace(0.0, 1.0, 33)
-    r = 1.0 - t
-    values = ma * r * r * (1 + 2 * t) + mb * t * t * (3 - 2 * t) + da * t * r * r - db * t * t * r
-    return float((sign * values).min())
-
-
-def _hidden_extremum(
-    segment: Segment, which: int, low: tuple[float, Sample], high: tuple[float, Sample]
-) -> float | None:
-    """Position at which measure `which` has the other sign than at the ends, if there is one."""
-    sign = np.sign(low[1].measures[which])
-
-    def rate(sample: Sample) -> float:
-        value = float(sample.rates[which])
-        return value if np.isfinite(value) else 0.0
-
-    def attempt(theta: float, left: float, right: float) -> float | None:
-        sample = segment.at(theta)
-        beyond = sign * sample.measures[which] < -sample.errors[which]
-        return theta if beyond else None
-
-    ends = low[0], high[0], rate(low[1]), rate(high[1])
-    return narrow(lambda t: rate(segment.at(t)), *ends, attempt, width=1e-9)

@@ -1,7 +1,7 @@
 """The diagram: a queue of starts, each walked to its ends, and the branches that leave what is found.
 
-The queue is not stored. Starts come from the run and from special points in a fixed order, so that replaying the
-stored branches rebuilds it exactly; a branch that is stored half is walked on from its last point.
+The queue is not stored. Starts come from the run and from special points in a fixed order, so that replaying
+the stored branches rebuilds it exactly; a branch that is stored half is walked on from its last point.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from contwalk.system import System
 
 @dataclass(frozen=True)
 class Plan:
-    """What a diagram is to cover: which labels are followed, how deep, and in which directions from a start."""
+    """What a diagram covers: the labels that are followed, how deep, and the directions from a start."""
 
     settings: Settings
     follow: frozenset[str] = frozenset({"BP"})
@@ -148,9 +148,23 @@ class Diagram:
         for start in self._queue():
             known = self._known(start)
             if known is not None:
-                yield Noted(f"skipped {start.origin}", f"{start.origin} lies on branch {known}, already known.")
+                yield Noted(
+                    f"skipped {start.origin}", f"{start.origin} lies on branch {known}, already known."
+                )
                 continue
             yield from self._branch(start)
+            yield from self._not_followed()
+
+    def _not_followed(self) -> Iterator[Noted]:
+        """Say what was asked to be followed and leads to motions that this version does not compute."""
+        branch = self.branches[-1]
+        names = [p.name for p in branch.special_points if p.label == "HB" and p.label in self._plan.follow]
+        if names:
+            text = (
+                f"{branch.name}: {', '.join(names)} located; the periodic orbits born there are not "
+                "followed: this version continues equilibria."
+            )
+            yield Noted(f"not followed {branch.name}", text)
 
     def _queue(self) -> Iterator[Start]:
         """Starts in their order, each followed by all that grows out of it."""
@@ -170,7 +184,9 @@ class Diagram:
         observer = Observer(start.free, problem.observable_names)
         for sign in self._signs(start):
             facing = here if sign > 0 else turned(here)
-            for event in walk(problem, facing, self._plan.settings, observer, sign, self._plan.settings.max_points):
+            for event in walk(
+                problem, facing, self._plan.settings, observer, sign, self._plan.settings.max_points
+            ):
                 if isinstance(event, Point) and event.special is None:
                     sample = event.here.sample
                     names.append(known_branch(problem, sample.z, sample.weights, self.branches))
@@ -275,7 +291,9 @@ def _closed(work: _Work) -> bool:
     return any(outcome.reason == "closed" for _, outcome in work.outcomes)
 
 
-def _resumed(problem: Equilibrium, work: _Work, stored: Stored, signs: tuple[float, ...]) -> dict[float, Here]:
+def _resumed(
+    problem: Equilibrium, work: _Work, stored: Stored, signs: tuple[float, ...]
+) -> dict[float, Here]:
     """Where each direction goes on; those that have ended are left out and their outcomes taken over."""
     rows = stored.rows
     regular = np.flatnonzero(~rows["special"])
@@ -283,7 +301,9 @@ def _resumed(problem: Equilibrium, work: _Work, stored: Stored, signs: tuple[flo
     work.rows = [kept[i : i + 1] for i in range(len(kept))]
     marks = [p for p in stored.special_points if p.label != "EP"][: int(kept["special"].sum())]
     work.special_points = [
-        p for p in stored.special_points if any(p is m for m in marks) or (p.label == "EP" and p.s in kept["s"])
+        p
+        for p in stored.special_points
+        if any(p is m for m in marks) or (p.label == "EP" and p.s in kept["s"])
     ]
     ends = {1.0 if p.s > 0 else -1.0: p for p in work.special_points if p.label == "EP"}
     if len(kept) == 1 and ends:  # ended where it began

@@ -17,7 +17,8 @@ from contwalk.problems.problem import Problem, Sample
 class Here:
     """What is needed to go on from a point of a branch, and nothing else.
 
-    `s` is the signed arclength, `step` the length of the next step. The sample's tangent points the way to go.
+    `s` is the signed arclength, `step` the length of the next step. The sample's tangent points the way to
+    go.
     """
 
     sample: Sample
@@ -40,8 +41,8 @@ def begin(
 ) -> Here | Correction:
     """The first solution of a branch near z, with the tangent towards growing parameter (or along `toward`).
 
-    With `toward`, z is taken as a solution already (a branch point) and `toward` as the tangent there; `reach` then
-    stands in for magnitudes that z does not tell.
+    With `toward`, z is taken as a solution already (a branch point) and `toward` as the tangent there;
+    `reach` then stands in for magnitudes that z does not tell.
     Returns the failed `Correction` where there is no solution.
     """
     value = float(z[-1])
@@ -77,9 +78,7 @@ def first_tangent(jacobian: np.ndarray, weights: np.ndarray) -> np.ndarray:
 def turned(here: Here) -> Here:
     """The same place, facing the other way."""
     sample = here.sample
-    back = replace(
-        sample, tangent=-sample.tangent, orientation=-sample.orientation, rates=-sample.rates
-    )
+    back = replace(sample, tangent=-sample.tangent, orientation=-sample.orientation, rates=-sample.rates)
     return replace(here, sample=back)
 
 

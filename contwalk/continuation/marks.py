@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contwalk.continuation.detection import Found, same_point, sample_at
+from contwalk.continuation.locating import Found, same_point, sample_at
 from contwalk.continuation.newton import correct
 from contwalk.continuation.rootfinding import narrow
 from contwalk.continuation.segment import LostBranch, Segment
@@ -32,7 +32,7 @@ class Observer:
 def marked(
     segment: Segment, marks: tuple[Mark, ...], observer: Observer, turns: Sequence[float] = ()
 ) -> list[Found]:
-    """All marked points on a segment, in their order. `turns` are positions at which the branch itself turns."""
+    """All marked points on a segment, in their order; `turns` are positions where the branch itself turns."""
     found: list[Found] = []
     for mark in marks:
         for level in mark.values:
@@ -67,7 +67,9 @@ def _levels(segment: Segment, name: str, level: float, observer: Observer) -> li
         if not left - slack <= position <= right + slack or not same_point(segment, located, position):
             return None
         settled = located.settled()
-        return settled and Found(position, "UZ", settled, sample_at(segment, "UZ", settled, sample))
+        if settled is None:
+            return None
+        return Found(position, "UZ", settled, sample_at(segment, "UZ", settled, sample))
 
     kind = "parameter" if name == observer.parameter else "observable"
     try:

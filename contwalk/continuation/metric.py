@@ -17,8 +17,8 @@ def updated(
 ) -> np.ndarray:
     """Weights at the next point.
 
-    A weight starts as the magnitude that the problem tells, and then only grows with its unknown, so that passing
-    zero does not shrink the steps. The parameter's follows its size, within the width of the range.
+    A weight starts as the magnitude that the problem tells, and then only grows with its unknown, so that
+    passing zero does not shrink the steps. The parameter's follows its size, within the width of the range.
 
     Parameters
     ----------
@@ -38,8 +38,8 @@ def updated(
 def parameter_weight(magnitude: float, settings: Settings, value: float) -> float:
     """Typical magnitude of the free parameter: |lambda|, but not more than the width of its range.
 
-    Where the range contains zero it does not drop below a hundredth of the width; where it spans decades on one
-    side of zero, the steps are the same in each decade.
+    Where the range contains zero it does not drop below a hundredth of the width; where it spans decades on
+    one side of zero, the steps are the same in each decade.
     """
     low, high = settings.range
     size = abs(value)

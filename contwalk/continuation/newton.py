@@ -37,8 +37,8 @@ def correct(
 ) -> Correction:
     """The solution of F(z) = 0 in the hyperplane normal . (z - guess) = 0.
 
-    Bordering keeps the system regular at folds, where F_u alone is singular. Iteration ends when every residual is
-    at the level of its own rounding error, or when corrections have stopped shrinking there.
+    Bordering keeps the system regular at folds, where F_u alone is singular. Iteration ends when every
+    residual is at the level of its own rounding error, or when corrections have stopped shrinking there.
 
     Parameters
     ----------
@@ -53,7 +53,9 @@ def correct(
         for iteration in range(iterations + 1):
             if not _finite(here):
                 where = problem.explain(z)
-                return Correction(z, None, iteration, "not_finite", f"The vector field is not finite: {where}.")
+                return Correction(
+                    z, None, iteration, "not_finite", f"The vector field is not finite: {where}."
+                )
             if here.excess <= 2.0:
                 return Correction(z, here, iteration)
             bordered = np.vstack([here.jacobian, normal])

@@ -123,6 +123,7 @@ def _report(problem: Equilibrium, direction: np.ndarray) -> str:
     names = problem.system.state_names
     parts = ", ".join(f"{names[i]} {direction[i]:+.3g}" for i in largest if abs(direction[i]) > 1e-6)
     return (
-        f"An undeclared neutral direction: an eigenvalue is zero along the whole branch, in the direction {parts}. "
-        "It is held at its start and left out of the spectrum; declare it with neutral=(Neutral(...),) to say so."
+        "An undeclared neutral direction: an eigenvalue is zero along the whole branch, "
+        f"in the direction {parts}. It is held at its start and left out of the spectrum; "
+        "declare it with neutral=(Neutral(...),) to say so."
     )

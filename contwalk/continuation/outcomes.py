@@ -48,7 +48,9 @@ def stuck(reason: str, sentence: str, step: float, name: str, value: float) -> O
     """No step of any length succeeded."""
     where = f"at {name} = {value:.10g}"
     if reason == "not_finite":
-        return Outcome("failed", "not_finite", f"{sentence} The last good point is {where}; end the range before it.")
+        return Outcome(
+            "failed", "not_finite", f"{sentence} The last good point is {where}; end the range before it."
+        )
     if reason == "plugin_error":
         return Outcome("failed", "plugin_error", f"{sentence} The last good point is {where}.")
     return Outcome(
@@ -66,5 +68,6 @@ def no_start(reason: str, sentence: str) -> Outcome:
     return Outcome(
         "failed",
         "no_convergence",
-        f"The start does not converge to a solution: {sentence} Give a state nearer to an equilibrium, or a named one.",
+        f"The start does not converge to a solution: {sentence} "
+        "Give a state nearer to an equilibrium, or a named one.",
     )

@@ -11,7 +11,8 @@ from contwalk.branch import Branch
 from contwalk.continuation.newton import correct
 from contwalk.problems.equilibrium import Equilibrium
 
-# Solutions nearer than this, in the metric, are the same one: far above the corrector's error, far below a step.
+# Solutions nearer than this, in the metric, are the same one: far above the corrector's error, far below a
+# step.
 SAME = 1e-7
 MOST_IMAGES = 24
 
@@ -28,7 +29,9 @@ def images(problem: Equilibrium, z: np.ndarray) -> Iterator[np.ndarray]:
                 found.append(image)
 
 
-def known_branch(problem: Equilibrium, z: np.ndarray, weights: np.ndarray, branches: list[Branch]) -> str | None:
+def known_branch(
+    problem: Equilibrium, z: np.ndarray, weights: np.ndarray, branches: list[Branch]
+) -> str | None:
     """Name of the branch that a solution lies on, or an image of it; None if it is new."""
     candidates = [b for b in branches if _comparable(problem, b)]
     for image, branch in itertools.product(images(problem, z), candidates):
@@ -63,7 +66,7 @@ def _on(problem: Equilibrium, z: np.ndarray, weights: np.ndarray, branch: Branch
     distance = np.linalg.norm((z - foot) / weights, axis=1)
     near = (theta > -0.01) & (theta < 1.01) & (distance < 0.5 * np.sqrt(length) + SAME)
     for i in np.flatnonzero(near):
-        correction = correct(problem, foot[i] , normal[i], weights)
+        correction = correct(problem, foot[i], normal[i], weights)
         if correction.ok and np.linalg.norm((correction.z - z) / weights) < SAME:
             return True
     return False

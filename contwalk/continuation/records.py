@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
-from contwalk.continuation.detection import Found
 from contwalk.continuation.here import Here
+from contwalk.continuation.locating import Found
 from contwalk.problems.problem import Located, Problem
 
 

@@ -1,4 +1,4 @@
-"""Narrowing a bracket around a sign change: superlinear where the function is smooth, never worse than bisection."""
+"""Narrowing a bracket around a sign change: superlinear where smooth, never worse than bisection."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ def narrow(
     value : callable
         A function of position with opposite signs at `low` and `high`.
     attempt : callable
-        `attempt(position, low, high)` is asked after every evaluation; the first result that is not None is returned.
+        `attempt(position, low, high)` is asked after every evaluation; the first result that is not None is
+        returned.
     width : float
         Bracket width at which to give up.
 

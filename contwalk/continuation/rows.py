@@ -12,7 +12,7 @@ from contwalk.problems.equilibrium import Equilibrium
 
 
 def to_row(info: BranchInfo, problem: Equilibrium, here: Here, sign: float, special: bool) -> np.ndarray:
-    """The stored row, shape (1,), of dtype `info.point_dtype()`; its tangent points towards growing arclength."""
+    """The stored row, shape (1,), of dtype `info.point_dtype()`; its tangent points towards growing s."""
     sample = here.sample
     row = np.zeros(1, dtype=info.point_dtype())
     eigenvalues = np.full(info.spectrum, np.nan + 0j)

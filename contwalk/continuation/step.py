@@ -8,8 +8,9 @@ import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.continuation import control, outcomes
-from contwalk.continuation.detection import Disagreement, Found, bifurcations
+from contwalk.continuation.detection import bifurcations
 from contwalk.continuation.here import Here
+from contwalk.continuation.locating import Disagreement, Found
 from contwalk.continuation.marks import Observer, marked
 from contwalk.continuation.newton import Correction, correct
 from contwalk.continuation.segment import LostBranch, Segment
@@ -24,7 +25,7 @@ BESIDE = 1e-4
 
 @dataclass(frozen=True)
 class Step:
-    """An accepted step: the piece of branch, what is special on it in order, and the length of the next step."""
+    """An accepted step: the piece of branch, what is special on it, and the length of the next step."""
 
     segment: Segment
     there: Sample
@@ -103,7 +104,7 @@ def _segment(
     settings: Settings,
     smallest: bool,
 ) -> Segment:
-    """The piece of branch up to the corrected point; `Disagreement` if it turned too much or left the branch."""
+    """The piece of branch up to the corrected point; `Disagreement` if it is not to be trusted."""
     a, linearization = here.sample, correction.linearization
     assert linearization is not None
     z = correction.z
@@ -143,7 +144,9 @@ def _check_shape(
     if angle > settings.max_angle or moved > 0.5 * prediction.length:
         raise Disagreement("LP", f"The branch turns by {angle:.0f} degrees in one step.")
     if control.bend(a, z, tangent) > max(0.25 * np.radians(angle), 0.02):
-        raise Disagreement("BP", "The step does not lie along the branch: it may have left it for another one.")
+        raise Disagreement(
+            "BP", "The step does not lie along the branch: it may have left it for another one."
+        )
 
 
 def _onto_crossing(problem: Problem, a: Sample, z: np.ndarray, linearization: Linearization) -> Segment:

@@ -1,4 +1,4 @@
-"""The verbs of the Python interface: continue a branch, switch at a branch point, or iterate over bare points."""
+"""The verbs of the Python interface: continue a branch, switch at a branch point, iterate over points."""
 
 from __future__ import annotations
 
@@ -159,7 +159,7 @@ def _state(problem: Equilibrium, state: str | Sequence[float] | Mapping[str, flo
     values = np.asarray(state, dtype=float)
     if values.shape != (problem.states,):
         raise StartError(
-            f"The state has shape {values.shape}.", f"It must have {problem.states} entries: "
-            f"{', '.join(problem.system.state_names)}."
+            f"The state has shape {values.shape}.",
+            f"It must have {problem.states} entries: {', '.join(problem.system.state_names)}.",
         )
     return values

@@ -22,8 +22,8 @@ class Graph:
     def __init__(self) -> None:
         self.nodes: list[Key] = []
         self._numbers: dict[Key, int] = {}
-        self.zero = self.constant(0.0)
-        self.one = self.constant(1.0)
+        self.zero: int = self.constant(0.0)
+        self.one: int = self.constant(1.0)
 
     def _intern(self, key: Key) -> int:
         number = self._numbers.get(key)
@@ -204,4 +204,4 @@ class Expression(Number):
             "Use arithmetic, the functions of math, and numpy's functions of single numbers.",
         )
 
-    __int__ = __index__ = __float__  # type: ignore[assignment]
+    __int__ = __index__ = __float__

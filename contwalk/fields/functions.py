@@ -19,7 +19,7 @@ Partials = Callable[["Graph", int, tuple[int, ...]], tuple[int | None, ...]]
 
 @dataclass(frozen=True)
 class Function:
-    """`of_float(*values)`, and `partials(graph, node, arguments)`: a node for each argument, None for zero."""
+    """`of_float(*values)`, and `partials(graph, node, arguments)`: for each argument a node, or None."""
 
     of_float: Callable[..., float]
     partials: Partials

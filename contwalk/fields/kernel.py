@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -74,7 +75,7 @@ class Kernel:
             self._functions[arithmetic] = names["evaluate"]
         return self._functions[arithmetic]
 
-    def __call__(self, *arrays: Sequence[Any]) -> np.ndarray:
+    def __call__(self, *arrays: Sequence[Any] | np.ndarray) -> np.ndarray:
         """The outputs in floats (complex where a direction is); NaN throughout where one does not exist.
 
         Raises
@@ -91,7 +92,7 @@ class Kernel:
             return np.full(self.shape if self.shape is not None else 1, np.nan)
         result = np.array(values)
         if self.where is not None:
-            full = np.zeros(int(np.prod(self.shape)), dtype=result.dtype)
+            full = np.zeros(math.prod(self.shape or ()), dtype=result.dtype)
             full[self.where] = result
             result = full
         return result if self.shape is None else result.reshape(self.shape)

@@ -163,7 +163,7 @@ def branch_point(problem: Equilibrium, sample: Sample) -> Located | None:
 
 
 def hopf(problem: Equilibrium, sample: Sample, which: int, shift: float = 0.0) -> Located | None:
-    """The point near a sample at which the complex pair with eigenvalue number `which` has real part `shift`."""
+    """The point near a sample at which the pair of eigenvalue number `which` has real part `shift`."""
     size, n = problem.size, problem.states
     eigenvalue = sample.eigenvalues[which]
     omega = abs(eigenvalue.imag)

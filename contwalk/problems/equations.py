@@ -1,6 +1,7 @@
 """The equations of an equilibrium as traced programs: residual, Jacobian, and all higher derivatives.
 
-The unknowns are u = (x, a): the states, and one drift a_j for each pinned neutral direction g_j. The equations are
+The unknowns are u = (x, a): the states, and one drift a_j for each pinned neutral direction g_j. The
+equations are
 
     f(x, p) + sum_j a_j g_j(x, p) = 0,    pin_j(x, p) = 0.
 
@@ -142,9 +143,7 @@ class Equations:
         def change(outputs: tuple[int, ...]) -> list[int]:
             flat = self._dense_rows(outputs, inputs)
             width = len(inputs)
-            return [
-                node for i, o in enumerate(outputs) for node in (o, *flat[i * width : (i + 1) * width])
-            ]
+            return [node for i, o in enumerate(outputs) for node in (o, *flat[i * width : (i + 1) * width])]
 
         return self._kernel(change, shape=(self.size, self.size + 2))
 
@@ -264,7 +263,7 @@ _MOST_KNOWN = 64
 def equations_of(
     system: System, free: str | None, moving: tuple[int, ...], pins: tuple[Neutral, ...]
 ) -> Equations:
-    """As `Equations(...)`, traced only once for the same arguments: values of parameters are not among them."""
+    """As `Equations(...)`, traced only once for the same arguments (no values of parameters among them)."""
     key = (id(system), free, moving, tuple(id(pin) for pin in pins))
     if key not in _KNOWN:
         while len(_KNOWN) >= _MOST_KNOWN:

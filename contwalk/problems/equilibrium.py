@@ -160,8 +160,8 @@ class Equilibrium:
     def magnitudes(self, z: np.ndarray, linearization: Linearization) -> np.ndarray:
         """Typical magnitudes of z, shape (N + 1,); NaN where neither z nor the equations tell.
 
-        Declared scales are used as they are. Otherwise it is the size of the unknown, or the change of it that
-        would matter in some equation, whichever is larger.
+        Declared scales are used as they are. Otherwise it is the size of the unknown, or the change of it
+        that would matter in some equation, whichever is larger.
         """
         derivatives = np.abs(linearization.jacobian)
         terms = (linearization.rounding / EPSILON)[:, None]
@@ -297,7 +297,7 @@ class Equilibrium:
             label=label,
             s=s,
             kind=kind,
-            parameters=self.values_of(z),
+            parameters=self.values_of(z) | ({self.free: float(z[-1])} if self.path is not None else {}),
             state=dict(zip(self.system.state_names, z[: self.states].tolist(), strict=True)),
             spectrum=tuple(complex(v) for v in sample.eigenvalues),
             error=located.error,
@@ -327,7 +327,9 @@ class Equilibrium:
             if np.allclose(image, z[: self.states], rtol=1e-9, atol=1e-12) and not np.allclose(
                 moved, 1e-3 * q[: self.states], rtol=1e-6, atol=1e-12
             ):
-                return f"the branches that leave are images of each other under the symmetry '{symmetry.name}'"
+                return (
+                    f"the branches that leave are images of each other under the symmetry '{symmetry.name}'"
+                )
         return None
 
     def image(self, symmetry: str, z: np.ndarray) -> np.ndarray:

@@ -24,7 +24,7 @@ def equilibration(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         excess = _largest(exponents, 0)
         columns -= (excess + 1) // 2
         exponents = exponents - (excess + 1) // 2
-        if -2 < excess.min() and excess.max() < 2:
+        if excess.min() > -2 and excess.max() < 2:
             break
     rows -= _largest(exponents, 1)
     return np.ldexp(1.0, rows), np.ldexp(1.0, columns)
@@ -76,7 +76,7 @@ class Factored:
 
 
 def kernel_direction(matrix: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """The vector that a matrix with one column more than rows takes to zero, of length one in units of `weights`."""
+    """The vector that a matrix with one column more than rows takes to zero, a unit in the metric."""
     scaled = matrix * weights
     largest = np.abs(scaled).max(axis=1, keepdims=True)
     return np.linalg.svd(scaled / np.where(largest > 0, largest, 1.0))[2][-1] * weights

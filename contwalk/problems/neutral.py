@@ -51,4 +51,3 @@ def active(
         basis = np.column_stack([basis, rest / np.linalg.norm(rest)])
         chosen.append(neutral)
     return chosen
-

@@ -1,7 +1,7 @@
 """Normal forms of the special points of equilibria, from exact second and third derivatives.
 
-Notation (docs/theory.md): q right and p left critical vector with |q| = 1 and p.q = 1; B and C the second and third
-derivatives of the vector field by the states.
+Notation (docs/theory.md): q right and p left critical vector with |q| = 1 and p.q = 1; B and C the second
+and third derivatives of the vector field by the states.
 """
 
 from __future__ import annotations
@@ -66,7 +66,8 @@ def hopf_coefficients(problem: Equilibrium, located: Located) -> dict[str, Any]:
     """First Lyapunov coefficient (Kuznetsov 2004, eq. 5.34), <q, q> = 1, <p, q> = 1.
 
     l1 = Re[<p, C(q,q,q*)> - 2 <p, B(q, A^-1 B(q,q*))> + <p, B(q*, (2 i w - A)^-1 B(q,q))>] / (2 w).
-    Where neutral directions are pinned, A is singular along the family and A^-1 is taken with the pin in place.
+    Where neutral directions are pinned, A is singular along the family and A^-1 is taken with the pin in
+    place.
     """
     n, omega = problem.states, float(located.vectors["omega"])
     a = problem.jacobian(located.z)[:n, :n]
@@ -140,13 +141,17 @@ def is_pitchfork(problem: Equilibrium, located: Located, q: np.ndarray, p: np.nd
         return bool(abs(value) <= mpmath.mpf(10) ** (-DIGITS // 2) * magnitude)
 
 
-def _refined_null_vector(problem: Equilibrium, inputs: Sequence[Any], q: np.ndarray, p: np.ndarray) -> list[Any]:
+def _refined_null_vector(
+    problem: Equilibrium, inputs: Sequence[Any], q: np.ndarray, p: np.ndarray
+) -> list[Any]:
     """The null vector q of F_u in extended precision, padded with a zero for the parameter."""
     import mpmath
 
     size = problem.size
     z = np.array([float(v) for v in [*inputs[0], *inputs[1]]])
-    bordered = Factored(np.block([[problem.jacobian(z)[:, :size], p[:, None]], [q[None, :], np.zeros((1, 1))]]))
+    bordered = Factored(
+        np.block([[problem.jacobian(z)[:, :size], p[:, None]], [q[None, :], np.zeros((1, 1))]])
+    )
     vector = [mpmath.mpf(float(v)) for v in q]
     for _ in range(4):
         residual = problem.kernels.first.exactly(*inputs, [*vector, 0])
@@ -157,4 +162,3 @@ def _refined_null_vector(problem: Equilibrium, inputs: Sequence[Any], q: np.ndar
         correction = bordered.solve(right)[:size]
         vector = [v - largest * float(c) for v, c in zip(vector, correction, strict=True)]
     return [*vector, 0]
-

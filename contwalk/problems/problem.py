@@ -5,9 +5,10 @@ Rules
 1. `z` is a vector of N unknowns with the free parameter last.
 2. `linearize(z)` gives residual, exact Jacobian and the rounding level of each equation.
 3. `examine` computes everything that is stored or watched at a solution, once.
-4. Three kinds of test tell neighbouring samples apart: the orientation (branch points), the parameter's share of
-   the tangent (folds), and the stability measures (everything else). `locate` solves a point's defining system,
-   `special_point` computes its normal form.
+4. Three kinds of test tell neighbouring samples apart: the orientation (branch points), the parameter's
+share of
+   the tangent (folds), and the stability measures (everything else). `locate` solves a point's defining
+   system, `special_point` computes its normal form.
 5. `seeds` proposes the branches that leave a special point; each is a start like any other.
 """
 

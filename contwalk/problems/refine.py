@@ -1,10 +1,10 @@
 """Defining systems: Newton's method in double precision, then refinement with exact residuals.
 
-A point where a matrix is singular, or an eigenvalue imaginary, is the regular solution of a larger system G(U) = 0.
-Newton's method in floats finds it up to the rounding of G. After that, G is evaluated in extended precision and
-the corrections are computed with the same float Jacobian (iterative refinement); each pass gains about
-as many digits as the Jacobian is well conditioned, until U is known to more digits than a float holds. What is
-reported is U rounded to floats, so that its error is known and not believed.
+A point where a matrix is singular, or an eigenvalue imaginary, is the regular solution of a larger system
+G(U) = 0. Newton's method in floats finds it up to the rounding of G. After that, G is evaluated in extended
+precision and the corrections are computed with the same float Jacobian (iterative refinement); each pass
+gains about as many digits as the Jacobian is well conditioned, until U is known to more digits than a float
+holds. What is reported is U rounded to floats, so that its error is known and not believed.
 """
 
 from __future__ import annotations

@@ -65,7 +65,8 @@ def spectrum(
     rounding : ndarray, shape (n, n)
         Absolute error bounds of its entries.
     generators : ndarray, shape (n, k), optional
-        Neutral directions with A g = 0: their zero eigenvalues are left out by going over to the quotient space.
+        Neutral directions with A g = 0: their zero eigenvalues are left out by going over to the quotient
+        space.
     zeros : int
         How many further eigenvalues, the smallest ones, belong to neutral directions without a generator.
     """
@@ -81,8 +82,9 @@ def spectrum(
         left = np.linalg.inv(right)
     except np.linalg.LinAlgError:
         left = np.full_like(right, np.nan)
-    # The two-sided Rayleigh quotient is second-order accurate in the vectors: what is left are the roundings of
-    # its own terms, those of the entries of A, and the square of what the eigenvalue algorithm leaves behind.
+    # The two-sided Rayleigh quotient is second-order accurate in the vectors: what is left are the roundings
+    # of its own terms, those of the entries of A, and the square of what the eigenvalue algorithm leaves
+    # behind.
     values = np.einsum("ij,jk,ki->i", left, scaled, right)
     sensitivity = np.abs(left) @ (rounding / d[:, None] * d + 4.0 * EPSILON * np.abs(scaled)) @ np.abs(right)
     norms = np.linalg.norm(left, axis=1) * np.linalg.norm(right, axis=0)

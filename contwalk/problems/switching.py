@@ -20,7 +20,7 @@ IN_RANGE = 1e-8
 
 
 def second_direction(problem: Equilibrium, z: np.ndarray) -> np.ndarray | None:
-    """A null vector of F_u where F_lambda lies in its range: a second direction of solutions; None if regular."""
+    """A null vector of F_u where F_lambda lies in its range, a second direction of solutions; else None."""
     jacobian = problem.jacobian(z)
     matrix = jacobian[:, : problem.size]
     pair = nearest_eigenpair(matrix)
@@ -37,8 +37,9 @@ def second_direction(problem: Equilibrium, z: np.ndarray) -> np.ndarray | None:
 def directions(problem: Equilibrium, z: np.ndarray, weights: np.ndarray) -> list[np.ndarray]:
     """Tangents of the two branches through a simple branch point, each a unit vector in the metric.
 
-    With t1, t2 spanning the null space of DF, (q, 0) and (h, 1), and psi its left null vector, they are x t1 + y t2 with
-    psi.D2F(t1,t1) x^2 + 2 psi.D2F(t1,t2) x y + psi.D2F(t2,t2) y^2 = 0. Empty where it has no real solutions.
+    With t1, t2 spanning the null space of DF, (q, 0) and (h, 1), and psi its left null vector, they are x t1
+    + y t2 with psi.D2F(t1,t1) x^2 + 2 psi.D2F(t1,t2) x y + psi.D2F(t2,t2) y^2 = 0. Empty where it has no
+    real solutions.
     """
     size, jacobian, inputs = problem.size, problem.jacobian(z), problem.inputs(z)
     pair = nearest_eigenpair(jacobian[:, :size])
@@ -64,7 +65,7 @@ def directions(problem: Equilibrium, z: np.ndarray, weights: np.ndarray) -> list
 def tangent_through(
     problem: Equilibrium, z: np.ndarray, weights: np.ndarray, near: np.ndarray
 ) -> np.ndarray | None:
-    """The tangent of a branch at its branch point: of the two, the one nearest to `near`, pointing the same way."""
+    """The tangent of a branch at its branch point: of the two, the one nearest to `near`, facing its way."""
     found = directions(problem, z, weights)
     if not found:
         return None
@@ -74,7 +75,7 @@ def tangent_through(
 
 
 def branch_point_seeds(problem: Equilibrium, point: SpecialPoint) -> Sequence[Seed]:
-    """The branch that crosses at a branch point: its tangent there is the one that the parent does not have."""
+    """The branch that crosses at a branch point, along the tangent that the parent does not have."""
     z = np.array(point.unknowns)
     magnitudes = problem.magnitudes(z, problem.linearize(z))
     weights = np.where(np.isfinite(magnitudes), magnitudes, 1.0)
@@ -85,8 +86,11 @@ def branch_point_seeds(problem: Equilibrium, point: SpecialPoint) -> Sequence[Se
     parent = parent / np.linalg.norm(parent / weights)
     products = [abs(float((t / weights) @ (parent / weights))) for t in found]
     other = found[int(np.argmin(products))]
-    # Grow towards larger parameter, or where the branch leaves at a right angle, towards a larger first state.
-    lead = other[-1] if abs(other[-1] / weights[-1]) > 1e-6 else other[int(np.argmax(np.abs(other / weights)))]
+    # Grow towards larger parameter, or where the branch leaves at a right angle, towards a larger first
+    # state.
+    lead = (
+        other[-1] if abs(other[-1] / weights[-1]) > 1e-6 else other[int(np.argmax(np.abs(other / weights)))]
+    )
     tangent = other * np.sign(lead)
     return (Seed("BP", z, tangent, reach(problem, z, tangent, float(weights[-1]))),)
 
@@ -94,8 +98,8 @@ def branch_point_seeds(problem: Equilibrium, point: SpecialPoint) -> Sequence[Se
 def reach(problem: Equilibrium, z: np.ndarray, tangent: np.ndarray, change: float) -> np.ndarray:
     """How far each unknown moves on a branch while the parameter changes by about `change`, shape (N + 1,).
 
-    Along a tangent with a parameter component it is linear. Without one, as at a pitchfork, the amplitude is the
-    root of change / curvature, and unknowns outside the critical direction move with its square.
+    Along a tangent with a parameter component it is linear. Without one, as at a pitchfork, the amplitude is
+    the root of change / curvature, and unknowns outside the critical direction move with its square.
     """
     size = problem.size
     if tangent[-1] != 0.0 and abs(tangent[-1]) > 1e-9 * np.linalg.norm(tangent):

@@ -137,8 +137,8 @@ class Transition:
     """An event that leads from mode `source` to mode `target`.
 
     It happens where `guard(t, x, p)` passes zero in `direction` (`falling`, `rising`, `both`); then
-    `reset(t, x, p, x_plus)` gives the state after it (without one the state is kept). `role` is `hard`, `soft`
-    (the field switches continuously) or `watched` (reported, not acted on).
+    `reset(t, x, p, x_plus)` gives the state after it (without one the state is kept). `role` is `hard`,
+    `soft` (the field switches continuously) or `watched` (reported, not acted on).
     """
 
     name: str

@@ -138,5 +138,6 @@ def _checked(declared: Any, reference: str) -> System | Family:
     if isinstance(declared, System | Family):
         return declared
     raise SystemDefinitionError(
-        f"SYSTEM of '{reference}' is a {type(declared).__name__}.", "It must be a System(...) or a Family(...)."
+        f"SYSTEM of '{reference}' is a {type(declared).__name__}.",
+        "It must be a System(...) or a Family(...).",
     )

@@ -1,0 +1,107 @@
+"""From a bracket to a special point: the defining system's solution, if it lies there and on the branch."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from contwalk.continuation.rootfinding import narrow
+from contwalk.continuation.segment import Segment
+from contwalk.problems.problem import Located, Sample
+
+# A located point lies on the branch if it is this near, relative to the segment, beside rounding in the
+# metric.
+SAME_POINT = 1e-6
+ROUNDING = 1e-13
+
+
+@dataclass(frozen=True)
+class Found:
+    """A located special point: where on the segment, what, and the sample there."""
+
+    theta: float
+    label: str
+    located: Located
+    sample: Sample
+    before: int = 0
+    after: int = 0
+    kind: str | None = None
+
+
+class Disagreement(Exception):
+    """The tests do not agree, or what they see cannot be located."""
+
+    def __init__(self, label: str, sentence: str) -> None:
+        super().__init__(sentence)
+        self.label = label
+        self.sentence = sentence
+
+
+def locate(
+    segment: Segment,
+    label: str,
+    low: float,
+    high: float,
+    value: Callable[[float], float],
+    which: int,
+    values: tuple[float, float] | None = None,
+) -> Found | None:
+    """The special point bracketed by a test, by its defining system."""
+
+    def attempt(theta: float, left: float, right: float) -> Found | None:
+        return accepted(segment, label, segment.at(theta), which, left, right)
+
+    v0, v1 = values or (value(low), value(high))
+    return narrow(value, low, high, v0, v1, attempt)
+
+
+def accepted(
+    segment: Segment, label: str, near: Sample, which: int, left: float, right: float
+) -> Found | None:
+    """The solution of the defining system near a sample, if it lies in the bracket and on this branch."""
+    located = segment.problem.locate(label, near, which)
+    if located is None:
+        return None
+    theta = segment.position(located.z)
+    slack = 1e-3 * (right - left) + 1e-12
+    if not left - slack <= theta <= right + slack:
+        return None
+    if not _on_branch(segment, label, located, near, theta, right - left):
+        return None
+    settled = located.settled()
+    return None if settled is None else Found(theta, label, settled, sample_at(segment, label, settled, near))
+
+
+def _on_branch(
+    segment: Segment, label: str, located: Located, near: Sample, theta: float, width: float
+) -> bool:
+    """Whether a located point is on this branch and not on another one nearby."""
+    tangent = segment.problem.tangent_at(label, located, near)
+    if tangent is None:
+        return same_point(segment, located, theta)
+    # At a branch point the corrector is singular: look at both sides of it, along the known tangent.
+    along = tangent / float(segment.normal @ tangent)
+    offset = max(1e-3 * width, 1e-7)
+    for side in (-offset, offset):
+        if not 0.0 <= theta + side <= 1.0:
+            continue
+        expected = located.z + side * along
+        if segment.distance(expected, theta + side) > 0.1 * offset + ROUNDING / segment.length:
+            return False
+    return True
+
+
+def same_point(segment: Segment, located: Located, theta: float) -> bool:
+    """Whether a located point is the branch's own solution at theta."""
+    return segment.distance(located.z, theta) < SAME_POINT + ROUNDING / segment.length
+
+
+def sample_at(segment: Segment, label: str, located: Located, near: Sample) -> Sample:
+    """The sample at a located point; its tangent is the branch's own even where DF does not determine it."""
+    linearization = segment.problem.linearize(located.z)
+    tangent = segment.problem.tangent_at(label, located, near)
+    if tangent is None:
+        tangent = segment.tangent(linearization.jacobian)
+    elif segment.normal @ tangent < 0:
+        tangent = -tangent
+    return segment.problem.examine(located.z, tangent, segment.weights, linearization, near.unstable)
