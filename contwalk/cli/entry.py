@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 import traceback
@@ -12,6 +13,7 @@ import click
 from contwalk.cli.lazy_group import LazyGroup
 from contwalk.errors import ContwalkError
 
+_UNWRITABLE = (errno.ENOSPC, errno.EDQUOT)
 INTERRUPTED = 130  # 128 + SIGINT, as shells count
 
 _COMMANDS = {
@@ -78,6 +80,12 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         _close_stdout()
         return 1
+    except OSError as error:
+        if error.errno not in _UNWRITABLE:
+            return _internal(error)
+        say(f"error: what is printed cannot be written: {error.strerror}. Free some space.")
+        _close_stdout()
+        return 1
     except Exception as error:
         return _internal(error)
 
@@ -88,7 +96,7 @@ def say(text: str) -> None:
 
 
 def _close_stdout() -> None:
-    """Nobody reads any more, as after `| head`: let what is still buffered go nowhere, silently."""
+    """Nobody reads any more, as after `| head`, or nothing fits: let what is still buffered go nowhere."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 @click.command("show")
 @click.argument("db")
 @click.argument("what", metavar="[BRANCH|BRANCH/POINT]", required=False)
-@click.option("--json", "as_json", is_flag=True, help="Print JSON (docs/reference/json.md) and nothing else.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON and nothing else.")
 @click.option("--points", is_flag=True, help="Include every point of each branch.")
 def command(db: str, what: str | None, as_json: bool, points: bool) -> None:
     """Show the database DB: its branches, or one of them, or everything about one point.

@@ -11,6 +11,12 @@ from contwalk.problems.linear import Factored
 from contwalk.problems.problem import Linearization, Problem
 
 
+# Residuals this many times above their rounding error still count as solved: the bound is of first order.
+ROUNDED = 1e4
+# Iterations that may follow when corrections are small already.
+SETTLING = 12
+
+
 @dataclass(frozen=True)
 class Correction:
     """What became of a guess. `reason` is empty where it converged, else a reason code with a sentence."""
@@ -52,26 +58,17 @@ def correct(
         here = problem.linearize(z)
         for iteration in range(iterations + 1):
             if not _finite(here):
-                where = problem.explain(z)
-                return Correction(
-                    z, None, iteration, "not_finite", f"The vector field is not finite: {where}."
-                )
+                sentence = f"The vector field is not finite: {problem.explain(z)}."
+                return Correction(z, None, iteration, "not_finite", sentence)
             if here.excess <= 2.0:
                 return Correction(z, here, iteration)
-            bordered = np.vstack([here.jacobian, normal])
-            try:
-                step = Factored(bordered, weights).solve(np.append(here.residual, normal @ (z - guess)))
-            except np.linalg.LinAlgError:
-                return Correction(z, here, iteration, "no_convergence", "The bordered Jacobian is singular.")
+            step = _newton_step(here, normal, normal @ (z - guess), weights)
+            if step is None:
+                sentence = "The bordered Jacobian is singular."
+                return Correction(z, here, iteration, "no_convergence", sentence)
             size = float(np.linalg.norm(step / weights))
-            if not np.isfinite(size):
-                return Correction(z, here, iteration, "no_convergence", "The Newton step is not finite.")
-            noise = size < 1e-11 or (size > 0.25 * previous and size < 1e-7)
-            if noise:  # one last step; what remains is rounding, and `excess` tells how much
-                z, here = _advance(problem, z, step, here, damped=False)
-                if _finite(here) and (here.excess <= 1e4 or size < 1e-12):
-                    return Correction(z, here, iteration + 1)
-                break
+            if size < 1e-11 or (size > 0.25 * previous and size < 1e-7):
+                return _settled(problem, z, here, (guess, normal, weights), iteration)
             if not damped and iteration > 1 and size > 0.7 * previous:
                 return Correction(z, here, iteration, "no_convergence", "Newton's method does not contract.")
             previous = size
@@ -80,6 +77,43 @@ def correct(
         return Correction(z, None, 0, "plugin_error", error.sentence)
     sentence = f"Newton's method did not converge in {iterations} iterations."
     return Correction(z, here, iterations, "no_convergence", sentence)
+
+
+def _newton_step(
+    here: Linearization, normal: np.ndarray, offset: float, weights: np.ndarray
+) -> np.ndarray | None:
+    """What Newton's method subtracts, shape (N + 1,); None where the bordered Jacobian is singular."""
+    try:
+        bordered = np.vstack([here.jacobian, normal])
+        step = Factored(bordered, weights).solve(np.append(here.residual, offset))
+    except np.linalg.LinAlgError:
+        return None
+    return step if np.all(np.isfinite(step)) else None
+
+
+def _settled(
+    problem: Problem,
+    z: np.ndarray,
+    here: Linearization,
+    condition: tuple[np.ndarray, np.ndarray, np.ndarray],
+    iteration: int,
+) -> Correction:
+    """Iterate while residuals still fall: corrections are small in the metric, but an unknown may be small too."""
+    guess, normal, weights = condition
+    for _ in range(SETTLING):
+        step = _newton_step(here, normal, normal @ (z - guess), weights)
+        if step is None:
+            break
+        there = problem.linearize(z - step)
+        if not _finite(there) or there.excess > 0.5 * here.excess:
+            break
+        z, here, iteration = z - step, there, iteration + 1
+        if here.excess <= 2.0:
+            break
+    if here.excess <= ROUNDED:
+        return Correction(z, here, iteration)
+    sentence = f"Residuals stay {here.excess:.1e} times above their rounding error."
+    return Correction(z, here, iteration, "no_convergence", sentence)
 
 
 def _finite(here: Linearization) -> bool:

@@ -131,6 +131,18 @@ def test_reader_that_leaves(contwalk, database, folder):
     assert process.returncode in (0, 1)
 
 
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a device that is always full")
+def test_output_that_does_not_fit(contwalk, database, folder):
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        command = [sys.executable, "-m", "contwalk", "show", database]
+        done = subprocess.run(
+            command, stdout=full, stderr=subprocess.PIPE, text=True, cwd=folder, check=False
+        )
+    assert done.returncode == 1
+    assert done.stderr.startswith("error: what is printed cannot be written: ")
+    assert len(done.stderr.splitlines()) == 1
+
+
 def test_letters_that_the_terminal_lacks(contwalk, database, folder):
     environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
     plugin = (folder / "fork.py").read_text(encoding="utf-8").replace("any textbook", "Poincaré")
