@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 
@@ -68,14 +69,19 @@ class NotFinite(ContwalkError):
 
 def plugin_line(error: BaseException) -> str:
     """`file, line n` of the innermost frame of the traceback that is not part of contwalk or numpy."""
-    frames = [
-        f
-        for f in traceback.extract_tb(error.__traceback__)
-        if "/contwalk/" not in f.filename.replace("\\", "/") and "/numpy/" not in f.filename
-    ]
+    frames = [f for f in traceback.extract_tb(error.__traceback__) if not _is_library(f.filename)]
     if not frames:
         return "the plugin"
     return f"{frames[-1].filename}, line {frames[-1].lineno}"
+
+
+_OWN = str(Path(__file__).resolve().parent)
+
+
+def _is_library(filename: str) -> bool:
+    """Whether a file belongs to contwalk or numpy, and not to a plugin."""
+    path = str(Path(filename).resolve())
+    return filename.startswith("<") or path.startswith(_OWN) or "site-packages/numpy/" in path.replace("\\", "/")
 
 
 def called(what: str, function: Callable[..., Any], *arguments: Any) -> Any:

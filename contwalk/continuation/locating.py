@@ -52,6 +52,8 @@ def locate(
         return accepted(segment, label, segment.at(theta), which, left, right)
 
     v0, v1 = values or (value(low), value(high))
+    if v0 * v1 > 0.0:  # the borders of the test were chosen badly for so long a segment
+        return attempt(0.5 * (low + high), low, high)
     return narrow(value, low, high, v0, v1, attempt)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -13,6 +14,11 @@ from contwalk.continuation.rootfinding import narrow
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Mark
 from contwalk.problems.problem import Located, Sample
+
+# How near to a turn of the branch, in parts of the segment, no extremum is looked for.
+TURN = 1e-3
+# A rate this small against those at the ends is zero to rounding.
+FLAT = 4e-14
 
 
 @dataclass(frozen=True)
@@ -38,9 +44,11 @@ def marked(
         for level in mark.values:
             found += _levels(segment, mark.name, level, observer)
         if mark.extremum:
-            extrema = _extrema(segment, mark.name)
             # Where the branch turns, everything on it is extreme; it says nothing about the observable.
-            found += [f for f in extrema if all(abs(f.theta - turn) > 1e-3 for turn in turns)]
+            for low, high in pairwise((0.0, *sorted(turns), 1.0)):
+                margins = (TURN if low > 0.0 else 0.0), (TURN if high < 1.0 else 0.0)
+                if high - low > sum(margins):
+                    found += _extrema(segment, mark.name, low + margins[0], high - margins[1])
     return sorted(found, key=lambda f: f.theta)
 
 
@@ -59,7 +67,7 @@ def _levels(segment: Segment, name: str, level: float, observer: Observer) -> li
         if name == observer.parameter:
             located = _parameter_at(segment, level, sample)
         else:
-            located = segment.problem.locate_mark(name, level, sample)  # type: ignore[attr-defined]
+            located = segment.problem.locate_mark(name, level, sample)
         if located is None:
             return None
         position = segment.position(located.z)
@@ -97,35 +105,31 @@ def _parameter_at(segment: Segment, value: float, near: Sample) -> Located | Non
     return Located(z, float(np.spacing(abs(value))), {}, refined=True)
 
 
-def _extrema(segment: Segment, name: str) -> list[Found]:
+def _extrema(segment: Segment, name: str, low: float, high: float) -> list[Found]:
     """Smooth extrema of an observable; kinks, where two eigenvalues change roles, are not special points."""
 
-    def rate(sample: Sample) -> float:
-        return segment.problem.rate(name, sample)  # type: ignore[attr-defined]
+    def rate(theta: float) -> float:
+        if theta not in rates:
+            rates[theta] = segment.problem.rate(name, segment.at(theta))
+        return rates[theta]
 
-    ra, rb = rate(segment.a), rate(segment.b)
-    if not (np.isfinite(ra) and np.isfinite(rb)) or ra * rb >= 0.0:
-        return []
-    values: dict[float, float] = {0.0: ra, 1.0: rb}
+    def flat(theta: float, left: float, right: float) -> float | None:
+        return theta if abs(rates[theta]) <= FLAT * max(abs(rates[low]), abs(rates[high])) else None
 
-    def value(theta: float) -> float:
-        values[theta] = rate(segment.at(theta))
-        return values[theta]
-
-    def never(theta: float, left: float, right: float) -> None:
-        return None
-
+    rates: dict[float, float] = {}
     try:
-        narrow(value, 0.0, 1.0, ra, rb, never)
-        theta = min(values, key=lambda t: abs(values[t]))
-        if abs(values[theta]) > 1e-5 * min(abs(ra), abs(rb)):
+        first, last = rate(low), rate(high)
+        if not (np.isfinite(first) and np.isfinite(last)) or first * last >= 0.0:
+            return []
+        narrow(rate, low, high, first, last, flat)
+        theta = min(rates, key=lambda t: abs(rates[t]))
+        if abs(rates[theta]) > 1e-5 * min(abs(first), abs(last)):
             return []  # the rate jumps: a kink
-        error, refined = _extremum_error(segment, theta, rate)
+        error, certain = _extremum_error(segment, theta, lambda s: segment.problem.rate(name, s))
     except LostBranch:
         return []
     sample = segment.at(theta)
-    located = Located(sample.z, error, {}, refined)
-    return [_with_counts(Found(theta, "UZ", located, sample, kind="extremum"))]
+    return [_with_counts(Found(theta, "UZ", Located(sample.z, error, {}, certain), sample, kind="extremum"))]
 
 
 def _extremum_error(segment: Segment, theta: float, rate: Callable[[Sample], float]) -> tuple[float, bool]:

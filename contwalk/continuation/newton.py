@@ -10,7 +10,6 @@ from contwalk.errors import PluginError
 from contwalk.problems.linear import Factored
 from contwalk.problems.problem import Linearization, Problem
 
-
 # Residuals this many times above their rounding error still count as solved: the bound is of first order.
 ROUNDED = 1e4
 # Iterations that may follow when corrections are small already.

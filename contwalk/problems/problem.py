@@ -156,6 +156,14 @@ class Problem(Protocol):
         """The special point near a sample, by its defining system; `which` counts critical eigenvalues."""
         ...
 
+    def locate_mark(self, name: str, level: float, sample: Sample) -> Located | None:
+        """The point near a sample at which an observable has the value `level`."""
+        ...
+
+    def rate(self, name: str, sample: Sample) -> float:
+        """Derivative of an observable along the branch."""
+        ...
+
     def tangent_at(self, label: str, located: Located, near: Sample) -> np.ndarray | None:
         """Tangent of the branch at a special point where DF alone does not determine it; else None."""
         ...

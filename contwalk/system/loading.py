@@ -112,7 +112,7 @@ def _from_file(path: Path, reference: str) -> System | Family:
             f"{_where(error, path)}: {error.sentence}",
             error.remedy,
         ) from error
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise SystemDefinitionError(
             f"{_where(error, path)}: {type(error).__name__}: {error}",
             "The plugin file must import without an error.",

@@ -1,0 +1,115 @@
+"""What cannot be traced is refused with a sentence that names the plugin's line."""
+
+from __future__ import annotations
+
+import inspect
+import math
+
+import numpy as np
+import pytest
+from traced_kernels import kernel_of
+
+from contwalk.errors import PluginError, UnsupportedOperation
+
+
+def gamma(x):
+    return math.gamma(x[0])
+
+
+def whole_number(x):
+    return int(x[0]) + x[1]
+
+
+def table_lookup(x):
+    return np.array([1.0, 2.0, 3.0])[x[0]]
+
+
+def endless_loop(x):
+    v = x[0]
+    while v > 1e-3:
+        v = v / 2.0
+    return v
+
+
+def too_many_paths(x):
+    total = 0.0
+    for k in range(10):
+        total = total + (x[0] if x[0] > 0.1 * k * x[1] else 1.0)
+    return total
+
+
+def norm(x):
+    return np.linalg.norm(x)
+
+
+def numpy_function_without_derivative(x):
+    return np.heaviside(x[0], 0.5)
+
+
+def solve(x):
+    return np.linalg.solve(np.array([[x[0], 1.0], [0.0, x[1]]]), np.array([1.0, 2.0]))
+
+
+def text(x):
+    return f"{x[0]:.3f}" + x[1]
+
+
+def floor_division(x):
+    return x[0] // 2.0
+
+
+def missing_name(x):
+    return x[0] + undefined  # noqa: F821 - on purpose
+
+
+def undefined_state(x):
+    return x[7]
+
+
+REFUSED = (
+    gamma,
+    whole_number,
+    table_lookup,
+    endless_loop,
+    too_many_paths,
+    norm,
+    numpy_function_without_derivative,
+)
+RAISES = (solve, text, floor_division, missing_name, undefined_state)
+
+
+def lines_of(function):
+    source, first = inspect.getsourcelines(function)
+    return range(first, first + len(source))
+
+
+@pytest.mark.parametrize("function", REFUSED, ids=lambda f: f.__name__)
+def test_refused_with_a_sentence(function):
+    with pytest.raises(UnsupportedOperation) as caught:
+        kernel_of(function, 2)
+    assert caught.value.remedy
+    if "paths" in caught.value.sentence:
+        return  # no single line is to blame
+    file, line = caught.value.sentence.split(", line ")
+    assert file == __file__
+    assert int(line.split(":")[0]) in lines_of(function)
+
+
+@pytest.mark.parametrize("function", RAISES, ids=lambda f: f.__name__)
+def test_exception_names_the_plugins_line(function):
+    """What Python or numpy themselves refuse is the plugin's own exception, with its line."""
+    with pytest.raises(PluginError) as caught:
+        kernel_of(function, 2)([0.5, 0.5])
+    file, line = caught.value.sentence.split(" at ", 1)[1].split(", line ")
+    assert file == __file__
+    assert int(line.split(":")[0]) in lines_of(function)
+
+
+def test_endless_loop_says_what_to_do():
+    with pytest.raises(UnsupportedOperation, match="fixed number of passes"):
+        kernel_of(endless_loop, 2)
+
+
+def test_too_many_paths_says_what_to_do():
+    with pytest.raises(UnsupportedOperation, match=r"numpy\.where"):
+        kernel_of(too_many_paths, 2)
