@@ -179,9 +179,21 @@ class Branch:
 def named(special_points: list[SpecialPoint], points: np.ndarray) -> list[SpecialPoint]:
     """Special points in their order along the branch, with names counted along it and their rows."""
     counts: dict[str, int] = dict.fromkeys(LABELS, 0)
+    taken: set[int] = set()
     result = []
     for point in sorted(special_points, key=lambda q: q.s):
         counts[point.label] += 1
-        row = int(np.searchsorted(points["s"], point.s))
+        row = _row_of(point, points, taken)
+        taken.add(row)
         result.append(replace(point, name=f"{point.label}{counts[point.label]}", index=row))
     return result
+
+
+def _row_of(point: SpecialPoint, points: np.ndarray, taken: set[int]) -> int:
+    """The row of a special point: at its arclength a special one, or for an end point a regular one."""
+    low = int(np.searchsorted(points["s"], point.s, side="left"))
+    high = int(np.searchsorted(points["s"], point.s, side="right"))
+    special = point.label != "EP"
+    fitting = [i for i in range(low, high) if bool(points["special"][i]) == special]
+    free = [i for i in fitting if i not in taken or not special]
+    return (free or fitting or [low])[0]

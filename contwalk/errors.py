@@ -81,7 +81,9 @@ _OWN = str(Path(__file__).resolve().parent)
 def _is_library(filename: str) -> bool:
     """Whether a file belongs to contwalk or numpy, and not to a plugin."""
     path = str(Path(filename).resolve())
-    return filename.startswith("<") or path.startswith(_OWN) or "site-packages/numpy/" in path.replace("\\", "/")
+    return (
+        filename.startswith("<") or path.startswith(_OWN) or "site-packages/numpy/" in path.replace("\\", "/")
+    )
 
 
 def called(what: str, function: Callable[..., Any], *arguments: Any) -> Any:

@@ -16,7 +16,7 @@ from itertools import pairwise
 import numpy as np
 
 from contwalk.continuation.hidden import knots_of
-from contwalk.continuation.locating import Disagreement, Found, accepted, locate
+from contwalk.continuation.locating import Disagreement, Found, accepted, locate, locate_multiple
 from contwalk.continuation.rootfinding import narrow
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.problems.linear import Factored, nearest_eigenpair, solution_plane
@@ -35,23 +35,53 @@ def bifurcations(segment: Segment) -> list[Found]:
         If the segment must be shorter.
     """
     first = _branch_points(segment, 0.0, 1.0, [])
-    found: list[Found] = []
-    for low, high in pairwise(knots_of(segment, first)):
+    knots, found = knots_of(segment, first)
+    for low, high in pairwise(knots):
         found += _crossings(segment, low, high, first)
     return _counted(segment, sorted(found, key=lambda f: f.theta))
 
 
 def _crossings(segment: Segment, low: float, high: float, known: list[Found]) -> list[Found]:
     """Bifurcations between two positions at whose ends the counts are to be trusted."""
-    p, q = segment.at(low), segment.at(high)
+    jump = segment.at(high).unstable - segment.at(low).unstable
     found = _branch_points(segment, low, high, known)
     found += _folds(segment, low, high, found)
-    jump = q.unstable - p.unstable
-    if len(found) == 1 and (abs(jump) == 1 or (jump == 0 and found[0].label == "BP")):
+    if jump in _reachable(found):
         return found
-    if jump == 0 and len(found) in (0, 2):
-        return found
-    return found + _measure_crossings(segment, low, high, found)
+    found += _measure_crossings(segment, low, high, found)
+    if jump not in _reachable(found):
+        raise Disagreement("HB", "The number of eigenvalues that cross does not agree with the points found.")
+    return found
+
+
+def _reachable(found: list[Found]) -> set[int]:
+    """Changes of the unstable count that points can bring about together."""
+    sums = {0}
+    for point in found:
+        sums = {total + change for total in sums for change in _changes(point)}
+    return sums
+
+
+def _changes(found: Found) -> tuple[int, ...]:
+    """Changes of the unstable count that one point can bring about.
+
+    A pitchfork met along the branch that turns there leaves it; so does a fold at which no eigenvalue
+    vanishes, because the singular direction is a pinned one.
+    """
+    if "multiplicity" in found.located.vectors:
+        many = int(found.located.vectors["multiplicity"])
+        return tuple(range(-many, many + 1))
+    if found.label == "BP":
+        return (-1, 0, 1)
+    if found.label == "LP":
+        return (-1, 1) if _has_zero(found.sample) else (0,)
+    return (-2, 2)
+
+
+def _has_zero(sample: Sample) -> bool:
+    """Whether an eigenvalue is zero, to rounding."""
+    sizes = np.abs(sample.eigenvalues)
+    return bool(np.any(sizes <= 100.0 * sample.errors + 1e-9 * sizes.max(initial=0.0)))
 
 
 def _branch_points(segment: Segment, low: float, high: float, known: list[Found]) -> list[Found]:
@@ -134,6 +164,7 @@ def _measure_crossings(segment: Segment, low: float, high: float, known: list[Fo
     """Crossings of stability measures that folds and branch points do not explain."""
     p, q = segment.at(low), segment.at(high)
     found: list[Found] = []
+    unexplained: list[tuple[float, int]] = []
     for which in range(min(p.unstable, q.unstable), max(p.unstable, q.unstable)):
         if any(f.sample.eigenvalues[which].imag != 0.0 and _same_pair(f, which) for f in found):
             continue
@@ -141,21 +172,20 @@ def _measure_crossings(segment: Segment, low: float, high: float, known: list[Fo
         if isinstance(crossing, Found):
             found.append(crossing)
         elif not any(abs(f.theta - crossing) < 1e-3 for f in known):
-            raise Disagreement(
-                "BP", "A real eigenvalue passes zero where there is no fold and no branch point."
-            )
-    real = q.unstable - p.unstable - sum(2 if q.unstable > p.unstable else -2 for _ in found)
-    folds = sum(1 for f in known if f.label == "LP")
-    if abs(real) > len(known) or ((real - len(known)) % 2 and not _has_even(known, folds)):
-        raise Disagreement(
-            "HB", "The number of eigenvalues that crossed does not agree with the points found."
-        )
+            unexplained.append((crossing, which))
+    if unexplained:
+        found.append(_multiple(segment, unexplained))
     return found
 
 
-def _has_even(known: list[Found], folds: int) -> bool:
-    """Whether a branch point among the known may leave the count as it was, as a pitchfork can."""
-    return len(known) > folds
+def _multiple(segment: Segment, crossings: list[tuple[float, int]]) -> Found:
+    """The point at which several real eigenvalues pass zero together, unseen by the orientation if even."""
+    thetas = [theta for theta, _ in crossings]
+    if len(crossings) > 1 and max(thetas) - min(thetas) < 1e-5:
+        found = locate_multiple(segment, thetas[0])
+        if found is not None:
+            return found
+    raise Disagreement("BP", "A real eigenvalue passes zero where there is no fold and no branch point.")
 
 
 def _same_pair(found: Found, which: int) -> bool:
@@ -180,9 +210,11 @@ def _locate_crossing(segment: Segment, low: float, high: float, which: int) -> F
         return None
 
     v0, v1 = value(low), value(high)
-    if v0 * v1 > 0.0:  # decided by the neighbour because rounding hides the sign: no bracket
-        raise Disagreement("HB", "The sign of an eigenvalue is lost in rounding.")
-    found = narrow(value, low, high, v0, v1, attempt)
+    if v0 * v1 > 0.0:  # one end is the point itself, to rounding: its sign was taken from its neighbour
+        nearer = low if abs(v0) < abs(v1) else high
+        found = attempt(nearer, low, high)
+    else:
+        found = narrow(value, low, high, v0, v1, attempt)
     if found is not None:
         return replace(found, located=_with(found.located, which=which))
     if real:

@@ -16,9 +16,10 @@ from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint, named
 from contwalk.continuation import outcomes
 from contwalk.continuation.arclength import End, Point, walk
 from contwalk.continuation.here import Here, begin, turned
-from contwalk.continuation.marks import Observer
+from contwalk.continuation.marks import Observer, marks_at
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.recognition import known_branch
+from contwalk.continuation.records import start_record
 from contwalk.continuation.rows import from_row, to_row
 from contwalk.continuation.settings import Settings
 from contwalk.problems.equilibrium import MAX_RE, Equilibrium
@@ -225,6 +226,9 @@ class Diagram:
                 yield Began(work.info)
             work.rows = [to_row(work.info, problem, opening.here, 1.0, special=False)]
             yield Found(work.info, work.rows[0], None)
+            for kind in marks_at(opening.here.sample, settings.marks, observer):
+                work.special_points.append(start_record(problem, opening.here, kind))
+                yield Found(work.info, None, work.special_points[-1])
             places = {sign: opening.here if sign > 0 else turned(opening.here) for sign in signs}
         else:
             places = _resumed(problem, work, stored, signs)
@@ -299,12 +303,8 @@ def _resumed(
     regular = np.flatnonzero(~rows["special"])
     kept = rows[: regular[-1] + 1]
     work.rows = [kept[i : i + 1] for i in range(len(kept))]
-    marks = [p for p in stored.special_points if p.label != "EP"][: int(kept["special"].sum())]
-    work.special_points = [
-        p
-        for p in stored.special_points
-        if any(p is m for m in marks) or (p.label == "EP" and p.s in kept["s"])
-    ]
+    kept_s = set(kept["s"].tolist())
+    work.special_points = [p for p in stored.special_points if p.s in kept_s]
     ends = {1.0 if p.s > 0 else -1.0: p for p in work.special_points if p.label == "EP"}
     if len(kept) == 1 and ends:  # ended where it began
         ends = dict(zip(signs, [p for p in work.special_points if p.label == "EP"], strict=False))

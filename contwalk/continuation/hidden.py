@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from contwalk.continuation.locating import Found
+from contwalk.continuation.locating import Found, locate_multiple
 from contwalk.continuation.rootfinding import narrow
 from contwalk.continuation.segment import Segment
 from contwalk.problems.problem import Sample
@@ -16,19 +16,32 @@ from contwalk.problems.problem import Sample
 NEAR_ZERO = 0.5
 
 
-def knots_of(segment: Segment, branch_points: list[Found]) -> list[float]:
-    """Ends of the segment, and extrema of stability measures at which a sign changes unseen by the ends.
+def knots_of(segment: Segment, branch_points: list[Found]) -> tuple[list[float], list[Found]]:
+    """Ends of the segment and positions between which every change shows, and points that only touch zero.
 
-    A branch point splits the search: there a measure may touch zero without passing it.
+    The positions are extrema of stability measures at which a sign changes unseen by the ends. A branch point
+    splits the search: there a measure may touch zero without passing it. Elsewhere one that touches zero
+    belongs to a point where several eigenvalues vanish, some passing up and as many down.
     """
     ends = [(0.0, segment.a), *[(f.theta, f.sample) for f in branch_points], (1.0, segment.b)]
-    knots = [0.0, 1.0]
+    knots: list[float] = [0.0, 1.0]
+    touching: list[Found] = []
     for (low, a), (high, b) in pairwise(ends):
         for which in _suspects(a, b, (high - low) * segment.length):
-            extremum = _hidden_extremum(segment, which, (low, a), (high, b))
-            if extremum is not None:
-                knots.append(extremum)
-    return sorted(set(knots))
+            theta, passes = _extremum(segment, which, (low, a), (high, b))
+            if passes:
+                knots.append(theta)
+            elif _touches(segment, which, theta) and all(abs(theta - f.theta) > 1e-3 for f in touching):
+                found = locate_multiple(segment, theta)
+                touching += [found] if found is not None else []
+    return sorted(set(knots)), touching
+
+
+def _touches(segment: Segment, which: int, theta: float) -> bool:
+    """Whether a real eigenvalue is zero at its extremum, against what it is at the ends."""
+    sample = segment.at(theta)
+    ends = min(abs(segment.a.measures[which]), abs(segment.b.measures[which]))
+    return sample.eigenvalues[which].imag == 0.0 and abs(sample.measures[which]) < 1e-5 * ends
 
 
 def _suspects(a: Sample, b: Sample, length: float) -> Iterable[int]:
@@ -54,20 +67,24 @@ def _cubic_extremum(ma: float, mb: float, da: float, db: float, sign: float) -> 
     return float((sign * values).min())
 
 
-def _hidden_extremum(
+def _extremum(
     segment: Segment, which: int, low: tuple[float, Sample], high: tuple[float, Sample]
-) -> float | None:
-    """Position at which measure `which` has the other sign than at the ends, if there is one."""
+) -> tuple[float, bool]:
+    """Position of an extremum of measure `which`, and whether its sign differs from that at the ends."""
     sign = np.sign(low[1].measures[which])
+    least = low
 
     def rate(sample: Sample) -> float:
         value = float(sample.rates[which])
         return value if np.isfinite(value) else 0.0
 
     def attempt(theta: float, left: float, right: float) -> float | None:
+        nonlocal least
         sample = segment.at(theta)
-        beyond = sign * sample.measures[which] < -sample.errors[which]
-        return theta if beyond else None
+        if sign * sample.measures[which] < sign * least[1].measures[which]:
+            least = theta, sample
+        return theta if sign * sample.measures[which] < -sample.errors[which] else None
 
     ends = low[0], high[0], rate(low[1]), rate(high[1])
-    return narrow(lambda t: rate(segment.at(t)), *ends, attempt, width=1e-9)
+    found = narrow(lambda t: rate(segment.at(t)), *ends, attempt, width=1e-9)
+    return (found, True) if found is not None else (least[0], False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from contwalk.continuation.rootfinding import narrow
 from contwalk.continuation.segment import Segment
@@ -74,6 +74,13 @@ def accepted(
     return None if settled is None else Found(theta, label, settled, sample_at(segment, label, settled, near))
 
 
+def locate_multiple(segment: Segment, theta: float) -> Found | None:
+    """The point near theta at which the null space of F_u has more than one dimension."""
+    span = 1e-4
+    found = accepted(segment, "MULTIPLE", segment.at(theta), 0, theta - span, theta + span)
+    return None if found is None else replace(found, label="BP")
+
+
 def _on_branch(
     segment: Segment, label: str, located: Located, near: Sample, theta: float, width: float
 ) -> bool:
@@ -83,7 +90,8 @@ def _on_branch(
         return same_point(segment, located, theta)
     # At a branch point the corrector is singular: look at both sides of it, along the known tangent.
     along = tangent / float(segment.normal @ tangent)
-    offset = max(1e-3 * width, 1e-7)
+    # The more branches meet there, the farther its influence reaches.
+    offset = 1e-2 if label == "MULTIPLE" else max(1e-3 * width, 1e-7)
     for side in (-offset, offset):
         if not 0.0 <= theta + side <= 1.0:
             continue

@@ -84,12 +84,7 @@ def _levels(segment: Segment, name: str, level: float, observer: Observer) -> li
         found = narrow(value, 0.0, 1.0, va, vb, attempt) if vb != 0.0 else attempt(1.0, 0.0, 1.0)
     except LostBranch:
         found = None
-    return [] if found is None else [_with_counts(replace(found, kind=kind))]
-
-
-def _with_counts(found: Found) -> Found:
-    count = found.sample.unstable
-    return replace(found, before=count, after=count)
+    return [] if found is None else [replace(found, kind=kind)]
 
 
 def _parameter_at(segment: Segment, value: float, near: Sample) -> Located | None:
@@ -129,7 +124,7 @@ def _extrema(segment: Segment, name: str, low: float, high: float) -> list[Found
     except LostBranch:
         return []
     sample = segment.at(theta)
-    return [_with_counts(Found(theta, "UZ", Located(sample.z, error, {}, certain), sample, kind="extremum"))]
+    return [Found(theta, "UZ", Located(sample.z, error, {}, certain), sample, kind="extremum")]
 
 
 def _extremum_error(segment: Segment, theta: float, rate: Callable[[Sample], float]) -> tuple[float, bool]:
@@ -148,3 +143,14 @@ def _extremum_error(segment: Segment, theta: float, rate: Callable[[Sample], flo
     per_theta = abs(float(segment.chord[-1]))
     here = abs(samples[len(samples) // 2].parameter)
     return 4.0 * noise / max(slope, 1e-300) * per_theta + float(np.spacing(here)), slope > 0.0
+
+
+def marks_at(sample: Sample, marks: tuple[Mark, ...], observer: Observer) -> list[str]:
+    """Kinds of the marks that a solution has itself, as the start of a branch may."""
+    kinds = []
+    for mark in marks:
+        here = observer.value(mark.name, sample)
+        for level in mark.values:
+            if abs(here - level) <= 4e-16 * abs(level):
+                kinds.append("parameter" if mark.name == observer.parameter else "observable")
+    return kinds

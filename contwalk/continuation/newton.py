@@ -62,6 +62,8 @@ def correct(
             if here.excess <= 2.0:
                 return Correction(z, here, iteration)
             step = _newton_step(here, normal, normal @ (z - guess), weights)
+            if step is None and here.excess <= ROUNDED:
+                return Correction(z, here, iteration)
             if step is None:
                 sentence = "The bordered Jacobian is singular."
                 return Correction(z, here, iteration, "no_convergence", sentence)
@@ -74,6 +76,8 @@ def correct(
             z, here = _advance(problem, z, step, here, damped)
     except PluginError as error:
         return Correction(z, None, 0, "plugin_error", error.sentence)
+    if here.excess <= ROUNDED:  # a solution already, of equations too singular to improve on it
+        return Correction(z, here, iterations)
     sentence = f"Newton's method did not converge in {iterations} iterations."
     return Correction(z, here, iterations, "no_convergence", sentence)
 
@@ -97,7 +101,7 @@ def _settled(
     condition: tuple[np.ndarray, np.ndarray, np.ndarray],
     iteration: int,
 ) -> Correction:
-    """Iterate while residuals still fall: corrections are small in the metric, but an unknown may be small too."""
+    """Iterate while residuals still fall: corrections are small in the metric, but so may an unknown be."""
     guess, normal, weights = condition
     for _ in range(SETTLING):
         step = _newton_step(here, normal, normal @ (z - guess), weights)

@@ -10,10 +10,10 @@ import numpy as np
 from contwalk.branch import Outcome
 from contwalk.continuation import outcomes
 from contwalk.continuation.here import Here, begin
-from contwalk.continuation.newton import correct
 from contwalk.continuation.settings import Settings
 from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.equilibrium import UNDECLARED, Equilibrium, solution_at
+from contwalk.problems.problem import Sample
 from contwalk.problems.switching import second_direction
 from contwalk.system import Neutral, System
 
@@ -85,29 +85,35 @@ def _drifts(problem: Equilibrium, here: Here) -> bool:
 def _degenerate(
     problem: Equilibrium, here: Here, generator: np.ndarray, settings: Settings
 ) -> Opening | Outcome:
-    """A start with two directions of solutions: an undeclared neutral direction, or a branch point.
+    """A start with more than one direction of solutions: a branch point, or an undeclared neutral direction.
 
-    The two are told apart a little way on: a neutral direction is still there.
+    The two are told apart a little way on: only a neutral direction is still there. Beside a branch point,
+    the walk begins on the branch that the start's own state leads to.
     """
-    z = here.sample.z
-    generator = generator[: problem.states]
-    held = problem.with_pins((*problem.pins, _constant(generator)), z[: problem.states])
+    for change in (1e-3, -1e-3):
+        beside = _beside(problem, here.sample, change, settings)
+        if beside is not None:
+            return Opening(problem, beside)
+    z, n = here.sample.z, problem.states
+    held = problem.with_pins((*problem.pins, _constant(generator[:n])), z[:n])
     there = begin(held, np.concatenate([z[: problem.size], [0.0], z[-1:]]), settings)
-    if isinstance(there, Here):
-        moved = there.sample.z + 1e-3 * there.sample.tangent
-        next_one = correct(held, moved, there.sample.tangent / there.sample.weights**2, there.sample.weights)
-        if next_one.ok:
-            without = np.append(next_one.z[: problem.size], next_one.z[-1])
-            if second_direction(problem, without) is None:
-                # A branch point: begin beside it, on the branch along which the parameter moves.
-                beside = begin(problem, without, settings)
-                if isinstance(beside, Here):
-                    return Opening(problem, beside)
-            elif not _drifts(held, there):
-                return Opening(held, there, _report(problem, generator))
+    if isinstance(there, Here) and not _drifts(held, there):
+        return Opening(held, there, _report(problem, generator[:n]))
     return outcomes.no_start(
         "no_convergence", "More than one branch passes through the start, and none of them could be followed."
     )
+
+
+def _beside(problem: Equilibrium, sample: Sample, change: float, settings: Settings) -> Here | None:
+    """The start of a branch at a slightly different parameter, if the solution is isolated there."""
+    z = sample.z.copy()
+    z[-1] += change * sample.weights[-1]
+    if not settings.range[0] <= z[-1] <= settings.range[1]:
+        return None
+    beside = begin(problem, z, settings)
+    if not isinstance(beside, Here) or second_direction(problem, beside.sample.z) is not None:
+        return None
+    return beside
 
 
 def _constant(direction: np.ndarray) -> Neutral:

@@ -34,3 +34,11 @@ def end_record(problem: Problem, here: Here, outcome: Outcome) -> SpecialPoint:
     return replace(
         record, kind=outcome.reason, unstable_before=count, unstable_after=count, note=outcome.message
     )
+
+
+def start_record(problem: Problem, here: Here, kind: str) -> SpecialPoint:
+    """The record of a mark that the start of a branch has."""
+    located = Located(here.sample.z, float(np.spacing(abs(here.sample.parameter))))
+    record = problem.special_point("UZ", located, here.sample, here.s)
+    count = here.sample.unstable
+    return replace(record, kind=kind, unstable_before=count, unstable_after=count)

@@ -22,6 +22,9 @@ from contwalk.problems.problem import Linearization, Located, Problem, Sample
 # How far from a branch point that a walk begins at its side is looked at, in parts of the first step.
 BESIDE = 1e-4
 
+# The field's domain ends where a step this short still leaves it.
+EDGE = 1e-7
+
 
 @dataclass(frozen=True)
 class Step:
@@ -74,7 +77,7 @@ def take_step(problem: Problem, here: Here, settings: Settings, observer: Observ
                 sentence = str(error)
             except PluginError as error:
                 reason, sentence = "plugin_error", error.sentence
-        if smallest:
+        if smallest or (reason in ("not_finite", "plugin_error") and length < EDGE):
             return outcomes.stuck(reason, sentence, length, observer.parameter, here.sample.parameter)
         length = control.shrunk(length)
 
@@ -180,7 +183,16 @@ def _special(segment: Segment, settings: Settings, observer: Observer, smallest:
     stops = tuple(Mark(name, values) for name, values in settings.stop_at.items())
     turns = [f.theta for f in found if f.label in ("LP", "BP")]
     found += marked(segment, (*settings.marks, *stops), observer, turns)
-    return sorted(found, key=lambda f: f.theta)
+    return _with_counts(sorted(found, key=lambda f: f.theta), segment.a.unstable)
+
+
+def _with_counts(found: list[Found], count: int) -> list[Found]:
+    """Marks take their unstable counts from the bifurcations before them, which come first if they coincide."""
+    result = []
+    for point in found:
+        result.append(replace(point, before=count, after=count) if point.label == "UZ" else point)
+        count = result[-1].after
+    return result
 
 
 def _unlocated(segment: Segment, disagreement: Disagreement) -> Found:

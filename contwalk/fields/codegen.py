@@ -9,6 +9,7 @@ from contwalk.fields.expression import Graph
 from contwalk.fields.trace import Fork, Outputs, Program, Raises, Tree
 
 _INFIX = {"add": "+", "sub": "-", "mul": "*", "div": "/", "lt": "<", "le": "<=", "eq": "=="}
+_INFIX |= {"and": "and", "or": "or"}
 
 
 def source(program: Program, groups: Sequence[str]) -> str:
@@ -84,7 +85,11 @@ def _expression(graph: Graph, key: tuple, names: dict[int, str]) -> str:
         return f"{key[1]}[{key[2]}]"
     arguments = [_name(graph, a, names) for a in key[1:]]
     if key[0] in _INFIX:
+        if graph.value(key[1]) is not None and graph.value(key[2]) is not None:
+            arguments[0] = f"number_({arguments[0]})"  # not in floats where more digits are asked for
         return f"{arguments[0]} {_INFIX[key[0]]} {arguments[1]}"
+    if key[0] == "not":
+        return f"not {arguments[0]}"
     if key[0] == "neg":
         return f"-{arguments[0]}"
     return f"{key[0]}_({', '.join(arguments)})"

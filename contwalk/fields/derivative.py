@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from contwalk.fields.expression import Graph
+from contwalk.fields.expression import CONDITIONS, Graph
 from contwalk.fields.functions import FUNCTIONS
 
-_LEAVES = ("const", "input", "lt", "le", "eq")
+_LEAVES = ("const", "input", *CONDITIONS)
 
 
 def arguments_of(graph: Graph, node: int) -> tuple[int, ...]:

@@ -8,12 +8,19 @@ evaluation.
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 from typing import Any
 
 from contwalk.errors import UnsupportedOperation
 from contwalk.fields.functions import FUNCTIONS, Number
 
 Key = tuple[Any, ...]
+
+RELATIONS = ("lt", "le", "eq")
+CONDITIONS = (*RELATIONS, "and", "or", "not")
+
+# Functions whose value for floats is exact, so that they may be applied to constants at once.
+_EXACT = frozenset({"abs", "sign", "floor", "trunc", "min", "max"})
 
 
 class Graph:
@@ -47,6 +54,15 @@ class Graph:
         key = self.nodes[node]
         return key[1] if key[0] == "const" else None
 
+    def _folded(self, operation: str, a: int, b: int, value: float, exact: Fraction) -> int:
+        """The constant that an operation on constants gives, if a float holds it exactly; else the operation.
+
+        Derivatives are evaluated in extended precision too: a constant rounded here would be wrong there.
+        """
+        if math.isfinite(value) and Fraction(value) == exact:
+            return self.constant(value)
+        return self._intern((operation, a, b))
+
     def add(self, a: int, b: int) -> int:
         """a + b."""
         va, vb = self.value(a), self.value(b)
@@ -55,7 +71,7 @@ class Graph:
         if vb == 0.0:
             return a
         if va is not None and vb is not None:
-            return self.constant(va + vb)
+            return self._folded("add", a, b, va + vb, Fraction(va) + Fraction(vb))
         if self.nodes[b][0] == "neg":
             return self.sub(a, self.nodes[b][1])
         if self.nodes[a][0] == "neg":
@@ -70,7 +86,7 @@ class Graph:
         if va == 0.0:
             return self.neg(b)
         if va is not None and vb is not None:
-            return self.constant(va - vb)
+            return self._folded("sub", a, b, va - vb, Fraction(va) - Fraction(vb))
         if self.nodes[b][0] == "neg":
             return self.add(a, self.nodes[b][1])
         return self._intern(("sub", a, b))
@@ -88,7 +104,7 @@ class Graph:
         """a * b."""
         va, vb = self.value(a), self.value(b)
         if va is not None and vb is not None:
-            return self.constant(va * vb)
+            return self._folded("mul", a, b, va * vb, Fraction(va) * Fraction(vb))
         for constant, other in ((va, b), (vb, a)):
             if constant == 0.0:
                 return self.zero
@@ -106,7 +122,7 @@ class Graph:
         """a / b."""
         va, vb = self.value(a), self.value(b)
         if va is not None and vb is not None and vb != 0.0:
-            return self.constant(va / vb)
+            return self._folded("div", a, b, va / vb, Fraction(va) / Fraction(vb))
         if va == 0.0 and vb != 0.0:
             return self.zero
         if vb == 1.0:
@@ -135,16 +151,17 @@ class Graph:
     def call(self, name: str, *arguments: int) -> int:
         """A function of `functions.FUNCTIONS` applied to nodes."""
         values = [self.value(a) for a in arguments]
-        if all(v is not None for v in values):
-            try:
-                return self.constant(FUNCTIONS[name].of_float(*values))
-            except (ValueError, ArithmeticError):
-                pass  # not a number: left to the evaluation, which reports it
+        if name in _EXACT and all(v is not None and math.isfinite(v) for v in values):
+            return self.constant(FUNCTIONS[name].of_float(*values))
         return self._intern((name, *arguments))
 
     def compare(self, relation: str, a: int, b: int) -> int:
         """Node of a comparison (`lt`, `le`, `eq`); only conditions of branches and `select` use it."""
         return self._intern((relation, a, b))
+
+    def combine(self, operation: str, *conditions: int) -> int:
+        """Node of conditions combined by `and`, `or`, `not`."""
+        return self._intern((operation, *conditions))
 
     def select(self, condition: int, a: int, b: int) -> int:
         """`a` where the condition holds, else `b`."""
@@ -190,6 +207,25 @@ class Expression(Number):
     def compare(self, relation: str, a: Any, b: Any) -> Expression:
         """A condition."""
         return self.wrap(self.graph.compare(relation, self.lift(a), self.lift(b)))
+
+    def __and__(self, other: Any) -> Any:
+        return self._combined("and", other)
+
+    def __or__(self, other: Any) -> Any:
+        return self._combined("or", other)
+
+    __rand__, __ror__ = __and__, __or__
+
+    def __invert__(self) -> Expression:
+        return self.wrap(self.graph.combine("not", self.node))
+
+    def _combined(self, operation: str, other: Any) -> Any:
+        """This condition and, or or, another one; conditions known already are plain bools."""
+        if isinstance(other, Expression):
+            return self.wrap(self.graph.combine(operation, self.node, other.node))
+        if operation == "and":
+            return self if other else False
+        return True if other else self
 
     def select(self, a: Any, b: Any) -> Expression:
         """`a` where this condition holds, else `b`, without a branch."""

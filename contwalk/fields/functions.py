@@ -77,11 +77,12 @@ def _max_partials(g: Graph, r: int, a: tuple[int, ...]) -> tuple[int | None, ...
 
 def _erf_partials(g: Graph, r: int, a: tuple[int, ...]) -> tuple[int | None, ...]:
     bell = g.call("exp", g.neg(_square(g, a[0])))
-    return (g.mul(g.constant(2.0 / math.sqrt(math.pi)), bell),)
+    root_of_pi = g.call("sqrt", g.mul(g.constant(4.0), g.call("atan", g.one)))
+    return (g.div(g.mul(g.constant(2.0), bell), root_of_pi),)
 
 
-def _scaled_reciprocal(factor: float) -> Partials:
-    return lambda g, r, a: (g.div(g.constant(factor), a[0]),)
+def _logarithm_partials(base: float) -> Partials:
+    return lambda g, r, a: (g.div(g.one, g.mul(a[0], g.call("log", g.constant(base)))),)
 
 
 FUNCTIONS: dict[str, Function] = {
@@ -102,10 +103,10 @@ FUNCTIONS: dict[str, Function] = {
     "expm1": Function(math.expm1, lambda g, r, a: (g.call("exp", a[0]),)),
     "log": Function(math.log, lambda g, r, a: (_reciprocal(g, a[0]),)),
     "log1p": Function(math.log1p, lambda g, r, a: (_reciprocal(g, g.add(g.one, a[0])),)),
-    "log2": Function(math.log2, _scaled_reciprocal(1.0 / math.log(2.0))),
-    "log10": Function(math.log10, _scaled_reciprocal(1.0 / math.log(10.0))),
+    "log2": Function(math.log2, _logarithm_partials(2.0)),
+    "log10": Function(math.log10, _logarithm_partials(10.0)),
     "sqrt": Function(math.sqrt, lambda g, r, a: (_half_over(g, r),)),
-    "cbrt": Function(math.cbrt, lambda g, r, a: (g.div(_reciprocal(g, g.constant(3.0)), _square(g, r)),)),
+    "cbrt": Function(math.cbrt, lambda g, r, a: (_reciprocal(g, g.mul(g.constant(3.0), _square(g, r))),)),
     "pow": Function(math.pow, _pow_partials),
     "hypot": Function(math.hypot, lambda g, r, a: (g.div(a[0], r), g.div(a[1], r))),
     "erf": Function(math.erf, _erf_partials),
@@ -174,6 +175,15 @@ class Number:
     def __mod__(self, other: Any) -> Any:
         quotient = self.apply("floor", (self.apply("div", (self, other)),))
         return self - quotient * other
+
+    def __floordiv__(self, other: Any) -> Any:
+        return self.apply("floor", (self.apply("div", (self, other)),))
+
+    def __rfloordiv__(self, other: Any) -> Any:
+        return self.apply("floor", (self.apply("div", (other, self)),))
+
+    def __rmod__(self, other: Any) -> Any:
+        return other - (other // self) * self
 
     def __lt__(self, other: Any) -> Any:
         return self.compare("lt", self, other)

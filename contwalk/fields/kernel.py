@@ -19,7 +19,7 @@ class PluginRaised(Exception):
 
 
 def _float_names() -> dict[str, Any]:
-    return {f"{name}_": function.of_float for name, function in FUNCTIONS.items()}
+    return {"number_": float} | {f"{name}_": function.of_float for name, function in FUNCTIONS.items()}
 
 
 def _mp_names() -> dict[str, Any]:
@@ -30,6 +30,7 @@ def _mp_names() -> dict[str, Any]:
         if hasattr(mpmath.mp, name):
             names[f"{name}_"] = getattr(mpmath.mp, name)
     names |= {
+        "number_": mpmath.mpf,
         "abs_": abs,
         "min_": min,
         "max_": max,

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from contwalk.fields.derivative import ancestors, partials
-from contwalk.fields.expression import Graph
+from contwalk.fields.expression import CONDITIONS, Graph
 
 
 def error_bounds(graph: Graph, outputs: Sequence[int]) -> list[int]:
@@ -18,7 +18,7 @@ def error_bounds(graph: Graph, outputs: Sequence[int]) -> list[int]:
     bounds: dict[int, int] = {}
     for node in ancestors(graph, outputs):
         name = graph.nodes[node][0]
-        if name in ("const", "input", "lt", "le", "eq"):
+        if name in ("const", "input", *CONDITIONS):
             bounds[node] = graph.zero
             continue
         total = graph.zero if name in ("neg", "abs", "select") else graph.call("abs", node)

@@ -83,7 +83,13 @@ class Tracer:
 
     def decide(self, condition: int) -> bool:
         """The outcome of a comparison on this path."""
-        relation, a, b = self.graph.nodes[condition]
+        key = self.graph.nodes[condition]
+        if key[0] == "not":
+            return not self.decide(key[1])
+        if key[0] in ("and", "or"):
+            first = self.decide(key[1])
+            return self.decide(key[2]) if first == (key[0] == "and") else first
+        relation, a, b = key
         va, vb = self.graph.value(a), self.graph.value(b)
         if va is not None and vb is not None:
             return {"lt": va < vb, "le": va <= vb, "eq": va == vb}[relation]
@@ -146,6 +152,11 @@ def _leaf(function: Callable[[Tracer], Sequence[Any]], tracer: Tracer) -> Output
         raise UnsupportedOperation(f"{plugin_line(error)}: {error.sentence}", error.remedy) from error
     except ContwalkError:
         raise
+    except TypeError as error:  # most often something that numbers can do and symbols cannot
+        raise UnsupportedOperation(
+            f"{plugin_line(error)}: this cannot be traced ({error}).",
+            "Use arithmetic, comparisons, and the functions of docs/reference/plugin.md.",
+        ) from error
     except Exception as error:
         return Raises(f"{plugin_line(error)}: {type(error).__name__}: {error}")
     zero = Expression(tracer.graph, tracer.graph.zero, tracer)

@@ -35,7 +35,7 @@ def plot_eigenvalues(
     """
     chosen = choose(branches, ("equilibrium",), "eigenvalues", "for orbits use the figure `multipliers`")
     ax = ax or new_axes("eigenvalues")
-    dress(ax, "real part (1/s)", "imaginary part (rad/s)")
+    dress(ax, "real part", "imaginary part")
     numbers = draw_spectra(ax, chosen, units)
     left, right = with_margin(numbers.real, [0.0])
     ax.axvspan(0.0, right, color=SHADE, linewidth=0, zorder=0)

@@ -87,6 +87,8 @@ def _monotone_pieces(x: np.ndarray, value: np.ndarray) -> list[np.ndarray]:
     pieces, start = [], 0
     finite = np.isfinite(x) & np.isfinite(value)
     direction = np.sign(np.diff(x))
+    for i in range(1, len(direction)):  # rows of equal x, as at a fold, go on as before
+        direction[i] = direction[i] or direction[i - 1]
     for i in range(len(x)):
         last = i + 1 == len(x)
         broken = last or not finite[i] or not finite[i + 1]

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contwalk.fields.kernel import Kernel
-from contwalk.problems.linear import nearest_eigenpair
+from contwalk.problems.linear import balanced, nearest_eigenpair
 from contwalk.problems.problem import Located, Sample
 from contwalk.problems.refine import DefiningSystem, Solution, newton, refine
 
@@ -69,7 +69,30 @@ def real_eigenvalue(problem: Equilibrium, sample: Sample, shift: float) -> Locat
     return _real_eigenvalue(problem, sample, shift)
 
 
-def _real_eigenvalue(problem: Equilibrium, sample: Sample, shift: float | None) -> Located | None:
+def multiple_zero(problem: Equilibrium, sample: Sample) -> Located | None:
+    """The point near a sample at which F_u has a null space of more than one dimension.
+
+    The equations are those of a fold; their Jacobian is deficient, since v may turn in the null space.
+    """
+    located = _real_eigenvalue(problem, sample, shift=None, deficient=True)
+    if located is None:
+        return None
+    values = np.linalg.eigvals(balanced(problem.jacobian(located.z)[:, : problem.size])[0])
+    count = int(np.sum(np.abs(values) < 1e-6 * np.abs(values).max()))
+    if count < 2:
+        return None
+    refine_fold = located.refine
+
+    def refined() -> Located | None:
+        found = refine_fold() if refine_fold is not None else located
+        return found and replace(found, vectors={**found.vectors, "multiplicity": count}, refine=None)
+
+    return replace(located, vectors={**located.vectors, "multiplicity": count}, refine=refined)
+
+
+def _real_eigenvalue(
+    problem: Equilibrium, sample: Sample, shift: float | None, deficient: bool = False
+) -> Located | None:
     """`shift` None: F_u is singular, pinned equations included; else A - shift is."""
     size = problem.size
     m = size if shift is None else problem.states
@@ -107,7 +130,7 @@ def _real_eigenvalue(problem: Equilibrium, sample: Sample, shift: float | None) 
         return [*problem.kernels.residual.exactly(*inputs), *product, _dot(c, v[:m]) - 1]
 
     scale = np.concatenate([sample.weights, np.full(m, 1.0)])
-    system = DefiningSystem(scale, residual, jacobian, exactly)
+    system = DefiningSystem(scale, residual, jacobian, exactly, deficient)
 
     def described(found: Solution) -> Located:
         vectors = {"right": found.values[size + 1 :], "exact": found.exact}
@@ -153,8 +176,8 @@ def branch_point(problem: Equilibrium, sample: Sample) -> Located | None:
 
     def described(found: Solution) -> Located | None:
         # mu is what would have to be added to the equations for a branch point: nothing, or there is none.
-        # In extended precision it is known far below the rounding of the equations themselves.
-        if abs(found.values[-1]) > (1e-6 if found.refined else 16.0) * unfolding:
+        # What is below the rounding of the equations is nothing: parameters such as pi are rounded too.
+        if abs(found.values[-1]) > 16.0 * unfolding:
             return None
         vectors = {"left": found.values[size + 1 : -1], "exact": found.exact}
         return Located(found.values[: size + 1], float(found.errors[size]), vectors, found.refined)

@@ -249,6 +249,8 @@ class Equilibrium:
             return defining.fold(self, sample)
         if label == "BP":
             return defining.branch_point(self, sample)
+        if label == "MULTIPLE":
+            return defining.multiple_zero(self, sample)
         return defining.hopf(self, sample, which)
 
     def locate_mark(self, name: str, level: float, sample: Sample) -> Located | None:
@@ -268,6 +270,8 @@ class Equilibrium:
 
     def tangent_at(self, label: str, located: Located, near: Sample) -> np.ndarray | None:
         """At a branch point, the tangent of the branch that `near` is on."""
+        if label == "MULTIPLE":
+            return near.tangent  # more than two branches meet: only continuity tells
         return tangent_through(self, located.z, near.weights, near.tangent) if label == "BP" else None
 
     def many_branches(self, z: np.ndarray) -> bool:
@@ -291,6 +295,12 @@ class Equilibrium:
             criticality = "supercritical" if coefficients["l1"] < 0 else "subcritical"
             if self.pins:
                 note = "l1 is that of the motion with the pinned neutral directions held"
+        elif "multiplicity" in located.vectors:
+            coefficients = {"multiplicity": located.vectors["multiplicity"]}
+            note = (
+                f"{located.vectors['multiplicity']} real eigenvalues vanish together: more than two branches "
+                "may meet here; the other ones are not followed"
+            )
         elif label == "BP":
             kind, criticality, coefficients, note = self._branch_point(located)
         return SpecialPoint(
@@ -342,7 +352,8 @@ class Equilibrium:
 
     def seeds(self, point: SpecialPoint) -> Sequence[Seed]:
         """The other branch through a branch point; equilibria have none elsewhere."""
-        return branch_point_seeds(self, point) if point.label == "BP" else ()
+        simple = point.label == "BP" and "multiplicity" not in point.coefficients
+        return branch_point_seeds(self, point) if simple else ()
 
 
 def solution_at(

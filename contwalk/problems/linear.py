@@ -75,6 +75,18 @@ class Factored:
         return float(np.linalg.slogdet(self._scaled)[0])
 
 
+class LeastSquares:
+    """A square matrix of deficient rank, equilibrated; `solve` gives the shortest least-squares solution."""
+
+    def __init__(self, matrix: np.ndarray) -> None:
+        self.rows, self.columns = equilibration(matrix)
+        self._inverse = np.linalg.pinv(matrix * self.rows[:, None] * self.columns, rcond=1e-9)
+
+    def solve(self, right: np.ndarray) -> np.ndarray:
+        """x nearest to matrix @ x = right."""
+        return self.columns * (self._inverse @ (self.rows * right))
+
+
 def kernel_direction(matrix: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """The vector that a matrix with one column more than rows takes to zero, a unit in the metric."""
     scaled = matrix * weights

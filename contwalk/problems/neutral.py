@@ -12,6 +12,8 @@ from contwalk.system import Neutral, System
 
 # A generator counts as neutral where A g is this far below the size of its terms.
 NEUTRAL = 1e-12
+# A generator this small against its size nearby is rounding noise of zero.
+VANISHED = 1e-9
 
 
 def generator_at(neutral: Neutral, x: np.ndarray, parameters: Mapping[str, float]) -> np.ndarray:
@@ -20,6 +22,12 @@ def generator_at(neutral: Neutral, x: np.ndarray, parameters: Mapping[str, float
     what = f"generator of the neutral direction '{neutral.name}'"
     called(what, neutral.generator, 0.0, x, SimpleNamespace(**parameters), v)
     return v
+
+
+def _size_nearby(neutral: Neutral, x: np.ndarray, parameters: Mapping[str, float]) -> float:
+    """Size of a generator a little away from x, where it does not vanish by a coincidence of the state."""
+    away = x + 1e-2 * np.cos(np.arange(1.0, len(x) + 1.0)) * (1.0 + np.abs(x))
+    return float(np.linalg.norm(generator_at(neutral, away, parameters)))
 
 
 def active(
@@ -40,7 +48,7 @@ def active(
     for neutral in system.neutral:
         g = generator_at(neutral, x, parameters)
         size = np.linalg.norm(g)
-        if not size > 0 or not np.all(np.isfinite(g)):
+        if not np.all(np.isfinite(g)) or size <= VANISHED * _size_nearby(neutral, x, parameters):
             continue
         terms = (np.abs(matrix) @ np.abs(g)).max()
         if np.abs(matrix @ g).max() > NEUTRAL * terms:

@@ -17,6 +17,9 @@ from contwalk.problems.problem import Located
 if TYPE_CHECKING:
     from contwalk.problems.equilibrium import Equilibrium
 
+# p.B(q, q) this small against its terms is zero: parameters are rounded to 1e-16.
+EQUAL = 1e-12
+
 
 class _Forms:
     """B and C at one point, for vectors of unknowns or of unknowns and parameter."""
@@ -138,7 +141,7 @@ def is_pitchfork(problem: Equilibrium, located: Located, q: np.ndarray, p: np.nd
         magnitude = sum((abs(a * b) for a, b in zip(psi, product, strict=True)), mpmath.mpf(0))
         cubic = problem.kernels.third.exactly(*inputs, vector, vector, vector)
         magnitude += sum((abs(a * b) for a, b in zip(psi, cubic, strict=True)), mpmath.mpf(0))
-        return bool(abs(value) <= mpmath.mpf(10) ** (-DIGITS // 2) * magnitude)
+        return bool(abs(value) <= EQUAL * magnitude)
 
 
 def _refined_null_vector(

@@ -15,9 +15,11 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.problems.linear import Factored
+from contwalk.problems.linear import Factored, LeastSquares
 
 DIGITS = 40
+# A refined value this small against its typical magnitude is zero.
+NOTHING = 1e-25
 EPSILON = float(np.finfo(float).eps)
 
 
@@ -32,6 +34,11 @@ class DefiningSystem:
     residual: Callable[[np.ndarray], np.ndarray]
     jacobian: Callable[[np.ndarray], np.ndarray]
     exactly: Callable[[Sequence[Any]], list[Any]]
+    deficient: bool = False
+
+    def factored(self, u: np.ndarray) -> Factored | LeastSquares:
+        """The Jacobian at U, ready to be solved with; where it is `deficient`, in the least-squares sense."""
+        return (LeastSquares if self.deficient else Factored)(self.jacobian(u))
 
 
 @dataclass(frozen=True)
@@ -65,7 +72,7 @@ def newton(system: DefiningSystem, start: np.ndarray, iterations: int = 25) -> n
         if not np.all(np.isfinite(g)):
             return None
         try:
-            correction = Factored(system.jacobian(u)).solve(g)
+            correction = system.factored(u).solve(g)
         except np.linalg.LinAlgError:
             return None
         if not np.all(np.isfinite(correction)):
@@ -91,7 +98,7 @@ def refine(system: DefiningSystem, u: np.ndarray, passes: int = 12) -> Solution:
     with mpmath.workdps(DIGITS):
         exact = [mpmath.mpf(value) for value in u]
         try:
-            inverse = Factored(system.jacobian(u))
+            inverse = system.factored(u)
             sizes: list[np.ndarray] = []
             for _ in range(passes):
                 residual = system.exactly(exact)
@@ -107,17 +114,23 @@ def refine(system: DefiningSystem, u: np.ndarray, passes: int = 12) -> Solution:
             return Solution(u, exact, np.abs(u) * np.inf, refined=False)
         values = np.array([float(a) for a in exact])
         rounding = np.array([float(abs(a - b)) for a, b in zip(exact, values, strict=True)])
+    # What remains of an exact zero is far below anything that the equations can tell from it.
+    nothing = np.abs(values) <= NOTHING * system.scale
+    rounding[nothing] += np.abs(values[nothing])
+    values[nothing] = 0.0
     last = sizes[-1]
     converged = bool(np.all(last <= EPSILON * scale)) or _norm(last, scale) <= 1e-3 * _norm(sizes[0], scale)
     # A float cannot be nearer to the truth than half an ulp; the estimate never claims to be.
-    return Solution(values, exact, np.maximum(rounding + 2.0 * last, EPSILON * np.abs(values)), converged)
+    floor = 10.0 ** (2 - DIGITS) * system.scale  # the working precision itself
+    errors = np.maximum(rounding + 2.0 * last + floor, EPSILON * np.abs(values))
+    return Solution(values, exact, errors, converged)
 
 
 def _norm(sizes: np.ndarray, scale: np.ndarray) -> float:
     return float(np.max(sizes / np.maximum(scale, 1e-300))) if len(sizes) else 0.0
 
 
-def _solve_scaled(inverse: Factored, residual: list[Any]) -> list[Any]:
+def _solve_scaled(inverse: Factored | LeastSquares, residual: list[Any]) -> list[Any]:
     """The float inverse applied to a residual far below the smallest float that matters."""
     import mpmath
 

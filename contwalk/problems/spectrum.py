@@ -77,7 +77,7 @@ def spectrum(
     if not len(matrix):
         return Spectrum(np.zeros(0, dtype=complex), np.zeros(0), np.zeros(0))
     scaled, d = balanced(matrix)
-    values, right = np.linalg.eig(scaled)
+    found, right = np.linalg.eig(scaled)
     try:
         left = np.linalg.inv(right)
     except np.linalg.LinAlgError:
@@ -85,13 +85,20 @@ def spectrum(
     # The two-sided Rayleigh quotient is second-order accurate in the vectors: what is left are the roundings
     # of its own terms, those of the entries of A, and the square of what the eigenvalue algorithm leaves
     # behind.
-    values = np.einsum("ij,jk,ki->i", left, scaled, right)
+    values = np.einsum("ij,jk,ki->i", left, scaled, right).astype(complex)
     sensitivity = np.abs(left) @ (rounding / d[:, None] * d + 4.0 * EPSILON * np.abs(scaled)) @ np.abs(right)
     norms = np.linalg.norm(left, axis=1) * np.linalg.norm(right, axis=0)
     backward = EPSILON * np.linalg.norm(scaled) * norms
     gaps = np.abs(values[:, None] - values) + np.diag(np.full(len(values), np.inf))
     errors = np.diag(sensitivity) + np.minimum(backward, backward**2 / np.maximum(gaps.min(axis=1), 1e-300))
     rates = np.einsum("ij,jk,ki->i", left, rate / d[:, None] * d, right).real
+    # Real matrices have exact conjugates; LAPACK lists each pair next to each other.
+    real = found.imag == 0.0
+    values[real] = values[real].real
+    first = np.flatnonzero(found.imag > 0.0)
+    values[first + 1] = np.conj(values[first])
+    errors[first] = errors[first + 1] = np.maximum(errors[first], errors[first + 1])
+    rates[first + 1] = rates[first]
     kept = np.sort(np.argsort(np.abs(values), kind="stable")[zeros:])
     values, errors, rates = values[kept], errors[kept], rates[kept]
     order = np.lexsort((-values.imag, -values.real))

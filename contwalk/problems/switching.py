@@ -30,8 +30,10 @@ def second_direction(problem: Equilibrium, z: np.ndarray) -> np.ndarray | None:
     error = pair.error + float(np.abs(pair.left) @ entries @ np.abs(pair.right))
     if abs(pair.value) > 10.0 * error:
         return None
-    seen, terms = abs(pair.left @ jacobian[:, -1]), np.abs(pair.left) @ np.abs(jacobian[:, -1])
-    return None if seen > IN_RANGE * terms else pair.right.real
+    column = jacobian[:, -1]
+    seen, terms = abs(pair.left @ column), np.abs(pair.left) @ np.abs(column)
+    noise = 1e-12 * np.linalg.norm(pair.left) * np.linalg.norm(column)
+    return None if seen > IN_RANGE * terms + noise else pair.right.real
 
 
 def directions(problem: Equilibrium, z: np.ndarray, weights: np.ndarray) -> list[np.ndarray]:

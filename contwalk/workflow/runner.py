@@ -15,6 +15,7 @@ from contwalk.continuation import outcomes
 from contwalk.continuation.diagram import Began, Cut, Diagram, Ended, Event, Found, Noted, Plan, Start, Stored
 from contwalk.continuation.settings import Mark, Settings
 from contwalk.errors import ContwalkError, DatabaseError
+from contwalk.problems.equilibrium import Equilibrium
 from contwalk.storage.database import Database, RunHeader
 from contwalk.storage.hdf5 import Hdf5Database
 from contwalk.workflow.figures import draw_figure
@@ -78,6 +79,7 @@ def run(
         Before anything is written, for bad input; later only if the database cannot be written.
     """
     reporter = reporter or Reporter()
+    traced(run_file)
     studies = [(study, *places(study)) for study in run_file.studies()]
     result = RunResult(run_file.output)
     with _database(run_file, resume, force) as db:
@@ -94,6 +96,20 @@ def run(
     if figures and not result.interrupted:
         result.figures = list(_figures(run_file, result, reporter))
     return result
+
+
+def traced(run_file: RunFile) -> None:
+    """Trace the equations once, before anything is written: what cannot be traced is bad input.
+
+    Raises
+    ------
+    UnsupportedOperation, SystemDefinitionError
+        With the line of the plugin.
+    """
+    problem = Equilibrium(
+        run_file.system, run_file.parameters, run_file.free or "path", run_file.parameter_path
+    )
+    _ = problem.kernels.program
 
 
 def settings_of(run_file: RunFile) -> Settings:

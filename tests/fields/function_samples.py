@@ -1,4 +1,4 @@
-"""For each row of the table of functions: how a plugin calls it, mpmath's own version, and points inside its domain."""
+"""For each row of the table of functions: how a plugin calls it, mpmath's own version, and points to try."""
 
 from __future__ import annotations
 

@@ -70,7 +70,7 @@ COMPOSED = {
 @pytest.mark.parametrize("orders", [(0,), (1,), (0, 1), (0, 0), (0, 0, 1), (1, 1, 1)])
 @pytest.mark.parametrize("name", COMPOSED)
 def test_chain_rule_is_exact_beyond_floats(name, orders):
-    """The derivative belongs to the very function that is evaluated, to all digits: refinement relies on it."""
+    """The derivative belongs to the very function that is evaluated, to all digits."""
     value = kernel_of(COMPOSED[name], 2)
     kernel = derivative_of(COMPOSED[name], 2, orders)
     with mpmath.workdps(WORKING):

@@ -56,7 +56,7 @@ def test_bound_holds_for_a_function_of_a_rounded_number(name):
 
 
 def test_bound_is_not_far_above_the_error():
-    """A bound that is always large would hold as well. Of 200 points the worst comes within a factor of ten."""
+    """A bound that is always large would hold as well. The worst of 200 points is within a factor of ten."""
     function, size = FORMULAS["difference of squares"]
     kernel, bounds = kernel_of(function, size), bounds_of(function, size)
     ratios = []

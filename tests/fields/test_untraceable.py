@@ -69,13 +69,11 @@ def undefined_state(x):
 REFUSED = (
     gamma,
     whole_number,
-    table_lookup,
     endless_loop,
     too_many_paths,
-    norm,
     numpy_function_without_derivative,
 )
-RAISES = (solve, text, floor_division, missing_name, undefined_state)
+RAISES = (table_lookup, norm, solve, text, floor_division, missing_name, undefined_state)
 
 
 def lines_of(function):

@@ -1,0 +1,122 @@
+"""Cost of continuing equilibria: whole process and inside the engine, on the autobalancer's two first studies.
+
+    python benchmarks/equilibria.py [--repeats 5]
+
+Prints, for the omega run and the load run: CPU seconds of the whole process without figures, on the first start
+after installation (no bytecode of contwalk cached) and warm; seconds per point inside the engine; the accuracy
+reached (largest relative error of the special points against 40-digit values); and the same continuation with
+scipy's general tools (fsolve at fixed parameter steps and numpy eigenvalues, no derivatives, no location) as a
+yardstick, as a ratio per point. Times drift between machines; ratios in one run do not.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import resource
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent
+STUDIES = {"omega": "autobalancer_omega.yaml", "load": "autobalancer_load.yaml"}
+# Verified in 40-digit arithmetic.
+TRUTH = {
+    "omega": [0.5591662709753222, 1.7362881790318407, 1.0272112844508665],
+    "load": [0.02, 0.00282047183506846],
+}
+
+
+def main() -> None:
+    """Run and print everything."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--repeats", type=int, default=5)
+    repeats = parser.parse_args().repeats
+    print(f"python {sys.version.split()[0]}, numpy {np.__version__}, {os.cpu_count()} cores\n")
+    help_seconds = statistics.median(_cpu(["--help"], {}) for _ in range(repeats))
+    print(f"contwalk --help: {help_seconds:.2f} s CPU\n")
+    for name, file in STUDIES.items():
+        _study(name, ROOT / "runs" / file, repeats)
+
+
+def _study(name: str, run_file: Path, repeats: int) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        output = Path(folder) / "out.h5"
+        command = ["continue", str(run_file), "--quiet", "--no-figures", "--force", "--output", str(output)]
+        cold = _cpu(command, {"PYTHONPYCACHEPREFIX": str(Path(folder) / "cache")})
+        warm = [_cpu(command, {}) for _ in range(repeats)]
+        seconds, points, error = _inside(run_file, output, TRUTH[name])
+    yardstick = _yardstick(run_file)
+    print(f"{name} run ({points} points)")
+    print(f"  whole process, cold: {cold:.2f} s CPU")
+    print(f"  whole process, warm: {statistics.median(warm):.2f} s CPU (lowest {min(warm):.2f})")
+    print(f"  inside the engine:   {1e3 * seconds / points:.2f} ms a point, all tests and locations included")
+    print(f"  accuracy reached:    {error:.1e} relative, worst special point")
+    print(f"  per point against fsolve + eigvals at fixed steps: {seconds / points / yardstick:.2f}\n")
+
+
+def _cpu(arguments: list[str], environment: dict[str, str]) -> float:
+    """User and system seconds of one `contwalk` process."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run(
+        [sys.executable, "-m", "contwalk", *arguments],
+        check=True,
+        stdout=subprocess.DEVNULL,
+        env={**os.environ, **environment},
+    )
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def _inside(run_file: Path, output: Path, truth: list[float]) -> tuple[float, int, float]:
+    """Seconds and points of the run in this process, second time, and the worst relative error."""
+    from contwalk.workflow.run_file import read_run_file
+    from contwalk.workflow.runner import run
+
+    study = read_run_file(run_file, output=str(output))
+    run(study, force=True, figures=False)
+    start = time.perf_counter()
+    result = run(study, force=True, figures=False)
+    seconds = time.perf_counter() - start
+    found = [
+        point.parameters[branch.info.free[0]]
+        for branch in result.branches
+        for point in branch.special_points
+        if point.label in ("LP", "BP", "HB")
+    ]
+    error = max(min(abs(value - true) / abs(true) for value in found) for true in truth)
+    return seconds, sum(len(branch) for branch in result.branches), error
+
+
+def _yardstick(run_file: Path, steps: int = 200) -> float:
+    """Seconds a point of scipy.optimize.fsolve and a differenced Jacobian's eigenvalues at fixed steps."""
+    from types import SimpleNamespace
+
+    from scipy.optimize import approx_fprime, fsolve
+
+    from contwalk.workflow.run_file import read_run_file
+
+    study = read_run_file(run_file)
+    system, field = study.system, study.system.modes[0].field
+    x = system.named_states("opposite", study.parameters)[0]
+
+    def residual(x: np.ndarray, p: SimpleNamespace) -> np.ndarray:
+        dx = np.empty_like(x)
+        field(0.0, x, p, dx)
+        return dx
+
+    start = time.perf_counter()
+    for value in np.linspace(study.parameters[study.free], study.range[1], steps):
+        p = SimpleNamespace(**{**study.parameters, study.free: value})
+        x = fsolve(residual, x, args=(p,), xtol=1e-12)
+        np.linalg.eigvals(approx_fprime(x, residual, 1e-8, p))
+    return (time.perf_counter() - start) / steps
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,97 @@
+"""How a branch ends when nothing goes wrong: bound, stop_at, max_points."""
+
+import math
+
+import numpy as np
+import pytest
+from invariants import check_branch
+from small_systems import labelled, small_problem
+
+import contwalk as cw
+from contwalk.system import Observable
+
+
+def line(t, x, p, dx):
+    dx[0] = p.lam - x[0]
+
+
+def _problem(value=0.0):
+    square = Observable("square", lambda t, x, p: (x[:, 0] ** 2).max())
+    return small_problem(line, "x", {"lam": value}, "lam", observables=(square,))
+
+
+def test_the_range_ends_a_branch_exactly_there():
+    branch = cw.continue_branch(_problem(), [0.0], (-0.3, 0.7))
+    check_branch(branch, _problem())
+    assert (branch["lam"][0], branch["lam"][-1]) == (-0.3, 0.7)
+    assert (branch.outcome.status, branch.outcome.reason) == ("complete", "bound")
+    assert [q.kind for q in labelled(branch, "EP")] == ["bound", "bound"]
+    assert [q.error for q in labelled(branch, "EP")] == [0.0, 0.0]
+
+
+@pytest.mark.parametrize("value", [-0.3, 0.7])
+def test_a_start_at_an_end_of_the_range(value):
+    branch = cw.continue_branch(_problem(value), [value], (-0.3, 0.7))
+    check_branch(branch, _problem(value))
+    assert (branch["lam"][0], branch["lam"][-1]) == (-0.3, 0.7)
+    assert branch.outcome.reason == "bound"
+
+
+@pytest.mark.parametrize(
+    ("name", "level", "expected"), [("lam", 0.25, 0.25), ("square", 0.16, 0.4), ("lam", [0.5, 0.125], 0.125)]
+)
+def test_stop_at(name, level, expected):
+    values = tuple(level) if isinstance(level, list) else (level,)
+    branch = cw.continue_branch(_problem(), [0.0], (-1.0, 1.0), direction="forward", stop_at={name: values})
+    check_branch(branch, _problem())
+    assert (branch.outcome.status, branch.outcome.reason) == ("stopped", "stop_at")
+    assert branch["lam"][-1] == pytest.approx(expected, rel=1e-15)
+    assert name in branch.outcome.message
+    stop = labelled(branch, "UZ")[-1]
+    assert stop.index == len(branch) - 1
+    assert labelled(branch, "EP")[-1].kind == "stop_at"
+
+
+def test_stop_at_in_one_direction_leaves_the_other_complete():
+    branch = cw.continue_branch(_problem(), [0.0], (-1.0, 1.0), stop_at={"lam": (0.25,)})
+    check_branch(branch, _problem())
+    assert (branch["lam"][0], branch["lam"][-1]) == (-1.0, 0.25)
+    assert branch.outcome.reason == "stop_at"
+    assert [q.kind for q in labelled(branch, "EP")] == ["bound", "stop_at"]
+
+
+@pytest.mark.parametrize("most", [1, 2, 10, 25])
+def test_max_points_counts_both_directions(most):
+    branch = cw.continue_branch(_problem(), [0.0], (-1.0, 1.0), max_points=most)
+    check_branch(branch, _problem())
+    assert len(branch) == most
+    assert (branch.outcome.status, branch.outcome.reason) == ("stopped", "max_points")
+    assert str(most) in branch.outcome.message
+
+
+def test_special_points_count_as_points():
+    marks = {"lam": np.linspace(0.01, 0.09, 9).tolist()}
+    branch = cw.continue_branch(_problem(), [0.0], (-1.0, 1.0), direction="forward", marks=marks, max_points=6)
+    check_branch(branch, _problem())
+    assert len(branch) <= 6
+
+
+def test_an_open_range_ends_at_max_points():
+    branch = cw.continue_branch(_problem(), [0.0], max_points=50)
+    check_branch(branch, _problem())
+    assert branch.outcome.reason == "max_points"
+    assert len(branch) == 50
+    assert math.isfinite(branch["lam"][-1])
+
+
+def test_a_branch_that_never_reaches_its_range_turns_back():
+    """lambda = 1 - x^2 never reaches 2: both halves leave by the lower end."""
+
+    def field(t, x, p, dx):
+        dx[0] = 1.0 - x[0] ** 2 - p.lam
+
+    problem = small_problem(field, "x", {"lam": 0.0}, "lam")
+    branch = cw.continue_branch(problem, [1.0], (-1.0, 2.0))
+    check_branch(branch, problem)
+    assert branch["lam"][0] == branch["lam"][-1] == -1.0
+    assert [q.label for q in branch.special_points if q.label != "EP"] == ["LP"]

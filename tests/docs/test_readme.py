@@ -1,0 +1,45 @@
+"""The README: its code runs as written, and what it promises is there."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import pytest
+from code_blocks import ROOT, blocks, commands, run_command, run_python
+
+README = "README.md"
+
+
+def test_plugin_example_finds_the_hopf_point_it_names(tmp_path):
+    plugin, _ = blocks(README, "python")
+    (run_file,) = blocks(README, "yaml")
+    (tmp_path / "my_model.py").write_text(plugin, encoding="utf-8")
+    (tmp_path / "my_run.yaml").write_text(run_file, encoding="utf-8")
+    outputs = [run_command(line, tmp_path) for line in commands(README)]
+    assert len(outputs) == 3
+    assert "0 errors" in outputs[0]
+    assert "supercritical" in outputs[-1]
+    shown = json.loads(run_command("contwalk show my_run.h5 --json", tmp_path))
+    (point,) = [p for p in shown["branches"][0]["special_points"] if p["label"] == "HB"]
+    # closed form: B = 1 + A^2; refined points are right to the last bit or two of a double
+    assert abs(point["parameters"]["B"] - 2.0) <= 4.5e-16
+    assert (tmp_path / "my_run_bifurcation_diagram.png").stat().st_size > 0
+
+
+def test_python_example(tmp_path):
+    _, example = blocks(README, "python")
+    assert len([line for line in example.splitlines() if line.strip()]) <= 10
+    output = run_python(example, tmp_path)
+    assert re.search(r"BP1 pitchfork 0\.02 supercritical", output)
+    assert (tmp_path / "autobalancer.png").stat().st_size > 0
+
+
+def test_picture_is_small_enough_to_keep_in_the_repository():
+    assert (ROOT / "docs/images/autobalancer_load.png").stat().st_size < 150_000
+
+
+@pytest.mark.parametrize("target", ["demo", "test"])
+def test_commands_of_the_readme_are_targets(target):
+    assert re.search(rf"^    make {target}$", (ROOT / README).read_text(encoding="utf-8"), re.MULTILINE)
+    assert re.search(rf"^{target}:", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)

@@ -1,0 +1,99 @@
+"""Reference pages agree with the code, and no link is dead."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import re
+
+import pytest
+from code_blocks import ROOT
+
+from contwalk import system as contract
+from contwalk.branch import LABELS
+from contwalk.fields.functions import FUNCTIONS
+
+PAGES = sorted(
+    str(path.relative_to(ROOT))
+    for path in [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), *ROOT.glob("runs/*.md")]
+)
+SCHEMA = json.loads((ROOT / "contwalk/storage/interface.schema.json").read_text(encoding="utf-8"))
+
+
+def read(page: str) -> str:
+    return (ROOT / page).read_text(encoding="utf-8")
+
+
+def anchor(heading: str) -> str:
+    """What a heading is called in links."""
+    return re.sub(r"[^\w\- ]", "", heading.strip().lower()).replace(" ", "-")
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_links_lead_somewhere(page):
+    for target in re.findall(r"\]\(([^)\s]+)\)", read(page)):
+        if "://" in target or target.startswith("mailto:"):
+            continue
+        path, _, fragment = target.partition("#")
+        file = ((ROOT / page).parent / path).resolve() if path else ROOT / page
+        assert file.exists(), target
+        if fragment:
+            headings = re.findall(r"^#+ (.*)$", file.read_text(encoding="utf-8"), re.MULTILINE)
+            assert fragment in [anchor(heading) for heading in headings], target
+
+
+def test_every_label_is_explained():
+    page = read("docs/reference/interface.md")
+    assert [label for label in LABELS if f"\n| {label} |" not in page] == []
+
+
+def _names(part: dict) -> list[str]:
+    found = []
+    for name, value in part.get("properties", {}).items():
+        found += [name, *_names(value)]
+    return found
+
+
+def test_every_key_and_code_of_the_json_is_explained():
+    page = read("docs/reference/interface.md")
+    branch, point = SCHEMA["$defs"]["branch"], SCHEMA["$defs"]["special_point"]
+    names = {*_names(SCHEMA), *_names(branch), *_names(point)}
+    for key in ("reason", "problem"):
+        names |= set(branch["properties"][key]["enum"])
+    assert sorted(name for name in names if f"`{name}`" not in page) == []
+
+
+def test_every_declaration_is_explained():
+    page = read("docs/reference/plugin.md")
+    for name in ("State", "Parameter", "Mode", "Transition", "Symmetry", "Neutral", "Observable", "Start"):
+        declaration = getattr(contract, name)
+        arguments = [
+            f.name if f.default is dataclasses.MISSING else f"{f.name}={f.default!r}".replace("'", '"')
+            for f in dataclasses.fields(declaration)
+        ]
+        assert f"### `{name}({', '.join(arguments)})`" in page
+    for field in dataclasses.fields(contract.System):
+        assert f"`{field.name}`" in page
+    for declaration in (contract.Family, contract.Choice):
+        for field in dataclasses.fields(declaration):
+            assert re.search(rf"\b{field.name}\b", page)
+
+
+def test_every_function_of_the_table_is_named():
+    page = read("docs/reference/plugin.md")
+    named = {"abs": "abs", "trunc": "trunc"}
+    assert [f for f in FUNCTIONS if not re.search(rf"\b{named.get(f, f)}\b", page)] == []
+
+
+def test_sources_named_in_the_code_are_listed():
+    page = read("docs/theory.md")
+    for author in (
+        "Keller",
+        "Kuznetsov",
+        "Moore & A. Spence",
+        "Griewank",
+        "Higham",
+        "Osborne",
+        "Chandrupatla",
+    ):
+        assert author in page.split("## Sources")[1]
