@@ -6,60 +6,49 @@
 
 VENV := .venv
 BIN := $(VENV)/bin
-PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 DEMO := demo
 TEST_OPTIONS ?=
 
-.PHONY: help demo test check static format docs-image clean find-python
+# Makes the environment and installs into it what is not there yet; silent and quick where all is.
+PROVIDE = @sh tools/make_venv.sh $(VENV) $(PYTHON) && sh tools/install.sh $(VENV)
+
+.PHONY: help demo test check static format docs-image clean install install-test install-dev
+.NOTPARALLEL:
 .DEFAULT_GOAL := help
-.DELETE_ON_ERROR:
 
 help:
 	@sed -n 's/^# make/make/p' Makefile
 
-# -- the virtual environment: stamps remember what is installed, so that nothing is done twice -------------------
+install:
+	$(PROVIDE)
 
-# Made anew only when a Python is asked for that it was not made with.
-$(BIN)/python: | find-python
+install-test:
+	$(PROVIDE) test
 
-find-python:
-	@sh tools/make_venv.sh $(VENV) $(PYTHON)
-
-$(VENV)/installed: pyproject.toml | $(BIN)/python
-	@echo "Installing contwalk into $(VENV) ..."
-	@$(PIP) install --editable .
-	@touch $@
-
-$(VENV)/installed-test: pyproject.toml | $(BIN)/python
-	@echo "Installing contwalk and what its tests need into $(VENV) ..."
-	@$(PIP) install --editable '.[test]'
-	@touch $@ $(VENV)/installed
-
-$(VENV)/installed-dev: pyproject.toml | $(BIN)/python
-	@echo "Installing contwalk and its checks into $(VENV) ..."
-	@$(PIP) install --editable '.[dev]'
-	@touch $@ $(VENV)/installed $(VENV)/installed-test
+install-dev:
+	$(PROVIDE) dev
 
 # -- what a newcomer types -----------------------------------------------------------------------------------
 
-demo: $(VENV)/installed
+demo: install
 	@mkdir -p $(DEMO)
-	@cd $(DEMO) && ../$(BIN)/contwalk continue ../runs/autobalancer_load.yaml --force
+	$(BIN)/contwalk continue runs/autobalancer_load.yaml --output $(DEMO)/autobalancer_load.h5 --force
+	@echo "The command contwalk is at hand after: . $(BIN)/activate"
 
-test: $(VENV)/installed-test
+test: install-test
 	$(BIN)/python -m pytest --numprocesses auto $(TEST_OPTIONS)
 
 # -- what a contributor types --------------------------------------------------------------------------------
 
 check: static test
 
-static: $(VENV)/installed-dev
+static: install-dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-format: $(VENV)/installed-dev
+format: install-dev
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 

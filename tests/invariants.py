@@ -13,8 +13,8 @@ from contwalk.branch import LABELS, Branch, SpecialPoint
 from contwalk.problems.equilibrium import Equilibrium
 
 EPSILON = sys.float_info.epsilon
-# The corrector ends at 1e4 roundings of the terms at the latest; the terms are known here to a factor of ten.
-RESIDUAL = 1e5 * EPSILON
+# The corrector ends at some roundings of the terms. Of these, constants in the field are not seen here.
+RESIDUAL = 1e3 * EPSILON
 # Differences of fourth order with a step of 1e-4: truncation 1e-16, rounding eps / 1e-4 = 2e-12 of the terms, and
 # the state itself is that of a corrector that ended at 1e4 roundings.
 DIFFERENCE = 1e-9
@@ -79,13 +79,14 @@ def differenced_jacobian(
         h[j] = 2.0 ** round(math.log2(1e-4 * size))
         values = [_field(problem, x + k * h, p) for k in (-2, -1, 1, 2)]
         columns.append((8.0 * (values[2] - values[1]) - (values[3] - values[0])) / (12.0 * h[j]))
-        lost = max(lost, float(np.max(np.abs(values) / scale)) * scale[j] / h[j] * EPSILON)
+        # Rounding of the field's values, and of the places that they are taken at.
+        slopes = np.abs(np.diff(values, axis=0)) / h[j]
+        rounding = EPSILON * (np.abs(values).max(axis=0) + slopes.max(axis=0) * abs(x[j])) / h[j]
+        lost = max(lost, float(np.max(rounding * scale[j] / scale)))
     return np.column_stack(columns), lost
 
 
-def _check_row(
-    branch: Branch, problem: Equilibrium, row: np.void, given: Sequence[float] | None
-) -> None:
+def _check_row(branch: Branch, problem: Equilibrium, row: np.void, given: Sequence[float] | None) -> None:
     x, n = np.array(row["state"]), len(branch.info.states)
     p = parameters_at(branch, problem, row)
     scale = np.array(row["weights"])[:n] if given is None else np.array(given, dtype=float)
@@ -97,7 +98,7 @@ def _check_row(
     terms = _terms(branch, problem, row, x, p, matrix)
     field = np.abs(_field(problem, x, p))
     assert np.all(field <= RESIDUAL * terms + 1e-290), f"residual {field} of terms {terms}"
-    # TEMP assert 0.0 <= row["residual"] <= 1e4
+    assert 0.0 <= row["residual"] <= 1e4
     # What cancels in the field itself limits what differences of it can tell.
     lost += 1e4 * EPSILON * float(np.max(terms / scale))
     matrix = matrix / scale[:, None] * scale
@@ -173,7 +174,13 @@ def _check_names(branch: Branch) -> None:
         assert point.name == f"{point.label}{counts[point.label]}"
     kinds = [point.kind for point in branch.special_points if point.label == "EP"]
     assert branch.outcome.reason in kinds
-    assert sum(branch["special"]) == len(branch.special_points) - len(kinds)
+    at_start = sum(_marks_the_start(point) for point in branch.special_points)
+    assert sum(branch["special"]) == len(branch.special_points) - len(kinds) - at_start
+
+
+def _marks_the_start(point: SpecialPoint) -> bool:
+    """A mark that the start itself has is on the start's own row."""
+    return point.label == "UZ" and point.s == 0.0
 
 
 def _check_special_point(branch: Branch, point: SpecialPoint) -> None:
@@ -190,7 +197,7 @@ def _check_special_point(branch: Branch, point: SpecialPoint) -> None:
     decided = point.label == "HB" or point.kind == "pitchfork"
     if point.status == "located":
         assert (point.criticality in ("supercritical", "subcritical")) == decided
-    if point.label != "EP":
+    if point.label != "EP" and not _marks_the_start(point):
         assert row["special"]
         _check_interval(branch, point, value)
     _check_counts(branch, point)

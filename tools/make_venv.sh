@@ -17,8 +17,13 @@ runs() {
     "$1" -c "$usable" >/dev/null 2>&1
 }
 
+# Only an environment whose making was not broken off has the mark.
+works() {
+    [ -e "$venv/made" ] && runs "$venv/bin/python"
+}
+
 home_of() {
-    "$1" -c 'import sys; print(sys.base_prefix)'
+    "$1" -c 'import sys; print(sys.base_prefix, sys.version)'
 }
 
 if [ -n "$wanted" ]; then
@@ -28,11 +33,11 @@ if [ -n "$wanted" ]; then
         exit 1
     fi
     found=$wanted
-    if runs "$venv/bin/python" && [ "$(home_of "$venv/bin/python")" = "$(home_of "$wanted")" ]; then
+    if works && [ "$(home_of "$venv/bin/python")" = "$(home_of "$wanted")" ]; then
         exit 0
     fi
 else
-    if runs "$venv/bin/python"; then
+    if works; then
         exit 0
     fi
     found=
@@ -52,3 +57,4 @@ fi
 
 echo "Making the virtual environment $venv with $("$found" --version) ..."
 "$found" -m venv --clear "$venv"
+: >"$venv/made"

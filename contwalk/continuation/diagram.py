@@ -226,13 +226,12 @@ class Diagram:
                 yield Began(work.info)
             work.rows = [to_row(work.info, problem, opening.here, 1.0, special=False)]
             yield Found(work.info, work.rows[0], None)
-            for kind in marks_at(opening.here.sample, settings.marks, observer):
-                work.special_points.append(start_record(problem, opening.here, kind))
-                yield Found(work.info, None, work.special_points[-1])
             places = {sign: opening.here if sign > 0 else turned(opening.here) for sign in signs}
         else:
             places = _resumed(problem, work, stored, signs)
             yield Cut(work.info, len(work.rows), len(work.special_points))
+        if len(work.rows) == 1:
+            yield from self._start_marks(work, opening, observer)
         for sign in signs:
             if sign not in places or _closed(work):
                 continue
@@ -248,6 +247,16 @@ class Diagram:
                 if event.special is not None:
                     work.special_points.append(event.special)
                 yield Found(work.info, row, event.special)
+
+    def _start_marks(self, work: _Work, opening: Opening, observer: Observer) -> Iterator[Found]:
+        """Marks that the start of a branch has itself."""
+        problem, here = opening.problem, opening.here
+        for kind in marks_at(here.sample, self._plan.settings.marks, observer):
+            row = to_row(work.info, problem, here, 1.0, special=True)
+            record = start_record(problem, here, kind)
+            work.rows.append(row)
+            work.special_points.append(record)
+            yield Found(work.info, row, record)
 
     def _grown(self, start: Start, problem: Equilibrium, branch: Branch) -> Iterator[Start]:
         """Starts for the branches that leave a branch's special points."""

@@ -71,7 +71,10 @@ def accepted(
     if not _on_branch(segment, label, located, near, theta, right - left):
         return None
     settled = located.settled()
-    return None if settled is None else Found(theta, label, settled, sample_at(segment, label, settled, near))
+    if settled is None:
+        return None
+    # The point may be an end of the segment, to rounding: it is never placed beyond it.
+    return Found(min(max(theta, 0.0), 1.0), label, settled, sample_at(segment, label, settled, near))
 
 
 def locate_multiple(segment: Segment, theta: float) -> Found | None:

@@ -10,9 +10,11 @@ import numpy as np
 from contwalk.branch import Outcome
 from contwalk.continuation import outcomes
 from contwalk.continuation.here import Here, begin
+from contwalk.continuation.newton import correct
 from contwalk.continuation.settings import Settings
 from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.equilibrium import UNDECLARED, Equilibrium, solution_at
+from contwalk.problems.neutral import active
 from contwalk.problems.problem import Sample
 from contwalk.problems.switching import second_direction
 from contwalk.system import Neutral, System
@@ -56,7 +58,7 @@ def opened(
         here = begin(problem, z, settings)
         if not isinstance(here, Here):
             return outcomes.no_start(here.reason, here.sentence)
-        if problem.pins and _drifts(problem, here):
+        if problem.pins and not _stays_neutral(problem, here):
             # Neutral at the start only: along the branch it is not, and must not be held.
             problem = problem.with_pins(())
             here = begin(problem, np.append(here.sample.z[: problem.states], here.sample.z[-1]), settings)
@@ -70,6 +72,22 @@ def opened(
         return outcomes.no_start("plugin_error", error.sentence)
     except NotFinite as error:
         return outcomes.no_start("not_finite", error.sentence)
+
+
+def _stays_neutral(problem: Equilibrium, here: Here) -> bool:
+    """Whether the pinned directions are still neutral a little along the branch, and held without force."""
+    if _drifts(problem, here):
+        return False
+    sample = here.sample
+    for sign in (1.0, -1.0):
+        guess = sample.z + sign * 1e-3 * sample.tangent
+        moved = correct(problem, guess, sample.tangent / sample.weights**2, sample.weights)
+        if moved.ok and moved.linearization is not None:
+            n = problem.states
+            values = problem.values_of(moved.z)
+            still = active(problem.system, moved.z[:n], values, moved.linearization.jacobian[:n, :n])
+            return len(still) >= len(problem.pins)
+    return True
 
 
 def _drifts(problem: Equilibrium, here: Here) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from contwalk.continuation.opening import Opening, opened
 from contwalk.continuation.settings import Mark, Settings
 from contwalk.errors import StartError
 from contwalk.problems.equilibrium import Equilibrium
+from contwalk.system.declarations import nearest
 
 _DIRECTIONS = {"both": (1.0, -1.0), "forward": (1.0,), "backward": (-1.0,)}
 
@@ -50,7 +52,7 @@ def continue_branch(
     StartError
         If no solution is found near the state.
     """
-    chosen = _settings(range, marks, settings)
+    chosen = _settings(problem, range, marks, settings)
     opening = opened(
         problem.system, problem.parameters, problem.free, _state(problem, state), chosen, problem.path
     )
@@ -84,7 +86,7 @@ def switch_branch(
         If no other branch leaves that point.
     """
     special = branch.special(point) if isinstance(point, str) else point
-    chosen = _settings(range, marks, settings)
+    chosen = _settings(problem, range, marks, settings)
     seeds = problem.seeds(special)
     if not seeds:
         raise StartError(
@@ -110,7 +112,7 @@ def points(
     Each `Point` has `here.sample` (z, eigenvalues, unstable, observables, ...) and `special`, the record of a
     special point or None.
     """
-    chosen = _settings(range, None, settings)
+    chosen = _settings(problem, range, None, settings)
     opening = opened(
         problem.system, problem.parameters, problem.free, _state(problem, state), chosen, problem.path
     )
@@ -133,13 +135,36 @@ def _single(start: Start, plan: Plan) -> Branch:
 
 
 def _settings(
-    range: tuple[float, float], marks: Mapping[str, Sequence[float | str]] | None, settings: dict[str, Any]
+    problem: Equilibrium,
+    range: tuple[float, float],
+    marks: Mapping[str, Sequence[float | str]] | None,
+    settings: dict[str, Any],
 ) -> Settings:
     chosen = tuple(
         Mark(name, tuple(float(v) for v in values if v != "extremum"), "extremum" in values)
         for name, values in (marks or {}).items()
     )
-    return Settings(range=(float(range[0]), float(range[1])), marks=chosen, **settings)
+    known = [f.name for f in fields(Settings) if f.name not in ("range", "marks")]
+    for name in settings:
+        if name not in known:
+            raise StartError(
+                f"There is no setting '{name}'.", f"Known: {', '.join(known)}. {nearest(name, known)}".strip()
+            )
+    watched = [problem.free, *problem.observable_names]
+    for name in (*[mark.name for mark in chosen], *settings.get("stop_at", {})):
+        if name not in watched:
+            raise StartError(
+                f"'{name}' is not watched along the branch, so it cannot be marked.",
+                f"Known: {', '.join(watched)}. {nearest(name, watched)}".strip(),
+            )
+    low, high = float(range[0]), float(range[1])
+    value = problem.parameters.get(problem.free, low)
+    if not low <= value <= high or not low < high:
+        raise StartError(
+            f"The start has {problem.free} = {value:g}, the range is ({low:g}, {high:g}).",
+            "Give the lower end first, and a range that contains the start.",
+        )
+    return Settings(range=(low, high), marks=chosen, **settings)
 
 
 def _direction(direction: str) -> tuple[float, ...]:

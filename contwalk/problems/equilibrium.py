@@ -25,6 +25,7 @@ from contwalk.problems.problem import Linearization, Located, Sample, Seed
 from contwalk.problems.spectrum import EPSILON, Spectrum, spectrum
 from contwalk.problems.switching import branch_point_seeds, second_direction, tangent_through
 from contwalk.system import Neutral, System
+from contwalk.system.declarations import nearest
 
 MAX_RE = "max_re"
 UNDECLARED = "undeclared"
@@ -64,6 +65,11 @@ class Equilibrium:
             raise SystemDefinitionError(
                 f"System '{system.name}' is forced periodically (period=...), so it has no equilibria.",
                 "Its periodic orbits are another kind of problem.",
+            )
+        if path is None and free not in system.parameter_names:
+            raise SystemDefinitionError(
+                f"'{free}' is not a parameter of '{system.name}'.",
+                f"Known: {', '.join(system.parameter_names)}. {nearest(free, system.parameter_names)}".strip(),
             )
         self.system = system
         self.free = free

@@ -74,7 +74,9 @@ def test_sign_and_size_of_the_fold_coefficients_follow_the_curvature(k):
     # And from the branch itself, a parabola through its points next to the fold.
     near = np.abs(branch["x"]) < 0.1
     fitted = np.polynomial.Polynomial.fit(branch["x"][near] / q[0], branch["lam"][near], 4).convert().coef[2]
-    assert fitted == pytest.approx(curvature, rel=1e-3)  # the cubic term and the fit's sixth order are below that
+    assert fitted == pytest.approx(
+        curvature, rel=1e-3
+    )  # the cubic term and the fit's sixth order are below that
 
 
 def circle(t, x, p, dx):
@@ -94,4 +96,6 @@ def test_a_circle_of_equilibria_is_closed_with_two_folds():
     # The whole circle is covered: no gap wider than a few steps.
     angles = np.sort(np.arctan2(branch["x"], branch["lam"]))
     assert np.max(np.diff(angles)) < 0.5
-    assert np.max(np.abs(branch["x"] ** 2 + branch["lam"] ** 2 - 1.0)) < 1e-12  # the corrector ends at rounding
+    assert (
+        np.max(np.abs(branch["x"] ** 2 + branch["lam"] ** 2 - 1.0)) < 1e-12
+    )  # the corrector ends at rounding

@@ -58,7 +58,9 @@ def test_the_planar_normal_form(l, omega):  # noqa: E741 - the literature's name
     check_branch(branch, problem)
     (hopf,) = bifurcations(branch)
     assert_error_claim(hopf, "mu", mpmath.mpf(0))
-    assert hopf.coefficients["l1"] == pytest.approx(2.0 * l / omega, rel=1e-13)  # a product of a few roundings
+    assert hopf.coefficients["l1"] == pytest.approx(
+        2.0 * l / omega, rel=1e-13
+    )  # a product of a few roundings
     assert hopf.coefficients["crossing_rate"] == pytest.approx(1.0, rel=1e-13)
     assert hopf.criticality == ("supercritical" if l < 0 else "subcritical")
 
@@ -106,6 +108,7 @@ def test_three_states_with_a_slaved_one():
     (hopf,) = bifurcations(branch)
     # On the centre manifold y = 2 |z|^2, so l = -6 and l1 = 2 l / omega.
     assert hopf.coefficients["l1"] == pytest.approx(-6.0, rel=COEFFICIENT)
+
     def exactly(x):
         return [
             -2 * x[1] - 3 * x[0] * x[2],

@@ -54,7 +54,9 @@ def test_the_other_branch_is_followed_through_its_own_fold():
     assert fold.label == "LP"
     assert_error_claim(fold, "mu", mpmath.mpf(0))
     assert other["mu"][0] == other["mu"][-1] == 1.0
-    assert np.max(np.abs(other["mu"] - 0.25 - other["x"] - other["x"] ** 2)) < 1e-13  # rounding of terms of size one
+    assert (
+        np.max(np.abs(other["mu"] - 0.25 - other["x"] - other["x"] ** 2)) < 1e-13
+    )  # rounding of terms of size one
 
 
 @pytest.mark.parametrize("start", [[0.0], [-0.6]])

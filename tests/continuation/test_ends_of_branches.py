@@ -71,7 +71,9 @@ def test_max_points_counts_both_directions(most):
 
 def test_special_points_count_as_points():
     marks = {"lam": np.linspace(0.01, 0.09, 9).tolist()}
-    branch = cw.continue_branch(_problem(), [0.0], (-1.0, 1.0), direction="forward", marks=marks, max_points=6)
+    branch = cw.continue_branch(
+        _problem(), [0.0], (-1.0, 1.0), direction="forward", marks=marks, max_points=6
+    )
     check_branch(branch, _problem())
     assert len(branch) <= 6
 

@@ -91,7 +91,12 @@ def test_the_engine_settings_do_not_move_special_points():
     value, state = _start(-1.6)
     problem = _problem(value)
     usual = cw.continue_branch(problem, state, (-3.0, 3.0))
-    for settings in ({"max_step": 0.02}, {"max_angle": 5.0}, {"step": 1e-4}, {"max_step": 0.5, "max_angle": 60.0}):
+    for settings in (
+        {"max_step": 0.02},
+        {"max_angle": 5.0},
+        {"step": 1e-4},
+        {"max_step": 0.5, "max_angle": 60.0},
+    ):
         other = cw.continue_branch(problem, state, (-3.0, 3.0), **settings)
         assert _folds(other) == _folds(usual)
 

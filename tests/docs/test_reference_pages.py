@@ -97,3 +97,11 @@ def test_sources_named_in_the_code_are_listed():
         "Chandrupatla",
     ):
         assert author in page.split("## Sources")[1]
+
+
+@pytest.mark.parametrize("page", ["docs/architecture.md", "CONTRIBUTING.md"])
+def test_files_named_in_the_text_exist(page):
+    named = re.findall(r"`((?:[\w.]+/)*\w+\.(?:py|toml|md|yaml))`", read(page))
+    assert named
+    for name in named:
+        assert (ROOT / name).exists() or (ROOT / "contwalk" / name).exists(), name

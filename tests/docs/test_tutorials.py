@@ -13,8 +13,8 @@ from contwalk.system import load_system
 
 TUTORIAL = "docs/tutorials/first_plugin.md"
 PLUGINS = "docs/reference/plugin.md"
-# Closed form: T = k X with k = B / (1 + beta) and Da = X / (1 - X) exp(-k X); folds where X (1 - X) = 1 / k, the
-# Hopf point where 1 / (1 - X) + 1 + beta = B X. Evaluated with 40 digits.
+# Closed form: T = k X with k = B / (1 + beta) and Da = X / (1 - X) exp(-k X); folds where X (1 - X) = 1 / k,
+# the Hopf point where 1 / (1 - X) + 1 + beta = B X. Evaluated with 40 digits.
 POINTS = {"LP1": 0.10573897827165065101, "LP2": 0.088931846185772802594, "HB1": 0.13090004482004332464}
 
 

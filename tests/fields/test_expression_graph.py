@@ -41,10 +41,20 @@ def test_what_is_trivial_is_not_computed(function, expected):
     assert program.graph.nodes[program.tree.nodes[0]] == expected
 
 
-def test_constants_are_folded():
+def test_constants_are_folded_where_nothing_is_lost():
     graph = Graph()
     assert graph.value(graph.add(graph.constant(0.5), graph.constant(0.25))) == 0.75
-    assert graph.value(graph.call("sqrt", graph.constant(2.25))) == 1.5
+    assert graph.value(graph.div(graph.constant(3.0), graph.constant(4.0))) == 0.75
+    assert graph.value(graph.call("abs", graph.constant(-2.25))) == 2.25
+
+
+def test_constants_that_rounding_would_change_are_left_to_the_arithmetic_asked_for():
+    graph = Graph()
+    tenth, three = graph.constant(0.1), graph.constant(3.0)
+    for node in (graph.mul(tenth, three), graph.add(tenth, three), graph.div(graph.one, three)):
+        assert graph.value(node) is None
+    assert graph.value(graph.call("sqrt", graph.constant(2.0))) is None
+    assert graph.value(graph.mul(graph.constant(1e200), graph.constant(1e200))) is None
 
 
 def test_signed_zeros_are_kept_apart():

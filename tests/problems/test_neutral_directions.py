@@ -145,9 +145,7 @@ def test_a_hopf_point_beside_a_rotation_says_what_its_coefficient_means():
         v[0] = v[1] = 0.0
         v[2] = 1.0
 
-    problem = small_problem(
-        field, "xyz", {"mu": -0.5}, "mu", neutral=(Neutral("family", along_z, pin="z"),)
-    )
+    problem = small_problem(field, "xyz", {"mu": -0.5}, "mu", neutral=(Neutral("family", along_z, pin="z"),))
     branch = cw.continue_branch(problem, [0.0, 0.0, 1.0], (-1.0, 1.0))
     check_branch(branch, problem)
     (hopf,) = bifurcations(branch)
