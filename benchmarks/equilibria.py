@@ -1,12 +1,13 @@
-"""Cost of continuing equilibria: whole process and inside the engine, on the autobalancer's two first studies.
+"""Cost of continuing equilibria: whole process and inside the engine, on two studies of the autobalancer.
 
     python benchmarks/equilibria.py [--repeats 5]
 
-Prints, for the omega run and the load run: CPU seconds of the whole process without figures, on the first start
-after installation (no bytecode of contwalk cached) and warm; seconds per point inside the engine; the accuracy
-reached (largest relative error of the special points against 40-digit values); and the same continuation with
-scipy's general tools (fsolve at fixed parameter steps and numpy eigenvalues, no derivatives, no location) as a
-yardstick, as a ratio per point. Times drift between machines; ratios in one run do not.
+Prints, for the omega run and the load run: CPU seconds of the whole process without figures, on the first
+start after installation (no bytecode of contwalk cached) and warm; seconds per point inside the engine; the
+accuracy reached (largest relative error of the special points against 40-digit values); and the same
+continuation with scipy's general tools (fsolve at fixed parameter steps and numpy eigenvalues, no
+derivatives, no location) as a yardstick, as a ratio per point. Times drift between machines; ratios in one
+run do not.
 """
 
 from __future__ import annotations

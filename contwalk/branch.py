@@ -9,9 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from importlib import import_module
 from typing import Any
 
 import numpy as np
+
+from contwalk.errors import ContwalkError
 
 LABELS = ("EP", "UZ", "LP", "BP", "HB", "PD", "NS", "GR", "OC", "AZ")
 
@@ -166,6 +169,54 @@ class Branch:
         raise KeyError(
             f"Branch {self.name} has no '{name}'. Known: {', '.join((*self.names(), *self.info.parameters))}"
         )
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """The columns of `points` by name, one entry a point.
+
+        Free parameters, observables and states have their own names. One whose name is taken already gets the
+        kind in front, such as `state_period`. Eigenvalues or multipliers are `re_1`, `im_1`, `re_2`, ...
+        """
+        columns = {"s": self.points["s"], "special_point": self._names_by_row()}
+        own = [name for name in self.points.dtype.names or () if self.points.dtype[name].shape == ()]
+        taken = {*own, "special_point"}
+        for column, names in (
+            ("free", self.info.free),
+            ("observables", self.info.observables),
+            ("state", self.info.states),
+        ):
+            for position, name in enumerate(names):
+                name = name if name not in taken else f"{column}_{name}"
+                taken.add(name)
+                columns[name] = self.points[column][:, position]
+        for position in range(self.info.spectrum):
+            columns[f"re_{position + 1}"] = self.points["spectrum"][:, position].real
+            columns[f"im_{position + 1}"] = self.points["spectrum"][:, position].imag
+        return columns | {name: self.points[name] for name in own}
+
+    def to_pandas(self) -> Any:
+        """`columns()` as a `pandas.DataFrame`.
+
+        Raises
+        ------
+        ContwalkError
+            If pandas is not installed.
+        """
+        try:
+            pandas = import_module("pandas")
+        except ImportError as error:
+            raise ContwalkError(
+                "A branch as a pandas table needs pandas, which is not installed.",
+                "Install it with: pip install pandas. Or write CSV files with: contwalk export DB --csv DIR",
+            ) from error
+        return pandas.DataFrame(self.columns())
+
+    def _names_by_row(self) -> np.ndarray:
+        """Names of the special points in the rows they have, separated by a space where they share one."""
+        names = [""] * len(self)
+        for point in self.special_points:
+            if point.index < len(names):
+                names[point.index] = f"{names[point.index]} {point.name}".strip()
+        return np.array(names, dtype=object)
 
     def special(self, name: str) -> SpecialPoint:
         """The special point of this name, as `HB1`."""

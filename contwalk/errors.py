@@ -71,10 +71,12 @@ def plugin_line(error: BaseException) -> str:
     """`file, line n` of the innermost frame of the traceback that is not part of contwalk or numpy."""
     frames = [f for f in traceback.extract_tb(error.__traceback__) if not _is_library(f.filename)]
     if not frames:
-        return "the plugin"
+        return NO_LINE
     return f"{frames[-1].filename}, line {frames[-1].lineno}"
 
 
+# What stands for a line that is not known.
+NO_LINE = "the plugin"
 _OWN = str(Path(__file__).resolve().parent)
 
 

@@ -10,7 +10,8 @@ import mpmath
 from contwalk.branch import SpecialPoint
 
 DIGITS = 50
-# An estimate may be this much larger than the true error, or than the rounding of the value where that is larger.
+# An estimate may be this much larger than the true error, or than the rounding of the value where that is
+# larger.
 PESSIMISM = 1000
 # Estimates below this are no claim worth disputing: parameters in the tests are not smaller than 1e-12.
 NOTHING = 1e-30

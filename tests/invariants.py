@@ -5,18 +5,20 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Sequence
+from itertools import pairwise
 from types import SimpleNamespace
 
 import numpy as np
+from special_point_invariants import check_special_points
 
-from contwalk.branch import LABELS, Branch, SpecialPoint
+from contwalk.branch import Branch
 from contwalk.problems.equilibrium import Equilibrium
 
 EPSILON = sys.float_info.epsilon
 # The corrector ends at some roundings of the terms. Of these, constants in the field are not seen here.
 RESIDUAL = 1e3 * EPSILON
-# Differences of fourth order with a step of 1e-4: truncation 1e-16, rounding eps / 1e-4 = 2e-12 of the terms, and
-# the state itself is that of a corrector that ended at 1e4 roundings.
+# Differences of fourth order with a step of 1e-4: truncation 1e-16, rounding eps / 1e-4 = 2e-12 of the
+# terms, and the state itself is that of a corrector that ended at 1e4 roundings.
 DIFFERENCE = 1e-9
 # Away from a bifurcation an eigenvalue's sign is certain when it exceeds some roundings of the matrix.
 CERTAIN = 1e3 * EPSILON
@@ -25,8 +27,8 @@ CERTAIN = 1e3 * EPSILON
 def check_branch(branch: Branch, problem: Equilibrium, scale: Sequence[float] | None = None) -> None:
     """Assert the invariants of a branch of `problem`'s equilibria.
 
-    `scale` holds typical magnitudes of the states where the branch's own metric does not know them: those that
-    are zero along the branch while the field bends on another scale than one.
+    `scale` holds typical magnitudes of the states where the branch's own metric does not know them: those
+    that are zero along the branch while the field bends on another scale than one.
     """
     assert branch.complete
     assert branch.info.states == problem.system.state_names
@@ -37,12 +39,7 @@ def check_branch(branch: Branch, problem: Equilibrium, scale: Sequence[float] | 
         _check_row(branch, problem, row, scale)
     _check_continuity(branch)
     _check_counts_between(branch)
-    _check_names(branch)
-    for point in branch.special_points:
-        _check_special_point(branch, point)
-
-
-# -- rows ------------------------------------------------------------------------------------------------
+    check_special_points(branch)
 
 
 def _check_order(branch: Branch) -> None:
@@ -143,7 +140,7 @@ def _check_spectrum(row: np.void, matrix: np.ndarray, size: float) -> None:
 def _check_continuity(branch: Branch) -> None:
     """Neighbours are as far apart as their arclengths say, in the metric of the one nearer to the start."""
     rows = branch.points
-    for a, b in zip(rows[:-1], rows[1:], strict=True):
+    for a, b in pairwise(rows):
         inner = a if b["s"] > 0.0 else b
         change = np.append(b["unknowns"] - a["unknowns"], b["free"] - a["free"]) / inner["weights"]
         length = b["s"] - a["s"]
@@ -154,83 +151,11 @@ def _check_continuity(branch: Branch) -> None:
 
 
 def _check_counts_between(branch: Branch) -> None:
-    """The unstable count changes at bifurcations only, and at the branch point that the branch was born at."""
+    """The unstable count changes at bifurcations only, and at the branch point that the branch was born
+    at.
+    """
     rows = branch.points
-    for a, b in zip(rows[:-1], rows[1:], strict=True):
+    for a, b in pairwise(rows):
         birth = branch.info.parent is not None and 0.0 in (a["s"], b["s"])
         if not birth and not a["special"] and not b["special"]:
             assert a["unstable"] == b["unstable"], f"a crossing was missed between s = {a['s']} and {b['s']}"
-
-
-# -- special points --------------------------------------------------------------------------------------
-
-
-def _check_names(branch: Branch) -> None:
-    counts = dict.fromkeys(LABELS, 0)
-    places = [point.s for point in branch.special_points]
-    assert places == sorted(places)
-    for point in branch.special_points:
-        counts[point.label] += 1
-        assert point.name == f"{point.label}{counts[point.label]}"
-    kinds = [point.kind for point in branch.special_points if point.label == "EP"]
-    assert branch.outcome.reason in kinds
-    at_start = sum(_marks_the_start(point) for point in branch.special_points)
-    assert sum(branch["special"]) == len(branch.special_points) - len(kinds) - at_start
-
-
-def _marks_the_start(point: SpecialPoint) -> bool:
-    """A mark that the start itself has is on the start's own row."""
-    return point.label == "UZ" and point.s == 0.0
-
-
-def _check_special_point(branch: Branch, point: SpecialPoint) -> None:
-    row = branch.points[point.index]
-    assert row["s"] == point.s
-    free = branch.info.free[0]
-    value = point.parameters[free] if free in point.parameters else float(row["free"][0])
-    assert row["free"][0] == value
-    assert np.array_equal(row["state"], [point.state[name] for name in branch.info.states])
-    if point.status == "located":
-        assert point.error is not None
-        assert math.isfinite(point.error)
-        assert point.error >= 0.0
-    decided = point.label == "HB" or point.kind == "pitchfork"
-    if point.status == "located":
-        assert (point.criticality in ("supercritical", "subcritical")) == decided
-    if point.label != "EP" and not _marks_the_start(point):
-        assert row["special"]
-        _check_interval(branch, point, value)
-    _check_counts(branch, point)
-
-
-def _check_interval(branch: Branch, point: SpecialPoint, value: float) -> None:
-    """The parameter lies between the neighbours' ones; a fold, or the fold-like side of a pitchfork, beyond them."""
-    free, i = branch["free"][:, 0], point.index
-    assert 0 < i < len(branch) - 1 or point.label == "UZ", "a bifurcation at an end"
-    if not 0 < i < len(branch) - 1:
-        return
-    slack = float(point.error or 0.0) + 4.0 * float(np.spacing(abs(value)))
-    low, high = sorted((free[i - 1], free[i + 1]))
-    if point.label == "LP":
-        assert value >= high - slack or value <= low + slack, "a fold between its neighbours' parameters"
-    elif point.label != "BP":
-        assert low - slack <= value <= high + slack
-
-
-def _check_counts(branch: Branch, point: SpecialPoint) -> None:
-    """Counts on both sides are those of the neighbouring points."""
-    before, after = point.unstable_before, point.unstable_after
-    if point.label in ("EP", "UZ"):
-        assert before == after
-    elif point.status == "located":
-        assert abs(after - before) in {"HB": (2,), "LP": (1,), "BP": (0, 1)}[point.label]
-    if point.label == "EP":
-        return
-    at = {other.index: other for other in branch.special_points if other.label != "EP"}
-    i = point.index
-    if i > 0:
-        left = at[i - 1].unstable_after if i - 1 in at else branch["unstable"][i - 1]
-        assert before == left, f"{point.name}: {before} before, {left} at its neighbour"
-    if i < len(branch) - 1:
-        right = at[i + 1].unstable_before if i + 1 in at else branch["unstable"][i + 1]
-        assert after == right, f"{point.name}: {after} after, {right} at its neighbour"

@@ -29,12 +29,13 @@ class Segment:
         return float(self.normal @ (z - self.a.z))
 
     def guess(self, theta: float) -> np.ndarray:
-        """Cubic Hermite interpolation of the ends and their tangents."""
+        """Cubic Hermite interpolation of the ends and their tangents, moved along the chord to theta."""
         t, r = theta, 1.0 - theta
         scale_a = self.length / np.linalg.norm(self.a.tangent / self.weights)
         scale_b = self.length / np.linalg.norm(self.b.tangent / self.weights)
         ends = self.a.z + t * t * (3.0 - 2.0 * t) * self.chord
-        return ends + t * r * r * scale_a * self.a.tangent - t * t * r * scale_b * self.b.tangent
+        z = ends + t * r * r * scale_a * self.a.tangent - t * t * r * scale_b * self.b.tangent
+        return z + (theta - self.position(z)) * self.chord
 
     def tangent(self, jacobian: np.ndarray) -> np.ndarray:
         """Tangent of the branch, pointing along the chord, from the Jacobian on it."""

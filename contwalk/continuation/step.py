@@ -187,7 +187,7 @@ def _special(segment: Segment, settings: Settings, observer: Observer, smallest:
 
 
 def _with_counts(found: list[Found], count: int) -> list[Found]:
-    """Marks take their unstable counts from the bifurcations before them, which come first if they coincide."""
+    """Marks take their unstable counts from the bifurcations before them, or at the same place."""
     result = []
     for point in found:
         result.append(replace(point, before=count, after=count) if point.label == "UZ" else point)

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from contwalk.errors import ContwalkError, UnsupportedOperation, plugin_line
+from contwalk.errors import NO_LINE, ContwalkError, UnsupportedOperation, plugin_line
 from contwalk.fields.expression import Expression, Graph
 
 MOST_PATHS = 256
@@ -153,6 +153,8 @@ def _leaf(function: Callable[[Tracer], Sequence[Any]], tracer: Tracer) -> Output
     except ContwalkError:
         raise
     except TypeError as error:  # most often something that numbers can do and symbols cannot
+        if plugin_line(error) == NO_LINE:  # the call itself: wrong number of arguments
+            return Raises(f"{NO_LINE}: TypeError: {error}")
         raise UnsupportedOperation(
             f"{plugin_line(error)}: this cannot be traced ({error}).",
             "Use arithmetic, comparisons, and the functions of docs/reference/plugin.md.",

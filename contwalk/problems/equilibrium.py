@@ -67,9 +67,10 @@ class Equilibrium:
                 "Its periodic orbits are another kind of problem.",
             )
         if path is None and free not in system.parameter_names:
+            known = system.parameter_names
             raise SystemDefinitionError(
                 f"'{free}' is not a parameter of '{system.name}'.",
-                f"Known: {', '.join(system.parameter_names)}. {nearest(free, system.parameter_names)}".strip(),
+                f"Known: {', '.join(known)}. {nearest(free, known)}".strip(),
             )
         self.system = system
         self.free = free

@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, Any
 from contwalk.storage.database import Database, RunHeader
 from contwalk.storage.document import document, interface_schema
 from contwalk.storage.memory import MemoryDatabase
-from contwalk.storage.tables import to_pandas, write_tables
+from contwalk.storage.tables import write_tables
 
 if TYPE_CHECKING:
     from contwalk.storage.hdf5 import Hdf5Database
@@ -39,7 +39,6 @@ __all__ = [
     "document",
     "interface_schema",
     "open_database",
-    "to_pandas",
     "write_tables",
 ]
 

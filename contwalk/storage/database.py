@@ -91,6 +91,9 @@ class Database(Protocol):
     def branch(self, name: str) -> Branch:
         """The branch with its points sorted by `s` and its special points named."""
 
+    def __getitem__(self, name: str) -> Branch:
+        """As `branch`."""
+
     def branches(self) -> list[Branch]:
         """All branches in the order of creation."""
 

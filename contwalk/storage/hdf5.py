@@ -191,6 +191,9 @@ class Hdf5Database:
         with failures_of(self._path, "read"):
             return assemble(stored.info, stored.rows(), stored.specials(), stored.end())
 
+    def __getitem__(self, name: str) -> Branch:
+        return self.branch(name)
+
     def branches(self) -> list[Branch]:
         """All branches."""
         return [self.branch(name) for name in self.branch_names()]

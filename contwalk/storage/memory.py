@@ -119,6 +119,9 @@ class MemoryDatabase:
         stored = self._stored(name)
         return assemble(stored.info, self.rows(name), self.specials(name), outcome_from_text(stored.end))
 
+    def __getitem__(self, name: str) -> Branch:
+        return self.branch(name)
+
     def branches(self) -> list[Branch]:
         """All branches."""
         return [self.branch(name) for name in self.branch_names()]

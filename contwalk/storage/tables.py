@@ -1,18 +1,13 @@
-"""A run as tables: CSV files, and a pandas table of one branch."""
+"""A run as tables: CSV files."""
 
 from __future__ import annotations
 
 import csv
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from contwalk.branch import Branch
-from contwalk.errors import ContwalkError
 from contwalk.storage.database import Database
 from contwalk.storage.document import document
 from contwalk.storage.failures import explained
@@ -45,61 +40,10 @@ def write_tables(db: Database, directory: str | Path) -> list[Path]:
         _write(directory / "special_points.csv", *_table(_special_rows(described))),
     ]
     for name in db.branch_names():
-        columns = branch_columns(db.branch(name))
+        columns = db.branch(name).columns()
         rows = zip(*(column.tolist() for column in columns.values()), strict=True)
         written.append(_write(directory / f"{name}.csv", list(columns), rows))
     return written
-
-
-def branch_columns(branch: Branch) -> dict[str, np.ndarray]:
-    """The columns of a branch by name, one entry a point.
-
-    Free parameters, observables and states have their own names. One whose name is taken already gets the
-    kind in front, such as `state_period`. Eigenvalues or multipliers are `re_1`, `im_1`, `re_2`, ...
-    """
-    columns = {"s": branch.points["s"], "special_point": _names_by_row(branch)}
-    own = [name for name in branch.points.dtype.names or () if branch.points.dtype[name].shape == ()]
-    taken = {*own, "special_point"}
-    for column, names in (
-        ("free", branch.info.free),
-        ("observables", branch.info.observables),
-        ("state", branch.info.states),
-    ):
-        for position, name in enumerate(names):
-            name = name if name not in taken else f"{column}_{name}"
-            taken.add(name)
-            columns[name] = branch.points[column][:, position]
-    for position in range(branch.info.spectrum):
-        columns[f"re_{position + 1}"] = branch.points["spectrum"][:, position].real
-        columns[f"im_{position + 1}"] = branch.points["spectrum"][:, position].imag
-    return columns | {name: branch.points[name] for name in own}
-
-
-def to_pandas(branch: Branch) -> Any:
-    """The columns of a branch as a `pandas.DataFrame`.
-
-    Raises
-    ------
-    ContwalkError
-        If pandas is not installed.
-    """
-    try:
-        pandas = import_module("pandas")
-    except ImportError as error:
-        raise ContwalkError(
-            "A branch as a pandas table needs pandas, which is not installed.",
-            "Install it with: pip install pandas. Or write CSV files with: contwalk export DB --csv DIR",
-        ) from error
-    return pandas.DataFrame(branch_columns(branch))
-
-
-def _names_by_row(branch: Branch) -> np.ndarray:
-    """Names of the special points in the rows they have, separated by a space where they share one."""
-    names = [""] * len(branch)
-    for point in branch.special_points:
-        if point.index < len(names):
-            names[point.index] = f"{names[point.index]} {point.name}".strip()
-    return np.array(names, dtype=object)
 
 
 def _branch_row(entry: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """First Lyapunov coefficient from its definition, in 50 digits and independent of the engine.
 
-Derivatives of the field are polarised central differences in high precision; they are exact for polynomials of
-degree three, and otherwise off by the square of a step of 1e-15.
+Derivatives of the field are polarised central differences in high precision; they are exact for polynomials
+of degree three, and otherwise off by the square of a step of 1e-15.
 """
 
 from collections.abc import Callable, Sequence

@@ -9,7 +9,8 @@ from small_systems import bifurcations, small_problem
 
 import contwalk as cw
 
-# The project's goal for normal forms is 1e-5; exact derivatives give rounding amplified by a modest condition.
+# The project's goal for normal forms is 1e-5; exact derivatives give rounding amplified by a modest
+# condition.
 COEFFICIENT = 1e-9
 
 
@@ -72,7 +73,8 @@ def test_the_planar_normal_form(l, omega):  # noqa: E741 - the literature's name
 def test_the_planar_normal_form_with_quadratic_terms(g20, g11, g02, g21):
     """z' = (mu + i w) z + g20 z^2 / 2 + g11 z z* + g02 z*^2 / 2 + g21 z^2 z* / 2 (Kuznetsov 2004, eq. 3.18).
 
-    c1 = i / (2 w) (g20 g11 - 2 |g11|^2 - |g02|^2 / 3) + g21 / 2, and l1 = 2 Re c1 / w in units of z / sqrt(2).
+    c1 = i / (2 w) (g20 g11 - 2 |g11|^2 - |g02|^2 / 3) + g21 / 2,
+    and l1 = 2 Re c1 / w in units of z / sqrt(2).
     """
     omega = 1.5
     (a, b), (c, d), (e, f), (g, h) = ((complex(v).real, complex(v).imag) for v in (g20, g11, g02, g21))
@@ -95,7 +97,9 @@ def test_the_planar_normal_form_with_quadratic_terms(g20, g11, g02, g21):
 
 
 def test_three_states_with_a_slaved_one():
-    """An extra state driven by the square of the amplitude adds to the cubic: z' gets -k z y, y' = -s y + |z|^2."""
+    """An extra state driven by the square of the amplitude adds to the cubic: z' gets -k z y, y' = -s y +
+    |z|^2.
+    """
 
     def field(t, x, p, dx):
         dx[0] = p.mu * x[0] - 2.0 * x[1] - 3.0 * x[0] * x[2]

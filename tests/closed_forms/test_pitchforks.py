@@ -96,7 +96,9 @@ def test_an_imperfect_pitchfork_is_a_fold_and_no_branch_point():
 
 
 def test_a_nearly_symmetric_crossing_is_transcritical():
-    """x (mu + e x - x^2): for e = 1e-6 the branches still cross transversally, and a fold follows at mu = -e^2/4."""
+    """x (mu + e x - x^2): for e = 1e-6 the branches still cross transversally, and a fold follows at mu =
+    -e^2/4.
+    """
 
     def field(t, x, p, dx):
         dx[0] = x[0] * (p.mu + 1e-6 * x[0] - x[0] ** 2)

@@ -61,7 +61,9 @@ def test_the_other_branch_is_followed_through_its_own_fold():
 
 @pytest.mark.parametrize("start", [[0.0], [-0.6]])
 def test_all_four_half_branches_from_either_branch(start):
-    """x (mu - x) = 0: lines x = 0 and x = mu; whichever is walked first, the other one is reached by switching."""
+    """x (mu - x) = 0: lines x = 0 and x = mu; whichever is walked first, the other one is reached by
+    switching.
+    """
 
     def field(t, x, p, dx):
         dx[0] = x[0] * (p.mu - x[0])

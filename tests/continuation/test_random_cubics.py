@@ -12,7 +12,9 @@ import contwalk as cw
 coefficients = st.integers(min_value=-40, max_value=40).map(lambda k: k / 16.0)
 
 
-@settings(max_examples=12, deadline=None, derandomize=True, phases=[Phase.explicit, Phase.generate])
+@settings(
+    max_examples=12, deadline=None, derandomize=True, database=None, phases=[Phase.explicit, Phase.generate]
+)
 @given(b=coefficients, c=coefficients, d=coefficients, sign=st.sampled_from([-1.0, 1.0]))
 def test_every_fold_of_a_cubic_is_found(b, c, d, sign):
     """lambda = -(s x^3 + b x^2 + c x + d) is one curve; it turns where 3 s x^2 + 2 b x + c = 0."""
@@ -50,7 +52,9 @@ def _discriminant_terms(a, b, c, d):
     return [18 * a * b * c * d, -4 * b**3 * d, b**2 * c**2, -4 * a * c**3, -27 * a**2 * d**2]
 
 
-@settings(max_examples=10, deadline=None, derandomize=True, phases=[Phase.explicit, Phase.generate])
+@settings(
+    max_examples=10, deadline=None, derandomize=True, database=None, phases=[Phase.explicit, Phase.generate]
+)
 @given(
     roots=st.lists(st.integers(min_value=-14, max_value=14), min_size=1, max_size=5, unique=True),
     rate=st.integers(min_value=1, max_value=5),

@@ -16,15 +16,16 @@ DIGITS = 60
 
 
 def _matrix(values, x):
-    """df/dx of the autobalancer with two masses, in `mpmath` numbers; a balanced state has q = 0 and no rates.
+    """df/dx of the autobalancer with two masses, in `mpmath` numbers; a balanced state has q = 0 and no
+    rates.
 
     Equations of motion linearised by hand: with the ring's acceleration a = q'' + 2 i w q' - w^2 q,
     M' a = m e w^2 - c (q' + i w q) - k q + m1 l1 sum ((b_j' + w)^2 - i b_j'') exp(i b_j),
     (m1 + J) l1 b_j'' = m1 (a_1 sin b_j - a_2 cos b_j) - (delta + gamma) l1 b_j'.
     """
     p = SimpleNamespace(**{name: mpmath.mpf(value) for name, value in values.items()})
-    w, n, size = p.omega, 2, 8
-    total = p.M + p.m + n * p.m1
+    w, size = p.omega, 8
+    total = p.M + p.m + 2 * p.m1
     angles = [mpmath.mpf(v) for v in x[2:4]]
     # Unknowns (a1, a2, b1'', b2'') in terms of (q1, q2, b1, b2, q1', q2', b1', b2'): mass . y = right . state
     mass, right = mpmath.zeros(4, 4), mpmath.zeros(4, size)
@@ -40,7 +41,8 @@ def _matrix(values, x):
         mass[2 + j, 0], mass[2 + j, 1] = -p.m1 * sine, p.m1 * cosine
         mass[2 + j, 2 + j] = (p.m1 + p.J) * p.l1
         right[2 + j, 6 + j] = -(p.delta + p.gamma) * p.l1
-    # The ring's acceleration at the equilibrium is not exactly zero for a state rounded to floats: it turns the pull.
+    # The ring's acceleration at the equilibrium is not exactly zero for a state rounded to floats: it turns
+    # the pull.
     force = [
         p.m * p.e * w * w - p.k * mpmath.mpf(x[0]) + p.c * w * mpmath.mpf(x[1]),
         -p.k * mpmath.mpf(x[1]) - p.c * w * mpmath.mpf(x[0]),
@@ -67,7 +69,7 @@ def _matrix(values, x):
     return a
 
 
-def _true_max_re(system, values, state):
+def _true_max_re(values, state):
     with mpmath.workdps(DIGITS):
         x = list(state)
         found = mpmath.eig(_matrix(values, x), left=False, right=False)
@@ -87,7 +89,7 @@ def test_the_stored_error_bounds_the_true_error_of_max_re(omega):
     assert branch.outcome.reason == "bound"
     for i in range(0, len(branch), max(1, len(branch) // 12)):
         row = branch.points[i]
-        true = _true_max_re(system, {**values, "omega": float(row["free"][0])}, row["state"])
+        true = _true_max_re({**values, "omega": float(row["free"][0])}, row["state"])
         found, error = float(branch["max_re"][i]), float(row["spectrum_error"])
         assert abs(found - true) <= error, f"{found} is off by {found - true:.1e}, estimate {error:.1e}"
         # An estimate of use: not more than a thousand roundings of the largest entries, omega^2.
@@ -100,19 +102,21 @@ def test_moderate_speeds_pass_every_invariant():
     branch = cw.continue_branch(problem, "balanced", (1.5, 6.0))
     check_branch(branch, problem)
     row = branch.points[len(branch) // 3]
-    true = _true_max_re(system, {**values, "omega": float(row["free"][0])}, row["state"])
+    true = _true_max_re({**values, "omega": float(row["free"][0])}, row["state"])
     assert abs(float(row["spectrum"][0].real) - true) <= row["spectrum_error"]
 
 
 def test_a_vanishing_load():
-    """For m -> 0 the leading eigenvalue is nearly -2551 m^2: the rotor turns freely round a load of nothing."""
+    """For m -> 0 the leading eigenvalue is nearly -2551 m^2: the rotor turns freely round a load of
+    nothing.
+    """
     system, values = _autobalancer(omega=5.0, m=1e-4)
     problem = cw.Equilibrium(system, values, "m")
     branch = cw.continue_branch(problem, "balanced", (1e-9, 1e-4))
     assert branch.outcome.reason == "bound"
     for i in range(0, len(branch), max(1, len(branch) // 10)):
         row, load = branch.points[i], float(branch["m"][i])
-        true = _true_max_re(system, {**values, "m": load}, row["state"])
+        true = _true_max_re({**values, "m": load}, row["state"])
         assert abs(branch["max_re"][i] - true) <= row["spectrum_error"]
         assert true == pytest.approx(-2551.0 * load**2, rel=1e-3, abs=2.0 * row["spectrum_error"])
     assert labelled(branch, "HB", "LP", "BP") == []

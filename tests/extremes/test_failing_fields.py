@@ -1,4 +1,6 @@
-"""Fields that fail: no equilibrium, not a number, exceptions; each has one outcome and names the plugin's line."""
+"""Fields that fail: no equilibrium, not a number, exceptions; each has one outcome and names the plugin's
+line.
+"""
 
 import inspect
 import math
@@ -95,7 +97,9 @@ def test_an_exception_from_the_first():
 
 
 def test_an_end_that_is_a_corner_of_the_branch():
-    """x' = |x| - lambda has its solutions x = +-lambda end in a corner at zero; there is nothing on the other side."""
+    """x' = |x| - lambda has its solutions x = +-lambda end in a corner at zero; there is nothing on the
+    other side.
+    """
 
     def field(t, x, p, dx):
         dx[0] = p.lam - abs(x[0])

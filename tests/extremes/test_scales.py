@@ -1,4 +1,6 @@
-"""Units must not matter: parameters over sixteen decades, states of 1e-9 beside 1e9, stiff and undamped systems."""
+"""Units must not matter: parameters over sixteen decades, states of 1e-9 beside 1e9, stiff and undamped
+systems.
+"""
 
 import mpmath
 import numpy as np
@@ -57,7 +59,8 @@ def test_states_of_1e_minus_9_and_1e9(declared):
     (hopf,) = bifurcations(branch)
     assert hopf.label == "HB"
     with mpmath.workdps(DIGITS):
-        # u at the equilibrium is 1e-9 A as a float; the quotient by the same float is A: B = 1 + A^2 to rounding.
+        # u at the equilibrium is 1e-9 A as a float; the quotient by the same float is A: B = 1 + A^2 to
+        # rounding.
         assert abs(hopf.parameters["B"] - 2.0) <= max(hopf.error, 4.0 * np.finfo(float).eps)
     assert hopf.criticality == "supercritical"
     assert hopf.coefficients["omega"] == pytest.approx(1.0, rel=1e-12)

@@ -105,7 +105,9 @@ def test_double_eigenvalues_along_the_whole_branch(coupling):
 
 @pytest.mark.parametrize("at", [0.0, 0.3137])
 def test_a_pair_that_becomes_two_real_eigenvalues_and_back(at):
-    """Eigenvalues -1 +- sqrt(lambda - at): a defective point, where max_re has a kink and no bifurcation is."""
+    """Eigenvalues -1 +- sqrt(lambda - at): a defective point, where max_re has a kink and no bifurcation
+    is.
+    """
 
     def field(t, x, p, dx):
         dx[0] = -x[0] + x[1]

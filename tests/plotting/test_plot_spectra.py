@@ -56,7 +56,7 @@ def test_start_is_a_cross_and_end_a_ring_at_the_first_and_last_spectrum():
     legend = [text.get_text() for text in ax.get_legend().get_texts()]
     assert legend == ["start: mu = -1.5", "end: mu = 1"]
     assert [other.get_ylabel() for other in ax.figure.axes if other is not ax] == ["mu (N s/m)"]
-    assert ax.get_xlabel() == "real part (1/s)"
+    assert ax.get_xlabel() == "real part"
 
 
 def test_lines_are_coloured_by_the_free_parameter_and_the_imaginary_axis_is_there():

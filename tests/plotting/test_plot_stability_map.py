@@ -55,7 +55,7 @@ def test_border_is_the_line_through_the_hopf_points():
     ]
     assert ax.get_xlabel() == "mu (N s/m)"
     assert ax.get_ylabel() == "c (kg)"
-    assert [other.get_ylabel() for other in ax.figure.axes if other is not ax] == ["max_re (1/s)"]
+    assert [other.get_ylabel() for other in ax.figure.axes if other is not ax] == ["max_re"]
     legend = [text.get_text() for text in ax.get_legend().get_texts()]
     assert legend == ["unstable", "HB  Hopf point"]
 

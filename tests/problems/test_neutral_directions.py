@@ -105,7 +105,9 @@ def test_a_declared_direction_is_not_reported():
 
 
 def test_a_direction_that_is_neutral_at_the_start_only_is_not_held():
-    """y' = (mu - 1/2) y is neutral at mu = 1/2 alone: that is a bifurcation, and must be seen by the branch."""
+    """y' = (mu - 1/2) y is neutral at mu = 1/2 alone: that is a bifurcation, and must be seen by the
+    branch.
+    """
 
     def field(t, x, p, dx):
         dx[0] = -x[0] + p.mu

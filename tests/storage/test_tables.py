@@ -9,7 +9,7 @@ import pytest
 
 from contwalk.branch import Outcome
 from contwalk.errors import ContwalkError, DatabaseError
-from contwalk.storage import to_pandas, write_tables
+from contwalk.storage import write_tables
 
 
 @pytest.fixture
@@ -82,18 +82,18 @@ def test_directory_that_cannot_be_made(run, tmp_path):
 def test_pandas_missing(run, monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(ContwalkError, match="not installed") as caught:
-        to_pandas(run.branch("b1"))
+        run["b1"].to_pandas()
     assert "pip install pandas" in caught.value.remedy
 
 
 def test_columns_reach_pandas(run, monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", SimpleNamespace(DataFrame=dict))
-    table = to_pandas(run.branch("b1"))
+    table = run["b1"].to_pandas()
     assert table["q1"].tolist() == run.branch("b1")["q1"].tolist()
 
 
 def test_real_pandas(run):
     pandas = pytest.importorskip("pandas")
-    table = to_pandas(run.branch("b1"))
+    table = run["b1"].to_pandas()
     assert isinstance(table, pandas.DataFrame)
     assert len(table) == 3

@@ -1,12 +1,14 @@
-"""Eigenvalues of balanced states in extended precision, derived by hand: a check that shares no code with contwalk.
+"""Eigenvalues of balanced states in extended precision, derived by hand: a check that shares no code with
+contwalk.
 
-At a balanced state (q = 0) small motions are q = Q exp(s t), beta_j = b_j + B_j exp(s t), and with z = s + i omega the
-equations (8) and (9) become, for the displacement Q in the axes of the rotating frame,
+At a balanced state (q = 0) small motions are q = Q exp(s t), beta_j = b_j + B_j exp(s t), and with z = s +
+i omega the equations (8) and (9) become, for the displacement Q in the axes of the rotating frame,
 
     M' z^2 Q + c z Q + k Q = m1 l1 sum_j -i z^2 B_j exp(i b_j)
     ((m1 + J) l1 s^2 + delta l1 s) B_j = -m1 Im(z^2 Q exp(-i b_j))
 
-written for real and imaginary parts separately: d/dt + i omega acts on pairs (x, y) as s + omega [[0, -1], [1, 0]].
+written for real and imaginary parts separately: d/dt + i omega acts on pairs (x, y) as
+s + omega [[0, -1], [1, 0]].
 """
 
 from __future__ import annotations
@@ -55,12 +57,13 @@ def exact_hopf(
     n: int = 2,
     held: Mapping[str, mpf] | None = None,
 ) -> tuple[mpf, mpf]:
-    """Parameter and frequency at which a balanced state has eigenvalues +-i frequency, near given ones; 40 digits.
+    """Parameter and frequency at which a balanced state has eigenvalues +-i frequency, near given ones; 40
+    digits.
 
     `held` replaces values that a double cannot hold, such as pi.
     """
     with mp.workdps(50):
-        values = {name: mpf(repr(value)) for name, value in parameters.items()} | dict(held or {})
+        values = {name: mpf(value) for name, value in parameters.items()} | dict(held or {})
 
         def condition(at: mpf, omega: mpf) -> tuple[mpf, mpf]:
             p = values | {free: at}

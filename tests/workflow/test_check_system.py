@@ -168,7 +168,7 @@ MISTAKES = {
         "plugin", "outside its bounds", 'Parameter("c"',
     ),
     "plugin that exits": (
-        PENDULUMS, "import math", "raise SystemExit(0)", "error", "plugin", "SystemExit", None,
+        PENDULUMS, "import math", "raise SystemExit(0)", "error", "plugin", "SystemExit", "raise SystemExit",
     ),
     "guard that returns nothing": (
         IMPACT, "return p.gap - x[0]", "p.gap - x[0]", "error",
