@@ -60,7 +60,7 @@ def walk(
             yield Point(place, found_record(problem, found, place.s, sign))
             number += 1
             if outcome := _stop(found, settings, observer):
-                yield End(outcome, end_record(problem, place, outcome))
+                yield End(outcome, end_record(problem, place, outcome, sign))
                 return
         here = _arrived(problem, step, here, sign, settings, before)
         yield Point(here)
@@ -68,7 +68,7 @@ def walk(
         if number > 3 and step.closes(origin):
             outcome = outcomes.closed()
             break
-    yield End(outcome, end_record(problem, here, outcome))
+    yield End(outcome, end_record(problem, here, outcome, sign))
 
 
 def _finished(here: Here, number: int, points: int, settings: Settings, observer: Observer) -> Outcome | None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from contwalk.continuation.rootfinding import narrow
 from contwalk.continuation.segment import Segment
 from contwalk.problems.problem import Located, Sample
@@ -91,15 +93,18 @@ def _on_branch(
     tangent = segment.problem.tangent_at(label, located, near)
     if tangent is None:
         return same_point(segment, located, theta)
-    # At a branch point the corrector is singular: look at both sides of it, along the known tangent.
-    along = tangent / float(segment.normal @ tangent)
     # The more branches meet there, the farther its influence reaches.
     offset = 1e-2 if label == "MULTIPLE" else max(1e-3 * width, 1e-7)
+    return passes_through(segment, located.z, tangent, theta, offset)
+
+
+def passes_through(segment: Segment, z: np.ndarray, tangent: np.ndarray, theta: float, offset: float) -> bool:
+    """Whether the branch passes a branch point along a tangent, judged beside it: at it all is singular."""
+    along = tangent / float(segment.normal @ tangent)
     for side in (-offset, offset):
         if not 0.0 <= theta + side <= 1.0:
             continue
-        expected = located.z + side * along
-        if segment.distance(expected, theta + side) > 0.1 * offset + ROUNDING / segment.length:
+        if segment.distance(z + side * along, theta + side) > 0.1 * offset + ROUNDING / segment.length:
             return False
     return True
 

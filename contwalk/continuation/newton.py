@@ -11,7 +11,7 @@ from contwalk.problems.linear import Factored
 from contwalk.problems.problem import Linearization, Problem
 
 # Residuals this many times above their rounding error still count as solved: the bound is of first order.
-ROUNDED = 1e4
+ROUNDED = 20.0
 # Iterations that may follow when corrections are small already.
 SETTLING = 12
 

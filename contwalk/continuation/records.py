@@ -23,16 +23,22 @@ def found_record(problem: Problem, found: Found, s: float, sign: float) -> Speci
         record = problem.special_point(found.label, found.located, found.sample, s)
         if found.kind is not None:
             record = replace(record, kind=found.kind)
-    return replace(record, unstable_before=before, unstable_after=after)
+    tangent = tuple(sign * t for t in record.tangent)  # stored towards growing arclength
+    return replace(record, tangent=tangent, unstable_before=before, unstable_after=after)
 
 
-def end_record(problem: Problem, here: Here, outcome: Outcome) -> SpecialPoint:
+def end_record(problem: Problem, here: Here, outcome: Outcome, sign: float) -> SpecialPoint:
     """The record of an end point; its note keeps the outcome's sentence."""
     error = 0.0 if outcome.reason == "bound" else float(np.spacing(abs(here.sample.parameter)))
     record = problem.special_point("EP", Located(here.sample.z, error), here.sample, here.s)
     count = here.sample.unstable
     return replace(
-        record, kind=outcome.reason, unstable_before=count, unstable_after=count, note=outcome.message
+        record,
+        kind=outcome.reason,
+        tangent=tuple(sign * t for t in record.tangent),
+        unstable_before=count,
+        unstable_after=count,
+        note=outcome.message,
     )
 
 

@@ -38,13 +38,16 @@ class Segment:
         return z + (theta - self.position(z)) * self.chord
 
     def tangent(self, jacobian: np.ndarray) -> np.ndarray:
-        """Tangent of the branch, pointing along the chord, from the Jacobian on it."""
+        """Tangent of the branch, pointing along the chord, from the Jacobian on it.
+
+        Exactly at a branch point it is not determined; there the chord stands in for it.
+        """
         right = np.zeros(len(self.chord))
         right[-1] = 1.0
         try:
             return Factored(np.vstack([jacobian, self.normal]), self.weights).solve(right)
-        except np.linalg.LinAlgError as error:
-            raise LostBranch("The tangent is not determined.") from error
+        except np.linalg.LinAlgError:
+            return self.chord
 
     def at(self, theta: float) -> Sample:
         """The solution at theta.

@@ -10,7 +10,7 @@ from contwalk.branch import Outcome
 from contwalk.continuation import control, outcomes
 from contwalk.continuation.detection import bifurcations
 from contwalk.continuation.here import Here
-from contwalk.continuation.locating import Disagreement, Found
+from contwalk.continuation.locating import Disagreement, Found, passes_through
 from contwalk.continuation.marks import Observer, marked
 from contwalk.continuation.newton import Correction, correct
 from contwalk.continuation.segment import LostBranch, Segment
@@ -42,6 +42,8 @@ class Step:
         if not (0.0 < theta <= 1.0 and same_way):
             return False
         try:
+            if origin.sample.orientation == 0.0:
+                return passes_through(self.segment, origin.sample.z, origin.sample.tangent, theta, 1e-2)
             return self.segment.distance(origin.sample.z, theta) < 1e-5
         except LostBranch:
             return False

@@ -172,8 +172,9 @@ class Equilibrium:
         """
         derivatives = np.abs(linearization.jacobian)
         terms = (linearization.rounding / EPSILON)[:, None]
-        told = (derivatives > 1e-100) & (terms > 1e-290)
-        matters = np.where(told, terms / np.where(told, derivatives, 1.0), np.inf).min(axis=0)
+        told = (derivatives > 1e-100) & (terms > 1e-290) & np.isfinite(derivatives) & np.isfinite(terms)
+        matters = np.where(told, np.where(told, terms, 1.0) / np.where(told, derivatives, 1.0), np.inf)
+        matters = matters.min(axis=0)
         natural = np.maximum(np.abs(z), np.where(matters < np.inf, matters, 0.0))
         natural = np.where(natural > 1e-100, natural, np.nan)  # smaller ones are rounding noise of zero
         natural[self._declared] = self._scales

@@ -63,7 +63,9 @@ def load_declaration(reference: str, base: Path | None = None) -> System | Famil
     )
 
 
-def load_system(reference: str, model: Mapping[str, Any] | None = None, base: Path | None = None) -> System:
+def load_system(
+    reference: str | Path, model: Mapping[str, Any] | None = None, base: Path | None = None
+) -> System:
     """The system of this name or plugin file, built with these model choices.
 
     Raises
@@ -71,6 +73,7 @@ def load_system(reference: str, model: Mapping[str, Any] | None = None, base: Pa
     SystemDefinitionError
         As `load_declaration`, and for a model choice that the system does not have.
     """
+    reference = str(reference)
     declared = load_declaration(reference, base)
     if isinstance(declared, Family):
         system = called(f"system '{reference}'", declared.with_model, model or {})

@@ -91,7 +91,7 @@ def run(
             _plan(run_file),
             lambda name: _stored(db, name),
         )
-        _Recorder(db, reporter, result).record(diagram)
+        _Recorder(db, reporter, result, run_file.accuracy).record(diagram)
         result.branches = db.branches()
     if figures and not result.interrupted:
         result.figures = list(_figures(run_file, result, reporter))
@@ -185,8 +185,8 @@ def _stored(db: Database, name: str) -> Stored | None:
 class _Recorder:
     """Writes the events of a diagram into a database."""
 
-    def __init__(self, db: Database, reporter: Reporter, result: RunResult) -> None:
-        self.db, self.reporter, self.result = db, reporter, result
+    def __init__(self, db: Database, reporter: Reporter, result: RunResult, accuracy: float) -> None:
+        self.db, self.reporter, self.result, self.accuracy = db, reporter, result, accuracy
         self._current: BranchInfo | None = None
         self._number = 0
 
@@ -233,6 +233,22 @@ class _Recorder:
         if event.special is not None:
             self.db.append_special(name, event.special)
             self.reporter.special(event.info, event.special)
+            self._check_accuracy(event.info, event.special)
+
+    def _check_accuracy(self, info: BranchInfo, point: SpecialPoint) -> None:
+        """Say where a point is known less well than was asked for."""
+        value = abs(point.parameters[info.free[0]])
+        if (
+            point.status == "located"
+            and point.error is not None
+            and point.error > self.accuracy * value > 0.0
+        ):
+            text = (
+                f"{info.name}: {point.label} at {info.free[0]} = {value:.10g} is known only to "
+                f"{point.error:.1e}, less well than the accuracy of {self.accuracy:g} that was asked for."
+            )
+            self.db.write_note(f"accuracy {info.name} {point.label} {point.s!r}", text)
+            self.reporter.note(text)
 
 
 def _figures(run_file: RunFile, result: RunResult, reporter: Reporter) -> Iterator[Path]:

@@ -76,21 +76,23 @@ def distinct(branches: Any, parameter: str) -> list[tuple[str, float]]:
     return sorted(found, key=lambda f: f[1])
 
 
-def points_at(branches: Any, label: str, parameter: str, expected: Decimal) -> list[SpecialPoint]:
-    """All points of a label within 1e-6 of a position; there is at least one."""
+def points_at(
+    branches: Any, label: str, parameter: str, expected: Decimal
+) -> list[tuple[Branch, SpecialPoint]]:
+    """All points of a label within 1e-6 of a position, each with its branch; there is at least one."""
     found = [
-        p
-        for _, p in bifurcations(branches)
+        (b, p)
+        for b, p in bifurcations(branches)
         if p.label == label and math.isclose(p.parameters[parameter], float(expected), rel_tol=1e-6)
     ]
     assert found, f"no {label} near {parameter} = {expected}"
     return found
 
 
-def counts(point: SpecialPoint) -> tuple[int, int]:
+def counts(branch: Branch, point: SpecialPoint) -> tuple[int, int]:
     """Unstable eigenvalues below and above the point, in the sense of the parameter."""
     pair = point.unstable_before, point.unstable_after
-    return pair if point.tangent[-1] > 0 else pair[::-1]
+    return pair if branch["tangent"][point.index, -1] > 0 else pair[::-1]
 
 
 def start_named(branches: Any, name: str) -> list[Branch]:

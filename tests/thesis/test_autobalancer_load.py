@@ -34,14 +34,14 @@ def test_special_points_are_those_of_the_reference_and_no_others(name, study):
 @pytest.mark.parametrize(("name", "study"), STUDIES)
 def test_special_points_are_located_to_their_own_error(name, study):
     for event in study["events"]:
-        for point in points_at(figure_run(name), event["label"], "m", event["m"]):
+        for _, point in points_at(figure_run(name), event["label"], "m", event["m"]):
             assert_located(point, "m", event["m"])
 
 
 @pytest.mark.parametrize(("name", "study"), STUDIES)
 def test_full_load_is_a_supercritical_pitchfork_of_exchanged_masses(name, study):
     (event,) = [e for e in study["events"] if e["label"] == "BP"]
-    (full,) = points_at(figure_run(name), "BP", "m", event["m"])
+    ((_, full),) = points_at(figure_run(name), "BP", "m", event["m"])
     assert (full.kind, full.criticality) == ("pitchfork", "supercritical")
     assert full.note is not None
     assert "exchange_1_2" in full.note
@@ -60,11 +60,11 @@ def test_overloaded_autobalancer_works_as_well_as_possible():
 def test_hopf_points_of_fig_9():
     events = [e for e in FIG_9["events"] if e["label"] == "HB"]
     for event, unstable in zip(events, [(0, 2), (2, 0)], strict=True):
-        for point in points_at(figure_run("autobalancer_load_unstable"), "HB", "m", event["m"]):
+        for branch, point in points_at(figure_run("autobalancer_load_unstable"), "HB", "m", event["m"]):
             assert_digits(point.coefficients["omega"], event["imag"])
             assert_digits(point.coefficients["l1"], event["l1"])
             assert point.criticality == "supercritical"
-            assert counts(point) == unstable
+            assert counts(branch, point) == unstable
 
 
 @pytest.mark.parametrize(("name", "study"), STUDIES)

@@ -35,7 +35,7 @@ def test_special_points_are_those_of_the_reference_and_no_others(name, study):
 @pytest.mark.parametrize(("name", "study"), STUDIES)
 def test_special_points_are_located_to_their_own_error(name, study):
     for event in study["events"]:
-        for point in points_at(figure_run(name), event["label"], "omega", event["omega"]):
+        for _, point in points_at(figure_run(name), event["label"], "omega", event["omega"]):
             assert_located(point, "omega", event["omega"])
 
 
@@ -44,13 +44,13 @@ def test_hopf_points_have_the_frequency_and_normal_form_of_the_reference(name, s
     events = [e for e in study["events"] if e["label"] == "HB"]
     assert events
     for event in events:
-        for point in points_at(figure_run(name), "HB", "omega", event["omega"]):
+        for branch, point in points_at(figure_run(name), "HB", "omega", event["omega"]):
             assert_digits(point.coefficients["omega"], event["imag"])
             assert point.criticality == "supercritical"
             if "l1" in event:
                 assert_digits(point.coefficients["l1"], event["l1"])
             if "unstable" in event:
-                assert counts(point) == tuple(int(n) for n in event["unstable"])
+                assert counts(branch, point) == tuple(int(n) for n in event["unstable"])
 
 
 @pytest.mark.parametrize(("name", "study"), STUDIES)

@@ -9,14 +9,17 @@ from autobalancer_figures import (
     THREE_MASSES,
     assert_located,
     bifurcations,
+    counts,
     distinct,
     figure_run,
     points_at,
     start_named,
 )
-from whirl_determinant import exact_hopf
+from whirl_determinant import exact_hopf, neutral_directions
 
 import contwalk as cw
+from contwalk.continuation.opening import Opening, opened
+from contwalk.continuation.settings import Settings
 
 pytestmark = pytest.mark.thesis
 
@@ -37,6 +40,14 @@ def system():
 def continued(system, start, load, range, delta=0.005, angle=2.5, free="m", **more):
     parameters = system.defaults() | {"m": load, "delta": delta, "angle3": angle}
     return cw.continue_branch(cw.Equilibrium(system, parameters, free), start, range, **more)
+
+
+def pinned(system, parameters, range):
+    """The problem with the neutral directions held that are neutral at its balanced state."""
+    state = system.named_states("balanced", parameters)[0]
+    opening = opened(system, parameters, "m", state, Settings(range=range))
+    assert isinstance(opening, Opening)
+    return opening.problem
 
 
 @pytest.mark.parametrize(("label", "delta", "value"), LEADING, ids=lambda v: str(v)[:16])
@@ -60,6 +71,13 @@ def test_unstable_regions_at_angle_pi(system):
         assert (point.unstable_before, point.unstable_after) == unstable
         at, _ = exact_hopf(point.parameters, "m", point.coefficients["omega"], n=3)
         assert abs(float(at - point.parameters["m"])) <= point.error + float(at) * 1.2e-16
+
+
+def test_hopf_bifurcation_into_region_3_is_subcritical_at_its_lower_border(system):
+    # With mass 3 held: along the family itself l1 says nothing.
+    branch = continued(system, "balanced", 0.017, (0.0155, 0.0235), 0.0007, math.pi)
+    lower, upper = (point for _, point in bifurcations([branch]))
+    assert [lower.criticality, upper.criticality] == ["subcritical", "supercritical"]
 
 
 def test_region_1_is_unstable_for_all_angles(system):
@@ -104,7 +122,7 @@ def test_loads_from_which_types_2_to_5_exist():
             for point in branch.special_points:
                 if point.label == "LP":
                     assert_located(point, "m", FIG_24[key])
-        (fold,) = {round(p.parameters["m"], 12) for p in points_at(branches, "LP", "m", FIG_24[key])}
+        (fold,) = {round(p.parameters["m"], 12) for _, p in points_at(branches, "LP", "m", FIG_24[key])}
         assert fold == pytest.approx(float(FIG_24[key]), rel=LOCATED)
 
 
@@ -127,14 +145,17 @@ def test_type_5_alone_is_stable_when_overloaded():
     assert all(cosine < 0.0 for cosine, stable in overloaded if stable)
 
 
-def test_full_load_is_a_branch_point_where_type_5_becomes_stable(system):
+@pytest.mark.parametrize("max_step", [0.02, 0.04, 0.072, 0.1])
+def test_full_load_is_a_branch_point_where_type_5_becomes_stable(system, max_step):
     # Two equal eigenvalues pass zero together (the symmetry of three masses), and the walk goes on.
-    branch = continued(system, "together", 0.025, (0.02, 0.035))
+    branch = continued(system, "together", 0.0225, (0.02, 0.035), max_step=max_step)
     assert branch.outcome.status == "complete", branch.outcome.message
-    points = [p for p in branch.special_points if p.label not in ("EP", "UZ")]
-    assert [p.label for p in points] == ["BP"]
-    assert points[0].parameters["m"] == pytest.approx(float(FIG_24["type5_stable_above_m"]), rel=LOCATED)
-    assert {points[0].unstable_before, points[0].unstable_after} == {2, 0}
+    ((_, point),) = bifurcations([branch])
+    assert (point.label, point.status) == ("BP", "located")
+    assert point.parameters["m"] == pytest.approx(float(FIG_24["type5_stable_above_m"]), rel=LOCATED)
+    assert counts(branch, point) == (2, 0)
+    with mpmath.workdps(50):
+        assert neutral_directions([+mpmath.pi] * 3, point.parameters) == 2
 
 
 def test_balanced_family_with_mass_3_held_ends_in_a_fold(system):
@@ -150,13 +171,16 @@ def test_balanced_family_with_mass_3_held_ends_in_a_fold(system):
     assert fold.state["beta1"] == pytest.approx(fold.state["beta2"], abs=1e-7)  # the square root of rounding
 
 
-def test_branch_point_of_types_3_and_4_with_the_balanced_family(system):
+@pytest.mark.parametrize("max_step", [0.02, 0.04, 0.06, 0.1])
+def test_branch_point_of_types_3_and_4_with_the_balanced_family(system, max_step):
     # At m e = m1 l1 masses at pi, pi, 0 are balanced: one real eigenvalue passes zero upward, one downward.
-    branch = continued(system, "opposite", 0.012, (0.008, 0.016))
-    points = [p for p in branch.special_points if p.label not in ("EP", "UZ")]
-    assert [p.label for p in points] == ["BP"]
-    assert points[0].parameters["m"] == pytest.approx(0.01, rel=LOCATED)
-    assert points[0].unstable_before == points[0].unstable_after == 1
+    branch = continued(system, "opposite", 0.013, (0.008, 0.016), max_step=max_step)
+    ((_, point),) = bifurcations([branch])
+    assert (point.label, point.status) == ("BP", "located")
+    assert point.parameters["m"] == pytest.approx(0.01, rel=LOCATED)
+    assert counts(branch, point) == (1, 1)
+    with mpmath.workdps(50):
+        assert neutral_directions([+mpmath.pi, +mpmath.pi, mpmath.mpf(0)], point.parameters) == 2
 
 
 def test_branch_begins_exactly_at_that_branch_point(system):
@@ -174,3 +198,14 @@ def test_member_with_mass_3_at_pi_crosses_another_family(system):
     assert point.parameters["m"] == pytest.approx(0.01, rel=LOCATED)
     assert point.kind != "transcritical"  # the other branch is vertical: neither it nor a pitchfork
     assert math.cos(point.state["beta1"] - point.state["beta2"]) == pytest.approx(-1.0, abs=1e-12)
+
+
+def test_circle_of_balanced_states_closes(system):
+    # The branch that crosses there is a closed circle: beta1 and beta2 go round, the load stays.
+    parameters = system.defaults() | {"m": 0.005, "angle3": math.pi}
+    range = (0.0005, 0.0295)
+    problem = pinned(system, parameters, range)
+    parent = cw.continue_branch(problem, "balanced", range)
+    circle = cw.switch_branch(problem, parent, "BP1", range)
+    assert circle["m"] == pytest.approx(0.01, rel=1e-9)
+    assert circle.outcome.reason == "closed", circle.outcome.message

@@ -72,3 +72,11 @@ def exact_hopf(
 
         at, omega = mp.findroot(condition, (mpf(parameters[free]), mpf(frequency)), tol=1e-70)
         return at, omega
+
+
+def neutral_directions(angles: Sequence[mpf], parameters: Mapping[str, float]) -> int:
+    """Number of independent neutral directions of a balanced state: the nullity of D(0), 40 digits."""
+    with mp.workdps(50):
+        p = {name: mpf(value) for name, value in parameters.items()}
+        singular = mp.svd_r(dynamic_matrix(mpf(0), list(angles), p), compute_uv=False)
+        return sum(1 for value in singular if value < mpf(10) ** -40 * singular[0])
