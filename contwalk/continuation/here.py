@@ -61,16 +61,9 @@ def begin(
     weights = updated(None, magnitudes, settings, z)
     tangent = toward if toward is not None else first_tangent(linearization.jacobian, weights)
     sample = problem.examine(z, tangent, weights, linearization, None)
-    return Here(unsettled(sample, toward is not None), 0.0, settings.step)
-
-
-def unsettled(sample: Sample, branch_point: bool) -> Sample:
-    """The start of a branch; without orientation if it is special itself, so that both sides tell their own.
-
-    A branch begins at a special point if it was born there, or where a user starts from a stored one.
-    """
-    special = branch_point or bool(np.any(np.abs(sample.measures) <= 10.0 * sample.errors))
-    return replace(sample, orientation=0.0) if special else sample
+    if toward is not None:
+        sample = replace(sample, orientation=0.0)  # not defined at a branch point
+    return Here(sample, 0.0, settings.step)
 
 
 def first_tangent(jacobian: np.ndarray, weights: np.ndarray) -> np.ndarray:

@@ -73,7 +73,10 @@ def correct(
             if not damped and iteration > 1 and size > 0.7 * previous:
                 return Correction(z, here, iteration, "no_convergence", "Newton's method does not contract.")
             previous = size
-            z, here = _advance(problem, z, step, here, damped)
+            if damped:
+                z, here = _damped(problem, z, step, here, (guess, normal, weights))
+            else:
+                z, here = z - step, problem.linearize(z - step)
     except PluginError as error:
         return Correction(z, None, 0, "plugin_error", error.sentence)
     if here.excess <= ROUNDED:  # a solution already, of equations too singular to improve on it
@@ -123,23 +126,32 @@ def _finite(here: Linearization) -> bool:
     return bool(np.all(np.isfinite(here.residual)) and np.all(np.isfinite(here.jacobian)))
 
 
-def _advance(
-    problem: Problem, z: np.ndarray, step: np.ndarray, here: Linearization, damped: bool
+def _damped(
+    problem: Problem,
+    z: np.ndarray,
+    step: np.ndarray,
+    here: Linearization,
+    condition: tuple[np.ndarray, np.ndarray, np.ndarray],
 ) -> tuple[np.ndarray, Linearization]:
-    """z - t step with t = 1, or where damped, the first of 1, 1/2, 1/4 ... that reduces the residual."""
-    there = problem.linearize(z - step)
-    if not damped:
-        return z - step, there
+    """z - t step with the first t of 1, 1/2, 1/4 ... after which the next correction would be smaller.
+
+    The next correction is measured with the present Jacobian, so that scaling of the equations plays no part
+    (the natural monotonicity test, P. Deuflhard, Newton Methods for Nonlinear Problems, 2004, section 3.3).
+    """
+    guess, normal, weights = condition
+    size = float(np.linalg.norm(step / weights))
     fraction = 1.0
-    while fraction > 1e-4 and not (_finite(there) and _smaller(there, here)):
+    while True:
+        moved = z - fraction * step
+        there = problem.linearize(moved)
+        if fraction < 1e-6:
+            return moved, there
+        if _finite(there):
+            mixed = Linearization(there.residual, here.jacobian, there.rounding)
+            following = _newton_step(mixed, normal, normal @ (moved - guess), weights)
+            if (
+                following is not None
+                and np.linalg.norm(following / weights) <= (1.0 - 0.25 * fraction) * size
+            ):
+                return moved, there
         fraction /= 2.0
-        there = problem.linearize(z - fraction * step)
-    return z - fraction * step, there
-
-
-def _smaller(there: Linearization, here: Linearization) -> bool:
-    """Whether residuals went down, each measured by what it was made of before."""
-    if there.excess <= 2.0:
-        return True
-    scale = np.maximum(np.abs(here.residual), here.rounding)
-    return float(np.linalg.norm(there.residual / scale)) < float(np.linalg.norm(here.residual / scale))

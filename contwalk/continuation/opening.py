@@ -66,7 +66,7 @@ def opened(
                 return outcomes.no_start(here.reason, here.sentence)
         direction = second_direction(problem, here.sample.z)
         if direction is None:
-            return Opening(problem, here)
+            return Opening(problem, _off_special(problem, here, settings))
         return _degenerate(problem, here, direction, settings)
     except PluginError as error:
         return outcomes.no_start("plugin_error", error.sentence)
@@ -98,6 +98,21 @@ def _drifts(problem: Equilibrium, here: Here) -> bool:
     forces = np.abs(jacobian[:n, n : problem.size] * tangent[n : problem.size])
     terms = np.abs(jacobian[:n]) @ np.abs(tangent)
     return bool(forces.max() > 1e-9 * terms.max())
+
+
+def _off_special(problem: Equilibrium, here: Here, settings: Settings) -> Here:
+    """A start that is a fold or a Hopf point itself, moved a little along: walking back finds it."""
+    sample = here.sample
+    if not np.any(np.abs(sample.measures) <= 10.0 * sample.errors):
+        return here
+    for sign in (1.0, -1.0):
+        guess = sample.z + sign * settings.step * sample.tangent
+        moved = correct(problem, guess, sample.tangent / sample.weights**2, sample.weights)
+        if moved.ok and settings.range[0] <= moved.z[-1] <= settings.range[1]:
+            beside = begin(problem, moved.z, settings)
+            if isinstance(beside, Here):
+                return beside
+    return here
 
 
 def _degenerate(

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from contwalk.branch import BranchInfo
-from contwalk.continuation.here import Here, unsettled
+from contwalk.continuation.here import Here
 from contwalk.problems.equilibrium import Equilibrium
 
 
@@ -47,6 +49,6 @@ def from_row(problem: Equilibrium, row: np.void, sign: float, born: bool) -> Her
     sample = problem.examine(
         z, sign * np.array(row["tangent"]), np.array(row["weights"]), linearization, int(row["unstable"])
     )
-    if row["s"] == 0.0:
-        sample = unsettled(sample, born)
+    if born and row["s"] == 0.0:
+        sample = replace(sample, orientation=0.0)  # not defined at a branch point
     return Here(sample, float(row["s"]), float(row["step"]))

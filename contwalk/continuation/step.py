@@ -62,6 +62,7 @@ class Prediction:
 def take_step(problem: Problem, here: Here, settings: Settings, observer: Observer) -> Step | Outcome:
     """The longest step from here that converges, turns little, and on which the tests agree."""
     length = min(here.step, settings.max_step)
+    edge: tuple[str, str] | None = None  # a field that ends ahead is the reason, whatever stops the last step
     while True:
         smallest = length <= settings.min_step
         length = max(length, settings.min_step)
@@ -79,7 +80,10 @@ def take_step(problem: Problem, here: Here, settings: Settings, observer: Observ
                 sentence = str(error)
             except PluginError as error:
                 reason, sentence = "plugin_error", error.sentence
-        if smallest or (reason in ("not_finite", "plugin_error") and length < EDGE):
+        if reason in ("not_finite", "plugin_error"):
+            edge = reason, sentence
+        if smallest or (edge is not None and length < EDGE):
+            reason, sentence = edge or (reason, sentence)
             return outcomes.stuck(reason, sentence, length, observer.parameter, here.sample.parameter)
         length = control.shrunk(length)
 

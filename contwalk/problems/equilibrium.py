@@ -310,7 +310,7 @@ class Equilibrium:
                 "may meet here; the other ones are not followed"
             )
         elif label == "BP":
-            kind, criticality, coefficients, note = self._branch_point(located)
+            kind, criticality, coefficients, note = self._branch_point(located, sample.weights)
         return SpecialPoint(
             label=label,
             s=s,
@@ -326,8 +326,10 @@ class Equilibrium:
             tangent=tuple(sample.tangent.tolist()),
         )
 
-    def _branch_point(self, located: Located) -> tuple[str, str | None, dict[str, Any], str | None]:
-        c = branch_point_coefficients(self, located)
+    def _branch_point(
+        self, located: Located, weights: np.ndarray
+    ) -> tuple[str, str | None, dict[str, Any], str | None]:
+        c = branch_point_coefficients(self, located, weights)
         numbers = {name: c[name] for name in ("c11", "c12", "c22", "c")}
         numbers["convention"] = (
             "c11 s^2 + 2 c12 s t + c22 t^2 = 0 for the directions s q + t h; "
@@ -335,6 +337,9 @@ class Equilibrium:
         )
         if c["c11"] != 0.0:
             return "transcritical", None, numbers, None
+        if c["c"] == 0.0:
+            note = "the other branch keeps the parameter to third order: it may be vertical"
+            return "pitchfork", None, numbers, note
         critical = "supercritical" if c["c"] < 0 else "subcritical"
         return "pitchfork", critical, numbers, self._symmetry_note(located.z, c["q"])
 

@@ -174,7 +174,7 @@ def test_balanced_family_with_mass_3_held_ends_in_a_fold(system):
 @pytest.mark.parametrize("max_step", [0.02, 0.04, 0.06, 0.1])
 def test_branch_point_of_types_3_and_4_with_the_balanced_family(system, max_step):
     # At m e = m1 l1 masses at pi, pi, 0 are balanced: one real eigenvalue passes zero upward, one downward.
-    branch = continued(system, "opposite", 0.013, (0.008, 0.016), max_step=max_step)
+    branch = continued(system, "opposite", 0.013, (0.005, 0.016), max_step=max_step)
     ((_, point),) = bifurcations([branch])
     assert (point.label, point.status) == ("BP", "located")
     assert point.parameters["m"] == pytest.approx(0.01, rel=LOCATED)
@@ -207,5 +207,6 @@ def test_circle_of_balanced_states_closes(system):
     problem = pinned(system, parameters, range)
     parent = cw.continue_branch(problem, "balanced", range)
     circle = cw.switch_branch(problem, parent, "BP1", range)
-    assert circle["m"] == pytest.approx(0.01, rel=1e-9)
+    # Where all masses are in line the load is only determined to the square root of rounding.
+    assert circle["m"] == pytest.approx(0.01, rel=1e-8)
     assert circle.outcome.reason == "closed", circle.outcome.message
