@@ -45,7 +45,8 @@ def _check_special_point(branch: Branch, point: SpecialPoint) -> None:
     assert point.error is not None
     assert math.isfinite(point.error)
     assert point.error >= 0.0
-    decided = point.label == "HB" or point.kind == "pitchfork"
+    # A vertical branch has no criticality: its cubic coefficient vanishes.
+    decided = point.label == "HB" or (point.kind == "pitchfork" and point.coefficients["c"] != 0.0)
     assert (point.criticality in ("supercritical", "subcritical")) == decided
     if point.label != "EP" and not _marks_the_start(point):
         assert row["special"]

@@ -54,7 +54,8 @@ def _suspects(a: Sample, b: Sample, length: float) -> Iterable[int]:
     # towards zero at the one end, away from it at the other: an extremum lies between
     turning = usable & (sign * da < 0) & (sign * db > 0)
     for which in np.flatnonzero(turning):
-        lowest = _cubic_extremum(ma[which], mb[which], da[which], db[which], sign[which])
+        ends = ma[which], mb[which], da[which], db[which], sign[which]
+        lowest = min(_cubic_extremum(*ends), _corner(*ends))
         if lowest < NEAR_ZERO * min(abs(ma[which]), abs(mb[which])):
             yield int(which)
 
@@ -65,6 +66,12 @@ def _cubic_extremum(ma: float, mb: float, da: float, db: float, sign: float) -> 
     r = 1.0 - t
     values = ma * r * r * (1 + 2 * t) + mb * t * t * (3 - 2 * t) + da * t * r * r - db * t * t * r
     return float((sign * values).min())
+
+
+def _corner(ma: float, mb: float, da: float, db: float, sign: float) -> float:
+    """sign * the value at which the tangents at both ends meet, as they do where two eigenvalues change roles."""
+    theta = (mb - db - ma) / (da - db)
+    return float(sign * (ma + da * theta))
 
 
 def _extremum(

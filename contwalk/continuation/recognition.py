@@ -53,9 +53,7 @@ def _comparable(problem: Equilibrium, branch: Branch) -> bool:
 def _on(problem: Equilibrium, z: np.ndarray, weights: np.ndarray, branch: Branch) -> bool:
     """Whether z lies on the curve through a branch's points, each piece recomputed where it passes z."""
     rows = np.column_stack([branch.points["unknowns"], branch.points["free"][:, 0]])
-    periods = np.array([s.period or 0.0 for s in problem.system.states] + [0.0] * (len(z) - problem.states))
-    turns = np.divide(rows[0] - z, periods, out=np.zeros(len(z)), where=periods > 0)
-    z = z + np.round(turns) * periods  # angles near those of the branch
+    z = problem.nearest_turn(z, rows[0])
     a, chord = rows[:-1], np.diff(rows, axis=0)
     normal = chord / weights**2
     length = np.einsum("ij,ij->i", normal, chord)

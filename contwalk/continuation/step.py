@@ -37,14 +37,16 @@ class Step:
 
     def closes(self, origin: Here) -> bool:
         """Whether the step passed a walk's beginning, the same way round."""
-        theta = self.segment.position(origin.sample.z)
-        same_way = origin.sample.tangent / origin.sample.weights**2 @ self.there.tangent > 0.0
+        segment, tangent = self.segment, origin.sample.tangent
+        z = segment.problem.nearest_turn(origin.sample.z, segment.a.z)
+        theta = segment.position(z)
+        same_way = tangent / origin.sample.weights**2 @ self.there.tangent > 0.0
         if not (0.0 < theta <= 1.0 and same_way):
             return False
         try:
             if origin.sample.orientation == 0.0:
-                return passes_through(self.segment, origin.sample.z, origin.sample.tangent, theta, 1e-2)
-            return self.segment.distance(origin.sample.z, theta) < 1e-5
+                return passes_through(segment, z, tangent, theta, 1e-2)
+            return segment.distance(z, theta) < 1e-5
         except LostBranch:
             return False
 

@@ -92,6 +92,7 @@ class Equilibrium:
         self._scales = [scale for _, scale in declared]
         self.kernels = equations_of(system, None if path is not None else free, tuple(moving), self.pins)
         self._observables: dict[str, tuple[Kernel, Kernel]] = {}
+        self.periods = np.array([s.period or 0.0 for s in system.states] + [0.0] * (len(self.pins) + 1))
 
     @property
     def observable_names(self) -> tuple[str, ...]:
@@ -354,6 +355,11 @@ class Equilibrium:
                     f"the branches that leave are images of each other under the symmetry '{symmetry.name}'"
                 )
         return None
+
+    def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
+        """The same solution with its angles turned as near as possible to those of another one."""
+        turns = np.divide(near - z, self.periods, out=np.zeros(len(z)), where=self.periods > 0.0)
+        return z + np.round(turns) * self.periods
 
     def image(self, symmetry: str, z: np.ndarray) -> np.ndarray:
         """Image of a solution under a declared symmetry."""

@@ -113,8 +113,8 @@ def branch_point_coefficients(problem: Equilibrium, located: Located, weights: n
     b2 = forms.second(q, q)
     h2 = bordered.solve(np.append(b2, 0.0))[:size]
     c = float(p @ (forms.third(q, q, q) - 3.0 * forms.second(q, h2))) / 6.0
-    # How far the parameter moves while the unknowns move by their typical magnitudes along q, to second and to
-    # third order, against its own magnitude.
+    # How far the parameter moves while the unknowns move by their typical magnitudes along q, to second and
+    # to third order, against its own magnitude.
     reach = 1.0 / float(np.linalg.norm(q / weights[:-1]))
     drive = abs(2.0 * c12 * weights[-1])
     if abs(c11) * reach <= EQUAL * drive or is_pitchfork(problem, located, q, p):

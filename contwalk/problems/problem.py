@@ -168,6 +168,10 @@ class Problem(Protocol):
         """Tangent of the branch at a special point where DF alone does not determine it; else None."""
         ...
 
+    def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
+        """The same solution with its angles turned as near as possible to those of another one."""
+        ...
+
     def many_branches(self, z: np.ndarray) -> bool:
         """Whether more than one branch passes through a solution, to rounding."""
         ...
