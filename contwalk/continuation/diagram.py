@@ -8,22 +8,21 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint, named
-from contwalk.continuation import outcomes
+from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint
 from contwalk.continuation.arclength import End, Point, walk
 from contwalk.continuation.here import Here, begin, turned
 from contwalk.continuation.marks import Observer, marks_at
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.recognition import known_branch
 from contwalk.continuation.records import start_record
-from contwalk.continuation.rows import from_row, to_row
+from contwalk.continuation.rows import to_row
 from contwalk.continuation.settings import Settings
-from contwalk.problems.equilibrium import MAX_RE, Equilibrium
-from contwalk.system import System
+from contwalk.continuation.work import Start, Stored, Work, closed, combined, info_of, resumed
+from contwalk.problems.equilibrium import Equilibrium
 
 
 @dataclass(frozen=True)
@@ -34,28 +33,6 @@ class Plan:
     follow: frozenset[str] = frozenset({"BP"})
     depth: int = 5
     directions: tuple[float, ...] = (1.0, -1.0)
-
-
-@dataclass(frozen=True)
-class Start:
-    """One entry of the queue. `opening` is an `Outcome` where the start failed."""
-
-    system: System
-    free: str
-    parameters: dict[str, float]
-    opening: Opening | Outcome
-    origin: str
-    parent: tuple[str, float] | None = None
-    depth: int = 0
-
-
-@dataclass(frozen=True)
-class Stored:
-    """What a database holds of a branch: rows and special points in the order of appending."""
-
-    rows: np.ndarray
-    special_points: list[SpecialPoint]
-    outcome: Outcome | None
 
 
 @dataclass(frozen=True)
@@ -102,22 +79,6 @@ class Noted:
 
 
 Event = Began | Found | Cut | Ended | Noted
-
-
-@dataclass
-class _Work:
-    """A branch in the making."""
-
-    info: BranchInfo
-    rows: list[np.ndarray] = field(default_factory=list)
-    special_points: list[SpecialPoint] = field(default_factory=list)
-    outcomes: list[tuple[float, Outcome]] = field(default_factory=list)
-
-    def branch(self, outcome: Outcome) -> Branch:
-        rows = np.concatenate(self.rows) if self.rows else np.zeros(0, dtype=self.info.point_dtype())
-        points = rows[np.argsort(rows["s"], kind="stable")]
-        cost = {"seconds": float(rows["seconds"].sum()), "rhs": int(rows["rhs"].sum())}
-        return Branch(self.info, points, named(self.special_points, points), outcome, cost)
 
 
 class Diagram:
@@ -198,7 +159,7 @@ class Diagram:
         return self._plan.directions if start.parent is None else (1.0, -1.0)
 
     def _branch(self, start: Start) -> Iterator[Event]:
-        work = _Work(_info(start, f"b{len(self.branches) + 1}"))
+        work = Work(info_of(start, f"b{len(self.branches) + 1}"))
         stored = self._restore(work.info.name)
         if stored is not None and stored.outcome is not None and stored.outcome.reason != "interrupted":
             work.rows, work.special_points = [stored.rows], list(stored.special_points)
@@ -209,14 +170,14 @@ class Diagram:
             yield Ended(branch)
         else:
             yield from self._walked(start.opening, work, stored, self._signs(start))
-            branch = work.branch(_combined(work.outcomes, start.opening.message))
+            branch = work.branch(combined(work.outcomes, start.opening.message))
             yield Ended(branch)
         self.branches.append(branch)
         if not isinstance(start.opening, Outcome) and start.depth < self._plan.depth:
             self._seeds.extend(self._grown(start, start.opening.problem, branch))
 
     def _walked(
-        self, opening: Opening, work: _Work, stored: Stored | None, signs: tuple[float, ...]
+        self, opening: Opening, work: Work, stored: Stored | None, signs: tuple[float, ...]
     ) -> Iterator[Event]:
         """Both directions of a branch, or what is missing of them."""
         problem, settings = opening.problem, self._plan.settings
@@ -228,12 +189,12 @@ class Diagram:
             yield Found(work.info, work.rows[0], None)
             places = {sign: opening.here if sign > 0 else turned(opening.here) for sign in signs}
         else:
-            places = _resumed(problem, work, stored, signs)
+            places = resumed(problem, work, stored, signs)
             yield Cut(work.info, len(work.rows), len(work.special_points))
         if len(work.rows) == 1:
             yield from self._start_marks(work, opening, observer)
         for sign in signs:
-            if sign not in places or _closed(work):
+            if sign not in places or closed(work):
                 continue
             left = settings.max_points - len(work.rows)
             for event in walk(problem, places[sign], settings, observer, sign, left):
@@ -248,7 +209,7 @@ class Diagram:
                     work.special_points.append(event.special)
                 yield Found(work.info, row, event.special)
 
-    def _start_marks(self, work: _Work, opening: Opening, observer: Observer) -> Iterator[Found]:
+    def _start_marks(self, work: Work, opening: Opening, observer: Observer) -> Iterator[Found]:
         """Marks that the start of a branch has itself."""
         problem, here = opening.problem, opening.here
         for kind in marks_at(here.sample, self._plan.settings.marks, observer):
@@ -275,71 +236,3 @@ class Diagram:
                         parent=(branch.name, point.s),
                         depth=start.depth + 1,
                     )
-
-
-def _info(start: Start, name: str) -> BranchInfo:
-    system = start.system
-    n = len(system.states)
-    unknowns, spectrum, settings = n, n, {}
-    if isinstance(start.opening, Opening):
-        problem = start.opening.problem
-        unknowns, spectrum = problem.size, n - len(problem.pins)
-        settings = {"pins": [pin.name for pin in problem.pins]}
-    return BranchInfo(
-        name=name,
-        problem=Equilibrium.kind,
-        states=system.state_names,
-        observables=(*[o.name for o in system.observables], MAX_RE),
-        free=(start.free,),
-        parameters=start.parameters,
-        unknowns=unknowns,
-        spectrum=max(spectrum, 1),
-        parent=start.parent,
-        origin=start.origin,
-        settings=settings,
-    )
-
-
-def _closed(work: _Work) -> bool:
-    return any(outcome.reason == "closed" for _, outcome in work.outcomes)
-
-
-def _resumed(
-    problem: Equilibrium, work: _Work, stored: Stored, signs: tuple[float, ...]
-) -> dict[float, Here]:
-    """Where each direction goes on; those that have ended are left out and their outcomes taken over."""
-    rows = stored.rows
-    regular = np.flatnonzero(~rows["special"])
-    kept = rows[: regular[-1] + 1]
-    work.rows = [kept[i : i + 1] for i in range(len(kept))]
-    kept_s = set(kept["s"].tolist())
-    work.special_points = [p for p in stored.special_points if p.s in kept_s]
-    ends = {1.0 if p.s > 0 else -1.0: p for p in work.special_points if p.label == "EP"}
-    if len(kept) == 1 and ends:  # ended where it began
-        ends = dict(zip(signs, [p for p in work.special_points if p.label == "EP"], strict=False))
-    born = work.info.parent is not None
-    places: dict[float, Here] = {}
-    for sign in signs:
-        if sign in ends:
-            end = ends[sign]
-            work.outcomes.append((sign, outcomes.restored(str(end.kind), end.note or "")))
-            continue
-        side = kept[(np.sign(kept["s"]) == sign) & ~kept["special"]]
-        if len(side):
-            places[sign] = from_row(problem, side[-1], sign, born)
-        else:
-            places[sign] = from_row(problem, kept[0], sign, born)
-    return places
-
-
-_ORDER = {"complete": 0, "stopped": 1, "failed": 2}
-
-
-def _combined(ends: list[tuple[float, Outcome]], message: str) -> Outcome:
-    """One outcome for both ends: the worse one decides, each is told."""
-    worst = max((outcome for _, outcome in ends), key=lambda o: _ORDER[o.status])
-    texts = [o.message for _, o in ends]
-    if len(texts) == 2:
-        names = {1.0: "Forward", -1.0: "Backward"}
-        texts = [f"{names[sign]}: {o.message}" for sign, o in ends]
-    return replace(worst, message=" ".join([*texts, message]).strip())

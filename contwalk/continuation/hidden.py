@@ -69,7 +69,7 @@ def _cubic_extremum(ma: float, mb: float, da: float, db: float, sign: float) -> 
 
 
 def _corner(ma: float, mb: float, da: float, db: float, sign: float) -> float:
-    """sign * the value at which the tangents at both ends meet, as they do where two eigenvalues change roles."""
+    """sign * the value at which the tangents at both ends meet: a corner, where eigenvalues change roles."""
     theta = (mb - db - ma) / (da - db)
     return float(sign * (ma + da * theta))
 

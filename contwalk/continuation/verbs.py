@@ -11,11 +11,12 @@ import numpy as np
 
 from contwalk.branch import Branch, Outcome, SpecialPoint
 from contwalk.continuation.arclength import Point, walk
-from contwalk.continuation.diagram import Diagram, Plan, Start
+from contwalk.continuation.diagram import Diagram, Plan
 from contwalk.continuation.here import begin, turned
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.opening import Opening, opened
 from contwalk.continuation.settings import Mark, Settings
+from contwalk.continuation.work import Start
 from contwalk.errors import StartError
 from contwalk.problems.equilibrium import Equilibrium
 from contwalk.system.declarations import nearest

@@ -14,13 +14,9 @@ from contwalk.fields.blame import first_not_finite
 from contwalk.fields.kernel import Kernel
 from contwalk.problems import defining
 from contwalk.problems import neutral as neutrals
+from contwalk.problems.description import described
 from contwalk.problems.equations import equations_of
 from contwalk.problems.linear import Factored
-from contwalk.problems.normal_forms import (
-    branch_point_coefficients,
-    fold_coefficients,
-    hopf_coefficients,
-)
 from contwalk.problems.problem import Linearization, Located, Sample, Seed
 from contwalk.problems.spectrum import EPSILON, Spectrum, spectrum
 from contwalk.problems.switching import branch_point_seeds, second_direction, tangent_through
@@ -295,66 +291,7 @@ class Equilibrium:
 
     def special_point(self, label: str, located: Located, sample: Sample, s: float) -> SpecialPoint:
         """The record of a located point, with its normal form."""
-        z = located.z
-        kind, criticality, coefficients, note = None, None, {}, None
-        if label == "LP":
-            coefficients = fold_coefficients(self, located)
-        elif label == "HB":
-            coefficients = hopf_coefficients(self, located)
-            criticality = "supercritical" if coefficients["l1"] < 0 else "subcritical"
-            if self.pins:
-                note = "l1 is that of the motion with the pinned neutral directions held"
-        elif "multiplicity" in located.vectors:
-            coefficients = {"multiplicity": located.vectors["multiplicity"]}
-            note = (
-                f"{located.vectors['multiplicity']} real eigenvalues vanish together: more than two branches "
-                "may meet here; the other ones are not followed"
-            )
-        elif label == "BP":
-            kind, criticality, coefficients, note = self._branch_point(located, sample.weights)
-        return SpecialPoint(
-            label=label,
-            s=s,
-            kind=kind,
-            parameters=self.values_of(z) | ({self.free: float(z[-1])} if self.path is not None else {}),
-            state=dict(zip(self.system.state_names, z[: self.states].tolist(), strict=True)),
-            spectrum=tuple(complex(v) for v in sample.eigenvalues),
-            error=located.error,
-            criticality=criticality,
-            coefficients=coefficients,
-            note=note,
-            unknowns=tuple(z.tolist()),
-            tangent=tuple(sample.tangent.tolist()),
-        )
-
-    def _branch_point(
-        self, located: Located, weights: np.ndarray
-    ) -> tuple[str, str | None, dict[str, Any], str | None]:
-        c = branch_point_coefficients(self, located, weights)
-        numbers = {name: c[name] for name in ("c11", "c12", "c22", "c")}
-        numbers["convention"] = (
-            "c11 s^2 + 2 c12 s t + c22 t^2 = 0 for the directions s q + t h; "
-            "c = p.(C(q,q,q) - 3 B(q, A^-1 B(q,q)))/6, |q| = 1, p.q = 1"
-        )
-        if c["c11"] != 0.0:
-            return "transcritical", None, numbers, None
-        if c["c"] == 0.0:
-            note = "the other branch keeps the parameter to third order: it may be vertical"
-            return "pitchfork", None, numbers, note
-        critical = "supercritical" if c["c"] < 0 else "subcritical"
-        return "pitchfork", critical, numbers, self._symmetry_note(located.z, c["q"])
-
-    def _symmetry_note(self, z: np.ndarray, q: np.ndarray) -> str | None:
-        for symmetry in self.system.symmetries:
-            image = self.image(symmetry.name, z)[: self.states]
-            moved = self.image(symmetry.name, np.append(z[:-1] + 1e-3 * q, z[-1]))[: self.states] - image
-            if np.allclose(image, z[: self.states], rtol=1e-9, atol=1e-12) and not np.allclose(
-                moved, 1e-3 * q[: self.states], rtol=1e-6, atol=1e-12
-            ):
-                return (
-                    f"the branches that leave are images of each other under the symmetry '{symmetry.name}'"
-                )
-        return None
+        return described(self, label, located, sample, s)
 
     def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
         """The same solution with its angles turned as near as possible to those of another one."""

@@ -12,8 +12,9 @@ from typing import Any
 
 from contwalk.branch import Branch, BranchInfo, SpecialPoint
 from contwalk.continuation import outcomes
-from contwalk.continuation.diagram import Began, Cut, Diagram, Ended, Event, Found, Noted, Plan, Start, Stored
+from contwalk.continuation.diagram import Began, Cut, Diagram, Ended, Event, Found, Noted, Plan
 from contwalk.continuation.settings import Mark, Settings
+from contwalk.continuation.work import Start, Stored
 from contwalk.errors import ContwalkError, DatabaseError
 from contwalk.problems.equilibrium import Equilibrium
 from contwalk.storage.database import Database, RunHeader

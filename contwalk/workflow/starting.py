@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.continuation.diagram import Start
 from contwalk.continuation.opening import opened
 from contwalk.continuation.settings import Settings
+from contwalk.continuation.work import Start
 from contwalk.errors import StartError
 from contwalk.storage.hdf5 import Hdf5Database
 from contwalk.workflow.run_file import RunFile, StartSpec

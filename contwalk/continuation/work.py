@@ -1,0 +1,122 @@
+"""A branch in the making: what is known of it so far, new or taken over from a database."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint, named
+from contwalk.continuation import outcomes
+from contwalk.continuation.here import Here
+from contwalk.continuation.opening import Opening
+from contwalk.continuation.rows import from_row
+from contwalk.problems.equilibrium import MAX_RE, Equilibrium
+from contwalk.system import System
+
+
+@dataclass(frozen=True)
+class Start:
+    """One entry of the queue. `opening` is an `Outcome` where the start failed."""
+
+    system: System
+    free: str
+    parameters: dict[str, float]
+    opening: Opening | Outcome
+    origin: str
+    parent: tuple[str, float] | None = None
+    depth: int = 0
+
+
+@dataclass(frozen=True)
+class Stored:
+    """What a database holds of a branch: rows and special points in the order of appending."""
+
+    rows: np.ndarray
+    special_points: list[SpecialPoint]
+    outcome: Outcome | None
+
+
+@dataclass
+class Work:
+    """A branch in the making."""
+
+    info: BranchInfo
+    rows: list[np.ndarray] = field(default_factory=list)
+    special_points: list[SpecialPoint] = field(default_factory=list)
+    outcomes: list[tuple[float, Outcome]] = field(default_factory=list)
+
+    def branch(self, outcome: Outcome) -> Branch:
+        """The branch as it stands, ended like this."""
+        rows = np.concatenate(self.rows) if self.rows else np.zeros(0, dtype=self.info.point_dtype())
+        points = rows[np.argsort(rows["s"], kind="stable")]
+        cost = {"seconds": float(rows["seconds"].sum()), "rhs": int(rows["rhs"].sum())}
+        return Branch(self.info, points, named(self.special_points, points), outcome, cost)
+
+
+def info_of(start: Start, name: str) -> BranchInfo:
+    """What is true of the whole branch of a start."""
+    system = start.system
+    n = len(system.states)
+    unknowns, spectrum, settings = n, n, {}
+    if isinstance(start.opening, Opening):
+        problem = start.opening.problem
+        unknowns, spectrum = problem.size, n - len(problem.pins)
+        settings = {"pins": [pin.name for pin in problem.pins]}
+    return BranchInfo(
+        name=name,
+        problem=Equilibrium.kind,
+        states=system.state_names,
+        observables=(*[o.name for o in system.observables], MAX_RE),
+        free=(start.free,),
+        parameters=start.parameters,
+        unknowns=unknowns,
+        spectrum=max(spectrum, 1),
+        parent=start.parent,
+        origin=start.origin,
+        settings=settings,
+    )
+
+
+def closed(work: Work) -> bool:
+    """Whether a direction has come back to the start, so that the other one is known."""
+    return any(outcome.reason == "closed" for _, outcome in work.outcomes)
+
+
+def resumed(problem: Equilibrium, work: Work, stored: Stored, signs: tuple[float, ...]) -> dict[float, Here]:
+    """Where each direction goes on; those that have ended are left out and their outcomes taken over."""
+    rows = stored.rows
+    regular = np.flatnonzero(~rows["special"])
+    kept = rows[: regular[-1] + 1]
+    work.rows = [kept[i : i + 1] for i in range(len(kept))]
+    kept_s = set(kept["s"].tolist())
+    work.special_points = [p for p in stored.special_points if p.s in kept_s]
+    ends = {1.0 if p.s > 0 else -1.0: p for p in work.special_points if p.label == "EP"}
+    if len(kept) == 1 and ends:  # ended where it began
+        ends = dict(zip(signs, [p for p in work.special_points if p.label == "EP"], strict=False))
+    born = work.info.parent is not None
+    places: dict[float, Here] = {}
+    for sign in signs:
+        if sign in ends:
+            end = ends[sign]
+            work.outcomes.append((sign, outcomes.restored(str(end.kind), end.note or "")))
+            continue
+        side = kept[(np.sign(kept["s"]) == sign) & ~kept["special"]]
+        if len(side):
+            places[sign] = from_row(problem, side[-1], sign, born)
+        else:
+            places[sign] = from_row(problem, kept[0], sign, born)
+    return places
+
+
+_ORDER = {"complete": 0, "stopped": 1, "failed": 2}
+
+
+def combined(ends: list[tuple[float, Outcome]], message: str) -> Outcome:
+    """One outcome for both ends: the worse one decides, each is told."""
+    worst = max((outcome for _, outcome in ends), key=lambda o: _ORDER[o.status])
+    texts = [o.message for _, o in ends]
+    if len(texts) == 2:
+        names = {1.0: "Forward", -1.0: "Backward"}
+        texts = [f"{names[sign]}: {o.message}" for sign, o in ends]
+    return replace(worst, message=" ".join([*texts, message]).strip())

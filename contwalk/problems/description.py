@@ -1,0 +1,82 @@
+"""The record of a special point of an equilibrium: its normal form, and what is to be said about it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+from contwalk.problems.normal_forms import (
+    branch_point_coefficients,
+    fold_coefficients,
+    hopf_coefficients,
+)
+from contwalk.problems.problem import Located, Sample
+
+if TYPE_CHECKING:
+    from contwalk.problems.equilibrium import Equilibrium
+
+
+def described(problem: Equilibrium, label: str, located: Located, sample: Sample, s: float) -> SpecialPoint:
+    """The record of a located point, with its normal form."""
+    z = located.z
+    kind, criticality, coefficients, note = None, None, {}, None
+    if label == "LP":
+        coefficients = fold_coefficients(problem, located)
+    elif label == "HB":
+        coefficients = hopf_coefficients(problem, located)
+        criticality = "supercritical" if coefficients["l1"] < 0 else "subcritical"
+        if problem.pins:
+            note = "l1 is that of the motion with the pinned neutral directions held"
+    elif "multiplicity" in located.vectors:
+        coefficients = {"multiplicity": located.vectors["multiplicity"]}
+        note = (
+            f"{located.vectors['multiplicity']} real eigenvalues vanish together: more than two branches "
+            "may meet here; the other ones are not followed"
+        )
+    elif label == "BP":
+        kind, criticality, coefficients, note = _branch_point(problem, located, sample.weights)
+    return SpecialPoint(
+        label=label,
+        s=s,
+        kind=kind,
+        parameters=problem.values_of(z) | ({problem.free: float(z[-1])} if problem.path is not None else {}),
+        state=dict(zip(problem.system.state_names, z[: problem.states].tolist(), strict=True)),
+        spectrum=tuple(complex(v) for v in sample.eigenvalues),
+        error=located.error,
+        criticality=criticality,
+        coefficients=coefficients,
+        note=note,
+        unknowns=tuple(z.tolist()),
+        tangent=tuple(sample.tangent.tolist()),
+    )
+
+
+def _branch_point(
+    problem: Equilibrium, located: Located, weights: np.ndarray
+) -> tuple[str, str | None, dict[str, Any], str | None]:
+    c = branch_point_coefficients(problem, located, weights)
+    numbers = {name: c[name] for name in ("c11", "c12", "c22", "c")}
+    numbers["convention"] = (
+        "c11 s^2 + 2 c12 s t + c22 t^2 = 0 for the directions s q + t h; "
+        "c = p.(C(q,q,q) - 3 B(q, A^-1 B(q,q)))/6, |q| = 1, p.q = 1"
+    )
+    if c["c11"] != 0.0:
+        return "transcritical", None, numbers, None
+    if c["c"] == 0.0:
+        note = "the other branch keeps the parameter to third order: it may be vertical"
+        return "pitchfork", None, numbers, note
+    critical = "supercritical" if c["c"] < 0 else "subcritical"
+    return "pitchfork", critical, numbers, _symmetry_note(problem, located.z, c["q"])
+
+
+def _symmetry_note(problem: Equilibrium, z: np.ndarray, q: np.ndarray) -> str | None:
+    for symmetry in problem.system.symmetries:
+        image = problem.image(symmetry.name, z)[: problem.states]
+        moved = problem.image(symmetry.name, np.append(z[:-1] + 1e-3 * q, z[-1]))[: problem.states] - image
+        if np.allclose(image, z[: problem.states], rtol=1e-9, atol=1e-12) and not np.allclose(
+            moved, 1e-3 * q[: problem.states], rtol=1e-6, atol=1e-12
+        ):
+            return f"the branches that leave are images of each other under the symmetry '{symmetry.name}'"
+    return None
