@@ -6,7 +6,7 @@ Where each text goes is decided by `contwalk.plotting.placement`.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,6 +19,7 @@ from contwalk.plotting.placement import Ink, Placement
 
 FONT_SIZE = 8.0
 LEADER_FROM_POINTS = 12.0  # a label farther than this from its point gets a line to it
+SAME_PLACE_POINTS = 2.0  # labels of points nearer than this share one text
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,8 @@ class Label:
 
 def place_labels(ax: Axes, labels: Sequence[Label], curves: Sequence[np.ndarray] = ()) -> None:
     """Write the labels next to their points, with a thin leader line to those that had to move away.
+
+    Labels of one colour at one place, as where a branch passes through its own mirror image, become one text.
 
     Parameters
     ----------
@@ -52,6 +55,7 @@ def place_labels(ax: Axes, labels: Sequence[Label], curves: Sequence[np.ndarray]
     ax.set_ylim(ax.get_ylim())
     root = ax.figure.canvas.figure
     root.draw_without_rendering()
+    labels = _merged(ax, labels, SAME_PLACE_POINTS * root.dpi / 72.0)
     texts = [_text(ax, label) for label in labels]
     boxes = [text.get_window_extent() for text in texts]
     sizes = np.array([[box.width, box.height] for box in boxes])
@@ -66,6 +70,25 @@ def place_labels(ax: Axes, labels: Sequence[Label], curves: Sequence[np.ndarray]
         text.set_transform(moved)
         if _gap(centre - anchor, size) > LEADER_FROM_POINTS * scale:
             _leader(ax, label, moved)
+
+
+def _merged(ax: Axes, labels: Sequence[Label], near: float) -> list[Label]:
+    """The labels, with those of one look whose points are no farther than `near` pixels apart made one."""
+    places = ax.transData.transform([[label.x, label.y] for label in labels])
+    groups: list[list[int]] = []
+    for i, label in enumerate(labels):
+        for group in groups:
+            first = labels[group[0]]
+            alike = (first.color, first.bold) == (label.color, label.bold)
+            if alike and np.hypot(*(places[i] - places[group[0]])) <= near:
+                group.append(i)
+                break
+        else:
+            groups.append([i])
+    return [
+        replace(labels[group[0]], text=", ".join(dict.fromkeys(labels[i].text for i in group)))
+        for group in groups
+    ]
 
 
 def _text(ax: Axes, label: Label) -> Text:

@@ -87,7 +87,7 @@ def draw_spectra(ax: Axes, branches: Sequence[Branch], units: Mapping[str, str] 
     bar.set_label(axis_label(parameter, units), fontsize=10, color=INK)
     bar.ax.tick_params(labelsize=8.5, width=0.7, length=3)
     bar.outline.set_linewidth(0.7)
-    _legend(ax, parameter, colors)
+    _legend(ax, parameter, chosen, colors)
     everything = np.concatenate([branch["spectrum"].ravel() for branch in chosen])
     return everything[np.isfinite(everything)]
 
@@ -123,14 +123,22 @@ def _draw(ax: Axes, branch: Branch, color: np.ndarray, norm: Normalize) -> None:
         zorder=3.2,
         gid=f"{branch.name}-dots",
     )
-    for row, mark in ((0, _START), (-1, _END)):
+    for row, mark in zip(_ends(branch), (_START, _END), strict=True):
         ax.plot(loci[row].real, loci[row].imag, **{**mark, "gid": f"{branch.name}-{mark['label']}"})
 
 
-def _legend(ax: Axes, parameter: str, colors: Sequence[np.ndarray]) -> None:
+def _ends(branch: Branch) -> tuple[int, int]:
+    """Rows of the start and the end: a branch walked backward only has its start, s = 0, in the last row."""
+    backward = branch["s"][-1] == 0.0 and len(branch) > 1
+    return (-1, 0) if backward else (0, -1)
+
+
+def _legend(ax: Axes, parameter: str, branches: Sequence[Branch], colors: Sequence[np.ndarray]) -> None:
     handles = []
-    for row, mark in ((0, _START), (-1, _END)):
-        shown = {color[row] for color in colors if len(color)}
+    for end, mark in enumerate((_START, _END)):
+        shown = {
+            color[_ends(branch)[end]] for branch, color in zip(branches, colors, strict=True) if len(branch)
+        }
         at = f": {parameter} = {shown.pop():g}" if len(shown) == 1 else ""
         handles.append(Line2D([], [], **{**mark, "label": f"{mark['label']}{at}"}))
     ax.legend(

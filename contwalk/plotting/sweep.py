@@ -35,19 +35,6 @@ class Row:
     value: np.ndarray
     covered: np.ndarray
 
-    def covers(self, x: np.ndarray) -> np.ndarray:
-        """Whether each of these x lies between data."""
-        interval = np.searchsorted(self.x, x, side="right") - 1
-        inside = (x >= self.x[0]) & (x <= self.x[-1])
-        return inside & np.append(self.covered, True)[interval]
-
-    def zeros(self) -> tuple[np.ndarray, np.ndarray]:
-        """Where the value changes sign, and whether it is positive after."""
-        positive = self.value > 0
-        i = np.flatnonzero((positive[1:] != positive[:-1]) & self.covered)
-        share = self.value[i] / (self.value[i] - self.value[i + 1])
-        return self.x[i] + share * (self.x[i + 1] - self.x[i]), positive[i + 1]
-
 
 def gather(branches: Sequence[Branch], x: str, y: str, quantity: str) -> list[Row]:
     """The rows of a quantity over free `x`, by growing swept `y`.
