@@ -94,7 +94,8 @@ def _newton_step(
         step = Factored(bordered, weights).solve(np.append(here.residual, offset))
     except np.linalg.LinAlgError:
         return None
-    return step if np.all(np.isfinite(step)) else None
+    # Beyond 1e150 its length would overflow.
+    return step if np.all(np.abs(step) < 1e150) else None
 
 
 def _settled(

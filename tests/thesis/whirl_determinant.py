@@ -45,7 +45,7 @@ def balanced_angles(n: int, p: Mapping[str, mpf]) -> list[mpf]:
     """beta of a balanced state: equations 11, 12 and 45 to 48."""
     held = [p[f"angle{i}"] for i in range(3, n + 1)]
     moment = p["m1"] * p["l1"]
-    load = p["m"] * p["e"] + moment * mp.fsum(mp.expj(angle) for angle in held)
+    load = p["m"] * p["e"] + moment * mp.fsum(mpc(mp.cos(angle), mp.sin(angle)) for angle in held)
     aside = mp.acos(abs(load) / (2 * moment))
     return [mp.arg(load) + mp.pi - aside, mp.arg(load) + mp.pi + aside, *held]
 
