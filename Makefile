@@ -1,6 +1,7 @@
 # make demo   a first study: bifurcation diagram of the autobalancer, left in demo/
 # make test   all tests
 # make check  tests, lint, format, types and import directions
+# make bench  what continuing equilibria costs: docs/benchmarks.md
 #
 # Everything goes into .venv, which is made when it is first needed. `make test PYTHON=python3.12` chooses the Python.
 
@@ -12,7 +13,7 @@ TEST_OPTIONS ?=
 # Makes the environment and installs into it what is not there yet; silent and quick where all is.
 PROVIDE = @sh tools/make_venv.sh $(VENV) $(PYTHON) && sh tools/install.sh $(VENV)
 
-.PHONY: help demo test check static format docs-image clean install install-test install-dev
+.PHONY: help demo test check bench static format docs-image clean install install-test install-dev install-bench
 .NOTPARALLEL:
 .DEFAULT_GOAL := help
 
@@ -27,6 +28,9 @@ install-test:
 
 install-dev:
 	$(PROVIDE) dev
+
+install-bench:
+	$(PROVIDE) bench
 
 # -- what a newcomer types -----------------------------------------------------------------------------------
 
@@ -51,6 +55,9 @@ static: install-dev
 format: install-dev
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
+
+bench: install-bench
+	$(BIN)/python benchmarks/equilibria.py
 
 # The picture of the README.
 docs-image: demo

@@ -1,13 +1,13 @@
 """Cost of continuing equilibria: whole process and inside the engine, on two studies of the autobalancer.
 
+    make bench
     python benchmarks/equilibria.py [--repeats 5]
 
 Prints, for the omega run and the load run: CPU seconds of the whole process without figures, on the first
-start after installation (no bytecode of contwalk cached) and warm; seconds per point inside the engine; the
-accuracy reached (largest relative error of the special points against 40-digit values); and the same
-continuation with scipy's general tools (fsolve at fixed parameter steps and numpy eigenvalues, no
-derivatives, no location) as a yardstick, as a ratio per point. Times drift between machines; ratios in one
-run do not.
+start after installation (no bytecode cached) and warm; CPU seconds per point inside the engine; the accuracy
+reached (largest relative error of the special points against 40-digit values); and a branch with scipy's
+general tools (fsolve at fixed parameter steps and numpy eigenvalues, no derivatives, no location) as a
+yardstick, as a ratio per point. Medians of the repetitions. docs/benchmarks.md says what to make of it.
 """
 
 from __future__ import annotations
@@ -51,14 +51,15 @@ def _study(name: str, run_file: Path, repeats: int) -> None:
         command = ["continue", str(run_file), "--quiet", "--no-figures", "--force", "--output", str(output)]
         cold = _cpu(command, {"PYTHONPYCACHEPREFIX": str(Path(folder) / "cache")})
         warm = [_cpu(command, {}) for _ in range(repeats)]
-        seconds, points, error = _inside(run_file, output, TRUTH[name])
-    yardstick = _yardstick(run_file)
+        seconds, points, error = _inside(run_file, output, TRUTH[name], repeats)
+    yardstick = statistics.median(_yardstick(run_file) for _ in range(repeats))
     print(f"{name} run ({points} points)")
     print(f"  whole process, cold: {cold:.2f} s CPU")
     print(f"  whole process, warm: {statistics.median(warm):.2f} s CPU (lowest {min(warm):.2f})")
     print(f"  inside the engine:   {1e3 * seconds / points:.2f} ms a point, all tests and locations included")
     print(f"  accuracy reached:    {error:.1e} relative, worst special point")
-    print(f"  per point against fsolve + eigvals at fixed steps: {seconds / points / yardstick:.2f}\n")
+    print(f"  fsolve and eigvals:  {1e3 * yardstick:.2f} ms a point, at fixed steps")
+    print(f"  ratio of the two:    {seconds / points / yardstick:.1f}\n")
 
 
 def _cpu(arguments: list[str], environment: dict[str, str]) -> float:
@@ -74,16 +75,19 @@ def _cpu(arguments: list[str], environment: dict[str, str]) -> float:
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-def _inside(run_file: Path, output: Path, truth: list[float]) -> tuple[float, int, float]:
-    """Seconds and points of the run in this process, second time, and the worst relative error."""
+def _inside(run_file: Path, output: Path, truth: list[float], repeats: int) -> tuple[float, int, float]:
+    """CPU seconds and points of the run in this process, once it is warm, and the worst relative error."""
     from contwalk.workflow.run_file import read_run_file
     from contwalk.workflow.runner import run
 
     study = read_run_file(run_file, output=str(output))
-    run(study, force=True, figures=False)
-    start = time.perf_counter()
     result = run(study, force=True, figures=False)
-    seconds = time.perf_counter() - start
+    times = []
+    for _ in range(repeats):
+        start = time.process_time()
+        result = run(study, force=True, figures=False)
+        times.append(time.process_time() - start)
+    seconds = statistics.median(times)
     found = [
         point.parameters[branch.info.free[0]]
         for branch in result.branches
@@ -95,7 +99,7 @@ def _inside(run_file: Path, output: Path, truth: list[float]) -> tuple[float, in
 
 
 def _yardstick(run_file: Path, steps: int = 200) -> float:
-    """Seconds a point of scipy.optimize.fsolve and a differenced Jacobian's eigenvalues at fixed steps."""
+    """CPU seconds a point of scipy's fsolve and a differenced Jacobian's eigenvalues, at fixed steps."""
     from types import SimpleNamespace
 
     from scipy.optimize import approx_fprime, fsolve
@@ -111,12 +115,12 @@ def _yardstick(run_file: Path, steps: int = 200) -> float:
         field(0.0, x, p, dx)
         return dx
 
-    start = time.perf_counter()
+    start = time.process_time()
     for value in np.linspace(study.parameters[study.free], study.range[1], steps):
         p = SimpleNamespace(**{**study.parameters, study.free: value})
         x = fsolve(residual, x, args=(p,), xtol=1e-12)
         np.linalg.eigvals(approx_fprime(x, residual, 1e-8, p))
-    return (time.perf_counter() - start) / steps
+    return (time.process_time() - start) / steps
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ from contwalk.continuation.hidden import knots_of
 from contwalk.continuation.locating import Disagreement, Found, accepted, locate, locate_multiple
 from contwalk.continuation.rootfinding import narrow
 from contwalk.continuation.segment import LostBranch, Segment
-from contwalk.problems.linear import Factored, nearest_eigenpair, solution_plane
+from contwalk.problems.linear import Factored, critical_pair, solution_plane
 from contwalk.problems.problem import Located, Sample
 
 # Below this share of the parameter in the unit tangent, its sign is rounding noise.
@@ -111,10 +111,13 @@ def _singularity(segment: Segment, p: Sample, q: Sample) -> Callable[[Sample], f
         jacobian = segment.problem.linearize(sample.z).jacobian
         return np.vstack([jacobian, sample.tangent / sample.weights**2])
 
-    jacobians = [matrix(sample)[:-1] for sample in (p, q)]
-    pairs = [nearest_eigenpair(jacobian[:, :-1]) for jacobian in jacobians]
+    jacobians = [segment.problem.jacobian(sample.z) for sample in (p, q)]
+    pairs = [critical_pair(jacobian[:, :-1]) for jacobian in jacobians]
     nearer = int(abs(pairs[1].value) < abs(pairs[0].value))
-    plane = solution_plane(jacobians[nearer], pairs[nearer]) / segment.weights[:, None]
+    try:
+        plane = solution_plane(jacobians[nearer], pairs[nearer]) / segment.weights[:, None]
+    except np.linalg.LinAlgError:
+        raise LostBranch("The directions of solutions are not determined.") from None
     basis, _ = np.linalg.qr(plane)
     own = (p, q)[nearer].tangent / segment.weights
     along = basis.T @ own

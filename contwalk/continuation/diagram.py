@@ -15,7 +15,7 @@ import numpy as np
 from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint
 from contwalk.continuation.arclength import End, Point, walk
 from contwalk.continuation.here import Here, begin, turned
-from contwalk.continuation.marks import Observer, marks_at
+from contwalk.continuation.marks import Observer, marks_at, observer_of
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.recognition import known_branch
 from contwalk.continuation.records import start_record
@@ -143,7 +143,7 @@ class Diagram:
             return known_branch(problem, here.sample.z, here.sample.weights, self.branches)
         # A branch point lies on the parent anyway: look at the first points away from it.
         names: list[str | None] = []
-        observer = Observer(start.free, problem.observable_names)
+        observer = observer_of(problem)
         for sign in self._signs(start):
             facing = here if sign > 0 else turned(here)
             for event in walk(
@@ -181,7 +181,7 @@ class Diagram:
     ) -> Iterator[Event]:
         """Both directions of a branch, or what is missing of them."""
         problem, settings = opening.problem, self._plan.settings
-        observer = Observer(problem.free, problem.observable_names)
+        observer = observer_of(problem)
         if stored is None or not len(stored.rows):
             if stored is None:
                 yield Began(work.info)

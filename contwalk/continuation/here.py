@@ -55,7 +55,7 @@ def begin(
             return correction
         z = np.append(correction.z[:-1], value)
     linearization = problem.linearize(z)
-    magnitudes = problem.magnitudes(z, linearization)
+    magnitudes = linearization.magnitudes
     if reach is not None:
         magnitudes = np.where(np.isfinite(magnitudes) | ~(reach > 0.0), magnitudes, reach)
     weights = updated(None, magnitudes, settings, z)
@@ -82,9 +82,8 @@ def turned(here: Here) -> Here:
     return replace(here, sample=back)
 
 
-def grown(problem: Problem, sample: Sample, here: Here, settings: Settings) -> Sample:
+def grown(sample: Sample, here: Here, settings: Settings) -> Sample:
     """A new sample in the metric that its own size adds to."""
-    magnitudes = problem.magnitudes(sample.z, problem.linearize(sample.z))
-    weights = updated(here.sample.weights, magnitudes, settings, sample.z)
+    weights = updated(here.sample.weights, sample.magnitudes, settings, sample.z)
     factor = float(np.linalg.norm(sample.tangent / weights))
     return replace(sample, weights=weights, tangent=sample.tangent / factor, rates=sample.rates / factor)

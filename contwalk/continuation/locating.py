@@ -70,6 +70,8 @@ def accepted(
     slack = 1e-3 * (right - left) + 1e-12
     if not left - slack <= theta <= right + slack:
         return None
+    # Right at a branch point a sample's own tangent is noise; the ends of the segment know the way.
+    near = replace(near, tangent=segment.direction(min(max(theta, 0.0), 1.0)))
     if not _on_branch(segment, label, located, near, theta, right - left):
         return None
     settled = located.settled()

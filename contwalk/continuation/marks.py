@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
@@ -13,6 +13,7 @@ from contwalk.continuation.newton import correct
 from contwalk.continuation.rootfinding import narrow
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Mark
+from contwalk.problems.equilibrium import Equilibrium
 from contwalk.problems.problem import Located, Sample
 
 # How near to a turn of the branch, in parts of the segment, no extremum is looked for.
@@ -23,16 +24,39 @@ FLAT = 4e-14
 
 @dataclass(frozen=True)
 class Observer:
-    """Names of the free parameter and of the observables, in the order of `Sample.observables`."""
+    """Names of the free parameter and of the observables, in the order of `Sample.observables`.
+
+    On a path, `line` has the parameters that change along it: value at its beginning, and change.
+    """
 
     parameter: str
     observables: tuple[str, ...]
+    line: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def value(self, name: str, sample: Sample) -> float:
         """Value of a mark's name at a sample."""
         if name == self.parameter:
             return sample.parameter
+        if name in self.line:
+            begin, change = self.line[name]
+            return begin + sample.parameter * change
         return float(sample.observables[self.observables.index(name)])
+
+    def place(self, name: str, level: float) -> float | None:
+        """The free parameter at which `name` has the value `level`; None if `name` is an observable."""
+        if name in self.line:
+            begin, change = self.line[name]
+            return (level - begin) / change
+        return level if name == self.parameter else None
+
+
+def observer_of(problem: Equilibrium) -> Observer:
+    """The observer of a problem's branches."""
+    line = {}
+    if problem.path is not None:
+        begin, end = problem.path
+        line = {name: (a, end[name] - a) for name, a in begin.items() if end[name] != a}
+    return Observer(problem.free, problem.observable_names, line)
 
 
 def marked(
@@ -64,8 +88,9 @@ def _levels(segment: Segment, name: str, level: float, observer: Observer) -> li
 
     def attempt(theta: float, left: float, right: float) -> Found | None:
         sample = segment.at(theta)
-        if name == observer.parameter:
-            located = _parameter_at(segment, level, sample)
+        place = observer.place(name, level)
+        if place is not None:
+            located = _parameter_at(segment, place, sample)
         else:
             located = segment.problem.locate_mark(name, level, sample)
         if located is None:
@@ -79,7 +104,7 @@ def _levels(segment: Segment, name: str, level: float, observer: Observer) -> li
             return None
         return Found(position, "UZ", settled, sample_at(segment, "UZ", settled, sample))
 
-    kind = "parameter" if name == observer.parameter else "observable"
+    kind = "observable" if observer.place(name, level) is None else "parameter"
     try:
         found = narrow(value, 0.0, 1.0, va, vb, attempt) if vb != 0.0 else attempt(1.0, 0.0, 1.0)
     except LostBranch:
@@ -152,5 +177,5 @@ def marks_at(sample: Sample, marks: tuple[Mark, ...], observer: Observer) -> lis
         here = observer.value(mark.name, sample)
         for level in mark.values:
             if abs(here - level) <= 4e-16 * abs(level):
-                kinds.append("parameter" if mark.name == observer.parameter else "observable")
+                kinds.append("observable" if observer.place(mark.name, level) is None else "parameter")
     return kinds

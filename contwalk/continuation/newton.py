@@ -12,6 +12,11 @@ from contwalk.problems.problem import Linearization, Problem
 
 # Residuals this many times above their rounding error still count as solved: the bound is of first order.
 ROUNDED = 20.0
+# Before corrections are this small, the residual is not asked whether it is rounding: that has a price.
+NEARLY = 1e-4
+# A correction this small in the metric is rounding, as of a velocity that is zero but for others' last
+# digits.
+NOTHING = 1e-14
 # Iterations that may follow when corrections are small already.
 SETTLING = 12
 
@@ -51,34 +56,48 @@ def correct(
     damped : bool
         Shorten Newton steps that do not reduce the residual: for a start far from the solution.
     """
+    try:
+        # What overflows or is not a number on the way is looked at where it matters.
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            return _iterated(problem, guess, normal, weights, iterations, damped)
+    except PluginError as error:
+        return Correction(guess, None, 0, "plugin_error", error.sentence)
+
+
+def _iterated(
+    problem: Problem,
+    guess: np.ndarray,
+    normal: np.ndarray,
+    weights: np.ndarray,
+    iterations: int,
+    damped: bool,
+) -> Correction:
+    """Newton's method itself."""
     z = guess.copy()
     previous = np.inf
-    try:
-        here = problem.linearize(z)
-        for iteration in range(iterations + 1):
-            if not _finite(here):
-                sentence = f"The vector field is not finite: {problem.explain(z)}."
-                return Correction(z, None, iteration, "not_finite", sentence)
-            if here.excess <= 2.0:
-                return Correction(z, here, iteration)
-            step = _newton_step(here, normal, normal @ (z - guess), weights)
-            if step is None and here.excess <= ROUNDED:
-                return Correction(z, here, iteration)
-            if step is None:
-                sentence = "The bordered Jacobian is singular."
-                return Correction(z, here, iteration, "no_convergence", sentence)
-            size = float(np.linalg.norm(step / weights))
-            if size < 1e-11 or (size > 0.25 * previous and size < 1e-7):
-                return _settled(problem, z, here, (guess, normal, weights), iteration)
-            if not damped and iteration > 1 and size > 0.7 * previous:
-                return Correction(z, here, iteration, "no_convergence", "Newton's method does not contract.")
-            previous = size
-            if damped:
-                z, here = _damped(problem, z, step, here, (guess, normal, weights))
-            else:
-                z, here = z - step, problem.linearize(z - step)
-    except PluginError as error:
-        return Correction(z, None, 0, "plugin_error", error.sentence)
+    here = problem.linearize(z)
+    for iteration in range(iterations + 1):
+        if not here.finite:
+            sentence = f"The vector field is not finite: {problem.explain(z)}."
+            return Correction(z, None, iteration, "not_finite", sentence)
+        step = _newton_step(here, here.jacobian, normal, normal @ (z - guess), weights)
+        if step is None and here.excess <= ROUNDED:
+            return Correction(z, here, iteration)
+        if step is None:
+            sentence = "The bordered Jacobian is singular."
+            return Correction(z, here, iteration, "no_convergence", sentence)
+        size = float(np.linalg.norm(step / weights))
+        if (size < NEARLY or iteration >= 2) and here.excess <= 2.0:
+            return Correction(z, here, iteration)
+        if size < 1e-11 or (size > 0.25 * previous and size < 1e-7):
+            return _settled(problem, z, here, (guess, normal, weights), iteration)
+        if not damped and iteration > 1 and size > 0.7 * previous:
+            return Correction(z, here, iteration, "no_convergence", "Newton's method does not contract.")
+        previous = size
+        if damped:
+            z, here = _damped(problem, z, step, here, (guess, normal, weights))
+        else:
+            z, here = z - step, problem.linearize(z - step)
     if here.excess <= ROUNDED:  # a solution already, of equations too singular to improve on it
         return Correction(z, here, iterations)
     sentence = f"Newton's method did not converge in {iterations} iterations."
@@ -86,11 +105,11 @@ def correct(
 
 
 def _newton_step(
-    here: Linearization, normal: np.ndarray, offset: float, weights: np.ndarray
+    here: Linearization, jacobian: np.ndarray, normal: np.ndarray, offset: float, weights: np.ndarray
 ) -> np.ndarray | None:
     """What Newton's method subtracts, shape (N + 1,); None where the bordered Jacobian is singular."""
     try:
-        bordered = np.vstack([here.jacobian, normal])
+        bordered = np.vstack([jacobian, normal])
         step = Factored(bordered, weights).solve(np.append(here.residual, offset))
     except np.linalg.LinAlgError:
         return None
@@ -107,24 +126,23 @@ def _settled(
 ) -> Correction:
     """Iterate while residuals still fall: corrections are small in the metric, but so may an unknown be."""
     guess, normal, weights = condition
+    size = np.inf
     for _ in range(SETTLING):
-        step = _newton_step(here, normal, normal @ (z - guess), weights)
+        step = _newton_step(here, here.jacobian, normal, normal @ (z - guess), weights)
         if step is None:
             break
+        before, size = size, float(np.linalg.norm(step / weights))
         there = problem.linearize(z - step)
-        if not _finite(there) or there.excess > 0.5 * here.excess:
+        gains = there.finite and (there.excess <= 0.5 * here.excess or NOTHING < size < 0.1 * before)
+        if not gains:
             break
         z, here, iteration = z - step, there, iteration + 1
         if here.excess <= 2.0:
             break
-    if here.excess <= ROUNDED:
+    if here.excess <= ROUNDED or size <= NOTHING:
         return Correction(z, here, iteration)
     sentence = f"Residuals stay {here.excess:.1e} times above their rounding error."
     return Correction(z, here, iteration, "no_convergence", sentence)
-
-
-def _finite(here: Linearization) -> bool:
-    return bool(np.all(np.isfinite(here.residual)) and np.all(np.isfinite(here.jacobian)))
 
 
 def _damped(
@@ -147,9 +165,8 @@ def _damped(
         there = problem.linearize(moved)
         if fraction < 1e-6:
             return moved, there
-        if _finite(there):
-            mixed = Linearization(there.residual, here.jacobian, there.rounding)
-            following = _newton_step(mixed, normal, normal @ (moved - guess), weights)
+        if there.finite:
+            following = _newton_step(there, here.jacobian, normal, normal @ (moved - guess), weights)
             if (
                 following is not None
                 and np.linalg.norm(following / weights) <= (1.0 - 0.25 * fraction) * size

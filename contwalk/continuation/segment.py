@@ -37,6 +37,15 @@ class Segment:
         z = ends + t * r * r * scale_a * self.a.tangent - t * t * r * scale_b * self.b.tangent
         return z + (theta - self.position(z)) * self.chord
 
+    def direction(self, theta: float) -> np.ndarray:
+        """Derivative of the interpolation: the way of the branch, also where its Jacobian is singular."""
+        t, r = theta, 1.0 - theta
+        scale_a = self.length / np.linalg.norm(self.a.tangent / self.weights)
+        scale_b = self.length / np.linalg.norm(self.b.tangent / self.weights)
+        along = 6.0 * t * r * self.chord
+        along = along + (r * r - 2.0 * t * r) * scale_a * self.a.tangent
+        return along - (2.0 * t * r - t * t) * scale_b * self.b.tangent
+
     def tangent(self, jacobian: np.ndarray) -> np.ndarray:
         """Tangent of the branch, pointing along the chord, from the Jacobian on it.
 

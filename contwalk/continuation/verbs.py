@@ -13,7 +13,7 @@ from contwalk.branch import Branch, Outcome, SpecialPoint
 from contwalk.continuation.arclength import Point, walk
 from contwalk.continuation.diagram import Diagram, Plan
 from contwalk.continuation.here import begin, turned
-from contwalk.continuation.marks import Observer
+from contwalk.continuation.marks import observer_of
 from contwalk.continuation.opening import Opening, opened
 from contwalk.continuation.settings import Mark, Settings
 from contwalk.continuation.work import Start
@@ -121,7 +121,7 @@ def points(
         raise StartError(opening.message)
     here = opening.here if forward else turned(opening.here)
     yield Point(here)
-    observer = Observer(problem.free, problem.observable_names)
+    observer = observer_of(problem)
     sign = 1.0 if forward else -1.0
     for event in walk(opening.problem, here, chosen, observer, sign, chosen.max_points - 1):
         if isinstance(event, Point):

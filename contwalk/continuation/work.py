@@ -116,7 +116,11 @@ def combined(ends: list[tuple[float, Outcome]], message: str) -> Outcome:
     """One outcome for both ends: the worse one decides, each is told."""
     worst = max((outcome for _, outcome in ends), key=lambda o: _ORDER[o.status])
     texts = [o.message for _, o in ends]
-    if len(texts) == 2:
+    if [o.reason for _, o in ends] == ["bound", "bound"]:
+        texts = ["Both directions reached an end of the range. Widen `range` to go on."]
+    elif len(texts) == 2 and texts[0] == texts[1]:
+        texts = [f"Both directions: {texts[0]}"]
+    elif len(texts) == 2:
         names = {1.0: "Forward", -1.0: "Backward"}
         texts = [f"{names[sign]}: {o.message}" for sign, o in ends]
     return replace(worst, message=" ".join([*texts, message]).strip())

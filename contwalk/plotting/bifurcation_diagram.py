@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 
 from contwalk.branch import Branch
 from contwalk.plotting.labels import Label, place_labels
-from contwalk.plotting.quantities import axis_label, default_x, default_y, values, with_names
+from contwalk.plotting.quantities import axis_label, default_x, default_y, values, with_names, written
 from contwalk.plotting.segments import position, runs
 from contwalk.plotting.special_points import legend_entries, marker
 from contwalk.plotting.style import GREY, INK, PALETTE, dress, new_axes, title
@@ -72,7 +72,7 @@ def plot_bifurcation_diagram(
         for label in _draw_special(ax, branch, curves[number], number)
     ]
     _frame(ax, np.concatenate(list(curves.values())))
-    _legend(ax, drawn)
+    _legend(ax, drawn, units)
     if parameters:
         title(ax, ",  ".join(_setting(name, value, units) for name, value in parameters.items()))
     if 1 < len(drawn) <= MOST_NAMED_BRANCHES:
@@ -105,7 +105,7 @@ def _dark(color: str) -> str:
 
 def _setting(name: str, value: float, units: Mapping[str, str] | None) -> str:
     unit = (units or {}).get(name, "1")
-    return f"{name} = {value:g}" + ("" if unit in ("", "1") else f" {unit}")
+    return f"{name} = {value:g}" + ("" if unit in ("", "1") else f" {written(unit)}")
 
 
 def _draw_branch(ax: Axes, branch: Branch, points: np.ndarray, color: str) -> None:
@@ -172,7 +172,23 @@ def _frame(ax: Axes, points: np.ndarray) -> None:
     ax.autoscale_view()  # now, not lazily: the labels need the final scale
 
 
-def _legend(ax: Axes, drawn: Sequence[Branch]) -> None:
+def _told_apart(drawn: Sequence[Branch], units: Mapping[str, str] | None) -> list[Line2D]:
+    """For branches at different values of fixed parameters an entry each that states them."""
+    free = {name for branch in drawn for name in branch.info.free}
+    if not 1 < len(drawn) <= MOST_NAMED_BRANCHES or "path" in free:
+        return []
+    fixed = [{k: v for k, v in branch.info.parameters.items() if k not in free} for branch in drawn]
+    differing = [name for name in fixed[0] if len({each.get(name) for each in fixed}) > 1]
+    if not differing:
+        return []
+    texts = [
+        "\n".join([branch.name, *(_setting(name, each[name], units) for name in differing if name in each)])
+        for branch, each in zip(drawn, fixed, strict=True)
+    ]
+    return [Line2D([], [], color=_color(i), label=text, **STABLE) for i, text in enumerate(texts)]
+
+
+def _legend(ax: Axes, drawn: Sequence[Branch], units: Mapping[str, str] | None) -> None:
     """What the lines and markers mean, outside the axes; only what occurs."""
     parts = [run for branch in drawn for run in runs(branch)]
     points = [point for branch in drawn for point in branch.special_points if len(branch)]
@@ -184,6 +200,7 @@ def _legend(ax: Axes, drawn: Sequence[Branch]) -> None:
     if any(not run.admissible for run in parts):
         handles.append(Line2D([], [], label="inadmissible", **INADMISSIBLE))
     handles += legend_entries(points)
+    handles += _told_apart(drawn, units)
     if handles:
         ax.legend(
             handles=handles,

@@ -16,9 +16,9 @@ def plot_eigenvalues(
 ) -> Axes:
     """Draw the eigenvalues of branches of equilibria, coloured by the free parameter.
 
-    A cross marks the start of each branch and a ring its end; on a branch walked both ways from its start, the
-    two ends in the order of growing `s`. The imaginary axis is drawn strong, the
-    unstable half-plane shaded.
+    A cross marks the start of each branch and a ring its end; on a branch walked both ways from its start
+    these are its ends in the order of growing `s`. The imaginary axis is drawn strong, the unstable
+    half-plane shaded.
 
     Parameters
     ----------

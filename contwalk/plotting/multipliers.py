@@ -18,8 +18,9 @@ def plot_multipliers(
 ) -> Axes:
     """Draw the multipliers of branches of orbits, coloured by the free parameter.
 
-    A cross marks the first point of each branch and a ring its last. The unit circle is drawn strong, the
-    unstable outside shaded.
+    A cross marks the start of each branch and a ring its end; on a branch walked both ways from its start
+    these are its ends in the order of growing `s`. The unit circle is drawn strong, the unstable outside
+    shaded.
 
     Parameters
     ----------

@@ -1,9 +1,9 @@
 """Triangles over the rows of a sweep, with holes where there is no data.
 
-Neighbouring rows are joined strip by strip. Before that it is settled what belongs together: the ends of a
-piece of data, and the zeros of the value between them. Between two such points a strip is a cell, a
-quadrilateral that has its corners on the rows; so the border of stability and the edge of the data, a fold for
-instance, run straight from row to row where a triangulation that knows nothing of them would make steps.
+Neighbouring rows are joined strip by strip. Before that `contwalk.plotting.strip` settles what belongs
+together: the ends of the data, and the zeros of the value in between. From one such point to the next a strip
+is a cell, a quadrilateral with its corners on the rows. So the border of stability and the edge of the data,
+at a fold for instance, run straight from row to row; a triangulation that knows nothing of them makes steps.
 """
 
 from __future__ import annotations

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -25,7 +26,14 @@ def units_of(system: System) -> dict[str, str]:
 def axis_label(name: str, units: Mapping[str, str] | None) -> str:
     """`omega (rad/s)`; the name alone where it has no unit or is dimensionless."""
     unit = {"period": "s", **(units or {})}.get(name, "1")
-    return name if unit in ("", "1") else f"{name} ({unit})"
+    return name if unit in ("", "1") else f"{name} ({written(unit)})"
+
+
+def written(unit: str) -> str:
+    """A unit as a figure writes it: `m/s2` with a raised 2, `sqrt(k/M)` with a root sign."""
+    # A 1 is part of a name: lengths may be measured in units of l1.
+    raised = re.sub(r"(?<=[A-Za-z])([2-4])\b", lambda found: "²³⁴"[int(found[1]) - 2], unit)
+    return re.sub(r"\bsqrt\(", "√(", raised)
 
 
 def _scalar_columns(branch: Branch) -> list[str]:

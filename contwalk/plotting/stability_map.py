@@ -90,7 +90,7 @@ def _colors(levels: np.ndarray) -> list[tuple[float, ...]]:
     """Blues that fade towards zero where stable, greys that darken away from it where unstable."""
     middle = (levels[:-1] + levels[1:]) / 2
     stable, unstable = int((middle < 0).sum()), int((middle >= 0).sum())
-    blues = matplotlib.colormaps["Blues"](np.linspace(0.85, 0.12, stable))
+    blues = matplotlib.colormaps["Blues"](np.linspace(0.85, 0.2, stable))
     greys = matplotlib.colormaps["Greys"](np.linspace(0.35, 0.7, unstable))
     return [tuple(color) for color in (*blues, *greys)]
 

@@ -1,8 +1,8 @@
-"""What belongs together on two neighbouring rows of a sweep: the ends of their data, and zeros in between."""
+"""What belongs together on two neighbouring rows of a sweep: the ends of their data, zeros and extrema."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import pairwise
 
 import numpy as np
@@ -12,6 +12,11 @@ from contwalk.plotting.sweep import Row
 # Intervals that belong together, on the lower row and on the upper.
 Interval = tuple[float, float]
 Cell = tuple[Interval, Interval]
+# Places and signs.
+Features = list[tuple[float, bool]]
+
+# Of an extremum: its depth relative to the range of the values on its row, and how far it moves in its cell.
+PROMINENCE, NEAR = 0.02, 0.15
 
 
 def cells(lower: Row, upper: Row) -> Iterator[Cell]:
@@ -25,9 +30,20 @@ def cells(lower: Row, upper: Row) -> Iterator[Cell]:
             partners = sum(_overlap(a, other) for other in above) + sum(_overlap(b, other) for other in below)
             common = max(a[0], b[0]), min(a[1], b[1])
             ends = (a, b) if partners == 2 else (common, common)
-            inner = _matched(_zeros(lower, ends[0]), _zeros(upper, ends[1]))
-            corners = [(ends[0][0], ends[1][0]), *inner, (ends[0][1], ends[1][1])]
-            yield from (((p[0], q[0]), (p[1], q[1])) for p, q in pairwise(corners))
+            for cell in _split(ends, lower, upper, _zeros):
+                yield from _split(cell, lower, upper, _extrema)
+
+
+def _split(
+    cell: Cell, lower: Row, upper: Row, features: Callable[[Row, Interval], Features]
+) -> Iterator[Cell]:
+    """The cell cut at those features of the two rows that correspond."""
+    inner = _matched(features(lower, cell[0]), features(upper, cell[1]))
+    if features is _extrema:  # one that jumps is another
+        reach = NEAR * max(b - a for a, b in cell)
+        inner = [pair for pair in inner if abs(pair[0] - pair[1]) <= reach]
+    corners = [(cell[0][0], cell[1][0]), *inner, (cell[0][1], cell[1][1])]
+    yield from (((p[0], q[0]), (p[1], q[1])) for p, q in pairwise(corners))
 
 
 def _pieces(row: Row) -> list[Interval]:
@@ -41,7 +57,7 @@ def _overlap(a: Interval, b: Interval) -> bool:
     return min(a[1], b[1]) > max(a[0], b[0])
 
 
-def _zeros(row: Row, ends: Interval) -> list[tuple[float, bool]]:
+def _zeros(row: Row, ends: Interval) -> Features:
     """Changes of sign strictly between the ends: where, and whether the value is positive after."""
     inside = np.flatnonzero((row.x >= ends[0]) & (row.x <= ends[1]))
     found = []
@@ -58,8 +74,32 @@ def _zeros(row: Row, ends: Interval) -> list[tuple[float, bool]]:
     return found
 
 
-def _matched(lower: list[tuple[float, bool]], upper: list[tuple[float, bool]]) -> list[tuple[float, float]]:
-    """Zeros that correspond, as pairs of x: all but a block that exists on one row only, the one nearest to it."""
+def _extrema(row: Row, ends: Interval) -> Features:
+    """Extrema strictly between the ends, kinks above all: where, and whether it is a minimum.
+
+    Those less than `PROMINENCE` deep are none: along a flat part rounding makes them.
+    """
+    inside = (row.x >= ends[0]) & (row.x <= ends[1])
+    x, value = row.x[inside], row.value[inside]
+    turns = [0, *(np.flatnonzero(np.diff(value[:-1]) * np.diff(value[1:]) < 0) + 1), len(x) - 1]
+    least = PROMINENCE * np.ptp(row.value)
+    while len(turns) > 2:
+        depth = np.abs(np.diff(value[turns]))
+        shallow = int(np.argmin(depth))
+        if depth[shallow] > least:
+            break
+        # A shallow turn goes with its partner; next to an end alone, for the ends stay.
+        last = len(turns) - 2
+        drop = {k for k in (shallow, shallow + 1) if 1 <= k <= last}
+        turns = [turn for k, turn in enumerate(turns) if k not in drop]
+    return [(float(x[b]), bool(value[b] < value[a])) for a, b in pairwise(turns[:-1])]
+
+
+def _matched(lower: Features, upper: Features) -> list[tuple[float, float]]:
+    """Features that correspond, as pairs of x.
+
+    Where one row has more, a block of neighbours is left out: the one that leaves the others nearest.
+    """
     swap = len(lower) > len(upper)
     few, many = (upper, lower) if swap else (lower, upper)
     extra = len(many) - len(few)

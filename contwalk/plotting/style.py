@@ -72,7 +72,7 @@ def dress(ax: Axes, xlabel: str, ylabel: str) -> None:
     ax.tick_params(labelsize=8.5, color=INK, labelcolor=INK, width=0.7, length=3)
     ax.xaxis.get_offset_text().set_fontsize(8.5)
     # Left of the axes, above the numbers it belongs to: a title or a legend may stand above the axes.
-    ax.yaxis.get_offset_text().set(fontsize=8.5, ha="right")
+    ax.yaxis.get_offset_text().set(fontsize=8.5, ha="right", x=-0.01)
     ax.spines[["top", "right"]].set_visible(False)
     for side in ("left", "bottom"):
         ax.spines[side].set(linewidth=0.7, color=INK)

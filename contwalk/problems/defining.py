@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contwalk.fields.kernel import Kernel
-from contwalk.problems.linear import balanced, nearest_eigenpair
+from contwalk.problems.linear import balanced, critical_pair, nearest_eigenpair
 from contwalk.problems.problem import Located, Sample
 from contwalk.problems.refine import DefiningSystem, Solution, newton, refine
 
@@ -98,7 +98,7 @@ def _real_eigenvalue(
     m = size if shift is None else problem.states
     sigma = 0.0 if shift is None else shift
     matrix = problem.jacobian(sample.z)[:m, :m] - sigma * np.eye(m)
-    start = nearest_eigenpair(matrix).right.real
+    start = critical_pair(matrix).right.real
     c = start / np.dot(start, start)
 
     def split(u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -142,7 +142,7 @@ def _real_eigenvalue(
 def branch_point(problem: Equilibrium, sample: Sample) -> Located | None:
     """The simple branch point near a sample; None where the nearest one is unfolded (mu is not zero)."""
     size = problem.size
-    start = nearest_eigenpair(problem.jacobian(sample.z)[:, :size]).left.real
+    start = critical_pair(problem.jacobian(sample.z)[:, :size]).left.real
     start = start / np.linalg.norm(start)
     b = start
 
@@ -169,7 +169,7 @@ def branch_point(problem: Equilibrium, sample: Sample) -> Located | None:
         f = [a + float(c) * mu for a, c in zip(problem.kernels.residual.exactly(*inputs), b, strict=True)]
         return [*f, *problem.kernels.adjoint.exactly(*inputs, psi), _dot(b, psi) - 1]
 
-    rounding = problem.linearize(sample.z).rounding
+    rounding = problem.linearize(sample.z).levels[0]
     unfolding = float(np.max(rounding[b != 0] / np.abs(b[b != 0])))
     scale = np.concatenate([sample.weights, np.abs(start).max() * np.ones(size), [unfolding]])
     system = DefiningSystem(scale, residual, jacobian, exactly)

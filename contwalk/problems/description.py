@@ -13,6 +13,7 @@ from contwalk.problems.normal_forms import (
     hopf_coefficients,
 )
 from contwalk.problems.problem import Located, Sample
+from contwalk.system import Symmetry
 
 if TYPE_CHECKING:
     from contwalk.problems.equilibrium import Equilibrium
@@ -26,9 +27,7 @@ def described(problem: Equilibrium, label: str, located: Located, sample: Sample
         coefficients = fold_coefficients(problem, located)
     elif label == "HB":
         coefficients = hopf_coefficients(problem, located)
-        criticality = "supercritical" if coefficients["l1"] < 0 else "subcritical"
-        if problem.pins:
-            note = "l1 is that of the motion with the pinned neutral directions held"
+        criticality, note = _hopf(problem, coefficients)
     elif "multiplicity" in located.vectors:
         coefficients = {"multiplicity": located.vectors["multiplicity"]}
         note = (
@@ -68,15 +67,30 @@ def _branch_point(
         note = "the other branch keeps the parameter to third order: it may be vertical"
         return "pitchfork", None, numbers, note
     critical = "supercritical" if c["c"] < 0 else "subcritical"
-    return "pitchfork", critical, numbers, _symmetry_note(problem, located.z, c["q"])
+    symmetry = _breaks(problem, located.z, c["q"])
+    if symmetry is None:
+        return "pitchfork", critical, numbers, None
+    note = f"the branches that leave are images of each other under the symmetry '{symmetry.name}'"
+    kind = "symmetry-breaking" if symmetry.role == "spatial" else "pitchfork"
+    return kind, critical, numbers, note
 
 
-def _symmetry_note(problem: Equilibrium, z: np.ndarray, q: np.ndarray) -> str | None:
+def _hopf(problem: Equilibrium, coefficients: dict[str, Any]) -> tuple[str | None, str | None]:
+    """Criticality and note of a Hopf point."""
+    if coefficients["l1"] == 0.0:
+        return None, "degenerate: the first Lyapunov coefficient is zero"
+    criticality = "supercritical" if coefficients["l1"] < 0 else "subcritical"
+    held = "l1 is that of the motion with the pinned neutral directions held"
+    return criticality, held if problem.pins else None
+
+
+def _breaks(problem: Equilibrium, z: np.ndarray, q: np.ndarray) -> Symmetry | None:
+    """The declared symmetry that a branch point's state has and its critical vector has not."""
+    n = problem.states
     for symmetry in problem.system.symmetries:
-        image = problem.image(symmetry.name, z)[: problem.states]
-        moved = problem.image(symmetry.name, np.append(z[:-1] + 1e-3 * q, z[-1]))[: problem.states] - image
-        if np.allclose(image, z[: problem.states], rtol=1e-9, atol=1e-12) and not np.allclose(
-            moved, 1e-3 * q[: problem.states], rtol=1e-6, atol=1e-12
-        ):
-            return f"the branches that leave are images of each other under the symmetry '{symmetry.name}'"
+        image = problem.image(symmetry.name, z)[:n]
+        moved = problem.image(symmetry.name, np.append(z[:-1] + 1e-3 * q, z[-1]))[:n] - image
+        kept = np.allclose(image, z[:n], rtol=1e-9, atol=1e-12)
+        if kept and not np.allclose(moved, 1e-3 * q[:n], rtol=1e-6, atol=1e-12):
+            return symmetry
     return None

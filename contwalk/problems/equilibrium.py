@@ -138,22 +138,34 @@ class Equilibrium:
         return {n: b + lam * d for n, b, d in zip(names, self._base, self._direction, strict=True)}
 
     def jacobian(self, z: np.ndarray) -> np.ndarray:
-        """DF(z), shape (N, N + 1)."""
-        return self.kernels.linearization(*self.inputs(z))[:, 1:]
+        """DF(z), shape (N, N + 1), for critical vectors: entries of df/dx that are rounding noise are zero.
+
+        Noise in the place of a zero would couple states that are not, and mislead the balancing of the
+        matrix.
+        """
+        inputs, n = self.inputs(z), self.states
+        jacobian = self.kernels.linearization(*inputs)[:, 1:]
+        noise = 4.0 * EPSILON * self.kernels.rounding_of_matrix(*inputs)
+        jacobian[:n, :n][np.abs(jacobian[:n, :n]) <= noise] = 0.0
+        return jacobian
 
     def linearize(self, z: np.ndarray) -> Linearization:
-        """Residual, Jacobian and rounding level of each equation at z."""
+        """The equations at z."""
         inputs = self.inputs(z)
         table = self.kernels.linearization(*inputs)
-        bounds = self.kernels.rounding(*inputs)
-        derivatives = np.abs(table[:, 1:])
-        # Beside the rounding of the evaluation: z itself is only known to half an ulp, and an unknown that is
-        # zero only to half an ulp of what would matter.
-        level = EPSILON * (bounds + derivatives @ np.abs(z)) + np.finfo(float).tiny
-        rough = Linearization(table[:, 0], table[:, 1:], level)
-        natural = self.magnitudes(z, rough)
-        level = level + EPSILON * (derivatives @ np.where(natural > 0, natural, 0.0))
-        return Linearization(table[:, 0], table[:, 1:], level)
+        return Linearization(table[:, 0], table[:, 1:], lambda: self._levels(z, inputs, table[:, 1:]))
+
+    def _levels(
+        self, z: np.ndarray, inputs: tuple[list[float], ...], jacobian: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Rounding levels of the equations and typical magnitudes of z."""
+        derivatives = np.abs(jacobian)
+        # Beside the rounding of the evaluation: z itself is only known to half an ulp ...
+        level = EPSILON * (self.kernels.rounding(*inputs) + derivatives @ np.abs(z)) + np.finfo(float).tiny
+        magnitudes = self._magnitudes(z, derivatives, level / EPSILON)
+        # ... and an unknown that is zero only to half an ulp of what would matter.
+        level = level + EPSILON * (derivatives @ np.where(magnitudes > 0, magnitudes, 0.0))
+        return level, magnitudes
 
     def explain(self, z: np.ndarray) -> str:
         """Where in the plugin a residual at z is not finite."""
@@ -161,20 +173,23 @@ class Equilibrium:
         where = first_not_finite(field, 0.0, z[: self.states].tolist(), self.values_of(z))
         return where or "the equations"
 
-    def magnitudes(self, z: np.ndarray, linearization: Linearization) -> np.ndarray:
+    def _magnitudes(self, z: np.ndarray, derivatives: np.ndarray, terms: np.ndarray) -> np.ndarray:
         """Typical magnitudes of z, shape (N + 1,); NaN where neither z nor the equations tell.
 
         Declared scales are used as they are. Otherwise it is the size of the unknown, or the change of it
-        that would matter in some equation, whichever is larger.
+        that would matter in some equation (against the size of its terms, shape (N,)), whichever is larger.
+        An equation in which the unknown itself is the largest term, as x' = v, tells nothing about it.
         """
-        derivatives = np.abs(linearization.jacobian)
-        terms = (linearization.rounding / EPSILON)[:, None]
-        told = (derivatives > 1e-100) & (terms > 1e-290) & np.isfinite(derivatives) & np.isfinite(terms)
-        matters = np.where(told, np.where(told, terms, 1.0) / np.where(told, derivatives, 1.0), np.inf)
+        finite = np.isfinite(derivatives) & np.isfinite(terms)[:, None]
+        told = finite & (derivatives > 1e-100) & (terms > 1e-290)[:, None]
+        told &= derivatives * np.abs(z) < 0.4 * terms[:, None]
+        matters = np.where(told, terms[:, None], np.inf) / np.where(told, derivatives, 1.0)
         matters = matters.min(axis=0)
         natural = np.maximum(np.abs(z), np.where(matters < np.inf, matters, 0.0))
-        natural = np.where(natural > 1e-100, natural, np.nan)  # smaller ones are rounding noise of zero
+        # What no equation tells and is this small is rounding noise of zero, of unknown magnitude.
+        natural[(matters == np.inf) & (natural < 1e-13)] = np.nan
         natural[self._declared] = self._scales
+        natural[self.states : self.size] = np.nan  # drifts are zero; what they are is noise
         return natural
 
     def observable_kernels(self, name: str) -> tuple[Kernel, Kernel]:
@@ -195,16 +210,15 @@ class Equilibrium:
         values.append(float(spectrum_.values[0].real) if len(spectrum_.values) else float("nan"))
         return np.array(values)
 
-    def spectrum(self, z: np.ndarray, tangent: np.ndarray) -> Spectrum:
-        """Eigenvalues without the pinned neutral ones."""
+    def spectrum(self, z: np.ndarray, tangent: np.ndarray, jacobian: np.ndarray) -> Spectrum:
+        """Eigenvalues without the pinned neutral ones; `jacobian` is DF(z)."""
         n = self.states
         inputs = self.inputs(z)
-        table = self.kernels.linearization(*inputs)
         rate = self.kernels.rate_of_matrix(*inputs, tangent.tolist())
         rounding = 2.0 * EPSILON * self.kernels.rounding_of_matrix(*inputs)
-        declared = [1 + n + j for j, pin in enumerate(self.pins) if pin.name != UNDECLARED]
-        generators = table[:n, declared]
-        return spectrum(table[:n, 1 : 1 + n], rate, rounding, generators, len(self.pins) - len(declared))
+        declared = [n + j for j, pin in enumerate(self.pins) if pin.name != UNDECLARED]
+        generators = jacobian[:n, declared]
+        return spectrum(jacobian[:n, :n], rate, rounding, generators, len(self.pins) - len(declared))
 
     def examine(
         self,
@@ -218,7 +232,7 @@ class Equilibrium:
         length = float(np.linalg.norm(tangent / weights))
         # A stored tangent is a unit vector already; dividing again would change its last digits.
         unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
-        found = self.spectrum(z, unit)
+        found = self.spectrum(z, unit, linearization.jacobian)
         bordered = np.vstack([linearization.jacobian, unit / weights**2])
         return Sample(
             z=z,
@@ -231,7 +245,8 @@ class Equilibrium:
             measures=found.values.real,
             unstable=found.unstable(before),
             observables=self.observables(z, found),
-            excess=linearization.excess,
+            magnitudes=linearization.magnitudes,
+            excess=linearization.excess_in(weights),
         )
 
     def solve_states(self, z: np.ndarray, right: np.ndarray) -> np.ndarray:

@@ -129,28 +129,40 @@ class EigenPair:
     error: float
 
 
-def nearest_eigenpair(matrix: np.ndarray, value: complex = 0.0) -> EigenPair:
-    """The eigenvalue nearest to `value`; real where a real one is as near as any complex one.
-
-    Eigenvalues do not depend on the units of the states; singular values would.
-    """
+def nearest_eigenpair(matrix: np.ndarray, value: complex) -> EigenPair:
+    """The eigenvalue nearest to `value`, with |right| = 1 and left . right = 1."""
     scaled, d = balanced(matrix)
     values, right = np.linalg.eig(scaled)
+    transposed, left = np.linalg.eig(scaled.T)
     k = int(np.argmin(np.abs(values - value)))
-    left = np.linalg.eig(scaled.T)[1]
-    transposed = np.linalg.eigvals(scaled.T)
     row = left[:, int(np.argmin(np.abs(transposed - values[k])))]
     q, p = right[:, k] * d, row / d
     q = q / np.linalg.norm(q)
     product = p @ q
-    norm = float(np.linalg.norm(p))
-    defective = abs(product) < 1e-12 * norm  # no left vector can be normalised against a defective eigenvalue
-    p = p / norm if defective else p / product
+    p = p / (product if abs(product) > 1e-12 * np.linalg.norm(p) else np.linalg.norm(p))
     condition = float(np.linalg.norm(p * d) * np.linalg.norm(q / d))
-    error = EPSILON * float(np.linalg.norm(scaled)) * condition
-    if not np.iscomplexobj(matrix) and values[k].imag == 0.0:
-        return EigenPair(values[k].real, q.real, p.real, error)
-    return EigenPair(complex(values[k]), q, p, error)
+    return EigenPair(complex(values[k]), q, p, EPSILON * float(np.linalg.norm(scaled)) * condition)
+
+
+def critical_pair(matrix: np.ndarray) -> EigenPair:
+    """Null vectors q and p of a real matrix that is nearly singular: |q| = 1 and p.q = 1.
+
+    They are singular vectors of the balanced matrix. Balancing does not change eigenvalues, so a small one
+    cannot hide behind units as it can behind a scaling of rows and columns; and singular vectors are
+    accurate where a double zero makes eigenvectors meet. There, with p.q = 0, p is scaled by p.r = 1 with A
+    r = q.
+    """
+    scaled, d = balanced(matrix)
+    u, values, vh = np.linalg.svd(scaled)
+    # In balanced units every entry is as large as it matters; what is far below is noise.
+    v, w = (np.where(np.abs(x) < 1e-13, 0.0, x) for x in (vh[-1], u[:, -1]))
+    product = float(w @ v)
+    if abs(product) < 1e-6:
+        generalized = np.linalg.lstsq(scaled, v, rcond=1e-9)[0]
+        product = float(w @ generalized) if abs(w @ generalized) > 1e-12 else 1.0
+    length = float(np.linalg.norm(v * d))
+    error = EPSILON * float(values[0]) * len(values)
+    return EigenPair(float(values[-1]), v * d / length, w / d * (length / product), error)
 
 
 def solution_plane(jacobian: np.ndarray, pair: EigenPair) -> np.ndarray:

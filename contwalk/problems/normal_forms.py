@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contwalk.problems.linear import Factored, nearest_eigenpair
+from contwalk.problems.linear import Factored, critical_pair, nearest_eigenpair
 from contwalk.problems.problem import Located
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def critical_vectors(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
     The sign of q makes its largest entry positive.
     """
-    pair = nearest_eigenpair(matrix)
+    pair = critical_pair(matrix)
     q, p = pair.right.real, pair.left.real
     sign = np.sign(q[np.argmax(np.abs(q))])
     return sign * q, sign * p

@@ -16,25 +16,58 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
+from contwalk.problems.linear import EPSILON
 
 
-@dataclass(frozen=True)
 class Linearization:
-    """F(z), shape (N,); DF(z), shape (N, N + 1); and the rounding level of each residual, shape (N,)."""
+    """The equations at one z: F, shape (N,), and DF, shape (N, N + 1).
 
-    residual: np.ndarray
-    jacobian: np.ndarray
-    rounding: np.ndarray
+    What is only needed near a solution is computed when it is first asked for, by `levels`.
+    """
+
+    def __init__(
+        self,
+        residual: np.ndarray,
+        jacobian: np.ndarray,
+        levels: Callable[[], tuple[np.ndarray, np.ndarray]],
+    ) -> None:
+        self.residual = residual
+        self.jacobian = jacobian
+        self._levels = levels
+
+    @cached_property
+    def levels(self) -> tuple[np.ndarray, np.ndarray]:
+        """Rounding level of each residual, shape (N,), and typical magnitudes of z, shape (N + 1,).
+
+        A magnitude is NaN where neither z nor the equations tell.
+        """
+        return self._levels()
 
     @property
+    def magnitudes(self) -> np.ndarray:
+        """Typical magnitudes of z, NaN where unknown."""
+        return self.levels[1]
+
+    @property
+    def finite(self) -> bool:
+        """Whether residual and Jacobian are."""
+        return bool(np.all(np.isfinite(self.residual)) and np.all(np.isfinite(self.jacobian)))
+
+    def excess_in(self, weights: np.ndarray) -> float:
+        """As `excess`, where unknowns too are only known to the rounding of their weights."""
+        level = self.levels[0] + EPSILON * (np.abs(self.jacobian) @ weights)
+        return float(np.max(np.abs(self.residual) / level))
+
+    @cached_property
     def excess(self) -> float:
         """Largest residual in units of its rounding level; at most a few at a solution."""
-        ratio = float(np.max(np.abs(self.residual) / self.rounding))
+        ratio = float(np.max(np.abs(self.residual) / self.levels[0]))
         return ratio if np.isfinite(ratio) else float("inf")
 
 
@@ -57,6 +90,8 @@ class Sample:
         What must be negative for stability, in descending order (real parts; moduli minus one for orbits).
     unstable : int
     observables : ndarray, shape (o,)
+    magnitudes : ndarray, shape (N + 1,)
+        Typical magnitudes as z and the equations tell them, NaN where they do not.
     excess : float
         Residual in units of its rounding level.
     """
@@ -71,6 +106,7 @@ class Sample:
     measures: np.ndarray
     unstable: int
     observables: np.ndarray
+    magnitudes: np.ndarray
     excess: float
     iterations: int = 0
     evaluations: int = 0
@@ -133,8 +169,8 @@ class Problem(Protocol):
         """Residual, Jacobian and rounding level at z."""
         ...
 
-    def magnitudes(self, z: np.ndarray, linearization: Linearization) -> np.ndarray:
-        """Typical magnitudes of z, shape (N + 1,); NaN where they are not known."""
+    def jacobian(self, z: np.ndarray) -> np.ndarray:
+        """DF(z) without rounding noise, for critical vectors."""
         ...
 
     def examine(

@@ -70,6 +70,7 @@ def spectrum(
     zeros : int
         How many further eigenvalues, the smallest ones, belong to neutral directions without a generator.
     """
+    matrix = np.where(np.abs(matrix) <= 2.0 * rounding, 0.0, matrix)  # noise would mislead the balancing
     if generators is not None and generators.size:
         # A g = 0, so A is block triangular in (g, complement): the rest of the spectrum is that of Q' A Q.
         q = complement(generators)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.problems.linear import EPSILON, Factored, nearest_eigenpair, solution_plane
+from contwalk.problems.linear import EPSILON, Factored, critical_pair, solution_plane
 from contwalk.problems.problem import Seed
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ def second_direction(problem: Equilibrium, z: np.ndarray) -> np.ndarray | None:
     """A null vector of F_u where F_lambda lies in its range, a second direction of solutions; else None."""
     jacobian = problem.jacobian(z)
     matrix = jacobian[:, : problem.size]
-    pair = nearest_eigenpair(matrix)
+    pair = critical_pair(matrix)
     n = problem.states
     entries = np.zeros_like(matrix)
     entries[:n, :n] = EPSILON * problem.kernels.rounding_of_matrix(*problem.inputs(z))
@@ -44,8 +44,11 @@ def directions(problem: Equilibrium, z: np.ndarray, weights: np.ndarray) -> list
     real solutions.
     """
     size, jacobian, inputs = problem.size, problem.jacobian(z), problem.inputs(z)
-    pair = nearest_eigenpair(jacobian[:, :size])
-    psi, basis = pair.left.real, solution_plane(jacobian, pair)
+    pair = critical_pair(jacobian[:, :size])
+    try:
+        psi, basis = pair.left.real, solution_plane(jacobian, pair)
+    except np.linalg.LinAlgError:  # more than two branches meet here
+        return []
     # An orthonormal basis in the metric of the weights keeps the quadratic well scaled.
     t1, t2 = (np.linalg.qr(basis / weights[:, None])[0] * weights[:, None]).T
     a, b, c = (
@@ -79,7 +82,7 @@ def tangent_through(
 def branch_point_seeds(problem: Equilibrium, point: SpecialPoint) -> Sequence[Seed]:
     """The branch that crosses at a branch point, along the tangent that the parent does not have."""
     z = np.array(point.unknowns)
-    magnitudes = problem.magnitudes(z, problem.linearize(z))
+    magnitudes = problem.linearize(z).magnitudes
     weights = np.where(np.isfinite(magnitudes), magnitudes, 1.0)
     found = directions(problem, z, weights)
     if len(found) < 2:
@@ -107,7 +110,7 @@ def reach(problem: Equilibrium, z: np.ndarray, tangent: np.ndarray, change: floa
     if tangent[-1] != 0.0 and abs(tangent[-1]) > 1e-9 * np.linalg.norm(tangent):
         return np.abs(tangent * change / tangent[-1])
     jacobian, inputs = problem.jacobian(z), problem.inputs(z)
-    pair = nearest_eigenpair(jacobian[:, :size])
+    pair = critical_pair(jacobian[:, :size])
     q, p = pair.right.real, pair.left.real
     q1 = np.append(q, 0.0).tolist()
     bordered = Factored(np.block([[jacobian[:, :size], p[:, None]], [q[None, :], np.zeros((1, 1))]]))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import platform
 import sys
 from collections.abc import Iterator
@@ -15,7 +17,7 @@ from contwalk.continuation import outcomes
 from contwalk.continuation.diagram import Began, Cut, Diagram, Ended, Event, Found, Noted, Plan
 from contwalk.continuation.settings import Mark, Settings
 from contwalk.continuation.work import Start, Stored
-from contwalk.errors import ContwalkError, DatabaseError
+from contwalk.errors import ContwalkError, DatabaseError, UnsupportedOperation
 from contwalk.problems.equilibrium import Equilibrium
 from contwalk.storage.database import Database, RunHeader
 from contwalk.storage.hdf5 import Hdf5Database
@@ -107,10 +109,11 @@ def traced(run_file: RunFile) -> None:
     UnsupportedOperation, SystemDefinitionError
         With the line of the plugin.
     """
-    problem = Equilibrium(
-        run_file.system, run_file.parameters, run_file.free or "path", run_file.parameter_path
-    )
-    _ = problem.kernels.program
+    _ = _problem(run_file).kernels.program
+
+
+def _problem(run_file: RunFile) -> Equilibrium:
+    return Equilibrium(run_file.system, run_file.parameters, run_file.free, run_file.parameter_path)
 
 
 def settings_of(run_file: RunFile) -> Settings:
@@ -148,9 +151,31 @@ def _database(run_file: RunFile, resume: bool, force: bool) -> Hdf5Database:
                 f"{path} was computed from another run file: its settings differ from {run_file.path}.",
                 "Give another --output, or --force to start anew.",
             )
+        if db.header.provenance.get("equations_sha256") != equations_hash(run_file):
+            db.close()
+            raise DatabaseError(
+                f"{path} was computed with another version of the plugin '{run_file.system_reference}': "
+                "its equations or defaults have changed since.",
+                "Put the plugin back as it was, give another --output, or --force to start anew.",
+            )
         return db
     header = RunHeader(run_file.system.name, dict(run_file.model), run_file.config(), provenance(run_file))
     return Hdf5Database.create(path, header, overwrite=force)
+
+
+def equations_hash(run_file: RunFile) -> str:
+    """Hash of everything about the system that decides a branch, whichever files it is spread over.
+
+    The traced equations are text, so a change in any function that they call shows.
+    """
+    system, problem = run_file.system, _problem(run_file)
+    texts = [problem.kernels.residual.text, json.dumps(system.defaults(), sort_keys=True)]
+    for observable in system.observables:
+        try:
+            texts.append(problem.observable_kernels(observable.name)[0].text)
+        except UnsupportedOperation:  # an observable may do what cannot be differentiated
+            texts.append(observable.name)
+    return hashlib.sha256("\n".join(texts).encode()).hexdigest()
 
 
 def provenance(run_file: RunFile) -> dict[str, Any]:
@@ -171,6 +196,7 @@ def provenance(run_file: RunFile) -> dict[str, Any]:
         "run_file_directory": str(run_file.path.resolve().parent),
         "system_reference": run_file.system_reference,
         "plugin_sha256": run_file.system.source,
+        "equations_sha256": equations_hash(run_file),
         "accuracy": run_file.accuracy,
         "engine": dict(run_file.engine),
     }

@@ -61,7 +61,7 @@ def parabola(t, x, p, dx):
 def test_sign_and_size_of_the_fold_coefficients_follow_the_curvature(k):
     problem = small_problem(parabola, "xyz", {"lam": -0.4 if k > 0 else -0.6, "k": k}, "lam")
     start = 0.25 if k > 0 else -0.4
-    branch = cw.continue_branch(problem, [start, start / 2, 0.0], (-1.0, -0.3))
+    branch = cw.continue_branch(problem, [start, start / 2, 0.0], (-1.0, -0.3), max_step=0.03)
     check_branch(branch, problem)
     fold = next(q for q in bifurcations(branch) if abs(q.state["x"]) < 1e-6)
     assert_error_claim(fold, "lam", mpmath.mpf("-0.5"))

@@ -140,6 +140,34 @@ def test_markers_of_all_labels_differ():
     assert len(marks) == len(set(marks)) == 9
 
 
+def test_names_of_one_branch_at_one_place_share_a_text():
+    # There and back on the same curve, as along a mirror image; rows 10 and 30 are one point of the plane.
+    mu = np.concatenate([np.linspace(0, 1, 21), np.linspace(1, 0, 21)[1:]])
+    special = (SpecialPoint("UZ", 10.0), SpecialPoint("BP", 20.0), SpecialPoint("UZ", 30.0))
+    twice = branch({"mu": mu, "x": mu**2}, special=special)
+    ax = plot_bifurcation_diagram([twice])
+    assert sorted(words(ax)) == ["BP1", "UZ1, UZ2"]
+    assert len(lines(ax, "b1-UZ")) == 2
+    # Another branch's name at the same place has its own colour, and stays.
+    other = branch({"mu": mu[:21], "x": mu[:21] ** 2}, special=special[:1], name="b2")
+    ax = plot_bifurcation_diagram([twice, other])
+    assert sorted(set(words(ax)) - {"b1", "b2"}) == ["BP1", "UZ1", "UZ1, UZ2"]
+    assert overlaps(ax) == []
+
+
+def test_branches_at_different_parameters_are_told_apart_in_the_legend():
+    ax = plot_bifurcation_diagram([hopf("b1", 1.0), hopf("b2", 2.0)], units={"c": "N s/m"})
+    legend = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert legend[-2:] == ["b1\nc = 1 N s/m", "b2\nc = 2 N s/m"]
+    colors = [line.get_color() for line in ax.get_legend().get_lines()[-2:]]
+    assert colors == [lines(ax, f"{name}-stable")[0].get_color() for name in ("b1", "b2")]
+
+
+def test_units_are_written_with_signs():
+    ax = plot_bifurcation_diagram([fold()], units={"mu": "sqrt(k/M)", "x": "kg m2/s2 l1"})
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("mu (√(k/M))", "x (kg m²/s² l1)")
+
+
 def test_forty_crowded_names_appear_once_inside_the_axes_without_overlap():
     ax = plot_bifurcation_diagram([crowd()])
     assert len(words(ax)) == len(set(words(ax))) == 40

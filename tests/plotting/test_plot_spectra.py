@@ -59,6 +59,17 @@ def test_start_is_a_cross_and_end_a_ring_at_the_first_and_last_spectrum():
     assert ax.get_xlabel() == "real part"
 
 
+def test_a_branch_walked_backward_starts_where_s_is_zero():
+    made = hopf()
+    made.points["s"] -= made.points["s"][-1]
+    ax = plot_eigenvalues([made])
+    start, end = by_gid(ax, "b1-start"), by_gid(ax, "b1-end")
+    assert set(start.get_xdata() + 1j * start.get_ydata()) == set(made["spectrum"][-1])
+    assert set(end.get_xdata() + 1j * end.get_ydata()) == set(made["spectrum"][0])
+    legend = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert legend == ["start: mu = 1", "end: mu = -1.5"]
+
+
 def test_lines_are_coloured_by_the_free_parameter_and_the_imaginary_axis_is_there():
     made = hopf()
     ax = plot_eigenvalues([made])

@@ -10,7 +10,7 @@ from contwalk.branch import SpecialPoint
 from contwalk.errors import ContwalkError
 from contwalk.plotting import plot_stability_map
 from contwalk.plotting.net import triangulate
-from contwalk.plotting.sweep import gather
+from contwalk.plotting.sweep import Row, gather
 
 
 def sweep(levels=(0.0, 1.0, 2.0, 3.0, 4.0), border=lambda c: 1.0 + 0.5 * c, start=lambda c: 0.0):
@@ -101,6 +101,77 @@ def test_ranges_that_differ_are_not_bridged():
     )
 
 
+def rows(*each):
+    """Rows at 0, 1, ... from (x, value) pairs."""
+    return [
+        Row(float(i), np.array(x, dtype=float), np.array(v, dtype=float), np.ones(len(x) - 1, dtype=bool))
+        for i, (x, v) in enumerate(each)
+    ]
+
+
+def edges(net):
+    return {frozenset(map(tuple, np.stack([net.x, net.y], axis=1)[edge])) for edge in net.edges.tolist()}
+
+
+def test_the_edge_of_the_data_runs_straight_between_the_ends_of_neighbouring_rows():
+    # The data end at a fold, x = 1 + c^2: steps would be up to 0.9 wide.
+    levels = np.linspace(0.0, 3.0, 7)
+    x = [np.linspace(1 + c**2, 12.0, 40) for c in levels]
+    net, _ = triangulate(
+        [Row(c, each, -each, np.ones(39, dtype=bool)) for c, each in zip(levels, x, strict=True)]
+    )
+    found = edges(net)
+    for i in range(6):
+        for end in (0, -1):
+            assert frozenset({(x[i][end], levels[i]), (x[i + 1][end], levels[i + 1])}) in found
+    a, b = np.array([1.0, 0.0]), np.array([1.25, 0.5])
+    middle = (a + b) / 2
+    trifinder = net.get_trifinder()
+    assert trifinder(middle[0] + 1e-6, middle[1]) >= 0
+    assert trifinder(middle[0] - 1e-6, middle[1]) < 0
+
+
+def test_no_sliver_beside_the_border_is_left_out():
+    # The covered area is that between the rows, whatever the border does in between.
+    net, _ = triangulate(gather(sweep(border=lambda c: 2.5 + 2.0 * np.sin(2 * c)), "mu", "c", "max_re"))
+    corners = np.stack([net.x, net.y], axis=1)[net.triangles]
+    (u, v) = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    areas = (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) / 2
+    assert net.mask is None
+    # 5 wide, 4 high; sums of some 300 areas leave a few rounding units each.
+    assert np.abs(areas).sum() == pytest.approx(20.0, rel=1e-12)
+
+
+def test_a_border_that_begins_between_two_rows_joins_no_other():
+    # The upper row has two zeros more, 5 and 6; the one of both moves from 2 to 3.
+    net, value = triangulate(
+        rows(([0, 1, 3, 8], [2, 1, -1, -2]), ([0, 2, 4, 4.5, 5.5, 6.5, 8], [2, 1, -1, -1, 1, -1, -2]))
+    )
+    zeros = {(a, b) for a, b, v in zip(net.x, net.y, value, strict=True) if v == 0.0}
+    assert zeros == {(2.0, 0.0), (3.0, 1.0), (5.0, 1.0), (6.0, 1.0)}
+    joined = [edge for edge in edges(net) if edge <= zeros and len({y for _, y in edge}) == 2]
+    assert frozenset({(2.0, 0.0), (3.0, 1.0)}) in joined
+    assert frozenset({(2.0, 0.0), (6.0, 1.0)}) not in joined
+
+
+def test_kinks_of_neighbouring_rows_are_joined():
+    # V-shaped rows whose corner moves; the level lines would zigzag along it otherwise.
+    kink = [3.0, 3.4, 3.8]
+    x = [np.union1d(np.linspace(0, 8, 17), [k]) for k in kink]
+    net, _ = triangulate(rows(*((each, np.abs(each - k) - 9) for each, k in zip(x, kink, strict=True))))
+    for i in (0, 1):
+        assert frozenset({(kink[i], float(i)), (kink[i + 1], i + 1.0)}) in edges(net)
+
+
+def test_a_scale_above_the_axis_keeps_off_the_legend():
+    small = sweep(levels=(0.0, 1e-5, 2e-5), border=lambda c: 1 + 1e5 * c)
+    ax = plot_stability_map(small, "mu", "c")
+    ax.figure.canvas.draw()
+    offset = ax.yaxis.get_offset_text()
+    assert offset.get_text() == "1e\N{MINUS SIGN}5" or offset.get_text() == "1e-5"
+    assert not offset.get_window_extent().overlaps(ax.get_legend().get_window_extent())
+
+
 def test_where_solutions_coexist_the_most_stable_counts():
     t = np.linspace(-1, 1, 41)
     folded = [
@@ -152,5 +223,5 @@ def test_what_is_no_sweep_is_refused():
         )
         for c in (0.0, 1.0)
     ]
-    with pytest.raises(ContwalkError, match="do not span an area"):
+    with pytest.raises(ContwalkError, match="do not lie next to each other"):
         plot_stability_map(lonely, "mu", "c")
