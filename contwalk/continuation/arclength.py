@@ -60,6 +60,7 @@ def walk(
             yield Point(place, found_record(problem, found, place.s, sign))
             number += 1
             if outcome := _stop(found, settings, observer):
+                place = replace(place, sample=replace(place.sample, unstable=found.after))
                 yield End(outcome, end_record(problem, place, outcome, sign))
                 return
         here = _arrived(problem, step, here, sign, settings, before)

@@ -16,7 +16,7 @@ from itertools import pairwise
 import numpy as np
 
 from contwalk.continuation.hidden import knots_of
-from contwalk.continuation.locating import Disagreement, Found, accepted, locate, locate_multiple
+from contwalk.continuation.locating import SAME_POINT, Disagreement, Found, accepted, locate, locate_multiple
 from contwalk.continuation.rootfinding import narrow
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.problems.linear import Factored, critical_pair, solution_plane
@@ -39,6 +39,27 @@ def bifurcations(segment: Segment) -> list[Found]:
     for low, high in pairwise(knots):
         found += _crossings(segment, low, high, first)
     return _counted(segment, sorted(found, key=lambda f: f.theta))
+
+
+def at_the_end(segment: Segment) -> list[Found]:
+    """A bifurcation that the end of a segment itself is, where a walk stops and cannot look beyond it."""
+    b = segment.b
+    critical = np.flatnonzero(np.abs(b.measures) <= 10.0 * b.errors)
+    if not len(critical):
+        return []
+    which = int(critical[0])
+    if segment.problem.many_branches(b.z):
+        label, step = "BP", 1
+    else:
+        label, step = segment.problem.label_of(b, which) or "LP", 2
+    located = segment.problem.locate(label, b, which)
+    settled = located.settled() if located is not None and label != "LP" else None
+    if settled is None or np.linalg.norm((settled.z - b.z) / segment.weights) > SAME_POINT:
+        return []
+    # Beyond the end nothing is computed; the way the eigenvalue moves tells the count there.
+    before = segment.a.unstable
+    after = before + step * int(np.nan_to_num(np.sign(b.rates[which])))
+    return [Found(1.0, label, settled, b, before, max(after, 0))]
 
 
 def _crossings(segment: Segment, low: float, high: float, known: list[Found]) -> list[Found]:

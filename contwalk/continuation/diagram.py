@@ -140,7 +140,7 @@ class Diagram:
             return None
         problem, here = start.opening.problem, start.opening.here
         if start.parent is None:
-            return known_branch(problem, here.sample.z, here.sample.weights, self.branches)
+            return known_branch(problem, here.sample, self.branches)
         # A branch point lies on the parent anyway: look at the first points away from it.
         names: list[str | None] = []
         observer = observer_of(problem)
@@ -150,8 +150,7 @@ class Diagram:
                 problem, facing, self._plan.settings, observer, sign, self._plan.settings.max_points
             ):
                 if isinstance(event, Point) and event.special is None:
-                    sample = event.here.sample
-                    names.append(known_branch(problem, sample.z, sample.weights, self.branches))
+                    names.append(known_branch(problem, event.here.sample, self.branches))
                     break
         return names[0] if names and None not in names else None
 
@@ -227,7 +226,7 @@ class Diagram:
             if start.parent is not None and abs(point.s) < 1e-9:
                 continue  # the point that this branch itself was born at
             for seed in problem.seeds(point):
-                here = begin(problem, seed.z, self._plan.settings, seed.tangent, seed.magnitudes)
+                here = begin(problem, seed.z, self._plan.settings, seed.tangent, seed.reach)
                 if isinstance(here, Here):
                     yield replace(
                         start,

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contwalk.continuation.metric import updated
+from contwalk.continuation.metric import parameter_weight, updated
 from contwalk.continuation.newton import Correction, correct
 from contwalk.continuation.settings import Settings
 from contwalk.problems.linear import kernel_direction
@@ -37,7 +38,7 @@ def begin(
     z: np.ndarray,
     settings: Settings,
     toward: np.ndarray | None = None,
-    reach: np.ndarray | None = None,
+    reach: Callable[[float], np.ndarray] | None = None,
 ) -> Here | Correction:
     """The first solution of a branch near z, with the tangent towards growing parameter (or along `toward`).
 
@@ -57,7 +58,8 @@ def begin(
     linearization = problem.linearize(z)
     magnitudes = linearization.magnitudes
     if reach is not None:
-        magnitudes = np.where(np.isfinite(magnitudes) | ~(reach > 0.0), magnitudes, reach)
+        moved = reach(parameter_weight(magnitudes[-1], settings, value))
+        magnitudes = np.where(np.isfinite(magnitudes) | ~(moved > 0.0), magnitudes, moved)
     weights = updated(None, magnitudes, settings, z)
     tangent = toward if toward is not None else first_tangent(linearization.jacobian, weights)
     sample = problem.examine(z, tangent, weights, linearization, None)

@@ -10,32 +10,39 @@ import numpy as np
 from contwalk.branch import Branch
 from contwalk.continuation.newton import correct
 from contwalk.problems.equilibrium import Equilibrium
+from contwalk.problems.problem import Sample
 
 # Solutions nearer than this, in the metric, are the same one: far above the corrector's error, far below a
 # step.
 SAME = 1e-7
 MOST_IMAGES = 24
+# A branch is compared with another by its points and its way: cosine between the two, and how far to look
+# for it.
+ALONG = 0.8
+BESIDE = 1e-4
 
 
-def images(problem: Equilibrium, z: np.ndarray) -> Iterator[np.ndarray]:
-    """z and its images under products of the declared symmetries."""
-    found = [z]
+Pair = tuple[np.ndarray, np.ndarray]
+
+
+def images(problem: Equilibrium, z: np.ndarray, beyond: np.ndarray) -> Iterator[Pair]:
+    """z and a point beside it on its branch, and their images under products of the declared symmetries."""
+    found = [(z, beyond)]
     for current in found:
         yield current
         for symmetry in problem.system.symmetries:
-            image = problem.image(symmetry.name, current)
-            new = all(not np.allclose(image, other, rtol=1e-12, atol=1e-14) for other in found)
+            image = problem.image(symmetry.name, current[0])
+            new = all(not np.allclose(image, other, rtol=1e-12, atol=1e-14) for other, _ in found)
             if new and len(found) < MOST_IMAGES:
-                found.append(image)
+                found.append((image, problem.image(symmetry.name, current[1])))
 
 
-def known_branch(
-    problem: Equilibrium, z: np.ndarray, weights: np.ndarray, branches: list[Branch]
-) -> str | None:
-    """Name of the branch that a solution lies on, or an image of it; None if it is new."""
+def known_branch(problem: Equilibrium, sample: Sample, branches: list[Branch]) -> str | None:
+    """Name of the branch that a solution and its tangent lie on, or their images; None if it is new."""
     candidates = [b for b in branches if _comparable(problem, b)]
-    for image, branch in itertools.product(images(problem, z), candidates):
-        if _on(problem, image, weights, branch):
+    beyond = sample.z + BESIDE * sample.tangent
+    for pair, branch in itertools.product(images(problem, sample.z, beyond), candidates):
+        if _on(problem, pair, sample.weights, branch):
             return branch.name
     return None
 
@@ -50,8 +57,9 @@ def _comparable(problem: Equilibrium, branch: Branch) -> bool:
     return all(branch.info.parameters.get(name) == v for name, v in fixed.items())
 
 
-def _on(problem: Equilibrium, z: np.ndarray, weights: np.ndarray, branch: Branch) -> bool:
+def _on(problem: Equilibrium, pair: Pair, weights: np.ndarray, branch: Branch) -> bool:
     """Whether z lies on the curve through a branch's points, each piece recomputed where it passes z."""
+    z, along = pair[0], (pair[1] - pair[0]) / weights
     rows = np.column_stack([branch.points["unknowns"], branch.points["free"][:, 0]])
     z = problem.nearest_turn(z, rows[0])
     a, chord = rows[:-1], np.diff(rows, axis=0)
@@ -64,6 +72,9 @@ def _on(problem: Equilibrium, z: np.ndarray, weights: np.ndarray, branch: Branch
     distance = np.linalg.norm((z - foot) / weights, axis=1)
     near = (theta > -0.01) & (theta < 1.01) & (distance < 0.5 * np.sqrt(length) + SAME)
     for i in np.flatnonzero(near):
+        way = chord[i] / weights
+        if abs(way @ along) < ALONG * np.linalg.norm(way) * np.linalg.norm(along):
+            continue  # it crosses the branch
         correction = correct(problem, foot[i], normal[i], weights)
         if correction.ok and np.linalg.norm((correction.z - z) / weights) < SAME:
             return True

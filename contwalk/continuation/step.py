@@ -8,7 +8,7 @@ import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.continuation import control, outcomes
-from contwalk.continuation.detection import bifurcations
+from contwalk.continuation.detection import at_the_end, bifurcations
 from contwalk.continuation.here import Here
 from contwalk.continuation.locating import Disagreement, Found, passes_through
 from contwalk.continuation.marks import Observer, marked
@@ -22,6 +22,8 @@ from contwalk.problems.problem import Linearization, Located, Problem, Sample
 # How far from a branch point that a walk begins at its side is looked at, in parts of the first step.
 BESIDE = 1e-4
 
+# A mark this near to a bifurcation, in parts of the step, is at the same place.
+COINCIDE = 1e-9
 # The field's domain ends where a step this short still leaves it.
 EDGE = 1e-7
 
@@ -69,17 +71,23 @@ def take_step(problem: Problem, here: Here, settings: Settings, observer: Observ
         smallest = length <= settings.min_step
         length = max(length, settings.min_step)
         prediction = predict(here, length, settings)
-        correction = correct(
-            problem, prediction.guess, prediction.normal, here.sample.weights, settings.newton_iterations
-        )
+        correction = _corrected(problem, here, prediction, settings)
+        if prediction.to_bound and not correction.ok:
+            # The branch may turn before the end of the range: along its own tangent it is regular.
+            prediction = _along(here, length)
+            correction = _corrected(problem, here, prediction, settings)
         reason, sentence = correction.reason, correction.sentence
         if correction.ok:
             try:
                 segment = _segment(problem, here, prediction, correction, settings, smallest)
                 found = _special(segment, settings, observer, smallest)
+                if prediction.to_bound and not any(f.theta > 1.0 - COINCIDE for f in found):
+                    found += at_the_end(segment)
                 return Step(segment, segment.b, found, _next_length(segment, prediction, here, settings))
             except (Disagreement, LostBranch) as error:
                 sentence = str(error)
+            except np.linalg.LinAlgError:
+                sentence = "The equations are singular there in more than one direction."
             except PluginError as error:
                 reason, sentence = "plugin_error", error.sentence
         if reason in ("not_finite", "plugin_error"):
@@ -90,16 +98,27 @@ def take_step(problem: Problem, here: Here, settings: Settings, observer: Observ
         length = control.shrunk(length)
 
 
+def _corrected(problem: Problem, here: Here, prediction: Prediction, settings: Settings) -> Correction:
+    return correct(
+        problem, prediction.guess, prediction.normal, here.sample.weights, settings.newton_iterations
+    )
+
+
+def _along(here: Here, length: float) -> Prediction:
+    """The point at `length` along the tangent."""
+    sample = here.sample
+    return Prediction(sample.z + length * sample.tangent, sample.tangent / sample.weights**2, length)
+
+
 def predict(here: Here, length: float, settings: Settings) -> Prediction:
     """The point at `length` along the tangent; an end of the range that lies before it is met exactly."""
     sample = here.sample
     length = min(length, control.longest(sample, settings))
-    guess = sample.z + length * sample.tangent
     ahead = sample.tangent[-1]
     bound = settings.range[1] if ahead > 0 else settings.range[0]
     left = (bound - sample.z[-1]) / ahead if ahead != 0.0 else np.inf
     if left > 1.001 * length:  # a remainder of a thousandth of a step is not left over
-        return Prediction(guess, sample.tangent / sample.weights**2, length)
+        return _along(here, length)
     guess = sample.z + left * sample.tangent
     guess[-1] = bound
     normal = np.zeros(len(guess))
@@ -188,9 +207,14 @@ def _special(segment: Segment, settings: Settings, observer: Observer, smallest:
         if not smallest:
             raise
         found = [_unlocated(segment, disagreement)]
+    low, high = settings.range
+    if any(not low <= f.located.z[-1] <= high for f in found):
+        raise Disagreement("EP", "The step passes the end of the range and comes back.")
     stops = tuple(Mark(name, values) for name, values in settings.stop_at.items())
     turns = [f.theta for f in found if f.label in ("LP", "BP")]
-    found += marked(segment, (*settings.marks, *stops), observer, turns)
+    for mark in marked(segment, (*settings.marks, *stops), observer, turns):
+        at = [f.theta for f in found if f.label != "UZ" and abs(f.theta - mark.theta) < COINCIDE]
+        found.append(replace(mark, theta=at[0]) if at else mark)
     return _with_counts(sorted(found, key=lambda f: f.theta), segment.a.unstable)
 
 

@@ -94,7 +94,7 @@ def switch_branch(
             f"No other branch of equilibria leaves {special.name} of {branch.name}.",
             "Branches cross at branch points (BP).",
         )
-    here = begin(problem, seeds[0].z, chosen, seeds[0].tangent, seeds[0].magnitudes)
+    here = begin(problem, seeds[0].z, chosen, seeds[0].tangent, seeds[0].reach)
     opening = Opening(problem, here)  # type: ignore[arg-type]  # a seed lies on the branch already
     parent = (branch.name, special.s)
     start = Start(problem.system, problem.free, dict(problem.parameters), opening, special.name, parent, 1)

@@ -22,20 +22,11 @@ if TYPE_CHECKING:
 def described(problem: Equilibrium, label: str, located: Located, sample: Sample, s: float) -> SpecialPoint:
     """The record of a located point, with its normal form."""
     z = located.z
-    kind, criticality, coefficients, note = None, None, {}, None
-    if label == "LP":
-        coefficients = fold_coefficients(problem, located)
-    elif label == "HB":
-        coefficients = hopf_coefficients(problem, located)
-        criticality, note = _hopf(problem, coefficients)
-    elif "multiplicity" in located.vectors:
-        coefficients = {"multiplicity": located.vectors["multiplicity"]}
-        note = (
-            f"{located.vectors['multiplicity']} real eigenvalues vanish together: more than two branches "
-            "may meet here; the other ones are not followed"
-        )
-    elif label == "BP":
-        kind, criticality, coefficients, note = _branch_point(problem, located, sample.weights)
+    try:
+        kind, criticality, coefficients, note = _normal_form(problem, label, located, sample)
+    except np.linalg.LinAlgError:
+        kind, criticality, coefficients = None, None, {}
+        note = "degenerate: the critical directions are not determined, so there is no normal form"
     return SpecialPoint(
         label=label,
         s=s,
@@ -50,6 +41,30 @@ def described(problem: Equilibrium, label: str, located: Located, sample: Sample
         unknowns=tuple(z.tolist()),
         tangent=tuple(sample.tangent.tolist()),
     )
+
+
+def _normal_form(
+    problem: Equilibrium, label: str, located: Located, sample: Sample
+) -> tuple[str | None, str | None, dict[str, Any], str | None]:
+    """Kind, criticality, coefficients and note of a located point."""
+    kind: str | None = None
+    criticality: str | None = None
+    coefficients: dict[str, Any] = {}
+    note: str | None = None
+    if label == "LP":
+        coefficients = fold_coefficients(problem, located)
+    elif label == "HB":
+        coefficients = hopf_coefficients(problem, located)
+        criticality, note = _hopf(problem, coefficients)
+    elif "multiplicity" in located.vectors:
+        coefficients = {"multiplicity": located.vectors["multiplicity"]}
+        note = (
+            f"{located.vectors['multiplicity']} real eigenvalues vanish together: more than two branches "
+            "may meet here; the other ones are not followed"
+        )
+    elif label == "BP":
+        kind, criticality, coefficients, note = _branch_point(problem, located, sample.weights)
+    return kind, criticality, coefficients, note
 
 
 def _branch_point(

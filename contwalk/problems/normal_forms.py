@@ -112,15 +112,16 @@ def branch_point_coefficients(problem: Equilibrium, located: Located, weights: n
     c22 = float(p @ forms.second(h1, h1))
     b2 = forms.second(q, q)
     h2 = bordered.solve(np.append(b2, 0.0))[:size]
-    c = float(p @ (forms.third(q, q, q) - 3.0 * forms.second(q, h2))) / 6.0
+    cubic, mixed = forms.third(q, q, q), 3.0 * forms.second(q, h2)
+    c = float(p @ (cubic - mixed)) / 6.0
+    if abs(6.0 * c) <= EQUAL * float(np.abs(p) @ (np.abs(cubic) + np.abs(mixed))):
+        c = 0.0
     # How far the parameter moves while the unknowns move by their typical magnitudes along q, to second and
     # to third order, against its own magnitude.
     reach = 1.0 / float(np.linalg.norm(q / weights[:-1]))
     drive = abs(2.0 * c12 * weights[-1])
     if abs(c11) * reach <= EQUAL * drive or is_pitchfork(problem, located, q, p):
         c11 = 0.0
-    if abs(c) * reach**2 <= EQUAL * drive:
-        c = 0.0
     return {"c11": c11, "c12": c12, "c22": c22, "c": c, "q": q, "h": h, "p": p}
 
 

@@ -150,13 +150,14 @@ class Located:
 class Seed:
     """A branch that leaves a special point: a solution on it (or the point itself) and its direction.
 
-    `magnitudes` estimates how far each unknown moves along it, for unknowns that are zero at the point.
+    `reach(change)` estimates how far each unknown moves along it while the parameter changes so much, shape
+    (N + 1,), for unknowns that are zero at the point.
     """
 
     label: str
     z: np.ndarray
     tangent: np.ndarray
-    magnitudes: np.ndarray
+    reach: Callable[[float], np.ndarray]
 
 
 class Problem(Protocol):

@@ -91,7 +91,9 @@ def spectrum(
     norms = np.linalg.norm(left, axis=1) * np.linalg.norm(right, axis=0)
     backward = EPSILON * np.linalg.norm(scaled) * norms
     gaps = np.abs(values[:, None] - values) + np.diag(np.full(len(values), np.inf))
-    errors = np.diag(sensitivity) + np.minimum(backward, backward**2 / np.maximum(gaps.min(axis=1), 1e-300))
+    with np.errstate(over="ignore"):
+        left_behind = backward**2 / np.maximum(gaps.min(axis=1), 1e-300)
+    errors = np.diag(sensitivity) + np.minimum(backward, left_behind)
     rates = np.einsum("ij,jk,ki->i", left, rate / d[:, None] * d, right).real
     # Real matrices have exact conjugates; LAPACK lists each pair next to each other.
     real = found.imag == 0.0

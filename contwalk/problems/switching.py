@@ -84,7 +84,10 @@ def branch_point_seeds(problem: Equilibrium, point: SpecialPoint) -> Sequence[Se
     z = np.array(point.unknowns)
     magnitudes = problem.linearize(z).magnitudes
     weights = np.where(np.isfinite(magnitudes), magnitudes, 1.0)
-    found = directions(problem, z, weights)
+    try:
+        found = directions(problem, z, weights)
+    except np.linalg.LinAlgError:
+        return ()
     if len(found) < 2:
         return ()
     parent = np.array(point.tangent)
@@ -97,7 +100,7 @@ def branch_point_seeds(problem: Equilibrium, point: SpecialPoint) -> Sequence[Se
         other[-1] if abs(other[-1] / weights[-1]) > 1e-6 else other[int(np.argmax(np.abs(other / weights)))]
     )
     tangent = other * np.sign(lead)
-    return (Seed("BP", z, tangent, reach(problem, z, tangent, float(weights[-1]))),)
+    return (Seed("BP", z, tangent, lambda change: reach(problem, z, tangent, change)),)
 
 
 def reach(problem: Equilibrium, z: np.ndarray, tangent: np.ndarray, change: float) -> np.ndarray:

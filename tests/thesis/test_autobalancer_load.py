@@ -120,7 +120,8 @@ def test_heavier_masses_are_more_stable_at_every_load():
     assert light.info.parameters["m1"] * light.info.parameters["l1"] == pytest.approx(
         heavy.info.parameters["m1"] * heavy.info.parameters["l1"], rel=1e-15
     )
-    assert distinct((light, heavy), "m") == []
+    # The range ends at full load, where types 1 and 2 meet.
+    assert distinct((light, heavy), "m") == [("BP", 0.02)]
     loads = np.linspace(0.001, 0.0198, 50)
     assert np.all(
         np.interp(loads, heavy["m"], heavy["max_re"]) < np.interp(loads, light["m"], light["max_re"])
