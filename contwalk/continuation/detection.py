@@ -22,6 +22,8 @@ from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.problems.linear import Factored, critical_pair, solution_plane
 from contwalk.problems.problem import Located, Sample
 
+# How far from a point its two sides are looked at, in parts of the segment.
+BESIDE = 1e-3
 # Below this share of the parameter in the unit tangent, its sign is rounding noise.
 NO_SHARE = 1e-9
 
@@ -67,36 +69,41 @@ def _crossings(segment: Segment, low: float, high: float, known: list[Found]) ->
     jump = segment.at(high).unstable - segment.at(low).unstable
     found = _branch_points(segment, low, high, known)
     found += _folds(segment, low, high, found)
-    if jump in _reachable(found):
+    if jump in _reachable(segment, found):
         return found
     found += _measure_crossings(segment, low, high, found)
-    if jump not in _reachable(found):
+    if jump not in _reachable(segment, found):
         raise Disagreement("HB", "The number of eigenvalues that cross does not agree with the points found.")
     return found
 
 
-def _reachable(found: list[Found]) -> set[int]:
+def _reachable(segment: Segment, found: list[Found]) -> set[int]:
     """Changes of the unstable count that points can bring about together."""
     sums = {0}
     for point in found:
-        sums = {total + change for total in sums for change in _changes(point)}
+        sums = {total + change for total in sums for change in _changes(segment, point)}
     return sums
 
 
-def _changes(found: Found) -> tuple[int, ...]:
+def _changes(segment: Segment, found: Found) -> tuple[int, ...]:
     """Changes of the unstable count that one point can bring about.
 
-    A pitchfork met along the branch that turns there leaves it; so does a fold at which no eigenvalue
-    vanishes, because the singular direction is a pinned one.
+    At a fold or a simple branch point one real eigenvalue passes zero, or none: a pitchfork met along the
+    branch that turns there leaves the count; so does a fold whose singular direction is a pinned one. Which
+    way it passes is seen right beside the point.
     """
     if "multiplicity" in found.located.vectors:
         many = int(found.located.vectors["multiplicity"])
         return tuple(range(-many, many + 1))
-    if found.label == "BP":
-        return (-1, 0, 1)
-    if found.label == "LP":
-        return (-1, 1) if _has_zero(found.sample) else (0,)
-    return (-2, 2)
+    if found.label == "HB":
+        return (-2, 2)
+    if found.label == "LP" and not _has_zero(found.sample):
+        return (0,)
+    low, high = max(found.theta - BESIDE, 0.0), min(found.theta + BESIDE, 1.0)
+    seen = segment.at(high).unstable - segment.at(low).unstable
+    if abs(seen) <= 1:
+        return (seen,)
+    return (-1, 0, 1) if found.label == "BP" else (-1, 1)  # another point is that near
 
 
 def _has_zero(sample: Sample) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,6 +17,8 @@ NEARLY = 1e-4
 # A correction this small in the metric is rounding, as of a velocity that is zero but for others' last
 # digits.
 NOTHING = 1e-14
+# Unknowns this small against their typical magnitude may be zero.
+DUST = 1e-20
 # Iterations that may follow when corrections are small already.
 SETTLING = 12
 
@@ -59,9 +61,25 @@ def correct(
     try:
         # What overflows or is not a number on the way is looked at where it matters.
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            return _iterated(problem, guess, normal, weights, iterations, damped)
+            found = _iterated(problem, guess, normal, weights, iterations, damped)
+            return _without_dust(problem, found, weights) if found.ok else found
     except PluginError as error:
         return Correction(guess, None, 0, "plugin_error", error.sentence)
+
+
+def _without_dust(problem: Problem, found: Correction, weights: np.ndarray) -> Correction:
+    """A solution whose negligible unknowns are exactly zero, where that is as good a solution.
+
+    On an invariant subspace the zero unknowns shrink from step to step, down to where floats end.
+    """
+    z, here = found.z, found.linearization
+    clean = np.where(np.abs(z) < DUST * weights, 0.0, z)
+    if here is None or np.array_equal(clean, z):
+        return found
+    there = problem.linearize(clean)
+    if not there.finite or there.excess > max(here.excess, 2.0):
+        return found
+    return replace(found, z=clean, linearization=there)
 
 
 def _iterated(

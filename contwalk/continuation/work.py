@@ -89,8 +89,11 @@ def resumed(problem: Equilibrium, work: Work, stored: Stored, signs: tuple[float
     regular = np.flatnonzero(~rows["special"])
     kept = rows[: regular[-1] + 1]
     work.rows = [kept[i : i + 1] for i in range(len(kept))]
-    kept_s = set(kept["s"].tolist())
-    work.special_points = [p for p in stored.special_points if p.s in kept_s]
+    # A mark of the start has a row of its own at the start's place: it is kept only if that row is.
+    regular_s, special_s = set(kept["s"].tolist()), set(kept["s"][kept["special"]].tolist())
+    work.special_points = [
+        p for p in stored.special_points if p.s in (regular_s if p.label == "EP" else special_s)
+    ]
     ends = {1.0 if p.s > 0 else -1.0: p for p in work.special_points if p.label == "EP"}
     if len(kept) == 1 and ends:  # ended where it began
         ends = dict(zip(signs, [p for p in work.special_points if p.label == "EP"], strict=False))

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contwalk.fields.kernel import Kernel
-from contwalk.problems.linear import balanced, critical_pair, nearest_eigenpair
+from contwalk.problems.linear import EPSILON, balanced, critical_pair, nearest_eigenpair
 from contwalk.problems.problem import Located, Sample
 from contwalk.problems.refine import DefiningSystem, Solution, newton, refine
 
@@ -169,7 +169,9 @@ def branch_point(problem: Equilibrium, sample: Sample) -> Located | None:
         f = [a + float(c) * mu for a, c in zip(problem.kernels.residual.exactly(*inputs), b, strict=True)]
         return [*f, *problem.kernels.adjoint.exactly(*inputs, psi), _dot(b, psi) - 1]
 
-    rounding = problem.linearize(sample.z).levels[0]
+    # What the roundings of the equations, and of the unknowns in them, could pass for an unfolding.
+    here = problem.linearize(sample.z)
+    rounding = here.levels[0] + EPSILON * (np.abs(here.jacobian) @ sample.weights)
     unfolding = float(np.max(rounding[b != 0] / np.abs(b[b != 0])))
     scale = np.concatenate([sample.weights, np.abs(start).max() * np.ones(size), [unfolding]])
     system = DefiningSystem(scale, residual, jacobian, exactly)
