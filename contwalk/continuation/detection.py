@@ -24,6 +24,8 @@ from contwalk.problems.problem import Located, Sample
 
 # How far from a point its two sides are looked at, in parts of the segment.
 BESIDE = 1e-3
+# How narrow a bracket says where a real eigenvalue passes zero, in parts of the segment.
+NEAR_REAL = 1e-5
 # Below this share of the parameter in the unit tangent, its sign is rounding noise.
 NO_SHARE = 1e-9
 
@@ -212,7 +214,7 @@ def _measure_crossings(segment: Segment, low: float, high: float, known: list[Fo
 def _multiple(segment: Segment, crossings: list[tuple[float, int]]) -> Found:
     """The point at which several real eigenvalues pass zero together, unseen by the orientation if even."""
     thetas = [theta for theta, _ in crossings]
-    if len(crossings) > 1 and max(thetas) - min(thetas) < 1e-5:
+    if len(crossings) > 1 and max(thetas) - min(thetas) < 10.0 * NEAR_REAL:
         found = locate_multiple(segment, thetas[0])
         if found is not None:
             return found
@@ -227,29 +229,29 @@ def _same_pair(found: Found, which: int) -> bool:
 
 def _locate_crossing(segment: Segment, low: float, high: float, which: int) -> Found | float:
     """The special point at which measure `which` passes zero, or its position where other tests see it."""
-    real: list[float] = []
 
     def value(theta: float) -> float:
         return float(segment.at(theta).measures[which])
 
-    def attempt(theta: float, left: float, right: float) -> Found | None:
+    def attempt(theta: float, left: float, right: float) -> Found | float | None:
         sample = segment.at(theta)
         label = segment.problem.label_of(sample, which)
         if label is not None:
             return accepted(segment, label, sample, which, left, right)
-        real[:] = [theta]
-        return None
+        # A real eigenvalue: its place is enough, and nearer to it the corrector may be singular.
+        return theta if right - left < NEAR_REAL else None
 
     v0, v1 = value(low), value(high)
+    found: Found | float | None
     if v0 * v1 > 0.0:  # one end is the point itself, to rounding: its sign was taken from its neighbour
         nearer = low if abs(v0) < abs(v1) else high
         found = attempt(nearer, low, high)
     else:
         found = narrow(value, low, high, v0, v1, attempt)
-    if found is not None:
+    if isinstance(found, Found):
         return replace(found, located=_with(found.located, which=which))
-    if real:
-        return real[0]
+    if found is not None:
+        return found
     raise Disagreement("HB", "A complex pair crosses, but no Hopf point is found.")
 
 

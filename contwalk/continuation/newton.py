@@ -62,7 +62,12 @@ def correct(
         # What overflows or is not a number on the way is looked at where it matters.
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             found = _iterated(problem, guess, normal, weights, iterations, damped)
-            return _without_dust(problem, found, weights) if found.ok else found
+            if found.ok:
+                return _without_dust(problem, found, weights)
+            first = problem.linearize(guess)
+            if first.finite and first.excess <= 2.0:  # a solution, at a point too singular for corrections
+                return Correction(guess, first, 0)
+            return found
     except PluginError as error:
         return Correction(guess, None, 0, "plugin_error", error.sentence)
 
@@ -109,7 +114,10 @@ def _iterated(
             return Correction(z, here, iteration)
         if size < 1e-11 or (size > 0.25 * previous and size < 1e-7):
             return _settled(problem, z, here, (guess, normal, weights), iteration)
-        if not damped and iteration > 1 and size > 0.7 * previous:
+        stalls = iteration > 1 and size > 0.7 * previous
+        if stalls and here.excess <= ROUNDED:  # near a singular point corrections never get small
+            return Correction(z, here, iteration)
+        if stalls and not damped:
             return Correction(z, here, iteration, "no_convergence", "Newton's method does not contract.")
         previous = size
         if damped:

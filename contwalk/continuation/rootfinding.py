@@ -14,7 +14,7 @@ def narrow(
     high: float,
     value_low: float,
     value_high: float,
-    attempt: Callable[[float, float, float], T | None],
+    attempt: Callable[[float, float, float], T],
     width: float = 1e-13,
     most: int = 60,
 ) -> T | None:
