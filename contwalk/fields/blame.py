@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable, Sequence
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ import numpy as np
 from contwalk.errors import plugin_line
 from contwalk.fields.functions import FUNCTIONS, Number
 from contwalk.fields.rebind import rebound
+from contwalk.system.declarations import ParameterValues
 
 
 class _FoundNotFinite(Exception):
@@ -71,7 +71,7 @@ def first_not_finite(
         Values by name.
     """
     states = np.array([Probe(float(v)) for v in x], dtype=object)
-    p = SimpleNamespace(**{name: Probe(float(value)) for name, value in parameters.items()})
+    p = ParameterValues(**{name: Probe(float(value)) for name, value in parameters.items()})
     try:
         rebound(function)(Probe(t), states, p, np.empty(len(states), dtype=object))
     except _FoundNotFinite as error:

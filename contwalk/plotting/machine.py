@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Mapping, Sequence
-from types import SimpleNamespace
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,7 +12,7 @@ from contwalk.errors import ContwalkError, PluginError
 from contwalk.plotting.style import new_axes
 from contwalk.plotting.style import title as write_title
 from contwalk.system import System
-from contwalk.system.declarations import nearest
+from contwalk.system.declarations import ParameterValues, nearest
 
 
 def plot_machine(
@@ -53,7 +52,7 @@ def plot_machine(
             "Give the plugin a function draw(axes, t, x, p) and declare System(..., draw=draw).",
         )
     x = _state(system, state)
-    p = SimpleNamespace(**_parameters(system, parameters))
+    p = ParameterValues(**_parameters(system, parameters))
     ax = ax or new_axes("machine")
     ax.set_aspect("equal", adjustable="datalim")
     try:

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -24,6 +23,7 @@ from contwalk.fields.rebind import rebound
 from contwalk.fields.rounding import error_bounds
 from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.system import Neutral, System
+from contwalk.system.declarations import ParameterValues
 
 GROUPS = ("u", "l", "b", "d", "r")
 
@@ -56,7 +56,7 @@ class Equations:
 
     # -- tracing -----------------------------------------------------------------------------------------
 
-    def _parameters(self, tracer: Tracer) -> SimpleNamespace:
+    def _parameters(self, tracer: Tracer) -> ParameterValues:
         values: dict[str, Any] = {}
         for k, name in enumerate(self.system.parameter_names):
             if name == self._free:
@@ -65,7 +65,7 @@ class Equations:
                 values[name] = tracer.symbol("b", k) + tracer.symbol("l", 0) * tracer.symbol("d", k)
             else:
                 values[name] = tracer.symbol("b", k)
-        return SimpleNamespace(**values)
+        return ParameterValues(**values)
 
     def _states(self, tracer: Tracer) -> np.ndarray:
         x = np.empty(self.states, dtype=object)
@@ -273,7 +273,7 @@ def equations_of(
 
 
 def written(
-    function: Callable[..., Any], name: str, x: np.ndarray, p: SimpleNamespace, length: int
+    function: Callable[..., Any], name: str, x: np.ndarray, p: ParameterValues, length: int
 ) -> list[Any]:
     """What a function of the form `f(t, x, p, out)` writes; every entry must be written.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -21,7 +20,7 @@ from contwalk.problems.problem import Linearization, Located, Sample, Seed
 from contwalk.problems.spectrum import EPSILON, Spectrum, spectrum
 from contwalk.problems.switching import branch_point_seeds, second_direction, tangent_through
 from contwalk.system import Neutral, System
-from contwalk.system.declarations import nearest
+from contwalk.system.declarations import ParameterValues, nearest
 
 MAX_RE = "max_re"
 UNDECLARED = "undeclared"
@@ -202,7 +201,7 @@ class Equilibrium:
     def observables(self, z: np.ndarray, spectrum_: Spectrum) -> np.ndarray:
         """Values of `observable_names`, shape (o,)."""
         x = z[: self.states].reshape(1, -1)
-        p = SimpleNamespace(**self.values_of(z))
+        p = ParameterValues(**self.values_of(z))
         values = [
             called(f"observable '{o.name}'", lambda f: float(f(np.zeros(1), x, p)), o.function)
             for o in self.system.observables
@@ -317,7 +316,7 @@ class Equilibrium:
         """Image of a solution under a declared symmetry."""
         declared = next(s for s in self.system.symmetries if s.name == symmetry)
         x = np.zeros(self.states)
-        p = SimpleNamespace(**self.values_of(z))
+        p = ParameterValues(**self.values_of(z))
         called(f"symmetry '{symmetry}'", declared.map, 0.0, z[: self.states], p, x)
         return np.concatenate([x, z[self.states :]])
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from types import SimpleNamespace
 
 import numpy as np
 
 from contwalk.errors import called
 from contwalk.system import Neutral, System
+from contwalk.system.declarations import ParameterValues
 
 # A generator counts as neutral where A g is this far below the size of its terms.
 NEUTRAL = 1e-12
@@ -20,7 +20,7 @@ def generator_at(neutral: Neutral, x: np.ndarray, parameters: Mapping[str, float
     """The direction a neutral generator points at state x, shape (n,)."""
     v = np.zeros(len(x))
     what = f"generator of the neutral direction '{neutral.name}'"
-    called(what, neutral.generator, 0.0, x, SimpleNamespace(**parameters), v)
+    called(what, neutral.generator, 0.0, x, ParameterValues(**parameters), v)
     return v
 
 

@@ -83,18 +83,21 @@ def spectrum(
         left = np.linalg.inv(right)
     except np.linalg.LinAlgError:
         left = np.full_like(right, np.nan)
-    # The two-sided Rayleigh quotient is second-order accurate in the vectors: what is left are the roundings
-    # of its own terms, those of the entries of A, and the square of what the eigenvalue algorithm leaves
-    # behind.
-    values = np.einsum("ij,jk,ki->i", left, scaled, right).astype(complex)
-    sensitivity = np.abs(left) @ (rounding / d[:, None] * d + 4.0 * EPSILON * np.abs(scaled)) @ np.abs(right)
-    norms = np.linalg.norm(left, axis=1) * np.linalg.norm(right, axis=0)
-    backward = EPSILON * np.linalg.norm(scaled) * norms
-    gaps = np.abs(values[:, None] - values) + np.diag(np.full(len(values), np.inf))
-    with np.errstate(over="ignore"):
+    # Where eigenvectors meet, their inverse overflows: the errors are infinite then, and say so.
+    with np.errstate(over="ignore", invalid="ignore"):
+        # The two-sided Rayleigh quotient is second-order accurate in the vectors: what is left are the
+        # roundings of its own terms, those of the entries of A, and the square of what the eigenvalue
+        # algorithm leaves behind.
+        values = np.einsum("ij,jk,ki->i", left, scaled, right).astype(complex)
+        sensitivity = (
+            np.abs(left) @ (rounding / d[:, None] * d + 4.0 * EPSILON * np.abs(scaled)) @ np.abs(right)
+        )
+        norms = np.linalg.norm(left, axis=1) * np.linalg.norm(right, axis=0)
+        backward = EPSILON * np.linalg.norm(scaled) * norms
+        gaps = np.abs(values[:, None] - values) + np.diag(np.full(len(values), np.inf))
         left_behind = backward**2 / np.maximum(gaps.min(axis=1), 1e-300)
-    errors = np.diag(sensitivity) + np.minimum(backward, left_behind)
-    rates = np.einsum("ij,jk,ki->i", left, rate / d[:, None] * d, right).real
+        errors = np.diag(sensitivity) + np.minimum(backward, left_behind)
+        rates = np.einsum("ij,jk,ki->i", left, rate / d[:, None] * d, right).real
     # Real matrices have exact conjugates; LAPACK lists each pair next to each other.
     real = found.imag == 0.0
     values[real] = values[real].real

@@ -34,6 +34,14 @@ def nearest(name: str, known: Sequence[str]) -> str:
     return f"Did you mean '{match[0]}'?" if match else ""
 
 
+class ParameterValues(SimpleNamespace):
+    """Parameters by name, as a plugin's functions read them: `p.omega`."""
+
+    def __getattr__(self, name: str) -> Any:
+        hint = nearest(name, list(vars(self)))
+        raise AttributeError(f"the system has no parameter '{name}'" + (f" ({hint})" if hint else ""))
+
+
 def _require_name(what: str, name: Any) -> None:
     if not isinstance(name, str) or not name.isidentifier() or keyword.iskeyword(name):
         raise SystemDefinitionError(
@@ -379,7 +387,7 @@ class System:
             Where the equilibrium does not exist at these parameters.
         """
         start = self.start(name)
-        found = called(f"start '{name}'", start.states, SimpleNamespace(**parameters))
+        found = called(f"start '{name}'", start.states, ParameterValues(**parameters))
         states = [np.asarray(x, dtype=float) for x in found]
         if not states:
             reason = f" It exists {start.exists}." if start.exists else ""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 from contwalk.fields.blame import first_not_finite
 from contwalk.system import System
+from contwalk.system.declarations import ParameterValues
 from contwalk.workflow.check_findings import Place, place_of, split_place
 from contwalk.workflow.check_traced import Traced
 
@@ -61,7 +61,7 @@ def _equilibria(system: System, parameters: dict[str, float]) -> list[np.ndarray
     found = []
     for start in system.starts:
         try:
-            states = [np.asarray(x, dtype=float) for x in start.states(SimpleNamespace(**parameters))]
+            states = [np.asarray(x, dtype=float) for x in start.states(ParameterValues(**parameters))]
         except Exception:
             continue
         found += [x for x in states if x.shape == (len(system.states),) and np.isfinite(x).all()]

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -17,6 +16,7 @@ from contwalk.fields.rebind import rebound
 from contwalk.fields.rounding import error_bounds
 from contwalk.fields.trace import Outputs, Program, Raises, Tracer, trace
 from contwalk.system import System
+from contwalk.system.declarations import ParameterValues
 from contwalk.workflow.check_findings import Report, place_of, split_place
 
 GROUPS = ("t", "x", "p")
@@ -75,12 +75,12 @@ class Traced:
         symbols = [tracer.symbol("x", i) for i in range(len(self.system.states))]
         x = np.array(symbols, dtype=object)
         p = {name: tracer.symbol("p", k) for k, name in enumerate(self.system.parameter_names)}
-        out = self._call(self._copy, tracer.symbol("t", 0), x, SimpleNamespace(**p), None, object)
+        out = self._call(self._copy, tracer.symbol("t", 0), x, ParameterValues(**p), None, object)
         self.unwritten |= {i for i, entry in enumerate(out) if entry is None}
         return [0.0 if entry is None else entry for entry in out]
 
     def _call(
-        self, function: Callable[..., Any], t: Any, x: np.ndarray, p: SimpleNamespace, blank: Any, dtype: Any
+        self, function: Callable[..., Any], t: Any, x: np.ndarray, p: ParameterValues, blank: Any, dtype: Any
     ) -> np.ndarray:
         out = np.full(len(self.form.names), blank, dtype=dtype)
         if self.instants:
@@ -95,7 +95,7 @@ class Traced:
         """The function's own values, called with numbers; NaN where it raises."""
         with np.errstate(all="ignore"):
             try:
-                return self._call(self.function, t, x.copy(), SimpleNamespace(**parameters), np.nan, float)
+                return self._call(self.function, t, x.copy(), ParameterValues(**parameters), np.nan, float)
             except (ArithmeticError, ValueError):
                 return np.full(len(self.form.names), np.nan)
 

@@ -92,7 +92,7 @@ MISTAKES = {
     ),
     "unknown parameter": (
         PENDULUMS, "dx[0] = x[1]", "dx[0] = x[1] * p.mass", "error",
-        "field of mode 'free'", "has no attribute 'mass'", "p.mass",
+        "field of mode 'free'", "has no parameter 'mass'", "p.mass",
     ),
     "number of arguments": (
         PENDULUMS, "def field(t, x, p, dx):", "def field(x, p, dx):\n    t = 0.0", "error",
