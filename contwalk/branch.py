@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 
 from contwalk.errors import ContwalkError
+from contwalk.labels import MEANINGS
 
-LABELS = ("EP", "UZ", "LP", "BP", "HB", "PD", "NS", "GR", "OC", "AZ")
+LABELS = tuple(MEANINGS)
 
 
 @dataclass(frozen=True)

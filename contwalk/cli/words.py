@@ -6,18 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-MEANINGS = {
-    "EP": "end point",
-    "UZ": "marked value",
-    "LP": "fold",
-    "BP": "branch point",
-    "HB": "Hopf point",
-    "PD": "period doubling",
-    "NS": "Neimark-Sacker point",
-    "GR": "grazing",
-    "OC": "event-order change",
-    "AZ": "admissibility limit",
-}
+from contwalk.labels import MEANINGS
 
 
 def meaning(label: str, kind: str | None, status: str = "located") -> str:

@@ -8,6 +8,7 @@ from typing import Any
 from matplotlib.lines import Line2D
 
 from contwalk.branch import LABELS, SpecialPoint
+from contwalk.labels import MEANINGS
 from contwalk.plotting.style import GREY, INK
 
 # Every marker has an inside, so that one drawn hollow can say "not located".
@@ -22,18 +23,6 @@ MARKERS = {
     "GR": "*",
     "OC": "P",
     "AZ": "X",
-}
-MEANINGS = {
-    "EP": "end point",
-    "UZ": "marked value",
-    "LP": "fold",
-    "BP": "branch point",
-    "HB": "Hopf point",
-    "PD": "period doubling",
-    "NS": "Neimark-Sacker point",
-    "GR": "grazing",
-    "OC": "event-order change",
-    "AZ": "admissibility limit",
 }
 # Points wide; equal numbers do not look equally large for all shapes.
 SIZES = {"EP": 5.0, "GR": 8.5, "PD": 5.0, "LP": 5.2}
