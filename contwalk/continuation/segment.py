@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.continuation.newton import correct
-from contwalk.problems.linear import Factored
+from contwalk.problems.linear import tangent_along
 from contwalk.problems.problem import Problem, Sample
 
 
@@ -22,6 +22,8 @@ class Segment:
         self.chord = b.z - a.z
         self.length = float(np.linalg.norm(self.chord / self.weights))
         self.normal = self.chord / self.weights**2 / max(self.length, 1e-300) ** 2
+        # Lengths of the end tangents for an interpolation by theta.
+        self._scales = [self.length / np.linalg.norm(end.tangent / self.weights) for end in (a, b)]
         self._known: dict[float, Sample] = {0.0: a, 1.0: b}
 
     def position(self, z: np.ndarray) -> float:
@@ -31,8 +33,7 @@ class Segment:
     def guess(self, theta: float) -> np.ndarray:
         """Cubic Hermite interpolation of the ends and their tangents, moved along the chord to theta."""
         t, r = theta, 1.0 - theta
-        scale_a = self.length / np.linalg.norm(self.a.tangent / self.weights)
-        scale_b = self.length / np.linalg.norm(self.b.tangent / self.weights)
+        scale_a, scale_b = self._scales
         ends = self.a.z + t * t * (3.0 - 2.0 * t) * self.chord
         z = ends + t * r * r * scale_a * self.a.tangent - t * t * r * scale_b * self.b.tangent
         return z + (theta - self.position(z)) * self.chord
@@ -40,8 +41,7 @@ class Segment:
     def direction(self, theta: float) -> np.ndarray:
         """Derivative of the interpolation: the way of the branch, also where its Jacobian is singular."""
         t, r = theta, 1.0 - theta
-        scale_a = self.length / np.linalg.norm(self.a.tangent / self.weights)
-        scale_b = self.length / np.linalg.norm(self.b.tangent / self.weights)
+        scale_a, scale_b = self._scales
         along = 6.0 * t * r * self.chord
         along = along + (r * r - 2.0 * t * r) * scale_a * self.a.tangent
         return along - (2.0 * t * r - t * t) * scale_b * self.b.tangent
@@ -51,10 +51,8 @@ class Segment:
 
         Exactly at a branch point it is not determined; there the chord stands in for it.
         """
-        right = np.zeros(len(self.chord))
-        right[-1] = 1.0
         try:
-            return Factored(np.vstack([jacobian, self.normal]), self.weights).solve(right)
+            return tangent_along(jacobian, self.normal, self.weights)
         except np.linalg.LinAlgError:
             return self.chord
 

@@ -16,7 +16,7 @@ from contwalk.continuation.newton import Correction, correct
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Mark, Settings
 from contwalk.errors import PluginError
-from contwalk.problems.linear import Factored
+from contwalk.problems.linear import tangent_along
 from contwalk.problems.problem import Linearization, Located, Problem, Sample
 
 # How far from a branch point that a walk begins at its side is looked at, in parts of the first step.
@@ -156,11 +156,8 @@ def _segment(
 
 
 def _tangent(a: Sample, linearization: Linearization) -> np.ndarray:
-    right = np.zeros(len(a.z))
-    right[-1] = 1.0
     try:
-        bordered = np.vstack([linearization.jacobian, a.tangent / a.weights**2])
-        return Factored(bordered, a.weights).solve(right)
+        return tangent_along(linearization.jacobian, a.tangent / a.weights**2, a.weights)
     except np.linalg.LinAlgError:
         raise Disagreement("BP", "The tangent is not determined.") from None
 

@@ -66,10 +66,6 @@ class Factored:
         """
         return self.columns * np.linalg.solve(self._scaled, self.rows * right)
 
-    def inverse(self) -> np.ndarray:
-        """The inverse matrix."""
-        return self.columns[:, None] * np.linalg.inv(self._scaled) * self.rows
-
     def orientation(self) -> float:
         """Sign of the determinant."""
         return float(np.linalg.slogdet(self._scaled)[0])
@@ -85,6 +81,19 @@ class LeastSquares:
     def solve(self, right: np.ndarray) -> np.ndarray:
         """x nearest to matrix @ x = right."""
         return self.columns * (self._inverse @ (self.rows * right))
+
+
+def tangent_along(jacobian: np.ndarray, border: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """The null vector t of DF, shape (N, N + 1), with border . t = 1.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        Exactly at a branch point, where DF has more than one.
+    """
+    unit = np.zeros(len(border))
+    unit[-1] = 1.0
+    return Factored(np.vstack([jacobian, border]), weights).solve(unit)
 
 
 def kernel_direction(matrix: np.ndarray, weights: np.ndarray) -> np.ndarray:
