@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from contwalk.plotting import plot_stability_map as plot_stability_map
     from contwalk.plotting import save as save
     from contwalk.problems.equilibrium import Equilibrium as Equilibrium
+    from contwalk.problems.orbit.discretization import Discretization as Discretization
+    from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit as PeriodicOrbit
     from contwalk.storage import open_database as open_database
     from contwalk.system import load_system as load_system
     from contwalk.workflow.run_file import read_run_file as read_run_file
@@ -31,7 +33,9 @@ if TYPE_CHECKING:
 _HOMES = {
     "Branch": "contwalk.branch",
     "ContwalkError": "contwalk.errors",
+    "Discretization": "contwalk.problems.orbit.discretization",
     "Equilibrium": "contwalk.problems.equilibrium",
+    "PeriodicOrbit": "contwalk.problems.orbit.periodic_orbit",
     "SpecialPoint": "contwalk.branch",
     "continue_branch": "contwalk.continuation.verbs",
     "load_system": "contwalk.system",

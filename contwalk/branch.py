@@ -71,6 +71,7 @@ class BranchInfo:
                 ("state", "f8", (n,)),
                 ("observables", "f8", (o,)),
                 ("period", "f8"),  # NaN for an equilibrium
+                ("trivial_error", "f8"),  # |M f - f| / |f| of an orbit; NaN otherwise
                 ("spectrum", "c16", (self.spectrum,)),
                 ("spectrum_error", "f8"),  # estimated error of the leading eigenvalue
                 ("unstable", "i4"),

@@ -19,10 +19,13 @@ INTERRUPTED = 130  # 128 + SIGINT, as shells count
 _COMMANDS = {
     "init": ("contwalk.cli.init_command", "Write a commented run file for a system, to start from."),
     "continue": ("contwalk.cli.continue_command", "Compute the study that a run file describes."),
+    "simulate": ("contwalk.cli.simulate_command", "Integrate one motion and locate its events."),
+    "sample": ("contwalk.cli.sample_command", "Measure many motions from drawn states and parameters."),
     "show": ("contwalk.cli.show_command", "Show what a database holds, as text or as JSON."),
     "plot": ("contwalk.cli.plot_command", "Draw a figure of a database."),
     "export": ("contwalk.cli.export_command", "Write a database as CSV tables."),
     "systems": ("contwalk.cli.systems_command", "List, describe and check systems."),
+    "warmup": ("contwalk.cli.warmup_command", "Compile beforehand what a first run would compile."),
 }
 
 

@@ -14,6 +14,7 @@ from contwalk.continuation.marks import Observer
 from contwalk.continuation.records import end_record, found_record
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.step import Step, take_step
+from contwalk.errors import NotFinite
 from contwalk.problems.problem import Problem
 
 
@@ -65,6 +66,12 @@ def walk(
                 return
         here = _arrived(problem, step, here, sign, settings, before)
         yield Point(here)
+        try:
+            problem, sample = problem.adapted(here.sample)
+        except NotFinite as error:
+            outcome = outcomes.stuck("not_finite", error.sentence, here.step, observer.parameter, here.sample.parameter)
+            break
+        here = replace(here, sample=sample)
         number += 1
         if number > 3 and step.closes(origin):
             outcome = outcomes.closed()

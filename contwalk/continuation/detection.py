@@ -28,6 +28,9 @@ BESIDE = 1e-3
 NEAR_REAL = 1e-5
 # Below this share of the parameter in the unit tangent, its sign is rounding noise.
 NO_SHARE = 1e-9
+# How many eigenvalues pass at points that only eigenvalues tell: a pair, or a real one (SB: of half a symmetric
+# orbit, where its whole loses the symmetry).
+PASSING = {"HB": 2, "NS": 2, "PD": 1, "SB": 1}
 
 
 def bifurcations(segment: Segment) -> list[Found]:
@@ -55,7 +58,8 @@ def at_the_end(segment: Segment) -> list[Found]:
     if segment.problem.many_branches(b.z):
         label, step = "BP", 1
     else:
-        label, step = segment.problem.label_of(b, which) or "LP", 2
+        label = segment.problem.label_of(b, which) or "LP"
+        step = PASSING.get(label, 2)
     located = segment.problem.locate(label, b, which)
     settled = located.settled() if located is not None and label != "LP" else None
     if settled is None or np.linalg.norm((settled.z - b.z) / segment.weights) > SAME_POINT:
@@ -97,8 +101,8 @@ def _changes(segment: Segment, found: Found) -> tuple[int, ...]:
     if "multiplicity" in found.located.vectors:
         many = int(found.located.vectors["multiplicity"])
         return tuple(range(-many, many + 1))
-    if found.label == "HB":
-        return (-2, 2)
+    if found.label in PASSING:
+        return (-PASSING[found.label], PASSING[found.label])
     if found.label == "LP" and not _has_zero(found.sample):
         return (0,)
     low, high = max(found.theta - BESIDE, 0.0), min(found.theta + BESIDE, 1.0)
@@ -109,8 +113,8 @@ def _changes(segment: Segment, found: Found) -> tuple[int, ...]:
 
 
 def _has_zero(sample: Sample) -> bool:
-    """Whether an eigenvalue is zero, to rounding."""
-    sizes = np.abs(sample.eigenvalues)
+    """Whether a real eigenvalue is at its critical value, to rounding."""
+    sizes = np.abs(sample.eigenvalues - sample.critical)
     return bool(np.any(sizes <= 100.0 * sample.errors + 1e-9 * sizes.max(initial=0.0)))
 
 

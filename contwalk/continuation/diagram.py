@@ -22,7 +22,7 @@ from contwalk.continuation.records import start_record
 from contwalk.continuation.rows import to_row
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.work import Start, Stored, Work, closed, combined, info_of, resumed
-from contwalk.problems.equilibrium import Equilibrium
+from contwalk.problems.problem import Problem
 
 
 @dataclass(frozen=True)
@@ -115,18 +115,6 @@ class Diagram:
                 )
                 continue
             yield from self._branch(start)
-            yield from self._not_followed()
-
-    def _not_followed(self) -> Iterator[Noted]:
-        """Say what was asked to be followed and leads to motions that this version does not compute."""
-        branch = self.branches[-1]
-        names = [p.name for p in branch.special_points if p.label == "HB" and p.label in self._plan.follow]
-        if names:
-            text = (
-                f"{branch.name}: {', '.join(names)} located; the periodic orbits born there are not "
-                "followed: this version continues equilibria."
-            )
-            yield Noted(f"not followed {branch.name}", text)
 
     def _queue(self) -> Iterator[Start]:
         """Starts in their order, each followed by all that grows out of it."""
@@ -155,7 +143,10 @@ class Diagram:
         return names[0] if names and None not in names else None
 
     def _signs(self, start: Start) -> tuple[float, ...]:
-        return self._plan.directions if start.parent is None else (1.0, -1.0)
+        if start.parent is None:
+            return self._plan.directions
+        one_sided = isinstance(start.opening, Opening) and start.opening.one_sided
+        return (1.0,) if one_sided else (1.0, -1.0)
 
     def _branch(self, start: Start) -> Iterator[Event]:
         work = Work(info_of(start, f"b{len(self.branches) + 1}"))
@@ -186,7 +177,8 @@ class Diagram:
                 yield Began(work.info)
             work.rows = [to_row(work.info, problem, opening.here, 1.0, special=False)]
             yield Found(work.info, work.rows[0], None)
-            places = {sign: opening.here if sign > 0 else turned(opening.here) for sign in signs}
+            here = opening.here
+            places = {sign: (problem, here if sign > 0 else turned(here)) for sign in signs}
         else:
             places = resumed(problem, work, stored, signs)
             yield Cut(work.info, len(work.rows), len(work.special_points))
@@ -196,7 +188,7 @@ class Diagram:
             if sign not in places or closed(work):
                 continue
             left = settings.max_points - len(work.rows)
-            for event in walk(problem, places[sign], settings, observer, sign, left):
+            for event in walk(*places[sign], settings, observer, sign, left):
                 if isinstance(event, End):
                     work.outcomes.append((sign, event.outcome))
                     work.special_points.append(event.special)
@@ -218,7 +210,7 @@ class Diagram:
             work.special_points.append(record)
             yield Found(work.info, row, record)
 
-    def _grown(self, start: Start, problem: Equilibrium, branch: Branch) -> Iterator[Start]:
+    def _grown(self, start: Start, problem: Problem, branch: Branch) -> Iterator[Start]:
         """Starts for the branches that leave a branch's special points."""
         for point in branch.special_points:
             if point.label not in self._plan.follow or point.status != "located":
@@ -226,11 +218,11 @@ class Diagram:
             if start.parent is not None and abs(point.s) < 1e-9:
                 continue  # the point that this branch itself was born at
             for seed in problem.seeds(point):
-                here = begin(problem, seed.z, self._plan.settings, seed.tangent, seed.reach)
+                here = begin(seed.problem, seed.z, self._plan.settings, seed.tangent, seed.reach)
                 if isinstance(here, Here):
                     yield replace(
                         start,
-                        opening=Opening(problem, here),
+                        opening=Opening(seed.problem, here, one_sided=seed.one_sided),
                         origin=f"{branch.name}/{point.name}",
                         parent=(branch.name, point.s),
                         depth=start.depth + 1,

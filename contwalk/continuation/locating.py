@@ -118,10 +118,11 @@ def same_point(segment: Segment, located: Located, theta: float) -> bool:
 
 def sample_at(segment: Segment, label: str, located: Located, near: Sample) -> Sample:
     """The sample at a located point; its tangent is the branch's own even where DF does not determine it."""
-    linearization = segment.problem.linearize(located.z)
-    tangent = segment.problem.tangent_at(label, located, near)
+    problem = segment.problem if located.problem is None else located.problem
+    linearization = problem.linearize(located.z)
+    tangent = problem.tangent_at(label, located, near)
     if tangent is None:
         tangent = segment.tangent(linearization.jacobian)
     elif segment.normal @ tangent < 0:
         tangent = -tangent
-    return segment.problem.examine(located.z, tangent, segment.weights, linearization, near.unstable)
+    return problem.examine(located.z, tangent, segment.weights, linearization, near.unstable)

@@ -13,8 +13,7 @@ from contwalk.continuation.newton import correct
 from contwalk.continuation.rootfinding import narrow
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Mark
-from contwalk.problems.equilibrium import Equilibrium
-from contwalk.problems.problem import Located, Sample
+from contwalk.problems.problem import Located, Problem, Sample
 
 # How near to a turn of the branch, in parts of the segment, no extremum is looked for.
 TURN = 1e-3
@@ -50,7 +49,7 @@ class Observer:
         return level if name == self.parameter else None
 
 
-def observer_of(problem: Equilibrium) -> Observer:
+def observer_of(problem: Problem) -> Observer:
     """The observer of a problem's branches."""
     line = {}
     if problem.path is not None:
@@ -118,11 +117,19 @@ def _parameter_at(segment: Segment, value: float, near: Sample) -> Located | Non
     guess = np.append(guess[:-1], value)
     normal = np.zeros(len(guess))
     normal[-1] = 1.0 / segment.weights[-1]
-    correction = correct(segment.problem, guess, normal, segment.weights)
-    if not correction.ok:
+
+    def solved(problem: Problem, guess: np.ndarray) -> Located | None:
+        correction = correct(problem, guess, normal, segment.weights)
+        if not correction.ok:
+            return None
+        z = np.append(correction.z[:-1], value)
+        return Located(z, float(np.spacing(abs(value))), {}, refined=True, problem=problem)
+
+    found = solved(segment.problem, guess)
+    if found is None:
         return None
-    z = np.append(correction.z[:-1], value)
-    return Located(z, float(np.spacing(abs(value))), {}, refined=True)
+    z = found.z
+    return replace(found, refine=lambda: solved(segment.problem.refined(z, segment.weights), z))
 
 
 def _extrema(segment: Segment, name: str, low: float, high: float) -> list[Found]:

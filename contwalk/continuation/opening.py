@@ -15,18 +15,23 @@ from contwalk.continuation.settings import Settings
 from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.equilibrium import UNDECLARED, Equilibrium, solution_at
 from contwalk.problems.neutral import active
-from contwalk.problems.problem import Sample
+from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.problem import Problem, Sample
 from contwalk.problems.switching import second_direction
 from contwalk.system import Neutral, System
 
 
 @dataclass(frozen=True)
 class Opening:
-    """A problem and its first solution. `message` reports a neutral direction that nobody declared."""
+    """A problem and its first solution. `message` reports a neutral direction that nobody declared.
 
-    problem: Equilibrium
+    `one_sided` says that only one direction leads away from it.
+    """
+
+    problem: Problem
     here: Here
     message: str = ""
+    one_sided: bool = False
 
 
 def opened(
@@ -37,6 +42,7 @@ def opened(
     settings: Settings,
     path: tuple[Mapping[str, float], Mapping[str, float]] | None = None,
     at: float | None = None,
+    discretization: Discretization | None = None,
 ) -> Opening | Outcome:
     """The branch of equilibria through the solution near a state, or why there is none.
 
@@ -52,9 +58,11 @@ def opened(
         All parameters at both ends of a path.
     at : float, optional
         Position on the path.
+    discretization : Discretization, optional
+        Of the orbits that are born on the branch.
     """
     try:
-        problem, z = solution_at(system, parameters, free, state, path, at)
+        problem, z = solution_at(system, parameters, free, state, path, at, discretization)
         here = begin(problem, z, settings)
         if not isinstance(here, Here):
             return outcomes.no_start(here.reason, here.sentence)

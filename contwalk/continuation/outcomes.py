@@ -61,7 +61,7 @@ def stuck(reason: str, sentence: str, step: float, name: str, value: float) -> O
     )
 
 
-def no_start(reason: str, sentence: str) -> Outcome:
+def no_start(reason: str, sentence: str, what: str = "an equilibrium, or a named one") -> Outcome:
     """The start could not be corrected to a solution."""
     if reason in ("not_finite", "plugin_error"):
         return Outcome("failed", reason, f"The start fails: {sentence} Start elsewhere, or mend the plugin.")
@@ -69,5 +69,5 @@ def no_start(reason: str, sentence: str) -> Outcome:
         "failed",
         "no_convergence",
         f"The start does not converge to a solution: {sentence} "
-        "Give a state nearer to an equilibrium, or a named one.",
+        f"Give a state nearer to {what}.",
     )

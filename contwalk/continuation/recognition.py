@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from contwalk.branch import Branch
 from contwalk.continuation.newton import correct
 from contwalk.problems.equilibrium import Equilibrium
-from contwalk.problems.problem import Sample
+from contwalk.problems.problem import Problem, Sample
+
+if TYPE_CHECKING:  # compiled flows are imported only where orbits are computed
+    from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 
 # Solutions nearer than this, in the metric, are the same one: far above the corrector's error, far below a
 # step.
@@ -37,8 +41,11 @@ def images(problem: Equilibrium, z: np.ndarray, beyond: np.ndarray) -> Iterator[
                 found.append((image, problem.image(symmetry.name, current[1])))
 
 
-def known_branch(problem: Equilibrium, sample: Sample, branches: list[Branch]) -> str | None:
+def known_branch(problem: Problem, sample: Sample, branches: list[Branch]) -> str | None:
     """Name of the branch that a solution and its tangent lie on, or their images; None if it is new."""
+    if problem.kind == "periodic_orbit":
+        return known_orbit(cast("PeriodicOrbit", problem), sample, branches)
+    assert isinstance(problem, Equilibrium)
     candidates = [b for b in branches if _comparable(problem, b)]
     beyond = sample.z + BESIDE * sample.tangent
     for pair, branch in itertools.product(images(problem, sample.z, beyond), candidates):
@@ -47,9 +54,9 @@ def known_branch(problem: Equilibrium, sample: Sample, branches: list[Branch]) -
     return None
 
 
-def _comparable(problem: Equilibrium, branch: Branch) -> bool:
+def _comparable(problem: Equilibrium | PeriodicOrbit, branch: Branch) -> bool:
     """Whether a branch belongs to the same equations at the same fixed parameters."""
-    if branch.info.free != (problem.free,) or len(branch.points) < 2:
+    if branch.info.problem != problem.kind or branch.info.free != (problem.free,) or len(branch.points) < 2:
         return False
     if branch.info.settings.get("pins") != [pin.name for pin in problem.pins]:
         return False
@@ -77,5 +84,48 @@ def _on(problem: Equilibrium, pair: Pair, weights: np.ndarray, branch: Branch) -
             continue  # it crosses the branch
         correction = correct(problem, foot[i], normal[i], weights)
         if correction.ok and np.linalg.norm((correction.z - z) / weights) < SAME:
+            return True
+    return False
+
+
+# -- orbits ------------------------------------------------------------------------------------------------
+
+# Relative change of the period between neighbouring points within which a piece of branch is looked at.
+NEAR_PERIOD = 0.05
+
+
+def known_orbit(problem: PeriodicOrbit, sample: Sample, branches: list[Branch]) -> str | None:
+    """Name of the branch that an orbit, or an image of it under a declared symmetry, lies on.
+
+    An orbit begins anywhere on itself: candidates are recomputed at the same parameter, and compared as
+    curves.
+    """
+    for branch in branches:
+        if not _comparable(problem, branch) or branch.info.closure != problem.closure.name:
+            continue
+        if branch.info.subharmonic != problem.subharmonic or branch.info.unknowns != problem.size:
+            continue
+        if _orbit_on(problem, sample, branch):
+            return branch.name
+    return None
+
+
+def _orbit_on(problem: PeriodicOrbit, sample: Sample, branch: Branch) -> bool:
+    rows = np.column_stack([branch.points["unknowns"], branch.points["free"][:, 0]])
+    value, period = sample.z[-1], sample.period
+    for a, b, ta, tb in zip(rows[:-1], rows[1:], branch["period"][:-1], branch["period"][1:], strict=True):
+        low, high = sorted((a[-1], b[-1]))
+        slack = 1e-9 * abs(value)
+        if not low - slack <= value <= high + slack or a[-1] == b[-1]:
+            continue
+        if not (1 - NEAR_PERIOD) * min(ta, tb) <= period <= (1 + NEAR_PERIOD) * max(ta, tb):
+            continue
+        share = (value - a[-1]) / (b[-1] - a[-1])
+        guess = a + share * (b - a)
+        normal = np.zeros(len(guess))
+        normal[-1] = 1.0 / sample.weights[-1]
+        there = problem.at_stored(guess, sample.weights)
+        correction = correct(there, guess, normal, sample.weights)
+        if correction.ok and problem.same_orbit(sample.z, correction.z):
             return True
     return False

@@ -8,10 +8,10 @@ import numpy as np
 
 from contwalk.branch import BranchInfo
 from contwalk.continuation.here import Here
-from contwalk.problems.equilibrium import Equilibrium
+from contwalk.problems.problem import Problem
 
 
-def to_row(info: BranchInfo, problem: Equilibrium, here: Here, sign: float, special: bool) -> np.ndarray:
+def to_row(info: BranchInfo, problem: Problem, here: Here, sign: float, special: bool) -> np.ndarray:
     """The stored row, shape (1,), of dtype `info.point_dtype()`; its tangent points towards growing s."""
     sample = here.sample
     row = np.zeros(1, dtype=info.point_dtype())
@@ -19,9 +19,10 @@ def to_row(info: BranchInfo, problem: Equilibrium, here: Here, sign: float, spec
     eigenvalues[: len(sample.eigenvalues)] = sample.eigenvalues
     row["s"] = here.s
     row["free"] = sample.parameter
-    row["state"] = sample.z[: len(info.states)]
+    row["state"] = problem.reported(sample.z)
     row["observables"] = sample.observables
-    row["period"] = np.nan
+    row["period"] = sample.period
+    row["trivial_error"] = sample.trivial_error
     row["spectrum"] = eigenvalues
     row["spectrum_error"] = sample.errors[0] if len(sample.errors) else 0.0
     row["unstable"] = sample.unstable
@@ -39,16 +40,16 @@ def to_row(info: BranchInfo, problem: Equilibrium, here: Here, sign: float, spec
     return row
 
 
-def from_row(problem: Equilibrium, row: np.void, sign: float, born: bool) -> Here:
-    """The place that a stored row was made from, facing along the walk.
+def from_row(problem: Problem, row: np.void, sign: float, born: bool) -> tuple[Problem, Here]:
+    """The place that a stored row was made from, facing along the walk, and the problem discretised for it.
 
     `born` is whether the branch begins at a branch point.
     """
     z = np.append(row["unknowns"], row["free"])
-    linearization = problem.linearize(z)
-    sample = problem.examine(
-        z, sign * np.array(row["tangent"]), np.array(row["weights"]), linearization, int(row["unstable"])
-    )
+    weights, tangent = np.array(row["weights"]), sign * np.array(row["tangent"])
+    problem = problem.at_stored(z, weights)
+    sample = problem.examine(z, tangent, weights, problem.linearize(z), int(row["unstable"]))
     if born and row["s"] == 0.0:
         sample = replace(sample, orientation=0.0)  # not defined at a branch point
-    return Here(sample, float(row["s"]), float(row["step"]))
+    problem, sample = problem.adapted(sample)
+    return problem, Here(sample, float(row["s"]), float(row["step"]))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,22 +21,27 @@ from contwalk.errors import StartError
 from contwalk.problems.equilibrium import Equilibrium
 from contwalk.system.declarations import nearest
 
+if TYPE_CHECKING:  # compiled flows are imported only where orbits are computed
+    from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
+
 _DIRECTIONS = {"both": (1.0, -1.0), "forward": (1.0,), "backward": (-1.0,)}
 
 
 def continue_branch(
-    problem: Equilibrium,
+    problem: Equilibrium | PeriodicOrbit,
     state: str | Sequence[float] | Mapping[str, float],
     range: tuple[float, float] = (-math.inf, math.inf),
     direction: str = "both",
     marks: Mapping[str, Sequence[float | str]] | None = None,
+    period: float | None = None,
+    until: float | str | None = None,
     **settings: Any,
 ) -> Branch:
-    """The branch of equilibria through the solution near a state.
+    """The branch of equilibria, or of periodic orbits, through the solution near a state.
 
     Parameters
     ----------
-    problem : Equilibrium
+    problem : Equilibrium or PeriodicOrbit
     state : str, sequence or mapping
         A named equilibrium of the system, n numbers, or values by name.
     range : tuple of float
@@ -45,6 +50,10 @@ def continue_branch(
         `both`, `forward` (growing parameter) or `backward`.
     marks : mapping, optional
         Name of the free parameter or an observable to values, or the word `extremum`.
+    period : float, optional
+        Of orbits: seconds from the state back to it, nearly. Needed unless the system is forced.
+    until : float or "settled", optional
+        Of orbits: simulate from the state first, and take the orbit that the motion settles on.
     **settings
         Further fields of `continuation.settings.Settings`, such as `max_points`.
 
@@ -54,32 +63,28 @@ def continue_branch(
         If no solution is found near the state.
     """
     chosen = _settings(problem, range, marks, settings)
-    opening = opened(
-        problem.system, problem.parameters, problem.free, _state(problem, state), chosen, problem.path
-    )
-    if isinstance(opening, Outcome):
-        raise StartError(opening.message)
+    opening = _opened(problem, state, chosen, period, until)
     start = Start(problem.system, problem.free, dict(problem.parameters), opening, "continue_branch")
     return _single(start, Plan(chosen, frozenset(), 0, _direction(direction)))
 
 
 def switch_branch(
-    problem: Equilibrium,
+    problem: Equilibrium | PeriodicOrbit,
     branch: Branch,
     point: str | SpecialPoint,
     range: tuple[float, float] = (-math.inf, math.inf),
     marks: Mapping[str, Sequence[float | str]] | None = None,
     **settings: Any,
 ) -> Branch:
-    """The other branch through a branch point, both directions.
+    """The branch that leaves a special point: through a branch point, or born at HB or PD; both directions.
 
     Parameters
     ----------
-    problem : Equilibrium
+    problem : Equilibrium or PeriodicOrbit
         The problem that `branch` belongs to.
     branch : Branch
     point : str or SpecialPoint
-        A branch point, as `BP1`.
+        A special point, as `BP1`.
 
     Raises
     ------
@@ -91,21 +96,24 @@ def switch_branch(
     seeds = problem.seeds(special)
     if not seeds:
         raise StartError(
-            f"No other branch of equilibria leaves {special.name} of {branch.name}.",
-            "Branches cross at branch points (BP).",
+            f"No other branch leaves {special.name} of {branch.name}.",
+            "Branches leave branch points (BP), Hopf points (HB) and period doublings (PD).",
         )
-    here = begin(problem, seeds[0].z, chosen, seeds[0].tangent, seeds[0].reach)
-    opening = Opening(problem, here)  # type: ignore[arg-type]  # a seed lies on the branch already
+    seed = seeds[0]
+    here = begin(seed.problem, seed.z, chosen, seed.tangent, seed.reach)
+    opening = Opening(seed.problem, here, one_sided=seed.one_sided)  # type: ignore[arg-type]  # a seed lies on the branch already
     parent = (branch.name, special.s)
     start = Start(problem.system, problem.free, dict(problem.parameters), opening, special.name, parent, 1)
     return _single(start, Plan(chosen, frozenset(), 0))
 
 
 def points(
-    problem: Equilibrium,
+    problem: Equilibrium | PeriodicOrbit,
     state: str | Sequence[float] | Mapping[str, float],
     range: tuple[float, float] = (-math.inf, math.inf),
     forward: bool = True,
+    period: float | None = None,
+    until: float | str | None = None,
     **settings: Any,
 ) -> Iterator[Point]:
     """The bare iterator: solutions one by one, special points in their places, until the branch ends.
@@ -114,11 +122,7 @@ def points(
     special point or None.
     """
     chosen = _settings(problem, range, None, settings)
-    opening = opened(
-        problem.system, problem.parameters, problem.free, _state(problem, state), chosen, problem.path
-    )
-    if isinstance(opening, Outcome):
-        raise StartError(opening.message)
+    opening = _opened(problem, state, chosen, period, until)
     here = opening.here if forward else turned(opening.here)
     yield Point(here)
     observer = observer_of(problem)
@@ -126,6 +130,40 @@ def points(
     for event in walk(opening.problem, here, chosen, observer, sign, chosen.max_points - 1):
         if isinstance(event, Point):
             yield event
+
+
+def _opened(
+    problem: Equilibrium | PeriodicOrbit,
+    state: str | Sequence[float] | Mapping[str, float],
+    settings: Settings,
+    period: float | None,
+    until: float | str | None,
+) -> Opening:
+    """The first solution of a branch.
+
+    Raises
+    ------
+    StartError
+        If there is none near the state.
+    """
+    x = _state(problem, state)
+    given = problem.system, problem.parameters, problem.free, x, settings, problem.path
+    if isinstance(problem, Equilibrium):
+        opening = opened(*given, discretization=problem.discretization)
+    else:
+        from contwalk.continuation.opening_orbits import opened_orbit
+
+        if period is None and until is None and problem.system.period is None:
+            raise StartError(
+                "An orbit of an autonomous system needs its period, or a simulation that finds it.",
+                "Give period=SECONDS, or until='settled'.",
+            )
+        opening = opened_orbit(
+            *given, discretization=problem.discretization, period=period, until=until
+        )
+    if isinstance(opening, Outcome):
+        raise StartError(opening.message)
+    return opening
 
 
 def _single(start: Start, plan: Plan) -> Branch:
@@ -136,7 +174,7 @@ def _single(start: Start, plan: Plan) -> Branch:
 
 
 def _settings(
-    problem: Equilibrium,
+    problem: Equilibrium | PeriodicOrbit,
     range: tuple[float, float],
     marks: Mapping[str, Sequence[float | str]] | None,
     settings: dict[str, Any],
@@ -174,7 +212,7 @@ def _direction(direction: str) -> tuple[float, ...]:
     return _DIRECTIONS[direction]
 
 
-def _state(problem: Equilibrium, state: str | Sequence[float] | Mapping[str, float]) -> np.ndarray:
+def _state(problem: Equilibrium | PeriodicOrbit, state: str | Sequence[float] | Mapping[str, float]) -> np.ndarray:
     if isinstance(state, str):
         return problem.system.named_states(state, problem.parameters)[0]
     if isinstance(state, Mapping):

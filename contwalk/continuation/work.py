@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from contwalk.continuation import outcomes
 from contwalk.continuation.here import Here
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.rows import from_row
-from contwalk.problems.equilibrium import MAX_RE, Equilibrium
+from contwalk.problems.problem import MAX_ABS, MAX_RE, Problem
 from contwalk.system import System
 
 
@@ -56,26 +57,25 @@ class Work:
 
 def info_of(start: Start, name: str) -> BranchInfo:
     """What is true of the whole branch of a start."""
-    system = start.system
-    n = len(system.states)
-    unknowns, spectrum, settings = n, n, {}
-    if isinstance(start.opening, Opening):
-        problem = start.opening.problem
-        unknowns, spectrum = problem.size, n - len(problem.pins)
-        settings = {"pins": [pin.name for pin in problem.pins]}
     return BranchInfo(
         name=name,
-        problem=Equilibrium.kind,
-        states=system.state_names,
-        observables=(*[o.name for o in system.observables], MAX_RE),
+        states=start.system.state_names,
         free=(start.free,),
         parameters=start.parameters,
-        unknowns=unknowns,
-        spectrum=max(spectrum, 1),
         parent=start.parent,
         origin=start.origin,
-        settings=settings,
+        **_facts(start),
     )
+
+
+def _facts(start: Start) -> dict[str, Any]:
+    """What the problem says of its branches; of a start that failed, what would have been."""
+    if isinstance(start.opening, Opening):
+        return start.opening.problem.branch_facts()
+    system, n = start.system, len(start.system.states)
+    kind, largest = ("equilibrium", MAX_RE) if system.period is None else ("periodic_orbit", MAX_ABS)
+    observables = (*[o.name for o in system.observables], largest)
+    return {"problem": kind, "observables": observables, "unknowns": n, "spectrum": n}
 
 
 def closed(work: Work) -> bool:
@@ -83,7 +83,9 @@ def closed(work: Work) -> bool:
     return any(outcome.reason == "closed" for _, outcome in work.outcomes)
 
 
-def resumed(problem: Equilibrium, work: Work, stored: Stored, signs: tuple[float, ...]) -> dict[float, Here]:
+def resumed(
+    problem: Problem, work: Work, stored: Stored, signs: tuple[float, ...]
+) -> dict[float, tuple[Problem, Here]]:
     """Where each direction goes on; those that have ended are left out and their outcomes taken over."""
     rows = stored.rows
     regular = np.flatnonzero(~rows["special"])
@@ -98,7 +100,7 @@ def resumed(problem: Equilibrium, work: Work, stored: Stored, signs: tuple[float
     if len(kept) == 1 and ends:  # ended where it began
         ends = dict(zip(signs, [p for p in work.special_points if p.label == "EP"], strict=False))
     born = work.info.parent is not None
-    places: dict[float, Here] = {}
+    places: dict[float, tuple[Problem, Here]] = {}
     for sign in signs:
         if sign in ends:
             end = ends[sign]

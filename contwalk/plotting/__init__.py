@@ -21,19 +21,28 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from contwalk.plotting.bifurcation_diagram import plot_bifurcation_diagram
     from contwalk.plotting.eigenvalues import plot_eigenvalues
+    from contwalk.plotting.histogram import plot_histogram
     from contwalk.plotting.machine import plot_machine
     from contwalk.plotting.multipliers import plot_multipliers
+    from contwalk.plotting.phase_portrait import plot_phase_portrait
     from contwalk.plotting.quantities import units_of
     from contwalk.plotting.stability_map import plot_stability_map
     from contwalk.plotting.style import new_axes, save
+    from contwalk.plotting.time_series import plot_time_series, plot_time_series_panels
+    from contwalk.plotting.tradeoff import plot_tradeoff
 
 __all__ = [
     "new_axes",
     "plot_bifurcation_diagram",
     "plot_eigenvalues",
+    "plot_histogram",
     "plot_machine",
     "plot_multipliers",
+    "plot_phase_portrait",
     "plot_stability_map",
+    "plot_time_series",
+    "plot_time_series_panels",
+    "plot_tradeoff",
     "save",
     "units_of",
 ]
@@ -42,9 +51,14 @@ _MODULES = {
     "new_axes": "style",
     "plot_bifurcation_diagram": "bifurcation_diagram",
     "plot_eigenvalues": "eigenvalues",
+    "plot_histogram": "histogram",
     "plot_machine": "machine",
     "plot_multipliers": "multipliers",
+    "plot_phase_portrait": "phase_portrait",
     "plot_stability_map": "stability_map",
+    "plot_time_series": "time_series",
+    "plot_time_series_panels": "time_series",
+    "plot_tradeoff": "tradeoff",
     "save": "style",
     "units_of": "quantities",
 }

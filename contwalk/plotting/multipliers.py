@@ -12,6 +12,8 @@ from contwalk.branch import Branch
 from contwalk.plotting.spectrum import SHADE, choose, draw_spectra, with_margin
 from contwalk.plotting.style import INK, dress, new_axes
 
+FARTHEST = 3.0  # modulus that is still shown: beyond it the unit circle would shrink to a dot
+
 
 def plot_multipliers(
     branches: Sequence[Branch], ax: Axes | None = None, *, units: Mapping[str, str] | None = None
@@ -20,7 +22,7 @@ def plot_multipliers(
 
     A cross marks the start of each branch and a ring its end; on a branch walked both ways from its start
     these are its ends in the order of growing `s`. The unit circle is drawn strong, the unstable outside
-    shaded.
+    shaded. What lies beyond modulus 3 is left out and told in words, so that the circle stays visible.
 
     Parameters
     ----------
@@ -46,7 +48,21 @@ def plot_multipliers(
     ax.add_patch(Circle((0, 0), 1.0, fill=False, edgecolor=INK, linewidth=1.2, zorder=1, gid="unit-circle"))
     ax.axhline(0.0, color=INK, linewidth=0.4, zorder=1)
     ax.axvline(0.0, color=INK, linewidth=0.4, zorder=1)
-    parts = np.concatenate([numbers.real, numbers.imag])
+    moduli = np.abs(numbers)
+    shown = numbers[moduli <= FARTHEST]
+    parts = np.concatenate([shown.real, shown.imag])
     limits = with_margin(np.concatenate([parts, -parts]), [-1.0, 1.0])
+    if moduli.max(initial=0.0) > FARTHEST:
+        limits = (-FARTHEST, FARTHEST)
+        ax.text(
+            0.98,
+            0.02,
+            f"moduli up to {moduli.max():.3g} lie outside",
+            transform=ax.transAxes,
+            ha="right",
+            fontsize=8.5,
+            color=INK,
+            gid="outside",
+        )
     ax.set(aspect="equal", xlim=limits, ylim=limits)
     return ax

@@ -27,6 +27,10 @@ PROPORTIONS = {
     "multipliers": (5.8, 4.9),
     "stability_map": (6.4, 4.2),
     "machine": (4.2, 4.2),
+    "phase_portrait": (6.4, 4.6),
+    "time_series": (7.2, 3.0),
+    "histogram": (6.4, 4.0),
+    "tradeoff": (6.4, 4.2),
 }
 FORMATS = (".png", ".svg", ".pdf")
 
@@ -35,13 +39,15 @@ _WRITING: dict[Any, Any] = {"pdf.fonttype": 42, "svg.hashsalt": "contwalk"}
 _UNDATED: dict[str, dict[str, Any]] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 
 
-def new_axes(kind: str) -> Axes:
+def new_axes(kind: str, projection: str | None = None) -> Axes:
     """Axes on a new figure of good proportions for a figure of this kind.
 
     Parameters
     ----------
     kind : str
-        `bifurcation_diagram`, `eigenvalues`, `multipliers`, `stability_map` or `machine`.
+        A key of `PROPORTIONS`: `bifurcation_diagram`, `eigenvalues`, `time_series` and so on.
+    projection : str, optional
+        `3d` for axes in space.
 
     Returns
     -------
@@ -53,16 +59,26 @@ def new_axes(kind: str) -> Axes:
     ContwalkError
         For any other kind.
     """
+    return _new_figure(kind, 1).add_subplot(projection=projection)
+
+
+def new_panels(kind: str, number: int) -> list[Axes]:
+    """As `new_axes`, with panels one below the other; each but the first adds two thirds to the height."""
+    return list(_new_figure(kind, number).subplots(number, squeeze=False)[:, 0])
+
+
+def _new_figure(kind: str, panels: int) -> Figure:
     if kind not in PROPORTIONS:
         raise ContwalkError(
             f"There is no figure named '{kind}'.",
             f"{nearest(kind, list(PROPORTIONS))} Known: {', '.join(PROPORTIONS)}.".strip(),
         )
-    figure = Figure(figsize=PROPORTIONS[kind], dpi=DPI, layout="constrained")
+    width, height = PROPORTIONS[kind]
+    figure = Figure(figsize=(width, height * (1 + (panels - 1) * 2 / 3)), dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)
     # Vertical padding in inches; matplotlib's own lets a legend touch the edge.
     figure.get_layout_engine().set(w_pad=0.06, h_pad=0.06)  # type: ignore[union-attr, call-arg]
-    return figure.add_subplot()
+    return figure
 
 
 def dress(ax: Axes, xlabel: str, ylabel: str) -> None:

@@ -16,13 +16,13 @@ from contwalk.problems import neutral as neutrals
 from contwalk.problems.description import described
 from contwalk.problems.equations import equations_of
 from contwalk.problems.linear import Factored
-from contwalk.problems.problem import Linearization, Located, Sample, Seed
+from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.problem import MAX_RE, Linearization, Located, Sample, Seed
 from contwalk.problems.spectrum import EPSILON, Spectrum, spectrum
 from contwalk.problems.switching import branch_point_seeds, second_direction, tangent_through
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues, nearest
 
-MAX_RE = "max_re"
 UNDECLARED = "undeclared"
 
 
@@ -43,6 +43,8 @@ class Equilibrium:
         Neutral directions that are pinned along the branch.
     reference : ndarray, shape (n,), optional
         State at which pins without a parameter hold their direction.
+    discretization : Discretization, optional
+        Of the orbits that are born on the branch.
     """
 
     kind = "equilibrium"
@@ -55,6 +57,7 @@ class Equilibrium:
         path: tuple[Mapping[str, float], Mapping[str, float]] | None = None,
         pins: Sequence[Neutral] = (),
         reference: np.ndarray | None = None,
+        discretization: Discretization | None = None,
     ) -> None:
         if system.period is not None:
             raise SystemDefinitionError(
@@ -75,6 +78,7 @@ class Equilibrium:
         self.size = self.states + len(self.pins)
         self.parameters = {name: float(parameters[name]) for name in system.parameter_names}
         self.reference = reference
+        self.discretization = discretization
         self.evaluations = 0
         names = system.parameter_names
         begin, end = path if path is not None else (self.parameters, self.parameters)
@@ -110,7 +114,9 @@ class Equilibrium:
     def with_pins(self, pins: Sequence[Neutral], reference: np.ndarray | None = None) -> Equilibrium:
         """The same problem with other pinned directions, held at the state `reference`."""
         held = self.reference if reference is None else reference
-        return Equilibrium(self.system, self.parameters, self.free, self.path, pins, held)
+        return Equilibrium(
+            self.system, self.parameters, self.free, self.path, pins, held, self.discretization
+        )
 
     # -- evaluation --------------------------------------------------------------------------------------
 
@@ -260,6 +266,32 @@ class Equilibrium:
         rate = self.kernels.rate_of_matrix(*self.inputs(z), [*along.tolist(), 1.0])
         return float((p @ rate @ q).real)
 
+    def branch_facts(self) -> dict[str, Any]:
+        """What is true of a whole branch of these equilibria, as fields of `BranchInfo`."""
+        return {
+            "problem": self.kind,
+            "observables": self.observable_names,
+            "unknowns": self.size,
+            "spectrum": max(self.states - len(self.pins), 1),
+            "settings": {"pins": [pin.name for pin in self.pins]},
+        }
+
+    def adapted(self, sample: Sample) -> tuple[Equilibrium, Sample]:
+        """Equilibria are not discretised."""
+        return self, sample
+
+    def at_stored(self, z: np.ndarray, weights: np.ndarray) -> Equilibrium:
+        """Equilibria are not discretised."""
+        return self
+
+    def refined(self, z: np.ndarray, weights: np.ndarray) -> Equilibrium:
+        """Equilibria are not discretised."""
+        return self
+
+    def reported(self, z: np.ndarray) -> np.ndarray:
+        """The state, shape (n,)."""
+        return z[: self.states]
+
     # -- special points: locating ------------------------------------------------------------------------
 
     def locate(self, label: str, sample: Sample, which: int) -> Located | None:
@@ -321,7 +353,11 @@ class Equilibrium:
         return np.concatenate([x, z[self.states :]])
 
     def seeds(self, point: SpecialPoint) -> Sequence[Seed]:
-        """The other branch through a branch point; equilibria have none elsewhere."""
+        """The other branch through a branch point, and the cycle that is born at a Hopf point."""
+        if point.label == "HB":
+            from contwalk.problems.orbit.switching import from_hopf  # compiled flows, where they are wanted
+
+            return from_hopf(self, point)
         simple = point.label == "BP" and "multiplicity" not in point.coefficients
         return branch_point_seeds(self, point) if simple else ()
 
@@ -333,6 +369,7 @@ def solution_at(
     state: np.ndarray,
     path: tuple[Mapping[str, float], Mapping[str, float]] | None = None,
     at: float | None = None,
+    discretization: Discretization | None = None,
 ) -> tuple[Equilibrium, np.ndarray]:
     """The problem and the vector z that belong to a start, neutral directions pinned where they are neutral.
 
@@ -341,7 +378,7 @@ def solution_at(
     NotFinite
         If the field is not finite at the start.
     """
-    problem = Equilibrium(system, parameters, free, path)
+    problem = Equilibrium(system, parameters, free, path, discretization=discretization)
     value = float(at or 0.0) if path is not None else float(parameters[free])
     z = np.append(np.asarray(state, dtype=float), value)
     matrix = problem.jacobian(z)[:, : problem.states]
@@ -353,5 +390,5 @@ def solution_at(
     pins = neutrals.active(system, z[:-1], problem.values_of(z), matrix)
     if not pins:
         return problem, z
-    pinned = Equilibrium(system, parameters, free, path, pins, z[:-1])
+    pinned = problem.with_pins(pins, z[:-1])
     return pinned, np.concatenate([z[:-1], np.zeros(len(pins)), z[-1:]])

@@ -15,7 +15,7 @@ share of
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Protocol
 
@@ -23,6 +23,9 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.problems.linear import EPSILON
+
+# Observables that every problem has: the largest real part of an equilibrium, the largest modulus of an orbit.
+MAX_RE, MAX_ABS = "max_re", "max_abs"
 
 
 class Linearization:
@@ -35,24 +38,25 @@ class Linearization:
         self,
         residual: np.ndarray,
         jacobian: np.ndarray,
-        levels: Callable[[], tuple[np.ndarray, np.ndarray]],
+        levels: Callable[[], tuple[np.ndarray, np.ndarray | None]],
+        magnitudes: Callable[[], np.ndarray] | None = None,
     ) -> None:
         self.residual = residual
         self.jacobian = jacobian
         self._levels = levels
+        self._magnitudes = magnitudes
 
     @cached_property
-    def levels(self) -> tuple[np.ndarray, np.ndarray]:
-        """Rounding level of each residual, shape (N,), and typical magnitudes of z, shape (N + 1,).
-
-        A magnitude is NaN where neither z nor the equations tell.
-        """
+    def levels(self) -> tuple[np.ndarray, np.ndarray | None]:
+        """Rounding level of each residual, shape (N,), and what comes with it of typical magnitudes."""
         return self._levels()
 
-    @property
+    @cached_property
     def magnitudes(self) -> np.ndarray:
-        """Typical magnitudes of z, NaN where unknown."""
-        return self.levels[1]
+        """Typical magnitudes of z, shape (N + 1,), NaN where neither z nor the equations tell."""
+        found = self.levels[1] if self._magnitudes is None else self._magnitudes()
+        assert found is not None
+        return found
 
     @property
     def finite(self) -> bool:
@@ -94,6 +98,10 @@ class Sample:
         Typical magnitudes as z and the equations tell them, NaN where they do not.
     excess : float
         Residual in units of its rounding level.
+    critical : float
+        What a real eigenvalue is where it changes stability: 0, of orbits 1.
+    period, trivial_error : float
+        Of orbits: duration of the closure in seconds, and |M f - f| / |f|.
     """
 
     z: np.ndarray
@@ -111,6 +119,13 @@ class Sample:
     iterations: int = 0
     evaluations: int = 0
     seconds: float = 0.0
+    critical: float = 0.0
+    period: float = float("nan")
+    trivial_error: float = float("nan")
+
+    def facing(self, tangent: np.ndarray, factor: float = 1.0) -> Sample:
+        """The same solution with another unit tangent along its branch, whose length is `factor` of the old one's."""
+        return replace(self, tangent=tangent, rates=self.rates * factor)
 
     @property
     def parameter(self) -> float:
@@ -133,6 +148,8 @@ class Located:
         Whether the point is known to more digits than floats hold.
     refine : callable
         The same point refined in extended precision; None where it turns out not to be one.
+    problem : Problem
+        The discretisation that it was found on, where there is more than one.
     """
 
     z: np.ndarray
@@ -140,6 +157,7 @@ class Located:
     vectors: Mapping[str, Any] = field(default_factory=dict)
     refined: bool = False
     refine: Callable[[], Located | None] | None = None
+    problem: Any = None
 
     def settled(self) -> Located | None:
         """The refined point, if there is a way to refine it."""
@@ -151,20 +169,32 @@ class Seed:
     """A branch that leaves a special point: a solution on it (or the point itself) and its direction.
 
     `reach(change)` estimates how far each unknown moves along it while the parameter changes so much, shape
-    (N + 1,), for unknowns that are zero at the point.
+    (N + 1,), for unknowns that are zero at the point. `problem` is whose solutions they are. `one_sided`:
+    the other direction leads to the same solutions once more.
     """
 
     label: str
     z: np.ndarray
     tangent: np.ndarray
     reach: Callable[[float], np.ndarray]
+    problem: Problem
+    one_sided: bool = False
 
 
 class Problem(Protocol):
     """Equations F(u, lambda) = 0 with what is special about them."""
 
-    size: int
-    evaluations: int
+    kind: str
+
+    @property
+    def size(self) -> int:
+        """Number N of unknowns without the free parameter."""
+        ...
+
+    @property
+    def evaluations(self) -> int:
+        """Right-hand sides evaluated so far."""
+        ...
 
     def linearize(self, z: np.ndarray) -> Linearization:
         """Residual, Jacobian and rounding level at z."""
@@ -183,6 +213,26 @@ class Problem(Protocol):
         before: int | None,
     ) -> Sample:
         """Everything that is watched at a solution; `before` is the unstable count next to it."""
+        ...
+
+    def branch_facts(self) -> dict[str, Any]:
+        """What is true of a whole branch, as fields of `BranchInfo`."""
+        ...
+
+    def adapted(self, sample: Sample) -> tuple[Problem, Sample]:
+        """The problem discretised anew for what follows a solution, and the solution's sample on it."""
+        ...
+
+    def at_stored(self, z: np.ndarray, weights: np.ndarray) -> Problem:
+        """The problem discretised for a solution that is taken up again."""
+        ...
+
+    def refined(self, z: np.ndarray, weights: np.ndarray) -> Problem:
+        """The problem discretised for special points near z."""
+        ...
+
+    def reported(self, z: np.ndarray) -> np.ndarray:
+        """The state that stands for a solution, shape (n,)."""
         ...
 
     def explain(self, z: np.ndarray) -> str:

@@ -100,7 +100,7 @@ def branch_point_seeds(problem: Equilibrium, point: SpecialPoint) -> Sequence[Se
         other[-1] if abs(other[-1] / weights[-1]) > 1e-6 else other[int(np.argmax(np.abs(other / weights)))]
     )
     tangent = other * np.sign(lead)
-    return (Seed("BP", z, tangent, lambda change: reach(problem, z, tangent, change)),)
+    return (Seed("BP", z, tangent, lambda change: reach(problem, z, tangent, change), problem),)
 
 
 def reach(problem: Equilibrium, z: np.ndarray, tangent: np.ndarray, change: float) -> np.ndarray:

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
 from contwalk.errors import ContwalkError, StartError
+from contwalk.fields.rebind import rebound
+from contwalk.fields.trace import Tracer, trace
 from contwalk.system import Observable, Start, System
-from contwalk.workflow.check_findings import NOWHERE, Place, Report, place_of, place_of_error
+from contwalk.system.declarations import ParameterValues
+from contwalk.workflow.check_findings import NOWHERE, Place, Report, place_of, place_of_error, split_place
 from contwalk.workflow.check_samples import Samples
 from contwalk.workflow.check_traced import Traced, number_form, traced
 
@@ -112,8 +116,26 @@ def check_period(report: Report, system: System) -> float | None:
     if not (np.isfinite(period) and period > 0.0):
         report.error("period", f"period(p) is {period} at the defaults. It must be a positive number.", place)
         return None
-    report.ok("period", f"is {period:.6g} s at the defaults.", place)
+    if _period_can_be_traced(report, system.period, system.parameter_names):
+        report.ok("period", f"is {period:.6g} s at the defaults.", place)
     return period
+
+
+def _period_can_be_traced(report: Report, period: Callable[..., float], names: Iterable[str]) -> bool:
+    """Whether exact derivatives can be taken of the period, as of a field; a finding where they cannot."""
+    function = rebound(period)
+
+    def record(tracer: Tracer) -> list[Any]:
+        symbols = {name: tracer.symbol("p", k) for k, name in enumerate(names)}
+        return [function(ParameterValues(**symbols))]
+
+    try:
+        trace(record)
+    except ContwalkError as error:
+        where, sentence = split_place(error.sentence, place_of(period))
+        report.error("period", f"{sentence} {error.remedy}", where)
+        return False
+    return True
 
 
 def check_repeats(report: Report, what: str, field: Traced, samples: Samples, period: float) -> None:
@@ -176,8 +198,12 @@ def _instants(number: int) -> str:
 
 
 def check_start(report: Report, start: Start, system: System, field: Traced | None, samples: Samples) -> None:
-    """Are the named equilibria zeros of the field, at the default parameters?"""
+    """Are the named equilibria zeros of the field, at the default parameters?
+
+    A forced system's are constant solutions: zeros of the field at all times.
+    """
     what, place = f"start '{start.name}'", place_of(start.states)
+    forced = system.period is not None
     try:
         states = system.named_states(start.name, samples.parameters)
     except ContwalkError as error:
@@ -195,18 +221,23 @@ def check_start(report: Report, start: Start, system: System, field: Traced | No
         return
     if field is None:
         return
-    for x in states:
-        value = field.values(0.0, x, samples.values)
-        slope = np.abs(field.slopes(0.0, x, samples.values)[:, 1:])
-        allowed = ZERO * (slope @ np.maximum(np.abs(x), samples.scales))
-        if not (np.abs(value) <= allowed).all():
-            i = int(np.argmax(np.where(np.isfinite(value), np.abs(value) - allowed, np.inf)))
-            report.error(
-                what,
-                f"It is not an equilibrium at the defaults: {field.form.entry(i)} is {value[i]:.6g} there.",
-                place,
-            )
-            return
-    report.ok(
-        what, f"gives {len(states)} equilibri{'um' if len(states) == 1 else 'a'} at the defaults.", place
-    )
+    for t in (0.0, *samples.times) if forced else (0.0,):
+        for x in states:
+            rates = _rates_left(field, t, x, samples)
+            if rates is not None:
+                kind, when = ("a constant solution", f" at t = {t:.4g}") if forced else ("an equilibrium", "")
+                report.error(what, f"It is not {kind} at the defaults: {rates} there{when}.", place)
+                return
+    one, several = ("constant solution", "constant solutions") if forced else ("equilibrium", "equilibria")
+    report.ok(what, f"gives {len(states)} {one if len(states) == 1 else several} at the defaults.", place)
+
+
+def _rates_left(field: Traced, t: float, x: np.ndarray, samples: Samples) -> str | None:
+    """The rate that is farthest from zero at a state, in words; None where all are zero."""
+    value = field.values(t, x, samples.values)
+    slope = np.abs(field.slopes(t, x, samples.values)[:, 1:])
+    allowed = ZERO * (slope @ np.maximum(np.abs(x), samples.scales))
+    if (np.abs(value) <= allowed).all():
+        return None
+    i = int(np.argmax(np.where(np.isfinite(value), np.abs(value) - allowed, np.inf)))
+    return f"{field.form.entry(i)} is {value[i]:.6g}"

@@ -26,7 +26,7 @@ from contwalk.workflow.run_problems import Problems, translate
 from contwalk.workflow.run_settings import FigureSpec, Mark, ReportAt
 from contwalk.workflow.run_starts import StartReader, StartSpec
 from contwalk.workflow.run_text import document_of, text_of_file
-from contwalk.workflow.run_values import FIGURES
+from contwalk.workflow.run_values import DIAGRAM_FIGURES, FIGURES
 from contwalk.workflow.yaml_lines import parse_yaml
 
 __all__ = [
@@ -74,7 +74,8 @@ class RunFile:
     sweep : tuple of (str, tuple of float), optional
         A parameter and the values at each of which the diagram is computed; see `studies`.
     engine : mapping
-        Those of `step`, `min_step`, `max_step`, `max_angle`, `newton_iterations` that are given.
+        Those of `step`, `min_step`, `max_step`, `max_angle`, `newton_iterations`, `method`, `tolerance`,
+        `segments`, `phase` that are given or have a default.
     """
 
     path: Path
@@ -101,7 +102,7 @@ class RunFile:
     report_at: ReportAt | None = None
     figures: tuple[FigureSpec, ...] = ()
     sweep: tuple[str, tuple[float, ...]] | None = None
-    engine: Mapping[str, float] = field(default_factory=dict)
+    engine: Mapping[str, float | str] = field(default_factory=dict)
 
     def config(self) -> str:
         """Text of a run file that asks for this study: the file's own, or with `--set` values in it."""
@@ -171,6 +172,14 @@ def read_run_text(
     text: str, path: str | Path, overrides: Sequence[str] = (), output: str | None = None
 ) -> RunFile:
     """As `read_run_file`, from text. `path` names it in messages; paths are relative to its folder."""
+    problems, model, system = opened(text, path, overrides)
+    run = _checked(problems, model, system, Path(path), output)
+    problems.raise_any()
+    return replace(run, text=text, overrides=tuple(overrides))
+
+
+def opened(text: str, path: str | Path, overrides: Sequence[str] = ()) -> tuple[Problems, RunModel, System]:
+    """A run file's text with its types checked and its system loaded; what any command begins with."""
     document = document_of(text, str(path), overrides)
     problems = Problems(document)
     _check_version(problems)
@@ -179,10 +188,7 @@ def read_run_text(
     except ValidationError as error:
         translate(error, problems)
         raise problems.error() from None
-    system = _load(problems, model, Path(path).parent)
-    run = _checked(problems, model, system, Path(path), output)
-    problems.raise_any()
-    return replace(run, text=text, overrides=tuple(overrides))
+    return problems, model, _load(problems, model, Path(path).parent)
 
 
 def _check_version(problems: Problems) -> None:
@@ -227,6 +233,7 @@ def _checked(problems: Problems, model: RunModel, system: System, path: Path, ou
     """The run file of a model, with a problem noted for all that does not fit the system."""
     given = given_values(problems, system, model)
     parameters = system.defaults() | given
+    need_start(problems, model)
     free = settings.free_parameter(problems, system, model)
     ends = None if model.path is None else path_ends(problems, system, model.path, parameters)
     varying = (
@@ -263,10 +270,17 @@ def _checked(problems: Problems, model: RunModel, system: System, path: Path, ou
         events=model.events.model_dump(),
         report_at=settings.report_place(problems, system, model.report_at),
         output=_output(problems, model, path, output, starts),
-        figures=settings.figures(problems, system, model),
+        figures=settings.figures(problems, system, model, DIAGRAM_FIGURES),
         sweep=sweep_values(problems, system, model, varying),
         engine=model.engine.model_dump(exclude_none=True),
     )
+
+
+def need_start(problems: Problems, model: RunModel) -> None:
+    """Note a problem where the file says of no start."""
+    if not model.start:
+        allowed = RunModel.model_fields["start"].description
+        problems.add(("start",), "the key is missing.", f"Allowed: {allowed}.")
 
 
 def _output(
@@ -284,4 +298,4 @@ def _output(
 
 def _study(data: Any) -> dict[str, Any]:
     """What decides the branches, in a form that can be compared."""
-    return RunModel.model_validate(data).model_dump(exclude={"output", "figures"})
+    return RunModel.model_validate(data).model_dump(exclude={"output", "figures", "simulate", "sample"})

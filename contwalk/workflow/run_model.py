@@ -8,9 +8,11 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag
+from pydantic import BeforeValidator, Discriminator, Field, Tag
 from pydantic import model_validator as validator_of_model
 
+from contwalk.workflow.run_motions import Sampling, Simulation
+from contwalk.workflow.run_section import Section
 from contwalk.workflow.run_values import (
     FIGURES,
     FOLLOWED,
@@ -36,25 +38,6 @@ from contwalk.workflow.run_values import (
     list_or_span,
     wrong,
 )
-
-
-class Section(BaseModel):
-    """A mapping of known keys; a key with nothing after it counts as not given."""
-
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
-
-    @validator_of_model(mode="before")
-    @classmethod
-    def _without_nulls(cls, data: Any) -> Any:
-        if not isinstance(data, dict):
-            return data
-        known = cls.known_keys()
-        return {key: value for key, value in data.items() if value is not None or key not in known}
-
-    @classmethod
-    def known_keys(cls) -> tuple[str, ...]:
-        """The keys as they are written in the file."""
-        return tuple(info.alias or name for name, info in cls.model_fields.items())
 
 
 class Simulate(Section):
@@ -141,6 +124,7 @@ class ReportPlace(Section):
 class FigureOptions(Section):
     x: str | None = Field(default=None, description="a parameter, state or observable")
     y: str | None = Field(default=None, description="a parameter, state or observable")
+    z: str | None = Field(default=None, description="a state, for a phase_portrait in space")
     file: FileName | None = Field(default=None, description="a file name")
 
 
@@ -158,6 +142,12 @@ class Engine(Section):
     max_step: Positive | None = Field(default=None, description="a positive number")
     max_angle: Angle | None = Field(default=None, description="degrees above 0, up to 90")
     newton_iterations: int | None = Field(default=None, ge=1, description="a whole number from 1 up")
+    method: Literal["auto", "dop853", "verner98", "radau5", "radau9"] = Field(
+        default="auto", description="auto, dop853, verner98, radau5 or radau9"
+    )
+    tolerance: Positive | None = Field(default=None, description="a positive number: local error of the flow")
+    segments: int | None = Field(default=None, ge=1, le=200, description="a whole number from 1 to 200")
+    phase: Literal["section", "integral"] = Field(default="section", description="section or integral")
 
     @validator_of_model(mode="after")
     def _ordered(self) -> Engine:
@@ -182,6 +172,7 @@ class RunModel(Section):
     parameters: Values = Field(default={}, description="{parameter: value, ...}")
     accuracy: Accuracy = Field(default=1e-8, description="a number")
     start: Annotated[tuple[Start, ...], BeforeValidator(as_starts)] = Field(
+        default=(),
         description="{equilibrium: NAME}, {state: {...}}, {simulate: {state: {...}, until: settled}}, "
         "{from: other.h5, point: b1/HB1}, or a list of these",
     )
@@ -212,5 +203,13 @@ class RunModel(Section):
         default=None, description="{parameter: [values]} or {parameter: {from: 0, to: 1, count: 11}}"
     )
     engine: Engine = Field(
-        default=Engine(), description="{step, min_step, max_step, max_angle, newton_iterations}, all optional"
+        default=Engine(),
+        description="{step, min_step, max_step, max_angle, newton_iterations, method, tolerance, segments, "
+        "phase}, all optional",
+    )
+    simulate: Simulation | None = Field(
+        default=None, description="{until: settled, points: 1000, perturb: {state: value}, ...}"
+    )
+    sample: Sampling | None = Field(
+        default=None, description="{count: 1000, seed: 1, draw: {...}, measure: {...}, settled: {...}, ...}"
     )

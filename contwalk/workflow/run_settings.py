@@ -10,7 +10,7 @@ from contwalk.workflow.run_model import FigureOptions, ReportPlace, RunModel
 from contwalk.workflow.run_parameters import check_bounds, parameter_named
 from contwalk.workflow.run_problems import Problems, allowed
 from contwalk.workflow.run_starts import StartSpec
-from contwalk.workflow.run_values import FIGURES
+from contwalk.workflow.run_values import FIGURES, MOTION_FIGURES, SAMPLE_FIGURES
 from contwalk.workflow.yaml_lines import Key
 
 PATH = "path"  # the name of the free parameter of a parameter path
@@ -189,8 +189,10 @@ def report_place(problems: Problems, system: System, place: ReportPlace | None) 
     return ReportAt(section=(name, value), direction=place.direction)
 
 
-def figures(problems: Problems, system: System, model: RunModel) -> tuple[FigureSpec, ...]:
-    """The figures to be drawn, their names and axes checked."""
+def figures(
+    problems: Problems, system: System, model: RunModel, kinds: tuple[str, ...]
+) -> tuple[FigureSpec, ...]:
+    """The figures of these kinds to be drawn; the names and axes of all are checked."""
     result = []
     for index, entry in enumerate(model.figures):
         if len(entry) != 1:
@@ -204,17 +206,23 @@ def figures(problems: Problems, system: System, model: RunModel) -> tuple[Figure
             if name not in FIGURES:
                 problems.add(key, f"there is no figure '{name}'.", allowed(FIGURES, name))
             _check_axes(problems, system, key, options)
-            result.append(FigureSpec(name, options.model_dump(exclude_none=True)))
+            if name in kinds:
+                result.append(FigureSpec(name, options.model_dump(exclude_none=True)))
     return tuple(result)
 
 
 def _check_axes(problems: Problems, system: System, key: Key, options: FigureOptions) -> None:
     observables = tuple(observable.name for observable in system.observables)
     known = (*system.parameter_names, *system.state_names, *observables, *BUILT_IN, "period", PATH)
-    for axis, name in (("x", options.x), ("y", options.y)):
+    what = "neither a parameter, a state nor an observable"
+    if key[-1] in (*MOTION_FIGURES, *SAMPLE_FIGURES):
+        known, what = system.state_names, "not a state"
+    if options.z is not None and key[-1] != "phase_portrait":
+        problems.add((*key, "z"), f"'{key[-1]}' has no third axis.", "Remove it.")
+    for axis, name in (("x", options.x), ("y", options.y), ("z", options.z)):
         if name is not None and name not in known:
             problems.add(
                 (*key, axis),
-                f"'{name}' is neither a parameter, a state nor an observable of '{system.name}'.",
+                f"'{name}' is {what} of '{system.name}'.",
                 allowed(tuple(dict.fromkeys(known)), name),
             )

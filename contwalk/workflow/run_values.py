@@ -13,7 +13,10 @@ from contwalk.branch import LABELS
 from contwalk.workflow.yaml_lines import shown
 
 FOLLOWED = tuple(label for label in LABELS if label not in ("EP", "UZ"))
-FIGURES = ("bifurcation_diagram", "eigenvalues", "multipliers", "stability_map", "machine")
+DIAGRAM_FIGURES = ("bifurcation_diagram", "eigenvalues", "multipliers", "stability_map", "machine")
+MOTION_FIGURES = ("time_series", "phase_portrait")
+SAMPLE_FIGURES = ("histogram",)
+FIGURES = (*DIAGRAM_FIGURES, *MOTION_FIGURES, *SAMPLE_FIGURES)  # each command draws its own
 LOWEST_ACCURACY = 1e-14  # below it, rounding in double precision decides, not the method
 
 
@@ -52,6 +55,13 @@ def _accuracy(value: Any) -> float:
             f"is {shown(result)}, finer than double precision can give.",
             f"Allowed: a number from {LOWEST_ACCURACY:g} to 0.5; 1e-10 is already fine.",
         )
+    return result
+
+
+def _tolerance(value: Any) -> float:
+    result = _within(0.0, 1e-2, "a number from 1e-14 to 0.01")(value)
+    if result < LOWEST_ACCURACY:
+        raise wrong(f"is {shown(result)}, finer than double precision can give.", "Allowed: 1e-14 to 0.01.")
     return result
 
 
@@ -123,6 +133,7 @@ Number = Annotated[float, PlainValidator(number)]
 Positive = Annotated[float, PlainValidator(_within(0.0, math.inf, "a positive number"))]
 Angle = Annotated[float, PlainValidator(_within(0.0, 90.0, "degrees above 0, up to 90"))]
 Accuracy = Annotated[float, PlainValidator(_accuracy)]
+Tolerance = Annotated[float, PlainValidator(_tolerance)]
 Until = Annotated[float | str, PlainValidator(_until)]
 MarkValue = Annotated[float | str, PlainValidator(_mark_value)]
 FileName = Annotated[str, PlainValidator(_file_name)]

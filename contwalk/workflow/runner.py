@@ -18,7 +18,9 @@ from contwalk.continuation.diagram import Began, Cut, Diagram, Ended, Event, Fou
 from contwalk.continuation.settings import Mark, Settings
 from contwalk.continuation.work import Start, Stored
 from contwalk.errors import ContwalkError, DatabaseError, UnsupportedOperation
+from contwalk.fields.codegen import source
 from contwalk.problems.equilibrium import Equilibrium
+from contwalk.problems.orbit.discretization import Discretization
 from contwalk.storage.database import Database, RunHeader
 from contwalk.storage.hdf5 import Hdf5Database
 from contwalk.workflow.figures import draw_figure
@@ -109,16 +111,32 @@ def traced(run_file: RunFile) -> None:
     UnsupportedOperation, SystemDefinitionError
         With the line of the plugin.
     """
-    _ = _problem(run_file).kernels.program
+    _ = _equations_text(run_file)
 
 
-def _problem(run_file: RunFile) -> Equilibrium:
-    return Equilibrium(run_file.system, run_file.parameters, run_file.free, run_file.parameter_path)
+def _equations_text(run_file: RunFile) -> str:
+    """The traced equations as text."""
+    given = run_file.system, run_file.parameters, run_file.free, run_file.parameter_path
+    if run_file.system.period is None:
+        return Equilibrium(*given).kernels.residual.text
+    from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
+
+    motion = PeriodicOrbit(*given).motion
+    return source(motion.program, (*motion.groups, "u", "t"))
+
+
+_OF_ORBITS = ("method", "tolerance", "segments", "phase")
+
+
+def discretization_of(run_file: RunFile) -> Discretization:
+    """How finely a run's orbits are computed."""
+    given: dict[str, Any] = {k: v for k, v in run_file.engine.items() if k in _OF_ORBITS}
+    return Discretization(accuracy=run_file.accuracy, **given)
 
 
 def settings_of(run_file: RunFile) -> Settings:
     """Settings of every walk of a run."""
-    engine: dict[str, Any] = dict(run_file.engine)
+    engine: dict[str, Any] = {k: v for k, v in run_file.engine.items() if k not in _OF_ORBITS}
     if "newton_iterations" in engine:
         engine["newton_iterations"] = int(engine["newton_iterations"])
     return Settings(
@@ -137,7 +155,7 @@ def _plan(run_file: RunFile) -> Plan:
 
 def _all_starts(studies: list[tuple[RunFile, list[Place]]]) -> Iterator[Start]:
     for study, found in studies:
-        yield from starts(study, found, settings_of(study))
+        yield from starts(study, found, settings_of(study), discretization_of(study))
 
 
 def _database(run_file: RunFile, resume: bool, force: bool) -> Hdf5Database:
@@ -168,8 +186,11 @@ def equations_hash(run_file: RunFile) -> str:
 
     The traced equations are text, so a change in any function that they call shows.
     """
-    system, problem = run_file.system, _problem(run_file)
-    texts = [problem.kernels.residual.text, json.dumps(system.defaults(), sort_keys=True)]
+    system = run_file.system
+    texts = [_equations_text(run_file), json.dumps(system.defaults(), sort_keys=True)]
+    if system.period is not None:
+        return hashlib.sha256("\n".join(texts).encode()).hexdigest()
+    problem = Equilibrium(system, run_file.parameters, run_file.free, run_file.parameter_path)
     for observable in system.observables:
         try:
             texts.append(problem.observable_kernels(observable.name)[0].text)

@@ -11,17 +11,24 @@ from contwalk.continuation.opening import opened
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.work import Start
 from contwalk.errors import StartError
+from contwalk.problems.orbit.discretization import Discretization
 from contwalk.storage.hdf5 import Hdf5Database
 from contwalk.workflow.run_file import RunFile, StartSpec
 
 
 @dataclass(frozen=True)
 class Place:
-    """A state to start from, with the values of all parameters there."""
+    """A state to start from, with the values of all parameters there.
+
+    `orbit` says that it lies on a periodic orbit, of `period` seconds; with `until` a simulation finds it.
+    """
 
     state: np.ndarray
     parameters: dict[str, float]
     origin: str
+    period: float | None = None
+    until: float | str | None = None
+    orbit: bool = False
 
 
 def places(run_file: RunFile) -> tuple[list[Place], list[str]]:
@@ -61,10 +68,8 @@ def _places(run_file: RunFile, spec: StartSpec) -> list[Place]:
         return [Place(spec.state, parameters, "the given state")]
     if spec.kind == "from":
         return [_stored_place(run_file, spec)]
-    raise StartError(
-        "A start by simulation needs trajectories, which this version does not compute.",
-        "Give start: {equilibrium: NAME}, {state: {...}} or {from: DATABASE, point: BRANCH/POINT}.",
-    )
+    assert spec.state is not None
+    return [Place(spec.state, parameters, "the simulation", until=spec.until or "settled", orbit=True)]
 
 
 def _stored_place(run_file: RunFile, spec: StartSpec) -> Place:
@@ -87,7 +92,7 @@ def _stored_place(run_file: RunFile, spec: StartSpec) -> Place:
                     "Give one of them.",
                 )
             row = branch.points[int(point_name)]
-            state = np.array(row["state"])
+            state, period = np.array(row["state"]), float(row["period"])
             stored = {**branch.info.parameters, **dict(zip(branch.info.free, row["free"], strict=True))}
         else:
             try:
@@ -95,7 +100,9 @@ def _stored_place(run_file: RunFile, spec: StartSpec) -> Place:
             except KeyError as error:
                 raise StartError(str(error.args[0]), f"In {spec.file}.") from error
             state = np.array([point.state[name] for name in names])
+            period = float(point.period or np.nan)
             stored = dict(point.parameters)
+    fold = int(branch.info.settings.get("fold", 1))
     known = {k: float(v) for k, v in stored.items() if k in run_file.system.parameter_names}
     parameters = {**run_file.system.defaults(), **known, **spec.given}
     low, high = run_file.range
@@ -105,20 +112,24 @@ def _stored_place(run_file: RunFile, spec: StartSpec) -> Place:
             f"outside the range [{low:g}, {high:g}].",
             "Widen continue.range, or start from another point.",
         )
-    return Place(state, parameters, f"{spec.point} of {spec.file.name}")
+    origin = f"{spec.point} of {spec.file.name}"
+    if not np.isfinite(period):
+        return Place(state, parameters, origin)
+    return Place(state, parameters, origin, period=fold * period, orbit=True)
 
 
-def starts(run_file: RunFile, found: list[Place], settings: Settings) -> Iterator[Start]:
+def starts(
+    run_file: RunFile, found: list[Place], settings: Settings, discretization: Discretization
+) -> Iterator[Start]:
     """Starts of the diagram, each corrected to a solution when its turn comes."""
     at = run_file.range[0] if run_file.parameter_path is not None else None
+    system, free, path = run_file.system, run_file.free, run_file.parameter_path
     for place in found:
-        opening = opened(
-            run_file.system,
-            place.parameters,
-            run_file.free,
-            place.state,
-            settings,
-            run_file.parameter_path,
-            at,
-        )
-        yield Start(run_file.system, run_file.free, place.parameters, opening, place.origin)
+        given = system, place.parameters, free, place.state, settings, path, at, discretization
+        if place.orbit or system.period is not None:
+            from contwalk.continuation.opening_orbits import opened_orbit  # compiled flows
+
+            opening = opened_orbit(*given, place.period, place.until)
+        else:
+            opening = opened(*given)
+        yield Start(system, free, place.parameters, opening, place.origin)

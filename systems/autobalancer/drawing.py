@@ -1,34 +1,49 @@
-"""A picture of the autobalancer at one instant, in the frame that rotates with the rotor."""
+"""A picture of the autobalancer at one instant.
+
+It is drawn along the axes of the equations: those of the rotor where the suspension is isotropic, those of
+the springs, at rest, where it is not.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
-from .dynamics import BETA, Q1, Q2
+from .masses import AB1, AB2, BETA
 
 STEEL, RACE, UNBALANCE, DISPLACEMENT = "#5b6770", "#dfe4e8", "#c0392b", "#1f4e79"
 BALLS = ("#e69f00", "#0072b2", "#009e73", "#cc79a7", "#56b4e9", "#d55e00")
 BALL, WALL = 0.11, 0.15  # radius of a ball and half width of the race, in units of l1
 
 
-def make_draw(n: int) -> Callable[..., None]:
-    """`draw(axes, t, x, p)` for n masses."""
+def make_draw(n: int, springs: Sequence[tuple[str, str]], rotating: bool) -> Callable[..., None]:
+    """`draw(axes, t, x, p)` for n masses.
+
+    Parameters
+    ----------
+    n : int
+    springs : sequence of (str, str)
+        Names of stiffness and damping, in each direction.
+    rotating : bool
+        Whether the axes turn with the rotor.
+    """
 
     def draw(axes: Any, t: float, x: Any, p: Any) -> None:
-        size, factor = p.l1, exaggeration(n, p)
-        centre = (factor * x[Q1], factor * x[Q2])
+        size, factor = p.l1, exaggeration(n, p, springs)
+        centre = (factor * x[AB1], factor * x[AB2])
+        turned = 0.0 if rotating else math.remainder(p.omega * t, 2.0 * math.pi)
+        angles = [x[BETA + j] + turned for j in range(n)]
         _draw_ring(axes, centre, size)
         if p.omega:
-            _draw_rotation(axes, centre, size, math.copysign(1.0, p.omega))
+            _draw_rotation(axes, centre, size, turned, math.copysign(1.0, p.omega))
         if p.m * p.e:
-            _draw_unbalance(axes, centre, size, 0.0 if p.e > 0.0 else math.pi)
-        for j in range(n):
-            _draw_ball(axes, centre, size, x[BETA + j], BALLS[j % len(BALLS)])
-        _number_balls(axes, centre, size, [x[BETA + j] for j in range(n)])
+            _draw_unbalance(axes, centre, size, turned + (0.0 if p.e > 0.0 else math.pi))
+        for j, angle in enumerate(angles):
+            _draw_ball(axes, centre, size, angle, BALLS[j % len(BALLS)])
+        _number_balls(axes, centre, size, angles)
         _draw_displacement(axes, centre, size)
         note = f"displacement AB drawn × {factor:g}" if factor != 1.0 else "displacement AB to scale"
         axes.text(
@@ -42,14 +57,14 @@ def make_draw(n: int) -> Callable[..., None]:
     return draw
 
 
-def exaggeration(n: int, p: Any) -> float:
+def exaggeration(n: int, p: Any, springs: Sequence[tuple[str, str]]) -> float:
     """Factor 1, 2, 5, 10, .. by which the displacement is drawn larger than it is.
 
     It depends on the parameters alone, so all pictures of one motion share it: the largest
-    unbalance possible, at rest in the rotating frame, is drawn as at most 0.45 l1.
+    unbalance possible, at rest in the rotor, is drawn as at most 0.45 l1 in the softest direction.
     """
-    stiffness = p.k - p.omega**2 * (p.M + p.m + n * p.m1)
-    resistance = math.hypot(stiffness, p.c * p.omega)
+    inertia = p.omega**2 * (p.M + p.m + n * p.m1)
+    resistance = min(math.hypot(getattr(p, k) - inertia, getattr(p, c) * p.omega) for k, c in springs)
     push = p.omega**2 * (abs(p.m * p.e) + n * p.m1 * p.l1)
     if push == 0.0 or resistance == 0.0:
         return 1.0
@@ -76,14 +91,15 @@ def _draw_ring(axes: Any, centre: tuple[float, float], size: float) -> None:
     )
 
 
-def _draw_rotation(axes: Any, centre: tuple[float, float], size: float, sense: float) -> None:
-    """Arrow of the rotor's direction of rotation, clear of the unbalance."""
-    turn = np.radians(90.0 + sense * np.linspace(-30.0, 30.0, 40))
+def _draw_rotation(axes: Any, centre: tuple[float, float], size: float, turned: float, sense: float) -> None:
+    """Arrow of the rotor's direction of rotation, a quarter turn from the unbalance."""
+    turn = turned + np.radians(90.0 + sense * np.linspace(-30.0, 30.0, 40))
     path = centre + 0.48 * size * np.column_stack([np.cos(turn), np.sin(turn)])
     arrow = {"arrowstyle": "-|>", "color": STEEL, "lw": 1.2, "shrinkA": 0, "shrinkB": 0}
     axes.plot(path[:-2, 0], path[:-2, 1], color=STEEL, linewidth=1.2, zorder=1)
     axes.annotate("", xy=path[-1], xytext=path[-3], arrowprops=arrow)
-    axes.text(centre[0], centre[1] + 0.62 * size, "ω", color=STEEL, ha="center", va="center", fontsize=10)
+    middle = _around(centre, 0.62 * size, turned + 0.5 * math.pi)
+    axes.text(*middle, "ω", color=STEEL, ha="center", va="center", fontsize=10)
 
 
 def _draw_unbalance(axes: Any, centre: tuple[float, float], size: float, angle: float) -> None:

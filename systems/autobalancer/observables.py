@@ -9,7 +9,7 @@ import numpy as np
 
 from contwalk.system import Observable
 
-from .dynamics import BETA, Q1, Q2
+from .masses import AB1, AB2, BETA
 
 
 def make_observables(n: int) -> tuple[Observable, ...]:
@@ -33,7 +33,7 @@ def make_observables(n: int) -> tuple[Observable, ...]:
 
 
 def _amplitude(t: Any, x: Any, p: Any) -> Any:
-    return np.sqrt(x[:, Q1] * x[:, Q1] + x[:, Q2] * x[:, Q2]).max()
+    return np.sqrt(x[:, AB1] * x[:, AB1] + x[:, AB2] * x[:, AB2]).max()
 
 
 def _spread(t: Any, x: Any, p: Any) -> Any:

@@ -1,13 +1,12 @@
-"""Parameters with the defaults of Table 1, and the parameter sets that the study uses."""
+"""Parameters with the defaults of Tables 1 and 3, and the parameter sets that the study uses."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from contwalk.system import Parameter
 
-TABLE_1 = {
-    "M": 1.0,
-    "k": 1.0,
-    "c": 0.7,
+_BOTH = {
     "m": 0.01,
     "e": 1.0,
     "m1": 0.01,
@@ -17,12 +16,19 @@ TABLE_1 = {
     "gamma": 0.0,
     "omega": 5.0,
 }
+TABLE_1 = {"M": 1.0, "k": 1.0, "c": 0.7, **_BOTH}
+TABLE_3 = {"M": 1.0, "k1": 1.0, "k2": 0.5, "c1": 0.7, "c2": 0.35, **_BOTH}
+STIFF = {"k2": 100.0, "c2": 0.7}
 HEAVY_BALLS = {"m1": 0.05, "l1": 0.2, "J": 0.02, "delta": 0.04}
 
 _MEANING = {
     "M": ("M", True, "mass of the rotor and of all that is fixed to it, its centre at B"),
     "k": ("k", True, "stiffness of the suspension"),
     "c": ("sqrt(k M)", True, "damping of the suspension (external damping)"),
+    "k1": ("k", True, "stiffness of the suspension along the first direction (of x1)"),
+    "k2": ("k", True, "stiffness of the suspension along the second direction (of x2), across the first"),
+    "c1": ("sqrt(k M)", True, "damping of the suspension along the first direction (external damping)"),
+    "c2": ("sqrt(k M)", True, "damping of the suspension along the second direction (external damping)"),
     "m": ("M", True, "mass of the unbalanced part: the load is m e"),
     "e": ("l1", False, "eccentricity BC of the unbalanced part; negative: on the other side"),
     "m1": ("M", True, "mass of each correction mass"),
@@ -34,11 +40,12 @@ _MEANING = {
 }
 
 
-def make_parameters(n: int) -> tuple[Parameter, ...]:
-    """The parameters for n masses; from the third mass on each has an angle that selects a balanced state."""
+def make_parameters(n: int, table: Mapping[str, float]) -> tuple[Parameter, ...]:
+    """The parameters of a table; from the third mass on each has an angle that selects a balanced state."""
     physical = (
-        Parameter(name, TABLE_1[name], unit, (0.0 if non_negative else None, None), about)
-        for name, (unit, non_negative, about) in _MEANING.items()
+        Parameter(name, default, unit, (0.0 if non_negative else None, None), about)
+        for name, default in table.items()
+        for unit, non_negative, about in (_MEANING[name],)
     )
     held = (
         Parameter(
@@ -53,8 +60,8 @@ def make_parameters(n: int) -> tuple[Parameter, ...]:
     return (*physical, *held)
 
 
-def make_presets(n: int) -> dict[str, dict[str, float]]:
-    """Named parameter sets, after the tables and figures of the thesis."""
+def make_isotropic_presets(n: int) -> dict[str, dict[str, float]]:
+    """Named parameter sets of the isotropic suspension, after the tables and figures of the thesis."""
     presets = {
         "table1": TABLE_1,
         "fig7": TABLE_1 | {"c": 0.1},
@@ -67,4 +74,16 @@ def make_presets(n: int) -> dict[str, dict[str, float]]:
     }
     if n >= 3:
         presets["fig25"] = TABLE_1 | {"delta": 0.0007}
+    return {name: dict(values) for name, values in presets.items()}
+
+
+def make_anisotropic_presets() -> dict[str, dict[str, float]]:
+    """Named parameter sets of the anisotropic suspension; figures 18 and 20 are those of Table 3."""
+    presets = {
+        "table3": TABLE_3,
+        "fig18": TABLE_3,
+        "fig19": TABLE_3 | STIFF | {"m": 0.014},
+        "fig20": TABLE_3,
+        "fig21": TABLE_3 | STIFF,
+    }
     return {name: dict(values) for name, values in presets.items()}

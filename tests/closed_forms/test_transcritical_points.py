@@ -93,5 +93,5 @@ def test_an_isolated_point_of_equilibria_has_no_branches():
     problem = small_problem(field, "x", {"mu": 0.5}, "mu")
     branch = cw.continue_branch(problem, [0.7], (-1.0, 1.0))
     check_branch(branch, problem)
-    with pytest.raises(cw.ContwalkError, match="No other branch of equilibria leaves LP1"):
+    with pytest.raises(cw.ContwalkError, match="No other branch leaves LP1"):
         cw.switch_branch(problem, branch, "LP1", (-1.0, 1.0))

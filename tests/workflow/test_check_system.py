@@ -38,10 +38,11 @@ def test_good_forced_plugin_with_impacts_passes(tmp_path):
 def test_first_party_system_passes_with_every_model():
     findings = check_reference("autobalancer")
     assert troubles(findings) == []
-    assert [model.split(",")[0] for model in dict.fromkeys(f.model for f in findings)] == [
-        "masses=2",
-        "masses=1",
-        "masses=3",
+    assert list(dict.fromkeys(f.model for f in findings)) == [
+        "masses=2, suspension=isotropic",
+        "masses=1, suspension=isotropic",
+        "masses=3, suspension=isotropic",
+        "masses=2, suspension=anisotropic",
     ]
     assert any(f.what == "symmetry 'exchange_2_3'" for f in findings)
 
@@ -214,6 +215,10 @@ MISTAKES = {
         IMPACT, "2.0 * math.pi / p.omega", "2.0 * math.pi / p.frequency", "error",
         "period", "raises AttributeError", "p.frequency",
     ),
+    "period in whole numbers": (
+        IMPACT, "2.0 * math.pi / p.omega", "2.0 * math.pi / int(p.omega)", "error",
+        "period", "turned into a plain float", "int(p.omega)",
+    ),
 }  # fmt: skip
 
 
@@ -280,6 +285,31 @@ def test_symmetry_half_a_period_later(tmp_path):
     )
     source = broken(source, "System, Transition", "Symmetry, System, Transition")
     assert troubles(checked(tmp_path, source)) == []
+
+
+# A start of the forced plugin. Under force it is in balance at t = 0 for q = force, but not later.
+STANDING = """\
+def standing(p):
+    return [[{q}, 0.0]]
+
+def period"""
+
+
+@pytest.mark.parametrize(
+    ("q", "force", "level", "sentence"),
+    [
+        ("0.0", "(p.force - p.force) * ", "ok", "gives 1 constant solution at the defaults."),
+        ("p.force", "p.force * ", "error", "not a constant solution at the defaults: dx[1] (state v) is"),
+    ],
+)
+def test_start_of_a_forced_system_is_a_constant_solution(tmp_path, q, force, level, sentence):
+    source = broken(IMPACT, "def period", STANDING.format(q=q))
+    source = broken(source, "p.force * ", force)
+    source = broken(source, "    period=period,", '    period=period, starts=(Start("standing", standing),),')
+    source = broken(source, "Parameter, State", "Parameter, Start, State")
+    (finding,) = [f for f in checked(tmp_path, source) if f.what == "start 'standing'"]
+    assert (finding.level, finding.line) == (level, line_of(source, "def standing"))
+    assert sentence in finding.sentence
 
 
 def test_several_mistakes_are_all_told(tmp_path):

@@ -1,7 +1,9 @@
-"""Equilibria in closed form (section 5.2, 7.2 and Appendix A of the thesis, corrected).
+"""Equilibria on an isotropic suspension with all masses on the line AB.
 
-An equilibrium is either balanced (q = 0), or has all masses on the line AB. Of the latter, with `net` masses
-more on one side than on the other, all are given by one equation for the angle beta of the majority,
+They are those of sections 5.2 and 7.2 and of Appendix A, with the misprints corrected.
+
+With `net` masses more on one side than on the other, all are given by one equation for the angle beta of
+the majority,
 
     K m e sin(beta) + c omega m e cos(beta) + net c omega m1 l1 = 0,    K = k - omega^2 M'.
 """
@@ -14,12 +16,11 @@ from typing import Any
 
 from contwalk.system import Start
 
-# A load that equals the capacity on paper may exceed it by a few roundings of the products.
-ROUNDING = 1e-15
+from .balanced import state
 
 
-def make_starts(n: int) -> tuple[Start, ...]:
-    """The named equilibria of the autobalancer with n masses."""
+def make_on_the_line(n: int) -> tuple[Start, ...]:
+    """The named equilibria of n masses on the line AB."""
     opposite = tuple(
         Start(
             "opposite" if i == 1 else f"opposite_{i}",
@@ -29,65 +30,20 @@ def make_starts(n: int) -> tuple[Start, ...]:
         )
         for i in range(1, n // 2 + 1)
     )
-    return (
-        Start("balanced", _balanced(n), about="type 1: no vibration", exists=_BALANCED_EXISTS[min(n, 3)]),
-        Start(
-            "together",
-            _on_the_line(n, 0),
-            about="all masses at one angle: first the root away from the unbalance (type 2), "
-            "then the root near it (type 3)",
-            exists=_existence(n),
-        ),
-        *opposite,
+    together = Start(
+        "together",
+        _on_the_line(n, 0),
+        about="all masses at one angle: first the root away from the unbalance (type 2), "
+        "then the root near it (type 3)",
+        exists=_existence(n),
     )
-
-
-_BALANCED_EXISTS = {
-    1: "where |m e| = m1 l1",
-    2: "where |m e| <= 2 m1 l1",
-    3: "where |m e + m1 l1 (exp(i angle3) + ...)| <= 2 m1 l1: masses 1 and 2 must make up "
-    "for the load and the held masses",
-}
+    return (together, *opposite)
 
 
 def _existence(net: int) -> str:
     if net == 0:
         return "everywhere but at an undamped resonance"
     return f"where |m e| sqrt((k - omega^2 M')^2 + (c omega)^2) >= {net} c omega m1 l1 > 0"
-
-
-def _state(n: int, q: complex, angles: list[float]) -> list[float]:
-    return [q.real, q.imag, *angles, *[0.0] * (n + 2)]
-
-
-def _balanced(n: int) -> Callable[..., list[list[float]]]:
-    """Masses 3..n at the angles angle3.., masses 1 and 2 against what is left: equations 11, 12, 45-48."""
-
-    def one_mass(p: Any) -> list[list[float]]:
-        moment = p.m1 * p.l1
-        if abs(abs(p.m * p.e) - moment) > ROUNDING * moment:
-            return []
-        return [_state(1, 0j, [math.pi if p.m * p.e >= 0.0 else 0.0])]
-
-    def states(p: Any) -> list[list[float]]:
-        moment = p.m1 * p.l1
-        held = [getattr(p, f"angle{i}") for i in range(3, n + 1)]
-        if held:
-            along = p.m * p.e + moment * math.fsum(math.cos(angle) for angle in held)
-            across = moment * math.fsum(math.sin(angle) for angle in held)
-            load, direction = math.hypot(along, across), math.atan2(across, along)
-        else:
-            # Signed, so that the angles pass smoothly through zero load.
-            load, direction = p.m * p.e, 0.0
-        capacity = 2.0 * moment
-        if abs(load) > capacity * (1.0 + n * ROUNDING):
-            return []
-        # acos(load / capacity), without its loss of digits near full load.
-        aside = math.atan2(math.sqrt(max(capacity - load, 0.0) * max(capacity + load, 0.0)), load)
-        angles = [direction + math.pi - aside, direction + math.pi + aside, *held]
-        return [_state(n, 0j, angles)]
-
-    return one_mass if n == 1 else states
 
 
 def _on_the_line(n: int, opposite: int) -> Callable[..., list[list[float]]]:
@@ -111,7 +67,7 @@ def _on_the_line(n: int, opposite: int) -> Callable[..., list[list[float]]]:
             beta = math.remainder(root, 2.0 * math.pi)
             unbalance = complex(load + moment * math.cos(beta), moment * math.sin(beta))
             q = p.omega * p.omega * unbalance / complex(stiffness, damping)
-            found.append(_state(n, q, [beta] * (n - opposite) + [beta + math.pi] * opposite))
+            found.append(state(n, q, [beta] * (n - opposite) + [beta + math.pi] * opposite))
         return found
 
     return states

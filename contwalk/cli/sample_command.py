@@ -1,0 +1,99 @@
+"""`contwalk sample`: many motions from drawn states and parameters."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from contwalk.workflow.run_sample import SampleFile
+    from contwalk.workflow.sampling import SampleResult
+
+
+@click.command("sample")
+@click.argument("file")
+@click.option("--set", "overrides", metavar="KEY=VALUE", multiple=True, help="Set a value of the run file.")
+@click.option("--output", metavar="X.h5", help="Base of the files' names, instead of the run file's output.")
+@click.option("--threads", type=click.IntRange(1, 1024), help="Threads; the result does not depend on it.")
+@click.option("--force", is_flag=True, help="Replace files that exist.")
+@click.option("--quiet", is_flag=True, help="Print errors only.")
+@click.option("--no-figures", is_flag=True, help="Draw no figures.")
+def command(
+    file: str,
+    overrides: tuple[str, ...],
+    output: str | None,
+    threads: int | None,
+    force: bool,
+    quiet: bool,
+    no_figures: bool,
+) -> int:
+    """Draw states and parameters as the run file FILE says, and measure a motion from each.
+
+    With output X.h5 it writes X_samples.h5, X_samples.csv and X_histogram.png.
+
+    Exit codes: 0; 1 if a motion could not be integrated; 2 for bad input, with nothing written.
+    """
+    from contwalk.cli.entry import say
+    from contwalk.cli.terminal import console
+    from contwalk.cli.words import plural
+    from contwalk.workflow.run_sample import read_sampling
+    from contwalk.workflow.sampling import sample
+
+    run = read_sampling(file, overrides, output)
+    watched = sys.stdout.isatty() and sys.stderr.isatty() and not quiet
+    if watched:
+        from rich.progress import Progress
+
+        with Progress(console=console(stderr=True), transient=True) as bar:
+            task = bar.add_task("motions", total=run.sampling.count)
+            result = sample(
+                run,
+                threads=threads,
+                force=force,
+                figures=not no_figures,
+                progress=lambda done: bar.advance(task, done),
+            )
+    else:
+        result = sample(run, threads=threads, force=force, figures=not no_figures)
+    if not quiet:
+        _print(console(), run, result)
+    if result.summary.failed:
+        say(f"error: {plural(result.summary.failed, 'motion')} could not be integrated; see the table.")
+        return 1
+    return 0
+
+
+def _print(out: Console, run: SampleFile, result: SampleResult) -> None:
+    from contwalk.cli.terminal import line, table
+    from contwalk.cli.words import choices
+
+    chosen, wanted, summary = choices(run.system.model), run.sampling.measure, result.summary
+    line(out, run.system.name + (f" ({chosen})" if chosen else ""), style="bold")
+    drawn = ", ".join(result.samples.drawn)
+    line(
+        out,
+        f"{wanted.crossing} {wanted.direction} crossing of {wanted.observable} through {wanted.level.text}",
+    )
+    line(out, f"drawn: {drawn}; seed {run.sampling.seed}; in {result.samples.measured}")
+    rows = [
+        ["samples", str(summary.count)],
+        ["mean", f"{summary.mean:.8g}"],
+        ["standard error", f"{summary.error:.3g}"],
+        ["standard deviation", f"{summary.deviation:.8g}"],
+        ["never settled", str(summary.never_settled)],
+        ["never crossed", str(summary.never_crossed)],
+        ["failed", str(summary.failed)],
+    ]
+    if summary.without_equilibrium:
+        name = run.sampling.settled.equilibrium
+        rows.append([f"no equilibrium {name} there", str(summary.without_equilibrium)])
+    table(out, ["", ""], rows, indent=4, right=(1,))
+    out.print()
+    for path in result.files:
+        line(out, f"file:   {path}")
+    for path in result.figures:
+        line(out, f"figure: {path}")

@@ -1,0 +1,87 @@
+"""The first orbit of a branch: corrected, closed up to a symmetry where it has one, cut into segments."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from contwalk.branch import Outcome
+from contwalk.continuation import outcomes
+from contwalk.continuation.here import Here, begin
+from contwalk.continuation.opening import Opening
+from contwalk.continuation.settings import Settings
+from contwalk.errors import NotFinite, PluginError, StartError
+from contwalk.problems.orbit.beginning import orbit_at, symmetric
+from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
+from contwalk.problems.orbit.recurrence import recurrent
+from contwalk.system import System
+
+Path = tuple[Mapping[str, float], Mapping[str, float]]
+
+
+def opened_orbit(
+    system: System,
+    parameters: Mapping[str, float],
+    free: str,
+    state: np.ndarray,
+    settings: Settings,
+    path: Path | None = None,
+    at: float | None = None,
+    discretization: Discretization | None = None,
+    period: float | None = None,
+    until: float | str | None = None,
+) -> Opening | Outcome:
+    """The branch of orbits through the one near a state, or why there is none.
+
+    Parameters
+    ----------
+    system, parameters, free, path, at
+        As for `opening.opened`.
+    period : float, optional
+        Seconds, of an autonomous system's orbit or for a subharmonic one.
+    until : float or "settled", optional
+        Simulate from the state so long first, and take the orbit that the motion settles on.
+    """
+    try:
+        if until is not None:
+            found = recurrent(system, _at_start(parameters, path, at), state, until)
+            state, period = found.state, found.period
+        problem, z = orbit_at(system, parameters, free, state, period, path, at, discretization)
+        here = begin(problem, z, settings)
+        if not isinstance(here, Here):
+            return outcomes.no_start(here.reason, here.sentence, "a periodic orbit")
+        return _closed(problem, here, settings)
+    except PluginError as error:
+        return outcomes.no_start("plugin_error", error.sentence)
+    except NotFinite as error:
+        return outcomes.no_start("not_finite", error.sentence)
+    except StartError as error:
+        return outcomes.no_start("no_convergence", f"{error.sentence} {error.remedy}")
+
+
+def _at_start(parameters: Mapping[str, float], path: Path | None, at: float | None) -> Mapping[str, float]:
+    """All parameters where the branch begins."""
+    if path is None:
+        return parameters
+    begin, end = path
+    return {name: begin[name] + float(at or 0.0) * (end[name] - begin[name]) for name in begin}
+
+
+def _closed(problem: PeriodicOrbit, here: Here, settings: Settings) -> Opening:
+    """The orbit closed up to a symmetry that it has, on steps made for it."""
+    sample = here.sample
+    part = symmetric(problem, sample.z, sample.weights)
+    message = ""
+    if part is not None:
+        there = begin(*part, settings)
+        if isinstance(there, Here):
+            problem, here = part[0], there
+            closure = problem.closure
+            message = (
+                f"The orbit is its own image under '{closure.name}' 1/{closure.fold} of a period later: "
+                "only that part is integrated."
+            )
+    adapted, sample = problem.adapted(here.sample)
+    return Opening(adapted, Here(sample, here.s, here.step), message)

@@ -1,0 +1,116 @@
+"""From LLVM IR to functions in memory, by way of the cache of object code.
+
+LLVM is asked for what changes no result: no reassociation, and no fused multiply-add, which would round an
+expression differently from one place of its use to the next.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import ctypes.util
+import threading
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import Any
+
+import llvmlite
+from llvmlite import binding
+
+from contwalk.fields import object_cache
+
+_LOCK = threading.RLock()
+
+
+@cache
+def _processor() -> tuple[str, str, str]:
+    """Triple, name and features of the machine that this runs on."""
+    binding.initialize_native_target()
+    binding.initialize_native_asmprinter()
+    features = binding.get_host_cpu_features().flatten()
+    return binding.get_process_triple(), binding.get_host_cpu_name(), features
+
+
+def _target() -> binding.TargetMachine:
+    triple, cpu, features = _processor()
+    target = binding.Target.from_triple(triple)
+    return target.create_target_machine(
+        cpu=cpu, features=features, opt=2, reloc="default", codemodel="jitdefault", jit=True
+    )
+
+
+class Code:
+    """Functions in memory, as long as this object lives.
+
+    Parameters
+    ----------
+    content : bytes
+        Object code, of this machine.
+    symbols : sequence of str
+        Names of the functions that will be called.
+    """
+
+    def __init__(self, content: bytes, symbols: Sequence[str]) -> None:
+        _find_mathematics()
+        # An engine is created from a module; an empty one, since the code exists already.
+        self._engine = binding.create_mcjit_compiler(binding.parse_assembly(""), _target())
+        self._engine.add_object_file(binding.ObjectFileRef.from_data(content))
+        self._engine.finalize_object()
+        self.addresses = {name: self._engine.get_function_address(name) for name in symbols}
+
+    def function(self, name: str, result: Any, *arguments: Any) -> Callable[..., Any]:
+        """A function as `ctypes` calls it, without the interpreter's lock."""
+        call = ctypes.CFUNCTYPE(result, *arguments)(self.addresses[name])
+        call.code = self  # type: ignore[attr-defined]  # memory that must outlive the function
+        return call
+
+
+def code_of(text: str, symbols: Sequence[str]) -> Code:
+    """The functions `symbols` of a module of LLVM IR, compiled or taken from the cache."""
+    return cached_code((text,), symbols, lambda: compiled(text))
+
+
+def cached_code(made_from: Sequence[str], symbols: Sequence[str], compile_it: Callable[[], bytes]) -> Code:
+    """Object code from the cache, or from `compile_it`.
+
+    Parameters
+    ----------
+    made_from : sequence of str
+        Texts that determine the result of `compile_it`, but for the machine and llvmlite.
+    symbols : sequence of str
+        Names of the functions that will be called.
+    compile_it : callable
+        Gives object code; called if the cache has none.
+    """
+    with _LOCK:
+        name = object_cache.key(*made_from, *_processor(), llvmlite.__version__)
+        content = object_cache.load(name)
+        if content is None:
+            content = compile_it()
+            object_cache.store(name, content)
+        return Code(content, symbols)
+
+
+def compiled(text: str) -> bytes:
+    """Object code of a module of LLVM IR, optimized."""
+    with _LOCK:
+        target = _target()
+        module = binding.parse_assembly(text)
+        module.verify()
+        options = binding.create_pipeline_tuning_options(speed_level=2)
+        options.loop_vectorization = True
+        options.slp_vectorization = True
+        binding.create_pass_builder(target, options).getModulePassManager().run(
+            module, binding.create_pass_builder(target, options)
+        )
+        return bytes(target.emit_object(module))
+
+
+@cache
+def _find_mathematics() -> None:
+    """Make the functions of the C library known to the linker where the process does not export them."""
+    names = ("sin", "cos", "sincos", "erf", "cbrt", "fmod", "hypot")
+    if all(binding.address_of_symbol(name) for name in names):
+        return
+    library = ctypes.util.find_library("m") or ctypes.util.find_library("msvcrt")
+    if library:
+        binding.load_library_permanently(library)

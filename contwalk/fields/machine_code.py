@@ -1,0 +1,282 @@
+"""Writing programs as LLVM IR: straight lines of operations on doubles.
+
+What is undefined is NaN: an operation that has no finite result where its arguments are finite (a division by
+zero, the logarithm of zero, an overflowing exponential) gives NaN rather than infinity, a condition between
+numbers of which one is NaN has no outcome, and NaN passes through everything that is computed from it. No
+operation traps. So operations may be executed whether or not their results will be used, both sides of a
+`select` are computed without a branch, and whatever depends on parameters alone is computed once beforehand.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from contwalk.fields.derivative import arguments_of
+from contwalk.fields.expression import CONDITIONS, RELATIONS, Graph
+from contwalk.fields.trace import Fork, Outputs, Program, Raises, Tree
+
+Input = tuple[str, int]
+
+_NAN = "0x7FF8000000000000"
+_INFINITY = "0x7FF0000000000000"
+_ARITHMETIC = {"add": "fadd", "sub": "fsub", "mul": "fmul", "div": "fdiv"}
+_RELATION = {"lt": "olt", "le": "ole", "eq": "oeq"}
+_LIBRARY = {
+    **{name: name for name in ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "asinh")},
+    **{
+        name: name
+        for name in ("acosh", "atanh", "exp", "expm1", "log", "log1p", "log2", "log10", "cbrt", "erf")
+    },
+    **{name: name for name in ("atan2", "pow", "hypot", "fmod")},
+    "sqrt": "llvm.sqrt.f64",
+    "abs": "llvm.fabs.f64",
+    "floor": "llvm.floor.f64",
+    "trunc": "llvm.trunc.f64",
+}
+# Infinite or overflowing at some finite arguments; the others are finite or NaN.
+_UNBOUNDED = frozenset(
+    ("sinh", "cosh", "atanh", "exp", "expm1", "log", "log1p", "log2", "log10", "pow", "hypot", "tan")
+)
+# NaN with some arguments, yet finite: pow(NaN, 0), pow(1, NaN).
+_FORGIVING = frozenset(("pow",))
+
+
+@dataclass
+class _Body:
+    """Statements of one function, and what the nodes computed so far are called in it."""
+
+    graph: Graph
+    inputs: Mapping[int, tuple[str, int]]  # nodes that are loaded: array and position
+    lines: list[str] = field(default_factory=list)
+    called: set[str] = field(default_factory=set)
+    count: int = 0
+
+    def statement(self, operation: str) -> str:
+        """A new value, and its name."""
+        self.count += 1
+        name = f"%v{self.count}"
+        self.lines.append(f"  {name} = {operation}")
+        return name
+
+    def label(self, what: str) -> str:
+        """A new name of a block."""
+        self.count += 1
+        return f"{what}{self.count}"
+
+    def call(self, function: str, *operands: str) -> str:
+        """A function of doubles."""
+        self.called.add(f"declare double @{function}({', '.join('double' for _ in operands)}) #0")
+        return self.statement(f"call double @{function}({', '.join(f'double {o}' for o in operands)}) #0")
+
+    def choose(self, condition: str, first: str, second: str) -> str:
+        """One of two doubles."""
+        return self.statement(f"select i1 {condition}, double {first}, double {second}")
+
+    def load(self, array: str, position: int) -> str:
+        """An entry of an array."""
+        address = self.statement(f"getelementptr double, ptr %{array}, i64 {position}")
+        return self.statement(f"load double, ptr {address}")
+
+    def store(self, value: str, array: str, position: int) -> None:
+        """Write an entry of an array."""
+        address = self.statement(f"getelementptr double, ptr %{array}, i64 {position}")
+        self.lines.append(f"  store double {value}, ptr {address}")
+
+
+class _Names(dict[int, str]):
+    """What nodes are called; for conditions, `undefined` names what tells that they have no outcome."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.undefined: dict[int, str] = {}
+
+    def copy(self) -> _Names:
+        """For a branch, in which more will be defined."""
+        other = _Names()
+        other.update(self)
+        other.undefined.update(self.undefined)
+        return other
+
+
+def function(
+    name: str, program: Program, arrays: Sequence[str], inputs: Mapping[int, tuple[str, int]], *, time: bool
+) -> tuple[str, set[str]]:
+    """IR of `void name([double t,] ptr array, ..., ptr out)`, and the declarations that it needs.
+
+    Parameters
+    ----------
+    name : str
+    program : Program
+    arrays : sequence of str
+        Names of the arrays that are read.
+    inputs : mapping
+        Nodes that are not computed but loaded: node -> (array, position), or ("t", 0) for the time.
+    time : bool
+        Whether the first argument is the time.
+    """
+    body = _Body(program.graph, inputs)
+    width = max((len(leaf.nodes) for leaf in program.leaves() if isinstance(leaf, Outputs)), default=0)
+    _tree(body, program.tree, _Names(), width)
+    arguments = ["double %t"] if time else []
+    arguments += [f"ptr noalias nocapture readonly %{array}" for array in arrays]
+    arguments.append("ptr noalias nocapture writeonly %out")
+    body.lines.append("undefined:")
+    _write(body, [_NAN] * width)
+    head = f"define void @{name}({', '.join(arguments)}) nounwind {{"
+    return "\n".join([head, *body.lines, "}", ""]), body.called
+
+
+def module(functions: Iterable[tuple[str, set[str]]]) -> str:
+    """One module of several functions."""
+    texts, declared = [], set[str]()
+    for text, needed in functions:
+        texts.append(text)
+        declared |= needed
+    attributes = "attributes #0 = { nounwind willreturn readnone }"
+    return "\n".join([*texts, *sorted(declared), attributes, ""])
+
+
+def _write(body: _Body, values: Sequence[str]) -> None:
+    for i, value in enumerate(values):
+        body.store(value, "out", i)
+    body.lines.append("  ret void")
+
+
+def _tree(body: _Body, tree: Tree, names: _Names, width: int) -> None:
+    if isinstance(tree, Raises):
+        body.lines.append("  br label %undefined")
+    elif isinstance(tree, Outputs):
+        _define(body, tree.nodes, names)
+        _write(body, [_operand(body, node, names) for node in tree.nodes])
+    else:
+        _define(body, [tree.condition, *_shared(body, tree)], names)
+        _fork(body, tree, names, width)
+
+
+def _fork(body: _Body, tree: Fork, names: _Names, width: int) -> None:
+    known, then, otherwise = body.label("known"), body.label("then"), body.label("otherwise")
+    body.lines.append(f"  br i1 {names.undefined[tree.condition]}, label %undefined, label %{known}")
+    body.lines.append(f"{known}:")
+    body.lines.append(f"  br i1 {names[tree.condition]}, label %{then}, label %{otherwise}")
+    for label, side in ((then, tree.then), (otherwise, tree.otherwise)):
+        body.lines.append(f"{label}:")
+        _tree(body, side, names.copy(), width)
+
+
+def _shared(body: _Body, tree: Fork) -> list[int]:
+    """Nodes that both sides of a fork need."""
+    then, otherwise = (
+        set(_needed(body.graph, roots(side), body.inputs)) for side in (tree.then, tree.otherwise)
+    )
+    return sorted(then & otherwise)
+
+
+def roots(tree: Tree) -> list[int]:
+    """Outputs and conditions of a tree."""
+    if isinstance(tree, Fork):
+        return [tree.condition, *roots(tree.then), *roots(tree.otherwise)]
+    return list(tree.nodes) if isinstance(tree, Outputs) else []
+
+
+def _needed(graph: Graph, nodes: Iterable[int], known: Mapping[int, object]) -> list[int]:
+    """Nodes to be computed for `nodes`, in an order of evaluation; loaded ones included, constants not."""
+    needed: set[int] = set()
+    stack = list(nodes)
+    while stack:
+        node = stack.pop()
+        if node in needed or graph.value(node) is not None:
+            continue
+        needed.add(node)
+        if node not in known:
+            stack.extend(arguments_of(graph, node))
+    return sorted(needed)
+
+
+def _define(body: _Body, nodes: Iterable[int], names: _Names) -> None:
+    loaded = {**body.inputs, **names}
+    for node in _needed(body.graph, nodes, loaded):
+        if node in names:
+            continue
+        if node in body.inputs:
+            array, position = body.inputs[node]
+            names[node] = "%t" if array == "t" else body.load(array, position)
+        elif body.graph.nodes[node][0] in CONDITIONS:
+            _condition(body, node, names)
+        else:
+            names[node] = _operation(body, node, names)
+
+
+def _operand(body: _Body, node: int, names: _Names) -> str:
+    value = body.graph.value(node)
+    if value is None:
+        return names[node]
+    return f"0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X}"
+
+
+def _condition(body: _Body, node: int, names: _Names) -> None:
+    """A comparison or a combination: whether it holds, and whether that is undefined."""
+    name, *arguments = body.graph.nodes[node]
+    if name in RELATIONS:
+        a, b = (_operand(body, argument, names) for argument in arguments)
+        names[node] = body.statement(f"fcmp {_RELATION[name]} double {a}, {b}")
+        names.undefined[node] = body.statement(f"fcmp uno double {a}, {b}")
+        return
+    holds, undefined = names[arguments[0]], names.undefined[arguments[0]]
+    if name == "not":
+        names[node] = body.statement(f"xor i1 {holds}, true")
+        names.undefined[node] = undefined
+        return
+    # the second condition counts where the first one does not decide
+    second, second_undefined = names[arguments[1]], names.undefined[arguments[1]]
+    names[node] = body.statement(f"{name} i1 {holds}, {second}")
+    open_ = holds if name == "and" else body.statement(f"xor i1 {holds}, true")
+    reached = body.statement(f"and i1 {open_}, {second_undefined}")
+    names.undefined[node] = body.statement(f"or i1 {undefined}, {reached}")
+
+
+def _operation(body: _Body, node: int, names: _Names) -> str:
+    name, *arguments = body.graph.nodes[node]
+    if name == "select":
+        condition, *sides = arguments
+        chosen = body.choose(names[condition], *(_operand(body, side, names) for side in sides))
+        return body.choose(names.undefined[condition], _NAN, chosen)
+    operands = [_operand(body, argument, names) for argument in arguments]
+    if name == "neg":
+        return body.statement(f"fneg double {operands[0]}")
+    if name in _ARITHMETIC:
+        result = body.statement(f"{_ARITHMETIC[name]} double {operands[0]}, {operands[1]}")
+        return _finite(body, result) if name == "div" and not body.graph.value(arguments[1]) else result
+    if name in ("min", "max"):
+        first, second = operands if name == "max" else operands[::-1]
+        below = body.statement(
+            f"fcmp olt double {first}, {second}"
+        )  # the first argument where they are equal
+        return _unless_nan(body, operands, body.choose(below, operands[1], operands[0]))
+    if name == "sign":
+        unit = body.call("llvm.copysign.f64", "0x3FF0000000000000", operands[0])
+        nonzero = body.statement(f"fcmp one double {operands[0]}, 0.0")
+        return _unless_nan(body, operands, body.choose(nonzero, unit, "0.0"))
+    return _library(body, name, operands)
+
+
+def _library(body: _Body, name: str, operands: list[str]) -> str:
+    result = body.call(_LIBRARY[name], *operands)
+    if name in ("floor", "trunc"):
+        return body.statement(f"fadd double {result}, 0.0")  # whole numbers have no negative zero
+    if name in _FORGIVING:
+        result = _unless_nan(body, operands, result)
+    return _finite(body, result) if name in _UNBOUNDED else result
+
+
+def _finite(body: _Body, value: str) -> str:
+    size = body.call("llvm.fabs.f64", value)
+    finite = body.statement(f"fcmp olt double {size}, {_INFINITY}")
+    return body.choose(finite, value, _NAN)
+
+
+def _unless_nan(body: _Body, operands: Sequence[str], value: str) -> str:
+    first, last = operands[0], operands[-1]
+    undefined = body.statement(f"fcmp uno double {first}, {last}")
+    return body.choose(undefined, _NAN, value)

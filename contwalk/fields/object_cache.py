@@ -1,0 +1,87 @@
+"""Compiled code kept on disk, under a hash of everything that it was made from.
+
+A key covers the text that was compiled, the machine and the compiler; what is found under it can therefore
+not be out of date. Every file begins with a digest of the rest, since a damaged object file would end the
+process in the linker. A directory that cannot be read or written means that nothing is kept, and is no error.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+import tempfile
+from contextlib import suppress
+from pathlib import Path
+
+MOST_BYTES = 256 * 1024 * 1024
+_DIGEST = hashlib.sha256().digest_size
+
+
+def directory() -> Path:
+    """Where compiled code is kept: `$CONTWALK_CACHE_DIR`, or the user's cache directory."""
+    given = os.environ.get("CONTWALK_CACHE_DIR")
+    if given:
+        return Path(given)
+    base = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA")
+    if base:
+        return Path(base) / "contwalk"
+    home = Path(os.path.expanduser("~"))
+    return home / ("Library/Caches" if sys.platform == "darwin" else ".cache") / "contwalk"
+
+
+def key(*parts: str) -> str:
+    """One name for several texts, in their order."""
+    digest = hashlib.sha256()
+    for part in parts:
+        data = part.encode()
+        digest.update(len(data).to_bytes(8, "little") + data)
+    return digest.hexdigest()
+
+
+def load(name: str) -> bytes | None:
+    """What was stored under a key; None if there is nothing, or if it is damaged."""
+    try:
+        data = _file(name).read_bytes()
+    except OSError:
+        return None
+    content = data[_DIGEST:]
+    return content if data[:_DIGEST] == hashlib.sha256(content).digest() else None
+
+
+def store(name: str, content: bytes) -> None:
+    """Keep `content` under a key, if the directory can be written.
+
+    The file appears complete or not at all, however many processes write it at once.
+    """
+    with suppress(OSError):
+        target = _file(name)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=".writing-")
+        try:
+            with os.fdopen(handle, "wb") as stream:
+                stream.write(hashlib.sha256(content).digest() + content)
+            os.replace(temporary, target)
+        except OSError:
+            os.unlink(temporary)
+            raise
+        _keep_within(target.parent, MOST_BYTES)
+
+
+def _file(name: str) -> Path:
+    return directory() / "objects" / f"{name}.o"
+
+
+def _keep_within(folder: Path, limit: int) -> None:
+    """Delete the oldest files until the rest fit into `limit` bytes."""
+    files = []
+    for path in folder.iterdir():
+        with suppress(FileNotFoundError):  # another process may have moved it meanwhile
+            status = path.stat()
+            files.append((status.st_mtime, status.st_size, path))
+    excess = sum(size for _, size, _ in files) - limit
+    for _, size, path in sorted(files):
+        if excess <= 0:
+            return
+        path.unlink(missing_ok=True)
+        excess -= size

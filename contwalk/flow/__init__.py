@@ -1,0 +1,16 @@
+"""Flows of vector fields: paths, the same steps again, and their exact derivatives, as machine code.
+
+Rules
+-----
+1. A field is machine code known by its address (`field`); methods are machine code that serves every field.
+2. The steps of a path can be taken again from another start. They are then a smooth function of it, whose
+   derivatives `tangents` gives: those of the steps, not those of the flow that the steps approximate.
+3. What is compiled is kept on disk. A process that finds it there does not import numba.
+4. Nothing here allocates in a loop, shares memory between calls, or holds the interpreter's lock.
+"""
+
+from contwalk.flow.field import Field
+from contwalk.flow.path import Path
+from contwalk.flow.verbs import METHODS, adaptive, along, dense, errors_on, tangents, warmup
+
+__all__ = ["METHODS", "Field", "Path", "adaptive", "along", "dense", "errors_on", "tangents", "warmup"]

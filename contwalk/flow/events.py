@@ -1,0 +1,234 @@
+"""Where watched numbers pass zero along a computed path, to rounding.
+
+A path gives its steps; between their ends the dense output only says where to look. There the step is
+taken anew with the length that ends at a trial instant, so that an event has the accuracy of the steps
+themselves and not that of an interpolation. Within a step the guard is sampled. A crossing shows as a change of
+sign; a pair of crossings as a guard that nears zero on one side and leaves it on the other (rates are exact).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from contwalk.flow.field import Field
+from contwalk.flow.guard import EPSILON, Guard
+from contwalk.flow.verbs import along, dense
+
+PARTS = 8  # of a step: a guard has at most one extremum in each
+MOST_TRIALS = 80
+EXTREMUM = 1e-8  # of a part: the guard is then off its extremum by the square of it, that is by rounding
+
+
+@dataclass(frozen=True, eq=False)
+class Crossing:
+    """A guard passes zero.
+
+    Parameters
+    ----------
+    guard : int
+        Its position among those watched.
+    step : int
+        The step of the path that it lies in: from `times[step]` to `times[step + 1]`.
+    time : float
+    state : ndarray, shape (n,)
+    rising : bool
+        Which way the guard passes zero as time grows.
+    rate : float
+        Its rate there; zero to rounding where it only grazes.
+    """
+
+    guard: int
+    step: int
+    time: float
+    state: np.ndarray
+    rising: bool
+    rate: float
+
+
+@dataclass(frozen=True, eq=False)
+class Event:
+    """What happened at an instant of a motion.
+
+    Parameters
+    ----------
+    name : str
+    time : float
+    rising : bool
+    before, after : ndarray, shape (n,)
+        The state on both sides; the same where nothing is reset.
+    mode : str
+        The mode after it.
+    """
+
+    name: str
+    time: float
+    rising: bool
+    before: np.ndarray
+    after: np.ndarray
+    mode: str
+
+
+@dataclass(frozen=True, eq=False)
+class _Trial:
+    """A guard at an instant within a step; `side` is the sign that it has just after it."""
+
+    time: float
+    state: np.ndarray
+    value: float
+    rate: float
+    noise: float
+
+    @property
+    def side(self) -> int:
+        return int(np.sign(self.value if self.value != 0.0 else self.rate))
+
+    def towards(self, forward: int) -> bool:
+        """Whether the guard nears zero as time goes forward (1) or back (-1)."""
+        return self.value * self.rate * forward < 0.0
+
+
+def crossings(
+    field: Field,
+    c: np.ndarray,
+    p: np.ndarray,
+    times: np.ndarray,
+    states: np.ndarray,
+    guards: Sequence[Guard],
+    method: str,
+    leaving: int | None = None,
+) -> list[Crossing]:
+    """All crossings of the guards, in their directions, along the steps of a path, in the order of time.
+
+    Parameters
+    ----------
+    field, c, p
+        The field, its constants, and the parameters that they were made from.
+    times : ndarray, shape (s + 1,)
+        Growing.
+    states : ndarray, shape (s + 1, n)
+    guards : sequence of Guard
+    method : str
+        The one that made the path.
+    leaving : int, optional
+        Position of a guard whose own event the path begins with. It is zero there but for rounding, and
+        takes its sign from its rate.
+    """
+    if len(times) < 2 or not guards:
+        return []
+    shares = np.arange(1, PARTS) / PARTS
+    inner = times[:-1, None] + np.diff(times)[:, None] * shares
+    between = dense(field, c, times, states, inner.ravel(), method).reshape(len(inner), PARTS - 1, -1)
+    at = np.concatenate([times[:-1, None], inner, times[1:, None]], axis=1)
+    x = np.concatenate([states[:-1, None], between, states[1:, None]], axis=1)
+    found: list[Crossing] = []
+    for number, guard in enumerate(guards):
+        sampled = guard.along(at.ravel(), x.reshape(at.size, -1), p).reshape(*at.shape, 3)
+        if number == leaving:
+            sampled[0, 0, 0] = 0.0
+        for step in _suspects(sampled):
+            locator = _Locator(field, c, p, times, states, guard, method, int(step), number == leaving)
+            found += [
+                Crossing(number, int(step), trial.time, trial.state, rising, trial.rate)
+                for trial, rising in locator.found(at[step])
+                if guard.direction in (0, 1 if rising else -1)
+            ]
+    return sorted(found, key=lambda crossing: (crossing.time, crossing.guard))
+
+
+def _suspects(sampled: np.ndarray) -> np.ndarray:
+    """Steps in which a guard changes its sign, or turns away from zero between two samples."""
+    value, rate = sampled[..., 0], sampled[..., 1]
+    side = np.sign(np.where(value != 0.0, value, rate))
+    changes = side[:, :-1] * side[:, 1:] <= 0.0
+    turns = (value[:, :-1] * rate[:, :-1] < 0.0) & (value[:, 1:] * rate[:, 1:] > 0.0)
+    return np.flatnonzero((changes | turns).any(axis=1))
+
+
+class _Locator:
+    """Looks for the zeros of one guard within one step, by taking that step anew."""
+
+    def __init__(
+        self,
+        field: Field,
+        c: np.ndarray,
+        p: np.ndarray,
+        times: np.ndarray,
+        states: np.ndarray,
+        guard: Guard,
+        method: str,
+        step: int,
+        leaving: bool,
+    ) -> None:
+        self._field, self._c, self._p = field, c, p
+        self._guard, self._method = guard, method
+        self._start, self._end = float(times[step]), float(times[step + 1])
+        self._first, self._last = states[step], states[step + 1]
+        self._leaving = leaving and step == 0
+
+    def _trial(self, t: float) -> _Trial:
+        if t == self._start:
+            state = self._first
+        elif t == self._end:
+            state = self._last
+        else:
+            state = along(self._field, self._c, np.array([self._start, t]), self._first, self._method)[-1]
+        value, rate, noise = (float(v) for v in self._guard(t, state, self._p))
+        if t == self._start and self._leaving:
+            value = 0.0
+        return _Trial(t, state, value, rate, noise)
+
+    def found(self, at: np.ndarray) -> list[tuple[_Trial, bool]]:
+        """The crossings, each with whether the guard rises."""
+        trials = [self._trial(float(t)) for t in at]
+        result = []
+        for a, b in pairwise(trials):
+            if a.side * b.side < 0:
+                result.append((self._zero(a, b), b.side > 0))
+            elif a.towards(1) and b.towards(-1):
+                middle = self._beyond(a, b)
+                if middle is not None:
+                    result.append((self._zero(a, middle), middle.side > 0))
+                    result.append((self._zero(middle, b), b.side > 0))
+        return result
+
+    def _zero(self, a: _Trial, b: _Trial) -> _Trial:
+        """The zero between instants on different sides: Newton's method, bisection where it leaves them."""
+        best = a if abs(a.value) < abs(b.value) else b
+        for _ in range(MOST_TRIALS):
+            if abs(best.value) <= best.noise and best.value != 0.0:
+                break
+            room = 2.0 * EPSILON * max(abs(a.time), abs(b.time))
+            if b.time - a.time <= room:
+                break
+            t = best.time - best.value / best.rate if best.rate != 0.0 else np.nan
+            if not a.time + room / 4 < t < b.time - room / 4:
+                t = a.time + 0.5 * (b.time - a.time)
+            new = self._trial(t)
+            if abs(new.value) <= new.noise:
+                return new
+            a, b = (new, b) if new.side == a.side else (a, new)
+            best = min((a, b, new), key=lambda trial: abs(trial.value))
+        return best
+
+    def _beyond(self, a: _Trial, b: _Trial) -> _Trial | None:
+        """An instant on the other side of zero between two that near it; None if the guard turns before."""
+        narrow = EXTREMUM * (b.time - a.time)
+        side = a.side
+        share = 0.5
+        for _ in range(MOST_TRIALS):
+            if b.time - a.time <= narrow:
+                return None
+            new = self._trial(a.time + share * (b.time - a.time))
+            if new.side != side:
+                return new
+            if new.towards(1):
+                a = new
+            else:
+                b = new
+            # where the rate passes zero if it changes evenly, kept off the ends
+            share = min(0.9, max(0.1, a.rate / (a.rate - b.rate))) if a.rate != b.rate else 0.5
+        return None

@@ -1,0 +1,242 @@
+"""Paths of explicit methods, compiled by numba: the loops around the steps of `stages`.
+
+A driver takes the address of its `plan`, an array of integers and addresses. It is imported
+only in order to be compiled.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from contwalk.flow import plan
+from contwalk.flow.calling import caller, doubles, inlined, integers
+from contwalk.flow.stages import FIRST, NEXT, STAGE, Y
+
+EPSILON = 2.0**-52
+TARGET = 0.4  # of the tolerance: at 1, every second step would be rejected
+MOST_GROWTH, MOST_SHRINKAGE = 6.0, 0.2
+SHRINKAGE_WHERE_UNDEFINED = 0.1
+
+_call_step = caller("v", "ddqqqq")
+_call_error = caller("d", "ddqqqqq")
+_evaluate = caller("v", "qdqq")
+
+
+@inlined
+def _place(p: Any, number: int) -> int:
+    """Address of a vector of the memory of the method."""
+    return p[plan.WORK] + 8 * number * p[plan.LENGTH]
+
+
+@inlined
+def _copy(source: int, target: int, length: int) -> None:
+    given, written = doubles(source, length), doubles(target, length)
+    for i in range(length):
+        written[i] = given[i]
+
+
+@inlined
+def _first_stage(p: Any, t: float, vector: int) -> None:
+    _evaluate(p[plan.EVALUATE], p[plan.PROBLEM], t, _place(p, vector), _place(p, FIRST))
+
+
+@inlined
+def _step(p: Any, t: float, h: float) -> None:
+    _call_step(p[plan.STEP], t, h, p[plan.LENGTH], p[plan.WORK], p[plan.EVALUATE], p[plan.PROBLEM])
+
+
+@inlined
+def _error(p: Any, t: float, h: float) -> float:
+    """RMS of the estimated error, in units of the weights."""
+    places = p[plan.LENGTH], p[plan.WORK], p[plan.EVALUATE], p[plan.PROBLEM], p[plan.INVERSE_WEIGHTS]
+    return _call_error(p[plan.ERROR], t, h, *places) / math.sqrt(p[plan.N])
+
+
+@inlined
+def _finite(vector: Any) -> bool:
+    total = 0.0
+    for i in range(len(vector)):
+        total += 0.0 * vector[i]
+    return total == 0.0
+
+
+@inlined
+def _distance(a: Any, b: Any, scale: Any) -> float:
+    total = 0.0
+    for i in range(len(a)):
+        total += ((a[i] - b[i]) * scale[i]) ** 2
+    return math.sqrt(total)
+
+
+@inlined
+def _size(a: Any, scale: Any) -> float:
+    total = 0.0
+    for i in range(len(a)):
+        total += (a[i] * scale[i]) ** 2
+    return math.sqrt(total)
+
+
+@inlined
+def _first_length(p: Any, t: float, t1: float, order: float, tolerance: float) -> float:
+    """A first step, from the sizes of the first and second derivatives (Hairer, Norsett, Wanner, II.4)."""
+    m, scale = p[plan.LENGTH], doubles(p[plan.INVERSE_WEIGHTS], p[plan.LENGTH])
+    y, stage = doubles(_place(p, Y), m), doubles(_place(p, STAGE), m)
+    k0, k1 = doubles(_place(p, FIRST), m), doubles(_place(p, FIRST + 1), m)
+    size, slope = _size(y, scale) / tolerance, _size(k0, scale) / tolerance
+    span = abs(t1 - t)
+    h = 0.01 * size / slope if size > 1e-5 and slope > 1e-5 else 1e-6 * span
+    h = min(h, span)
+    for i in range(m):
+        stage[i] = y[i] + math.copysign(h, t1 - t) * k0[i]
+    _evaluate(
+        p[plan.EVALUATE], p[plan.PROBLEM], t + math.copysign(h, t1 - t), stage.ctypes.data, k1.ctypes.data
+    )
+    bend = _distance(k1, k0, scale) / tolerance / h
+    largest = max(bend, slope)
+    if not largest < math.inf:
+        return h
+    longer = (0.01 / largest) ** (1.0 / order) if largest > 1e-15 else max(1e-6 * span, 1e-3 * h)
+    return min(100.0 * h, longer, span)
+
+
+@inlined
+def _end(t: float, t1: float, h: float) -> float:
+    """End of a step of about length h: the last two of a path are of equal length, and the end is met."""
+    left = t1 - t
+    if 1.01 * h >= abs(left):
+        return t1
+    return t + 0.5 * left if 2.0 * h > abs(left) else t + math.copysign(h, left)
+
+
+@inlined
+def _is_stiff(p: Any, h: float, stable: float) -> bool:
+    """Whether the step is as long as stability allows (Hairer, Wanner, IV.2).
+
+    The field's largest rate is seen in the difference of two states at the end of the step. The field there
+    is the first stage already.
+    """
+    scale = doubles(p[plan.INVERSE_WEIGHTS], p[plan.LENGTH])
+    m = p[plan.LENGTH]
+    end, stage = doubles(_place(p, NEXT), m), doubles(_place(p, STAGE), m)
+    apart = _distance(end, stage, scale)
+    if apart <= 100.0 * EPSILON * _size(end, scale):  # rounding
+        return False
+    slope, former = doubles(_place(p, FIRST), m), doubles(_place(p, p[plan.LAST_STAGE]), m)
+    return abs(h) * _distance(slope, former, scale) > stable * apart
+
+
+@inlined
+def _keep(p: Any, step: int) -> None:
+    """The end of a step becomes the state, and is written down."""
+    _copy(_place(p, NEXT), _place(p, Y), p[plan.LENGTH])
+    _copy(_place(p, NEXT), p[plan.NODES] + 8 * step * p[plan.LENGTH], p[plan.LENGTH])
+
+
+@inlined
+def _factor(error: float, former: float, order: float) -> float:
+    """By how much the next step may be longer: proportional and integral control (Gustafsson)."""
+    factor = (error / TARGET) ** (-0.7 / order) * (former / TARGET) ** (0.4 / order)
+    return min(MOST_GROWTH, max(MOST_SHRINKAGE, factor))
+
+
+def adaptive(address: int, t1: float, tolerance: float, order: float, stable: float) -> int:
+    """Steps with error control up to t1, or until there is no more room; called again, it goes on.
+
+    The memory holds: time, length of the next step, error of the last one, whether an attempt was undefined.
+    """
+    p = integers(address, plan.PLAN_LENGTH)
+    memory, counts = doubles(p[plan.MEMORY], plan.MEMORY_LENGTH), integers(p[plan.COUNTS], plan.COUNTS_LENGTH)
+    times = doubles(p[plan.TIMES], p[plan.ROOM] + 1)
+    t, h, former = memory[0], memory[1], memory[2]
+    undefined, after_rejection = memory[3] != 0.0, False
+    _first_stage(p, t, Y)
+    counts[plan.EVALUATIONS] += 1
+    if not _finite(doubles(_place(p, FIRST), p[plan.LENGTH])):
+        return plan.NOT_FINITE
+    if h == 0.0 and t != t1:
+        h = _first_length(p, t, t1, order, tolerance)
+        counts[plan.EVALUATIONS] += 1
+    while t != t1:
+        if counts[plan.STEPS] >= p[plan.MOST_STEPS]:
+            return plan.TOO_MANY_STEPS
+        if counts[plan.STEPS] >= p[plan.ROOM]:
+            memory[0], memory[1], memory[2], memory[3] = t, h, former, 1.0 if undefined else 0.0
+            return plan.FULL
+        end = _end(t, t1, h)
+        length = end - t
+        if length == 0.0 or (abs(length) < 4.0 * EPSILON * abs(t) and end != t1):
+            return plan.NOT_FINITE if undefined else plan.STEP_TOO_SMALL
+        _step(p, t, length)
+        error = _error(p, t, length) / tolerance
+        counts[plan.EVALUATIONS] += p[plan.LAST_STAGE] - FIRST
+        accepted = error <= 1.0
+        if accepted:
+            _first_stage(p, end, NEXT)
+            counts[plan.EVALUATIONS] += 1
+            if not (
+                _finite(doubles(_place(p, NEXT), p[plan.LENGTH]))
+                and _finite(doubles(_place(p, FIRST), p[plan.LENGTH]))
+            ):
+                error, accepted = math.nan, False
+                _first_stage(p, t, Y)
+                counts[plan.EVALUATIONS] += 1
+        if not accepted:
+            counts[plan.REJECTED] += 1
+            after_rejection = True
+            undefined = not error < math.inf
+            h = abs(length) * (SHRINKAGE_WHERE_UNDEFINED if undefined else _factor(error, TARGET, order))
+            continue
+        if _is_stiff(p, length, stable):
+            counts[plan.STIFF] += 1
+        counts[plan.STEPS] += 1
+        _keep(p, counts[plan.STEPS])
+        times[counts[plan.STEPS]] = end
+        factor = _factor(error, former if former > 0.0 else max(error, 1e-4), order)
+        h = abs(length) * (min(factor, 1.0) if after_rejection else factor)
+        t, former, after_rejection, undefined = end, max(error, 1e-4), False, False
+    return plan.DONE
+
+
+def march(address: int) -> int:
+    """One step from each of the given times to the next; with the steps' errors, if these have a place."""
+    p = integers(address, plan.PLAN_LENGTH)
+    steps = p[plan.ROOM]
+    times, errors = doubles(p[plan.TIMES], steps + 1), doubles(p[plan.ERRORS], steps)
+    for i in range(steps):
+        t, h = times[i], times[i + 1] - times[i]
+        _first_stage(p, t, Y)
+        _step(p, t, h)
+        if p[plan.ERRORS] != 0:
+            errors[i] = _error(p, t, h)
+        _keep(p, i + 1 if p[plan.EVERY] != 0 else 0)
+    return plan.DONE
+
+
+def leap(address: int, targets: int) -> int:
+    """For each target a step from a node to it: `plan.WHICH` says from which one."""
+    p = integers(address, plan.PLAN_LENGTH)
+    which, until = integers(p[plan.WHICH], p[plan.ROOM]), doubles(targets, p[plan.ROOM])
+    for j in range(p[plan.ROOM]):
+        _copy(p[plan.NODES] + 8 * which[j] * p[plan.N], _place(p, Y), p[plan.N])
+        t = doubles(p[plan.TIMES], which[j] + 1)[which[j]]
+        _first_stage(p, t, Y)
+        _step(p, t, until[j] - t)
+        _copy(_place(p, NEXT), p[plan.OUT] + 8 * j * p[plan.LENGTH], p[plan.LENGTH])
+    return plan.DONE
+
+
+def stages_of(address: int) -> int:
+    """All stages of the steps from the nodes `plan.WHICH`, those for interpolation included."""
+    p = integers(address, plan.PLAN_LENGTH)
+    which = integers(p[plan.WHICH], p[plan.ROOM])
+    size = (p[plan.VECTORS] - FIRST) * p[plan.LENGTH]
+    for j in range(p[plan.ROOM]):
+        _copy(p[plan.NODES] + 8 * which[j] * p[plan.N], _place(p, Y), p[plan.N])
+        times = doubles(p[plan.TIMES], which[j] + 2)
+        t, h = times[which[j]], times[which[j] + 1] - times[which[j]]
+        _first_stage(p, t, Y)
+        _step(p, t, h)
+        _call_step(p[plan.EXTEND], t, h, p[plan.LENGTH], p[plan.WORK], p[plan.EVALUATE], p[plan.PROBLEM])
+        _copy(_place(p, FIRST), p[plan.OUT] + 8 * j * size, size)
+    return plan.DONE

@@ -1,0 +1,255 @@
+"""Radau IIA collocation for stiff flows: L-stable, orders 5 and 9, with exact Jacobians.
+
+Every step's equations are solved to rounding (`radau_step`), so that a path over a given grid is a smooth function of
+its start, and bitwise the same whether the grid was chosen by error control or is given.
+
+Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd edition, IV.5 and IV.8.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+
+import numpy as np
+
+from contwalk.flow.compiled import Entry
+from contwalk.flow.field import Field
+from contwalk.flow.path import Path
+from contwalk.flow.tableaus.radau import RADAU5, RADAU9, Collocation
+
+TABLEAUS = {"radau5": RADAU5, "radau9": RADAU9}
+
+# Steps for which memory is set aside before it is known how many there are.
+_ROOM = 512
+
+_STATUS = ("ok", "not_finite", "too_many_steps", "step_too_small")
+_FULL = 4
+
+_PARTS = tuple(f"contwalk.flow.{name}" for name in ("dense_lu", "radau_step"))
+_FIRST, _LAST = "q" * 11, "q" * 4  # what `_Call` gives
+
+_MARCH = Entry(
+    "contwalk.flow.radau_kernel", "radau_march", "q", f"{_FIRST}qqqqqqq{_LAST}", _PARTS
+)
+_ADAPTIVE = Entry(
+    "contwalk.flow.radau_kernel", "radau_adaptive", "q", f"{_FIRST}ddqqqqqqq{_LAST}", _PARTS
+)
+_TANGENTS = Entry(
+    "contwalk.flow.radau_tangents",
+    "radau_tangents",
+    "q",
+    f"{_FIRST}qqqqqqqq{_LAST}",
+    (*_PARTS, "contwalk.flow.radau_kernel"),
+)
+
+
+def warmup() -> None:
+    """Compile everything, or find it compiled."""
+    for entry in (_MARCH, _ADAPTIVE, _TANGENTS):
+        _ = entry.address
+
+
+class _Call:
+    """What every kernel takes first, and last: a field and a tableau by their addresses, and scratch."""
+
+    def __init__(self, field: Field, c: np.ndarray, tableau: Collocation, more: int = 0, pivots: int = 0) -> None:
+        n, s, entries = field.n, tableau.stages, len(field.col)
+        modes = (s - 1) // 2
+        self._kept = (field, c, field.row_ptr, field.col, _packed(tableau))
+        self._scratch = np.empty(n + entries + 5 * s * n + (1 + 2 * modes) * n * n + 5 * n + more)
+        self._pivots = np.empty((1 + modes) * n + pivots, dtype=np.int64)
+        numbers = self._kept[-1]
+        self.first = (
+            *(field.rhs_address, field.rhs_jac_address, n, field.row_ptr.ctypes.data, field.col.ctypes.data),
+            *(entries, c.ctypes.data, len(c), numbers.ctypes.data, len(numbers), s),
+        )
+        self.last = (
+            *(self._scratch.ctypes.data, len(self._scratch)),
+            *(self._pivots.ctypes.data, len(self._pivots)),
+        )
+
+
+@cache
+def _packed(tableau: Collocation) -> np.ndarray:
+    return tableau.packed()
+
+
+def adaptive(
+    field: Field,
+    c: np.ndarray,
+    t0: float,
+    x0: Sequence[float] | np.ndarray,
+    t1: float,
+    tolerance: float,
+    weights: Sequence[float] | np.ndarray,
+    method: str = "radau9",
+    max_steps: int = 100_000,
+) -> Path:
+    """The path from (t0, x0) to t1, with steps whose estimated error is below the tolerance.
+
+    Parameters
+    ----------
+    tolerance : float
+        Bound of each step's estimated error: root mean square over the states, in units of `weights`.
+    weights : array of float, shape (n,)
+        Typical magnitudes of the states.
+    method : {"radau5", "radau9"}
+
+    Returns
+    -------
+    Path
+        `evaluations` counts right-hand sides and Jacobians alike. Where the status is not "ok", the nodes end
+        where the path did.
+    """
+    call = _Call(field, c, TABLEAUS[method])
+    scales = np.ascontiguousarray(weights, dtype=float)
+    times, states = np.empty(_ROOM + 1), np.empty((_ROOM + 1, field.n))
+    times[0], states[0] = t0, x0
+    memory, counts = np.zeros(5), np.zeros(4, dtype=np.int64)
+    code = _FULL
+    while True:
+        arguments = (t1, tolerance, scales.ctypes.data, max_steps, times.ctypes.data, states.ctypes.data)
+        arguments += (len(times) - 1, memory.ctypes.data, counts.ctypes.data)
+        code = _ADAPTIVE(*call.first, *arguments, *call.last)
+        if code != _FULL:
+            break
+        times = np.concatenate([times, np.empty(len(times))])
+        states = np.concatenate([states, np.empty_like(states)])
+    steps, rejected, evaluations, jacobians = (int(count) for count in counts)
+    return Path(
+        times=times[: steps + 1].copy(),
+        states=states[: steps + 1].copy(),
+        evaluations=evaluations + jacobians,
+        rejected=rejected,
+        stiff_fraction=0.0,
+        status=_STATUS[code],
+    )
+
+
+def _march(
+    field: Field,
+    c: np.ndarray,
+    times: np.ndarray,
+    x0: Sequence[float] | np.ndarray,
+    method: str,
+    weights: np.ndarray | None = None,
+    errors: np.ndarray | None = None,
+    increments: np.ndarray | None = None,
+) -> np.ndarray:
+    """States of a grid; what was asked for besides is written where it was given."""
+    call = _Call(field, c, TABLEAUS[method])
+    grid, x = np.ascontiguousarray(times, dtype=float), np.array(x0, dtype=float)
+    states = np.full((len(grid), field.n), np.nan)
+    places = [0 if array is None else array.ctypes.data for array in (weights, errors, increments)]
+    _MARCH(
+        *call.first, grid.ctypes.data, len(grid) - 1, x.ctypes.data, states.ctypes.data, *places, *call.last
+    )
+    return states
+
+
+def along(
+    field: Field, c: np.ndarray, times: np.ndarray, x0: Sequence[float] | np.ndarray, method: str = "radau9"
+) -> np.ndarray:
+    """The states at given times, shape (s + 1, n), one step from each to the next; NaN after a step that fails."""
+    return _march(field, c, times, x0, method)
+
+
+def errors_on(
+    field: Field,
+    c: np.ndarray,
+    times: np.ndarray,
+    x0: Sequence[float] | np.ndarray,
+    method: str,
+    weights: Sequence[float] | np.ndarray,
+) -> np.ndarray:
+    """Embedded error estimates of the steps of a grid, shape (s,), in units of the weights."""
+    errors = np.full(len(times) - 1, np.nan)
+    _march(field, c, times, x0, method, np.ascontiguousarray(weights, dtype=float), errors)
+    return errors
+
+
+def tangents(
+    field: Field,
+    c: np.ndarray,
+    times: np.ndarray,
+    x0: Sequence[float] | np.ndarray,
+    X0: np.ndarray,
+    sources: Sequence[int],
+    method: str = "radau9",
+    every: bool = False,
+) -> tuple[np.ndarray, np.ndarray]:
+    """The steps of `along` and their exact derivatives.
+
+    Parameters
+    ----------
+    X0 : array of float, shape (n, q)
+        Derivatives of x0.
+    sources : sequence of int, length q
+        For each column the parameter column that drives it, or -1.
+    every : bool
+        All nodes and not only the last.
+
+    Returns
+    -------
+    states : ndarray, shape (n,), or (s + 1, n)
+    tangents : ndarray, shape (n, q), or (s + 1, n, q)
+    """
+    n, stages, q, entries = field.n, TABLEAUS[method].stages, np.shape(X0)[1], len(field.col)
+    sn = stages * n
+    more = sn * sn + sn + n + entries + n * q + sn * q
+    call = _Call(field, c, TABLEAUS[method], more, sn)
+    grid, x = np.ascontiguousarray(times, dtype=float), np.array(x0, dtype=float)
+    X, driving = np.array(X0, dtype=float, order="C"), np.asarray(sources, dtype=np.int64)
+    count = len(grid) if every else 0
+    states, nodes = np.full((count, n), np.nan), np.full((count, n, q), np.nan)
+    done = _TANGENTS(
+        *(*call.first, grid.ctypes.data, len(grid) - 1, x.ctypes.data, X.ctypes.data, q, driving.ctypes.data),
+        *(states.ctypes.data if every else 0, nodes.ctypes.data if every else 0, *call.last),
+    )
+    if every:
+        return states, nodes
+    if done < len(grid) - 1:
+        x[:], X[:] = np.nan, np.nan
+    return x, X
+
+
+def dense(
+    field: Field,
+    c: np.ndarray,
+    times: np.ndarray,
+    states: np.ndarray,
+    t_values: Sequence[float] | np.ndarray,
+    method: str = "radau9",
+) -> np.ndarray:
+    """States between the nodes of a path, shape (len(t_values), n), by the collocation polynomials.
+
+    Their error is of order s + 1 in a method of order 2 s - 1. Times outside the path give NaN.
+    """
+    tableau = TABLEAUS[method]
+    grid, wanted = np.asarray(times, dtype=float), np.asarray(t_values, dtype=float)
+    direction = 1.0 if grid[-1] >= grid[0] else -1.0
+    steps = np.clip(np.searchsorted(direction * grid, direction * wanted, side="right") - 1, 0, len(grid) - 2)
+    found = np.full((len(wanted), field.n), np.nan)
+    inside = (direction * wanted >= direction * grid[0]) & (direction * wanted <= direction * grid[-1])
+    for step in np.unique(steps[inside]):
+        rows = np.flatnonzero(inside & (steps == step))
+        increments = np.full((tableau.stages, field.n), np.nan)
+        _march(field, c, grid[step : step + 2], states[step], method, increments=increments)
+        part = (wanted[rows] - grid[step]) / (grid[step + 1] - grid[step])
+        found[rows] = states[step] + _lagrange(tableau, part) @ increments
+        # nodes are what the path says, whatever the last bits of a step that is done again
+        found[rows[part == 0.0]] = states[step]
+        found[rows[part == 1.0]] = states[step + 1]
+    return found
+
+
+def _lagrange(tableau: Collocation, at: np.ndarray) -> np.ndarray:
+    """Values at `at` (fractions of a step) of the polynomials that are 1 at one node, 0 at the others and at 0."""
+    nodes = np.array([0.0, *tableau.nodes])
+    values = np.ones((len(at), tableau.stages))
+    for j in range(tableau.stages):
+        for k, node in enumerate(nodes):
+            if k != j + 1:
+                values[:, j] *= (at - node) / (nodes[j + 1] - node)
+    return values

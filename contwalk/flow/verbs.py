@@ -1,0 +1,123 @@
+"""What can be done with a flow, by whichever method."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from types import ModuleType
+
+import numpy as np
+
+from contwalk.flow import explicit, radau, stages
+from contwalk.flow.field import Field
+from contwalk.flow.path import Path
+
+Vector = Sequence[float] | np.ndarray
+
+METHODS = (*stages.TABLEAUS, *radau.TABLEAUS)
+"""Names of the methods."""
+
+
+def _family(method: str) -> ModuleType:
+    if method in stages.TABLEAUS:
+        return explicit
+    if method in radau.TABLEAUS:
+        return radau
+    raise ValueError(f"'{method}' is none of {', '.join(METHODS)}")
+
+
+def warmup() -> None:
+    """Compile what all fields share, or find it compiled in the cache."""
+    explicit.warmup()
+    radau.warmup()
+
+
+def adaptive(
+    field: Field,
+    c: np.ndarray,
+    t0: float,
+    x0: Vector,
+    t1: float,
+    tolerance: float,
+    weights: Vector,
+    method: str = "dop853",
+    max_steps: int = 100_000,
+) -> Path:
+    """The path from (t0, x0) to t1, forwards or backwards, in steps whose estimated errors are allowed.
+
+    Parameters
+    ----------
+    field : Field
+    c : ndarray
+        `field.constants(p)`.
+    tolerance : float
+        Bound of each step's estimated error: root mean square over the states, in units of `weights`.
+    weights : array of float, shape (n,)
+        Typical magnitudes of the states.
+    method : str
+        One of `METHODS`.
+    max_steps : int
+
+    Raises
+    ------
+    ValueError
+        If the method is unknown or shapes do not fit.
+    """
+    return _family(method).adaptive(field, c, t0, x0, t1, tolerance, weights, method, max_steps)
+
+
+def along(field: Field, c: np.ndarray, times: Vector, x0: Vector, method: str = "dop853") -> np.ndarray:
+    """The states at given times, shape (s + 1, n), a step from each to the next; NaN after one that fails.
+
+    On the times of a path of `adaptive` these are its states, bitwise.
+    """
+    return _family(method).along(field, c, times, x0, method)
+
+
+def tangents(
+    field: Field,
+    c: np.ndarray,
+    times: Vector,
+    x0: Vector,
+    X0: np.ndarray,
+    sources: Sequence[int] | np.ndarray,
+    method: str = "dop853",
+    every: bool = False,
+) -> tuple[np.ndarray, np.ndarray]:
+    """The steps of `along`, and their exact derivatives.
+
+    Parameters
+    ----------
+    X0 : array of float, shape (n, q)
+        Derivatives of x0.
+    sources : sequence of int, length q
+        For each of them the parameter column of the field that drives it, or -1.
+    every : bool
+        All nodes and not only the last.
+
+    Returns
+    -------
+    states : ndarray, shape (n,), or (s + 1, n)
+    tangents : ndarray, shape (n, q), or (s + 1, n, q)
+    """
+    return _family(method).tangents(field, c, times, x0, X0, sources, method, every)
+
+
+def errors_on(
+    field: Field, c: np.ndarray, times: Vector, x0: Vector, method: str, weights: Vector
+) -> np.ndarray:
+    """Embedded error estimates of the steps of a grid, shape (s,): RMS in units of the weights."""
+    return _family(method).errors_on(field, c, times, x0, method, weights)
+
+
+def dense(
+    field: Field, c: np.ndarray, times: Vector, states: np.ndarray, t_values: Vector, method: str = "dop853"
+) -> np.ndarray:
+    """States between the nodes of a path, shape (len(t_values), n); NaN at times outside it.
+
+    Parameters
+    ----------
+    times, states : ndarray, shapes (s + 1,) and (s + 1, n)
+        Those of a `Path`, or of `along`.
+    t_values : array of float
+    """
+    return _family(method).dense(field, c, times, states, t_values, method)

@@ -1,0 +1,127 @@
+"""Orbits in the plane, or the space, of two or three quantities."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from contwalk.errors import ContwalkError
+from contwalk.plotting.quantities import axis_label
+from contwalk.plotting.style import INK, PALETTE, dress, new_axes
+
+STABLE: dict[str, Any] = {"linestyle": "-", "linewidth": 1.4}
+UNSTABLE: dict[str, Any] = {"linestyle": "--", "linewidth": 1.0, "dashes": (4.5, 2.5)}
+
+
+def plot_phase_portrait(
+    orbits: Sequence[np.ndarray],
+    names: Sequence[str],
+    ax: Axes | None = None,
+    *,
+    labels: Sequence[str] = (),
+    stable: Sequence[bool] = (),
+    periods: Sequence[int] = (),
+    units: Mapping[str, str] | None = None,
+) -> Axes:
+    """Draw orbits in the plane of two quantities, or in the space of three.
+
+    Parameters
+    ----------
+    orbits : sequence of array, shape (k, 2) or (k, 3)
+        Each a curve in the order of time; a closed one repeats its first row at its end. A curve of one
+        row, an equilibrium, is a dot (unstable: a ring). Rows that are not finite interrupt a curve.
+    names : sequence of str
+        What the columns are, two or three names.
+    ax : Axes, optional
+        Where to draw, of `projection="3d"` for three quantities; new axes by default.
+    labels : sequence of str
+        A name for each orbit, shown beside the axes. None by default.
+    stable : sequence of bool
+        Stable orbits are solid, unstable ones dashed and thin. All stable by default.
+    periods : sequence of int
+        How many periods of the basic orbit each takes to close, 1, 2, 4 ...; 0 where it does not close.
+        Told with the label.
+    units : mapping, optional
+        Units by name, as from `units_of(system)`.
+
+    Raises
+    ------
+    ContwalkError
+        If there is no orbit, or lengths or shapes do not fit each other.
+    """
+    curves = _checked(orbits, names, labels=labels, stable=stable, periods=periods)
+    ax = ax or new_axes("phase_portrait", projection="3d" if len(names) == 3 else None)
+    dress(ax, axis_label(names[0], units), axis_label(names[1], units))
+    if len(names) == 3:
+        _dress_depth(ax, axis_label(names[2], units))
+    handles = []
+    for number, curve in enumerate(curves):
+        steady = stable[number] if stable else True
+        look = {"color": PALETTE[number % len(PALETTE)], **(STABLE if steady else UNSTABLE)}
+        if len(curve) == 1:
+            look = {"color": look["color"], "linestyle": "none", "marker": "o", "markersize": 5.0}
+            look["fillstyle"] = "full" if steady else "none"
+        ax.plot(*curve.T, gid=f"orbit-{number}", zorder=2, **look)
+        text = _text(number, labels, periods)
+        if text:
+            handles.append(Line2D([], [], label=text, **look))
+    ax.margins(0.06)
+    if handles:
+        _legend(ax, handles)
+    return ax
+
+
+def _checked(orbits: Sequence[np.ndarray], names: Sequence[str], **given: Sequence[Any]) -> list[np.ndarray]:
+    """The orbits as arrays of floats, everything about them of one length."""
+    if len(names) not in (2, 3):
+        raise ContwalkError(
+            f"A phase portrait has two or three axes, not {len(names)}.", "Name two or three states."
+        )
+    if not len(orbits):
+        raise ContwalkError("There is no orbit to draw.", "Give at least one array of states.")
+    curves = [np.asarray(orbit, dtype=float) for orbit in orbits]
+    for curve in curves:
+        if curve.ndim != 2 or curve.shape[1] != len(names) or not len(curve):
+            raise ContwalkError(
+                f"An orbit to draw has the shape {curve.shape}.",
+                f"It must have one row or more, with {len(names)} entries each: {', '.join(names)}.",
+            )
+    for what, values in given.items():
+        if len(values) not in (0, len(curves)):
+            raise ContwalkError(
+                f"There are {len(curves)} orbits but {len(values)} {what}.",
+                "Give one for each orbit, or none.",
+            )
+    return curves
+
+
+def _text(number: int, labels: Sequence[str], periods: Sequence[int]) -> str:
+    words = [labels[number]] if labels else []
+    if periods:
+        words.append(f"period {periods[number]}" if periods[number] else "does not close")
+    return ", ".join(words)
+
+
+def _dress_depth(ax: Axes, label: str) -> None:
+    """The third axis in the style of the other two."""
+    ax.set_zlabel(label, fontsize=10, color=INK, labelpad=14)  # type: ignore[attr-defined]
+    ax.zaxis.set_tick_params(labelsize=8.5, labelcolor=INK, pad=7)  # type: ignore[attr-defined]
+    ax.zaxis.get_offset_text().set_fontsize(8.5)  # type: ignore[attr-defined]
+    ax.set_box_aspect(None, zoom=0.8)  # type: ignore[call-arg]  # room for the labels of the depth
+
+
+def _legend(ax: Axes, handles: list[Line2D]) -> None:
+    ax.legend(
+        handles=handles,
+        loc="upper left",
+        bbox_to_anchor=(1.02, 1.0),
+        borderaxespad=0.0,
+        frameon=False,
+        fontsize=8.5,
+        labelcolor=INK,
+        handlelength=2.6,
+    )

@@ -1,0 +1,1 @@
+"""Periodic orbits: the problem, and what belongs to it alone."""

@@ -1,0 +1,370 @@
+"""Special points of orbits as regular solutions of minimally augmented systems.
+
+Beside F(u, lambda) = 0 stands a scalar g that vanishes where a matrix L is singular: the corner of its bordered
+inverse, [L b; c* 0] [v; g] = [0; 1], with gradient g' = -psi* L' v and psi from the adjoint system (W. Govaerts,
+Numerical Methods for Bifurcations of Dynamical Equilibria, 2000, chapter 3).
+
+| point | L | further unknowns |
+|---|---|---|
+| LP | F_u | |
+| PD | segments' derivatives, closed by -1 | |
+| NS | segments' derivatives, closed by exp(i theta) | theta |
+| BP | [F_u F_lambda], bordered by two rows | an unfolding mu b of F, zero where the point is one |
+
+L' v is a second derivative of the flow. It is integrated as the derivative of the tangent lift, on the same
+steps; nothing is differenced. What is left is the error of the steps themselves: a point is solved for again
+on steps of a hundredth of the tolerance, and on still finer ones, whose correction is the error estimate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contwalk.errors import NotFinite
+from contwalk.problems.linear import EPSILON, Factored
+from contwalk.problems.orbit.discretization import TIGHTEST
+from contwalk.problems.orbit.motion import TANGENT
+from contwalk.problems.problem import Located, Sample
+
+if TYPE_CHECKING:
+    from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
+
+ITERATIONS = 14
+# A correction this small, in the metric, ends the iteration at once; one that no longer shrinks below the
+# second bound is rounding.
+SMALL, ROUNDED = 1e-13, 1e-6
+# Steps of the check that gives the error, in units of the tolerance before.
+CHECK = 0.03
+MOST_REFINEMENTS = 4
+
+# residual (N + r,) and Jacobian (N + r, N + 1 + r') of an augmented system at its unknowns
+Evaluate = Callable[["PeriodicOrbit", np.ndarray], tuple[np.ndarray, np.ndarray]]
+
+
+@dataclass(frozen=True)
+class Augmented:
+    """An augmented system for any discretisation of a problem, its start, and typical magnitudes."""
+
+    evaluate: Evaluate
+    start: np.ndarray
+    scale: np.ndarray
+    vectors: Callable[[PeriodicOrbit, np.ndarray], dict]
+
+
+def located(problem: PeriodicOrbit, label: str, sample: Sample, which: int) -> Located | None:
+    """The point near a sample, found on its own steps; `refine` finds it on finer ones."""
+    builders = {"LP": _fold, "PD": _flip, "SB": _flip, "NS": _torus, "BP": _crossing}
+    if label not in builders:
+        return None
+    try:
+        system = builders[label](problem, sample, which)
+        return None if system is None else solved(problem, system, sample)
+    except np.linalg.LinAlgError:
+        return None
+
+
+def solved(problem: PeriodicOrbit, system: Augmented, sample: Sample) -> Located | None:
+    """The solution of an augmented system with its refinement."""
+    rough = _newton(problem, system, system.start)
+    if rough is None:
+        return None
+    size = problem.size
+    walking = 1e3 * problem.mesh.tolerance * abs(float(rough[size]))
+    located = Located(rough[: size + 1], walking, system.vectors(problem, rough), problem=problem)
+    return replace(located, refine=lambda: _refined(problem, system, rough, sample))
+
+
+def _refined(
+    problem: PeriodicOrbit, system: Augmented, rough: np.ndarray, sample: Sample
+) -> Located | None:
+    """The point on steps fine enough for the accuracy that is asked for, with its estimated error."""
+    size, wanted = problem.size, problem.discretization.accuracy
+    tolerance, found, error, finer = problem.discretization.locating, rough, np.inf, problem
+    best: tuple[float, np.ndarray, PeriodicOrbit] | None = None
+    for _ in range(MOST_REFINEMENTS):
+        finer = problem.refined(found[: size + 1], sample.weights, tolerance)
+        solution = _newton(finer, system, found)
+        if solution is None:
+            break
+        found = solution
+        checked = max(CHECK * tolerance, TIGHTEST)
+        check = problem.refined(found[: size + 1], sample.weights, checked)
+        correction = _correction(check, system, found)
+        if correction is None:
+            break
+        error = 2.0 * abs(float(correction[size])) + EPSILON * abs(float(found[size]))
+        found, finer = found - correction, check
+        if best is None or error < best[0]:
+            best = (error, found, finer)
+        if error <= 0.3 * wanted * abs(float(found[size])) or tolerance <= 4.0 * TIGHTEST:
+            break
+        tolerance = max(0.01 * tolerance, 4.0 * TIGHTEST)
+    if best is None:
+        return None
+    error, found, finer = best
+    moved = np.abs(found - rough)[: size + 1] / sample.weights
+    if not np.max(moved) < 1e-2:
+        return None  # refinement has left the neighbourhood
+    return Located(found[: size + 1], error, system.vectors(finer, found), refined=True, problem=finer)
+
+
+def _newton(problem: PeriodicOrbit, system: Augmented, start: np.ndarray) -> np.ndarray | None:
+    """Newton's method to the rounding of the equations; None where it does not get there."""
+    y, before = start.copy(), np.inf
+    for iteration in range(ITERATIONS):
+        correction = _correction(problem, system, y)
+        if correction is None:
+            return None
+        size = float(np.max(np.abs(correction) / system.scale))
+        if iteration and size > 0.5 * before and before < ROUNDED:
+            return y
+        if not size < 1e3:
+            return None
+        y, before = y - correction, size
+        # One more step from here would be the square of this one.
+        if size < SMALL or size**2 < 1e-3 * problem.mesh.tolerance:
+            return y
+    return None
+
+
+def _correction(problem: PeriodicOrbit, system: Augmented, y: np.ndarray) -> np.ndarray | None:
+    try:
+        residual, jacobian = system.evaluate(problem, y)
+        if not (np.all(np.isfinite(residual)) and np.all(np.isfinite(jacobian))):
+            return None
+        return Factored(jacobian, system.scale).solve(residual)
+    except (np.linalg.LinAlgError, NotFinite):
+        return None
+
+
+# -- second derivatives ------------------------------------------------------------------------------------
+
+
+def second(
+    problem: PeriodicOrbit, z: np.ndarray, vectors: np.ndarray, scalars: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The segments' derivative in one direction, shape (m n,), and its own derivative by z, shape (m n, N + 1).
+
+    `vectors`, shape (m, n), and `scalars`, shape (k,), are the direction.
+    """
+    n, m, k = problem.states, problem.segments, len(problem.motion.columns)
+    shooting, starts, own = problem.shooting, problem.starts(z), problem.scalars(z)
+    columns = np.zeros((2 * n, n + k))
+    columns[:n, :n] = np.eye(n)
+    sources = np.array([-1] * n + list(range(k)))
+    product, derivative = np.zeros(m * n), np.zeros((m * n, len(z)))
+    for i in range(m):
+        y = np.concatenate([starts[i], vectors[i]])
+        end, moved = shooting.differentiated(TANGENT, i, y, columns, sources, own, scalars)
+        rows = slice(i * n, (i + 1) * n)
+        product[rows] = end[n:]
+        derivative[rows, rows] = moved[n:, :n]
+        derivative[rows, m * n :] = moved[n:, n:]
+    return product, derivative
+
+
+def of_vector(problem: PeriodicOrbit, z: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Derivative by z of DF(z) v for a real v of length N + 1, shape (N, N + 1)."""
+    m, n = problem.segments, problem.states
+    result = np.zeros((problem.size, problem.size + 1))
+    result[: m * n] = second(problem, z, v[: m * n].reshape(m, n), v[m * n :])[1]
+    return result
+
+
+def cycle_matrix(problem: PeriodicOrbit, jacobian: np.ndarray, multiplier: complex) -> np.ndarray:
+    """L(mu), shape (m n, m n): singular where mu is a multiplier, v_i+1 = A_i v_i, mu v_0 = A_m-1 v_m-1."""
+    size, n = problem.segments * problem.states, problem.states
+    matrix = jacobian[:size, :size].astype(complex if np.imag(multiplier) else float)
+    matrix[size - n :, :n] += (1.0 - multiplier) * np.eye(n)
+    return matrix
+
+
+def null_vectors(matrix: np.ndarray, scale: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Right and left null vectors of a nearly singular matrix in state units, from its scaled form.
+
+    The right one satisfies L v = 0, the left one psi* L = 0; both are units in the scaled norm.
+    """
+    u, _, vh = np.linalg.svd(matrix / scale[:, None] * scale)
+    return vh[-1].conj() * scale, u[:, -1] / scale
+
+
+# -- the systems -------------------------------------------------------------------------------------------
+
+
+def _bordered(matrix: np.ndarray, b: np.ndarray, c: np.ndarray) -> tuple[np.ndarray, np.ndarray, complex]:
+    """v, psi and g of the bordered systems."""
+    size = len(matrix)
+    whole = np.zeros((size + 1, size + 1), dtype=matrix.dtype)
+    whole[:size, :size], whole[:size, size], whole[size, :size] = matrix, b, c.conj()
+    unit = np.zeros(size + 1)
+    unit[size] = 1.0
+    right = np.linalg.solve(whole, unit)
+    left = np.linalg.solve(whole.conj().T, unit)
+    return right[:size], left[:size], right[size]
+
+
+def _scales(problem: PeriodicOrbit) -> np.ndarray:
+    return np.tile(problem.mesh.variation, problem.segments)
+
+
+def _fold(problem: PeriodicOrbit, sample: Sample, which: int) -> Augmented:
+    """F_u singular."""
+    size = problem.size
+    rows, columns = _equation_scales(problem), sample.weights[:size]
+    u, _, vh = np.linalg.svd(problem.jacobian(sample.z)[:, :size] / rows[:, None] * columns)
+    b, c = u[:, -1], vh[-1]
+
+    def scaled(there: PeriodicOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
+        jacobian = there.linearize(z).jacobian
+        v, psi, g = _bordered(jacobian[:, :size] / rows[:, None] * columns, b, c)
+        return v * columns, psi / rows, float(g.real), jacobian
+
+    def evaluate(there: PeriodicOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        v, psi, g, jacobian = scaled(there, z)
+        gradient = -psi @ of_vector(there, z, np.append(v, 0.0))
+        residual = np.append(there.linearize(z).residual, g)
+        return residual, np.vstack([jacobian, gradient])
+
+    def vectors(there: PeriodicOrbit, z: np.ndarray) -> dict:
+        v, psi, _, _ = scaled(there, z)
+        return {"right": v, "left": psi}
+
+    return Augmented(evaluate, sample.z, sample.weights, vectors)
+
+
+def _equation_scales(problem: PeriodicOrbit) -> np.ndarray:
+    scales = np.ones(problem.size)
+    own = _scales(problem)
+    scales[: len(own)] = own
+    return scales
+
+
+def _flip(problem: PeriodicOrbit, sample: Sample, which: int) -> Augmented:
+    """A multiplier at -1."""
+    size, scale = problem.size, _scales(problem)
+    start = cycle_matrix(problem, problem.jacobian(sample.z), -1.0)
+    c, b = null_vectors(start, scale)
+    c, b = c / scale, b * scale
+
+    def scaled(there: PeriodicOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
+        jacobian = there.linearize(z).jacobian
+        matrix = cycle_matrix(there, jacobian, -1.0)
+        v, psi, g = _bordered(matrix / scale[:, None] * scale, b, c)
+        return v * scale, psi / scale, float(g.real), jacobian
+
+    def evaluate(there: PeriodicOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        v, psi, g, jacobian = scaled(there, z)
+        m, n = there.segments, there.states
+        _, derivative = second(there, z, v.reshape(m, n), np.zeros(len(there.motion.columns)))
+        residual = np.append(there.linearize(z).residual, g)
+        return residual, np.vstack([jacobian, -psi @ derivative])
+
+    def vectors(there: PeriodicOrbit, z: np.ndarray) -> dict:
+        v, psi, _, _ = scaled(there, z[: size + 1])
+        return {"right": v, "left": psi, "multiplier": -1.0}
+
+    return Augmented(evaluate, sample.z, sample.weights, vectors)
+
+
+def _torus(problem: PeriodicOrbit, sample: Sample, which: int, modulus: float = 1.0) -> Augmented:
+    """A pair of multipliers at modulus exp(+-i theta)."""
+    size, scale = problem.size, _scales(problem)
+    value = sample.eigenvalues[which]
+    theta = abs(float(np.angle(value)))
+    start = cycle_matrix(problem, problem.jacobian(sample.z), complex(value.real, abs(value.imag)))
+    c, b = null_vectors(start, scale)
+    c, b = c / scale, b * scale
+
+    def scaled(there: PeriodicOrbit, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, complex, np.ndarray]:
+        jacobian = there.linearize(y[: size + 1]).jacobian
+        matrix = cycle_matrix(there, jacobian, modulus * np.exp(1j * y[-1]))
+        v, psi, g = _bordered(matrix / scale[:, None] * scale, b, c)
+        return v * scale, psi / scale, complex(g), jacobian
+
+    def evaluate(there: PeriodicOrbit, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        z = y[: size + 1]
+        v, psi, g, jacobian = scaled(there, y)
+        m, n = there.segments, there.states
+        still = np.zeros(len(there.motion.columns))
+        derivative = second(there, z, v.real.reshape(m, n), still)[1]
+        derivative = derivative + 1j * second(there, z, v.imag.reshape(m, n), still)[1]
+        gradient = -psi.conj() @ derivative
+        turning = 1j * modulus * np.exp(1j * y[-1]) * (psi[-n:].conj() @ v[:n])
+        matrix = np.zeros((size + 2, size + 2))
+        matrix[:size, : size + 1] = jacobian
+        matrix[size, : size + 1], matrix[size + 1, : size + 1] = gradient.real, gradient.imag
+        matrix[size, -1], matrix[size + 1, -1] = turning.real, turning.imag
+        return np.concatenate([there.linearize(z).residual, [g.real, g.imag]]), matrix
+
+    def vectors(there: PeriodicOrbit, y: np.ndarray) -> dict:
+        v, psi, _, _ = scaled(there, y)
+        return {"right": v, "left": psi, "multiplier": modulus * np.exp(1j * y[-1]), "theta": float(y[-1])}
+
+    return Augmented(evaluate, np.append(sample.z, theta), np.append(sample.weights, 1.0), vectors)
+
+
+def _crossing(problem: PeriodicOrbit, sample: Sample, which: int) -> Augmented:
+    """[F_u F_lambda] of deficient rank: another branch passes."""
+    size = problem.size
+    rows, columns = _equation_scales(problem), sample.weights
+    u, _, vh = np.linalg.svd(problem.jacobian(sample.z) / rows[:, None] * columns)
+    b, c = u[:, -1], vh[-2:]
+
+    def scaled(there: PeriodicOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        jacobian = there.linearize(z).jacobian
+        whole = np.zeros((size + 2, size + 2))
+        whole[:size, : size + 1] = jacobian / rows[:, None] * columns
+        whole[:size, -1], whole[size:, : size + 1] = b, c
+        right = np.linalg.solve(whole, np.eye(size + 2)[:, size:])
+        left = np.linalg.solve(whole.T, np.eye(size + 2)[:, -1])
+        return (right[: size + 1] * columns[:, None]).T, left[:size] / rows, left[size:], jacobian
+
+    def evaluate(there: PeriodicOrbit, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        z, mu = y[: size + 1], y[-1]
+        vs, psi, g, jacobian = scaled(there, z)
+        matrix = np.zeros((size + 2, size + 2))
+        matrix[:size, : size + 1], matrix[:size, -1] = jacobian, b * rows
+        for k in range(2):
+            matrix[size + k, : size + 1] = psi @ of_vector(there, z, vs[k])
+        residual = there.linearize(z).residual + mu * b * rows
+        return np.concatenate([residual, -g]), matrix
+
+    def vectors(there: PeriodicOrbit, y: np.ndarray) -> dict:
+        vs, psi, _, _ = scaled(there, y[: size + 1])
+        return {"plane": vs, "left": psi, "unfolding": float(y[-1])}
+
+    return Augmented(evaluate, np.append(sample.z, 0.0), np.append(sample.weights, 1.0), vectors)
+
+
+# -- marks -------------------------------------------------------------------------------------------------
+
+
+def observed(problem: PeriodicOrbit, name: str, level: float, sample: Sample) -> Located | None:
+    """The point near a sample at which an observable has a value: Newton's method along the branch."""
+    from contwalk.problems.orbit import rates
+
+    def value(there: PeriodicOrbit, z: np.ndarray) -> float:
+        found = there.multipliers(z, there.linearize(z).jacobian)
+        return float(there.observables(z, found)[there.observable_names.index(name)])
+
+    slope = rates.of_observable(problem, name, sample)
+    if not np.isfinite(slope) or slope == 0.0:
+        return None
+    size = problem.size
+    gradient = slope * sample.tangent / sample.weights**2
+
+    def evaluate(there: PeriodicOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        linearization = there.linearize(z)
+        residual = np.append(linearization.residual, value(there, z) - level)
+        return residual, np.vstack([linearization.jacobian, gradient])
+
+    system = Augmented(evaluate, sample.z, sample.weights, lambda there, z: {})
+    try:
+        found = solved(problem, system, sample)
+    except np.linalg.LinAlgError:
+        return None
+    return found if found is not None and np.all(np.isfinite(found.z[: size + 1])) else None

@@ -1,0 +1,129 @@
+"""The problem and the vector of unknowns that belong to a state on, or near, a periodic orbit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from contwalk import flow
+from contwalk.errors import NotFinite, called
+from contwalk.problems.orbit.closure import imaged, order_of
+from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.orbit.motion import PLAIN
+from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
+from contwalk.problems.orbit.shooting import velocity
+from contwalk.problems.orbit.transport import carried_to, segments_for
+from contwalk.system import System
+from contwalk.system.declarations import ParameterValues
+
+# An orbit is its own image if it meets it this nearly, in units of its range: corrected orbits do to 1e-8.
+OWN_IMAGE = 1e-5
+
+Path = tuple[Mapping[str, float], Mapping[str, float]]
+
+
+def orbit_at(
+    system: System,
+    parameters: Mapping[str, float],
+    free: str,
+    state: np.ndarray,
+    period: float | None,
+    path: Path | None = None,
+    at: float | None = None,
+    discretization: Discretization | None = None,
+) -> tuple[PeriodicOrbit, np.ndarray]:
+    """The problem of the orbit through a state, discretised for it, and its unknowns; not yet a solution.
+
+    Parameters
+    ----------
+    period : float or None
+        Seconds; None for a forced system, whose own period it is. A multiple of that makes a subharmonic.
+
+    Raises
+    ------
+    NotFinite
+        If the motion from the state ends within one period.
+    """
+    value = float(at or 0.0) if path is not None else float(parameters[free])
+    subharmonic = 1
+    if system.period is not None and period is not None:
+        own = float(called("period", system.period, ParameterValues(**parameters)))
+        subharmonic = max(round(period / own), 1)
+    problem = PeriodicOrbit(system, parameters, free, path, subharmonic=subharmonic, discretization=discretization)
+    scalars = np.array([value]) if system.period is not None else np.array([float(period or 0.0), value])
+    values = np.concatenate([scalars, problem.fixed])
+    turns, ranges = _once_round(problem, np.asarray(state, dtype=float), values)
+    problem = problem.closing(turns)
+    z = np.concatenate([np.asarray(state, dtype=float), scalars])
+    weights = np.concatenate([ranges, np.abs(scalars)])
+    return cut(problem.adapted_to(z, weights, segments=1), z, weights)
+
+
+def _once_round(problem: PeriodicOrbit, x: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """By how much angles grow in one period, in whole turns, and half the range of each state."""
+    field = problem.motion.field(PLAIN)
+    size = np.maximum(np.abs(x), 1e-3)
+    path = flow.adaptive(field, field.constants(values), 0.0, x, 1.0, 1e-6, size, "dop853")
+    if path.status != "ok":
+        raise NotFinite("The motion from the start ends within one period.", "Start elsewhere.")
+    own = np.array([s.period or 0.0 for s in problem.system.states])
+    grown = path.states[-1] - path.states[0]
+    turns = np.where(own > 0.0, np.round(np.divide(grown, own, out=np.zeros_like(grown), where=own > 0)), 0.0)
+    ranges = 0.5 * np.ptp(path.states, axis=0)
+    still = ranges <= 1e-9 * size
+    declared = np.array([s.scale or np.nan for s in problem.system.states])
+    ranges = np.where(still, np.where(np.isfinite(declared), declared, np.maximum(np.abs(x), 1.0)), ranges)
+    return turns * own, ranges
+
+
+def cut(problem: PeriodicOrbit, z: np.ndarray, weights: np.ndarray) -> tuple[PeriodicOrbit, np.ndarray]:
+    """The same orbit in as many segments as the growth of deviations asks for; `problem` has one."""
+    m, n = segments_for(problem, z), problem.states
+    if m == 1:
+        return problem, z
+    still = np.zeros(len(z))
+    starts = [carried_to(problem, z, still, j / m)[0] for j in range(m)]
+    there = np.concatenate([*starts, z[n:]])
+    magnitudes = np.concatenate([np.tile(weights[:n] * np.sqrt(m), m), weights[n:]])
+    return problem.adapted_to(there, magnitudes, segments=m), there
+
+
+def symmetric(problem: PeriodicOrbit, z: np.ndarray, weights: np.ndarray) -> tuple[PeriodicOrbit, np.ndarray] | None:
+    """The same orbit closed up to a spatial symmetry that it has, so that a part of it is integrated.
+
+    None where it has none. `z` is a solution that closes fully.
+    """
+    n, p = problem.states, ParameterValues(**problem.values_of(z))
+    x, scale = problem.starts(z)[0], problem.mesh.variation
+    for symmetry in problem.system.symmetries:
+        order = order_of(symmetry, x, p)
+        if symmetry.role != "spatial" or order is None or order < 2 or np.any(problem.closure.turns):
+            continue
+        later = carried_to(problem, z, np.zeros(len(z)), 1.0 / order)[0]
+        for power in range(1, order):
+            image = imaged(symmetry, later, p, power)
+            if np.linalg.norm((image - x) / scale) > OWN_IMAGE or not _carries(problem, z, symmetry, power, order):
+                continue
+            other = problem.closing(np.zeros(n), symmetry, power, order)
+            scalars = problem.scalars(z).copy()
+            if not problem.forced:
+                scalars[0] /= order
+            part = np.concatenate([x, scalars])
+            single = np.concatenate([weights[:n] / np.sqrt(problem.segments), np.abs(scalars)])
+            return cut(other.adapted_to(part, single, segments=1), part, single)
+    return None
+
+
+def _carries(problem: PeriodicOrbit, z: np.ndarray, symmetry: object, power: int, order: int) -> bool:
+    """Whether the field itself has the symmetry, a part of the period later, at a state off the orbit."""
+    p = ParameterValues(**problem.values_of(z))
+    values = np.concatenate([problem.scalars(z), problem.fixed])
+    x = problem.starts(z)[0] + 0.1 * problem.mesh.variation * np.cos(np.arange(1.0, problem.states + 1.0))
+    time, step = 0.3, 1e-6
+    f = velocity(problem.motion, x, time, values)
+    image = imaged(symmetry, x, p, power)  # type: ignore[arg-type]
+    size = float(np.linalg.norm(f / problem.mesh.variation)) or 1.0
+    moved = (imaged(symmetry, x + step / size * f, p, power) - image) / (step / size)  # type: ignore[arg-type]
+    there = velocity(problem.motion, image, time - 1.0 / order, values)
+    return bool(np.linalg.norm((moved - there) / problem.mesh.variation) < 1e-4 * size)

@@ -1,0 +1,104 @@
+"""The record of a special point of an orbit: its normal form, and what is to be said about it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+from contwalk.problems.orbit import normal_forms
+from contwalk.problems.problem import Located, Sample
+
+if TYPE_CHECKING:
+    from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
+
+# Where theta is this near to 2 pi k / q, q = 1..4, the point is a strong resonance.
+RESONANT = 1e-6
+
+Form = tuple[str | None, str | None, dict[str, Any], str | None]
+
+
+def described(
+    problem: PeriodicOrbit, label: str, located: Located, sample: Sample, s: float
+) -> SpecialPoint:
+    """The record of a located point, with its normal form."""
+    there = located.problem if located.problem is not None else problem
+    z = located.z
+    try:
+        kind, criticality, coefficients, note = _normal_form(there, label, located, sample)
+    except np.linalg.LinAlgError:
+        kind, criticality, coefficients = None, None, {}
+        note = "degenerate: the critical directions are not determined, so there is no normal form"
+    values = problem.values_of(z)
+    duration, fold = problem.duration(z), problem.closure.fold
+    spectrum = tuple(complex(v) for v in sample.eigenvalues)
+    return SpecialPoint(
+        label="BP" if label == "SB" else label,
+        s=s,
+        kind=kind,
+        parameters=values | ({problem.free: float(z[-1])} if problem.path is not None else {}),
+        state=dict(zip(problem.system.state_names, problem.reported(z).tolist(), strict=True)),
+        period=duration,
+        period_full=duration * fold,
+        spectrum=spectrum,
+        spectrum_full=None if fold == 1 else tuple(v**fold for v in spectrum),
+        trivial_error=None if problem.forced else sample.trivial_error,
+        error=located.error,
+        criticality=criticality,
+        coefficients=coefficients,
+        note=note,
+        unknowns=tuple(z.tolist()),
+        tangent=tuple(sample.tangent.tolist()),
+    )
+
+
+def _normal_form(problem: PeriodicOrbit, label: str, located: Located, sample: Sample) -> Form:
+    """Kind, criticality, coefficients and note of a located point."""
+    z = located.z
+    if label == "LP":
+        return None, None, normal_forms.fold(problem, z), None
+    if label in ("PD", "SB"):
+        coefficients = normal_forms.flip(problem, z)
+        criticality = "supercritical" if coefficients["c"] > 0 else "subcritical"
+        if label == "PD":
+            return None, criticality, coefficients, None
+        name = problem.closure.name
+        return "symmetry-breaking", criticality, coefficients, f"the orbits that leave have lost '{name}'"
+    if label == "NS":
+        return _torus(problem, z, located)
+    if label == "BP":
+        return _branch_point(problem, z, located, sample)
+    return None, None, {}, None
+
+
+def _torus(problem: PeriodicOrbit, z: np.ndarray, located: Located) -> Form:
+    theta = float(located.vectors["theta"])
+    resonance = _resonance(theta)
+    if resonance is not None:
+        note = f"strong resonance {resonance}: the normal form is another one"
+        return None, None, {"theta": theta, "rotation_number": theta / (2.0 * np.pi)}, note
+    coefficients = normal_forms.torus(problem, z, theta)
+    fold = problem.closure.fold
+    if fold > 1:
+        coefficients["theta_full"] = float(abs(np.angle(np.exp(1j * fold * theta))))
+    criticality = "supercritical" if coefficients["d"] < 0 else "subcritical"
+    return None, criticality, coefficients, None
+
+
+def _resonance(theta: float) -> str | None:
+    """`1:q` where exp(i theta) is a q-th root of one, q = 1..4."""
+    for q in (1, 2, 3, 4):
+        distance = abs(np.angle(np.exp(1j * q * theta))) / q
+        if distance < RESONANT:
+            return f"1:{q}"
+    return None
+
+
+def _branch_point(problem: PeriodicOrbit, z: np.ndarray, located: Located, sample: Sample) -> Form:
+    if located.vectors.get("fallen_back"):
+        return "pitchfork", None, {}, "the orbit is its parent again here: the branch ends on it"
+    c = normal_forms.branch_point(problem, z, float(sample.weights[-1]))
+    if c["c11"] != 0.0:
+        return "transcritical", None, c, None
+    return "pitchfork", "supercritical" if c["c"] < 0 else "subcritical", c, None

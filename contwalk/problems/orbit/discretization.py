@@ -1,0 +1,57 @@
+"""How finely orbits are computed: one wish, and what follows from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+# Tolerances beyond these do not pay: looser ones lose the branch, tighter ones drown in rounding.
+LOOSEST, TIGHTEST = 1e-5, 3e-15
+# Local errors of a walk, and of the first attempt at a located point, in units of the wish: estimates of the 8th-order
+# pair are two digits on the safe side, and located points are checked on finer steps anyway.
+WALKING, LOCATING = 100.0, 1.0
+# Where rounding of the state itself takes over, a 9(8) pair is ahead of an 8th-order one.
+ORDER_9_FROM = 3e-12
+
+
+@dataclass(frozen=True)
+class Discretization:
+    """What a run asks of its orbits.
+
+    Parameters
+    ----------
+    accuracy : float
+        Requested relative error of special points.
+    method : str
+        `auto`, or one of `flow.METHODS`.
+    tolerance : float, optional
+        Local error of the walk's integration, in units of each state's variation; from `accuracy` by default.
+    segments : int, optional
+        Segments of multiple shooting; by default from the growth of the flow.
+    phase : str
+        `section` or `integral`: which condition fixes the phase of an autonomous orbit.
+    """
+
+    accuracy: float = 1e-8
+    method: str = "auto"
+    tolerance: float | None = None
+    segments: int | None = None
+    phase: str = "section"
+
+    @property
+    def walking(self) -> float:
+        """Tolerance along a branch."""
+        return _clipped(self.tolerance if self.tolerance is not None else WALKING * self.accuracy)
+
+    @property
+    def locating(self) -> float:
+        """Tolerance at special points."""
+        return _clipped(min(self.walking, LOCATING * self.accuracy))
+
+
+def _clipped(tolerance: float) -> float:
+    return min(max(tolerance, TIGHTEST), LOOSEST)
+
+
+def method_for(tolerance: float) -> str:
+    """The explicit pair for a tolerance."""
+    return "dop853" if tolerance > ORDER_9_FROM else "verner98"

@@ -1,0 +1,218 @@
+"""Normal forms of orbits: derivatives of the map that takes the section once round.
+
+The first three derivatives of the map along curves are integrated (the jet lift); mixed ones follow by
+polarisation. Where the period is unknown, it and the drifts of pinned directions change with the start so that
+the end lies in the section and in the pins again: their own derivatives are found order by order.
+
+Notation (docs/theory.md): A the map's derivative, B and C its second and third; q right and p left critical
+vector with |q| = 1 in the metric and p.q = 1. Formulas of Yu. A. Kuznetsov, Elements of Applied Bifurcation Theory,
+2004, sections 5.4 and 8.7.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contwalk.problems import neutral as neutrals
+from contwalk.problems.linear import Factored
+from contwalk.problems.orbit.motion import JET
+from contwalk.problems.spectrum import complement
+
+if TYPE_CHECKING:
+    from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
+
+# c11 this small against its terms is zero: a pitchfork.
+EQUAL = 1e-5
+
+
+class ReturnMap:
+    """The map of the section (of the whole state space, for a forced system) once round a closed orbit.
+
+    Vectors are coordinates xi of shape (r,): x = x_0 + basis xi.
+    """
+
+    def __init__(self, problem: PeriodicOrbit, z: np.ndarray) -> None:
+        self.problem, self.z = problem, z
+        n = problem.states
+        magnitudes = problem.mesh.variation
+        rows = []
+        if not problem.forced:
+            rows.append(problem.velocity(z) / magnitudes**2)
+        for pin in problem.pins:
+            assert problem.reference is not None
+            row = np.zeros(n)
+            if pin.pin is None:
+                row[:] = neutrals.generator_at(pin, problem.reference, problem.parameters)
+            else:
+                row[problem.system.state_names.index(pin.pin)] = 1.0
+            rows.append(row)
+        self.conditions = np.array(rows).reshape(len(rows), n)
+        scaled = self.conditions * magnitudes
+        self.basis = complement(scaled.T) * magnitudes[:, None] if len(rows) else np.diag(magnitudes)
+        self.coordinates = (self.basis / magnitudes[:, None]).T / magnitudes
+
+    @cached_property
+    def _by_scalars(self) -> np.ndarray:
+        """Derivative of the end by period, drifts and free parameter, shape (n, k)."""
+        problem, m, n = self.problem, self.problem.segments, self.problem.states
+        jacobian = problem.linearize(self.z).jacobian
+        factors = problem.factors(jacobian)
+        total = np.zeros((n, len(problem.motion.columns)))
+        for i in range(m):
+            total = factors[i] @ total + jacobian[i * n : (i + 1) * n, m * n :]
+        return total
+
+    def _held(self, end: np.ndarray) -> np.ndarray:
+        """Change of period and drifts that brings an end back into section and pins."""
+        if not len(self.conditions):
+            return np.zeros(0)
+        own = self.conditions @ self._by_scalars[:, :-1]
+        return -np.linalg.solve(own, self.conditions @ end)
+
+    def curve(
+        self, x1: np.ndarray, x2: np.ndarray | None = None, lam: float = 0.0, order: int = 3
+    ) -> list[np.ndarray]:
+        """First derivatives, up to `order`, of the image of the curve x_0 + s x1 + s^2 x2 / 2, lambda + s lam."""
+        problem, n = self.problem, self.problem.states
+        k = len(problem.motion.columns)
+        directions = [np.zeros(k) for _ in range(3)]
+        directions[0][-1] = lam
+        start = [self.basis @ x1, np.zeros(n) if x2 is None else self.basis @ x2, np.zeros(n)]
+        ends: list[np.ndarray] = []
+        for j in range(order):
+            end = self._jet(start, directions)[j]
+            held = self._held(end)
+            directions[j][: k - 1] = held
+            ends.append(self.coordinates @ (end + self._by_scalars[:, : k - 1] @ held))
+        return ends
+
+    def _jet(self, start: list[np.ndarray], directions: list[np.ndarray]) -> list[np.ndarray]:
+        """Derivatives 1, 2, 3 of the end along a curve of starts and scalars."""
+        problem, n = self.problem, self.problem.states
+        starts, scalars = problem.starts(self.z), problem.scalars(self.z)
+        jets = np.concatenate(start)
+        for i in range(problem.segments):
+            y = np.concatenate([starts[i], jets])
+            jets = problem.shooting.carried(JET, i, y, scalars, *directions)[n:]
+        return [jets[:n], jets[n : 2 * n], jets[2 * n :]]
+
+    @cached_property
+    def a(self) -> np.ndarray:
+        """A, shape (r, r)."""
+        problem = self.problem
+        whole = np.eye(problem.states)
+        for factor in problem.factors(problem.linearize(self.z).jacobian):
+            whole = factor @ whole
+        moved = whole @ self.basis
+        for j in range(moved.shape[1]):
+            moved[:, j] += self._by_scalars[:, :-1] @ self._held(moved[:, j])
+        return self.coordinates @ moved
+
+    @cached_property
+    def by_parameter(self) -> np.ndarray:
+        """Derivative of the map by the free parameter, shape (r,)."""
+        end = self._by_scalars[:, -1]
+        return self.coordinates @ (end + self._by_scalars[:, :-1] @ self._held(end))
+
+    def b(self, v: np.ndarray, w: np.ndarray, lv: float = 0.0, lw: float = 0.0) -> np.ndarray:
+        """B(v, w) of real vectors, with components along the free parameter."""
+        if v is w and lv == lw:
+            return self.curve(v, None, lv, 2)[1]
+        plus = self.curve(v + w, None, lv + lw, 2)[1]
+        return 0.25 * (plus - self.curve(v - w, None, lv - lw, 2)[1])
+
+    def b_complex(self, v: np.ndarray, w: np.ndarray) -> np.ndarray:
+        """B(v, w) of complex vectors."""
+        real = self.b(v.real, w.real) - self.b(v.imag, w.imag)
+        return real + 1j * (self.b(v.real, w.imag) + self.b(v.imag, w.real))
+
+
+def critical(matrix: np.ndarray, value: complex) -> tuple[np.ndarray, np.ndarray]:
+    """q and p of an eigenvalue, |q| = 1 and p @ q = 1 (p a row vector); the largest entry of q is positive."""
+    shifted = matrix - value * np.eye(len(matrix))
+    u, _, vh = np.linalg.svd(shifted)
+    q, p = vh[-1].conj(), u[:, -1].conj()
+    largest = q[np.argmax(np.abs(q))]
+    q = q * np.conj(largest) / abs(largest)
+    return q, p / (p @ q)
+
+
+def fold(problem: PeriodicOrbit, z: np.ndarray) -> dict[str, Any]:
+    """a = p.B(q,q) / 2 and b = p.P_lambda of xi -> xi + b mu + a xi^2."""
+    map_ = ReturnMap(problem, z)
+    q, p = critical(map_.a, 1.0)
+    return {
+        "a": 0.5 * float(p @ map_.b(q, q)),
+        "b": float(p @ map_.by_parameter),
+        "convention": "return map xi -> xi + b mu + a xi^2, a = p.B(q,q)/2, |q| = 1 in units of the orbit's "
+        "size, p.q = 1 (Kuznetsov 2004, section 5.4)",
+    }
+
+
+def flip(problem: PeriodicOrbit, z: np.ndarray) -> dict[str, Any]:
+    """c of xi -> -(1 + mu) xi + c xi^3: positive where the doubled orbit is stable beside a stable one."""
+    map_ = ReturnMap(problem, z)
+    q, p = critical(map_.a, -1.0)
+    h = np.linalg.solve(np.eye(len(q)) - map_.a, map_.b(q, q))
+    return {
+        "c": float(p @ map_.curve(q, h)[2]) / 6.0,
+        "convention": "return map xi -> -(1 + mu) xi + c xi^3, c = p.(C(q,q,q) + 3 B(q, (1 - A)^-1 B(q,q)))/6, "
+        "|q| = 1 in units of the orbit's size, p.q = 1 (Kuznetsov 2004, section 5.4)",
+    }
+
+
+def torus(problem: PeriodicOrbit, z: np.ndarray, theta: float) -> dict[str, Any]:
+    """Re d of the normal form of a Neimark-Sacker point: negative where a stable torus surrounds."""
+    map_ = ReturnMap(problem, z)
+    a, turn = map_.a, np.exp(1j * theta)
+    q, p = critical(a, turn)
+    one = np.eye(len(q))
+    h11 = np.linalg.solve(one - a, map_.b_complex(q, q.conj()))
+    h20 = np.linalg.solve(turn**2 * one - a, map_.b_complex(q, q))
+    r, i = q.real, q.imag
+    cubes = {s: map_.curve(r * s[0] + i * s[1])[2] for s in ((1, 0), (0, 1), (1, 1), (1, -1))}
+    rri = (cubes[1, 1] - cubes[1, -1] - 2.0 * cubes[0, 1]) / 6.0
+    rii = (cubes[1, 1] + cubes[1, -1] - 2.0 * cubes[1, 0]) / 6.0
+    third = cubes[1, 0] + rii + 1j * (rri + cubes[0, 1])  # C(q, q, q*)
+    total = third + 2.0 * map_.b_complex(q, h11) + map_.b_complex(q.conj(), h20)
+    d = 0.5 * complex(np.conj(turn) * (p @ total))
+    return {
+        "d": d.real,
+        "theta": theta,
+        "rotation_number": theta / (2.0 * np.pi),
+        "convention": "Re d, d = exp(-i theta) p.(C(q,q,q*) + 2 B(q,(1-A)^-1 B(q,q*)) + "
+        "B(q*,(exp(2 i theta)-A)^-1 B(q,q)))/2, |q| = 1 in units of the orbit's size, p.q = 1 "
+        "(Kuznetsov 2004, section 5.4); theta in rad per closure",
+    }
+
+
+def branch_point(problem: PeriodicOrbit, z: np.ndarray, weight: float) -> dict[str, Any]:
+    """Coefficients of the branching equation c11 s^2 + 2 c12 s t + c22 t^2 = 0 and of the cubic term.
+
+    `weight` is the typical magnitude of the free parameter.
+    """
+    map_ = ReturnMap(problem, z)
+    q, p = critical(map_.a, 1.0)
+    q, p = q.real, p.real
+    shifted = map_.a - np.eye(len(q))
+    bordered = Factored(np.block([[shifted, p[:, None]], [q[None, :], np.zeros((1, 1))]]))
+    h = bordered.solve(np.append(-map_.by_parameter, 0.0))[:-1]
+    b11 = map_.b(q, q)
+    c11 = float(p @ b11)
+    c12, c22 = float(p @ map_.b(q, h, 0.0, 1.0)), float(p @ map_.b(h, h, 1.0, 1.0))
+    h2 = bordered.solve(np.append(-b11, 0.0))[:-1]
+    c = float(p @ map_.curve(q, h2)[2]) / 6.0
+    terms = float(np.abs(p) @ np.abs(b11)) + abs(6.0 * c)
+    if abs(c11) <= EQUAL * max(terms, abs(2.0 * c12 * weight)):
+        c11 = 0.0
+    return {
+        "c11": c11,
+        "c12": c12,
+        "c22": c22,
+        "c": c,
+        "convention": "return map minus identity; c11 s^2 + 2 c12 s t + c22 t^2 = 0 for the directions s q + t h; "
+        "c = p.(C(q,q,q) - 3 B(q, (A-1)^-1 B(q,q)))/6, |q| = 1 in units of the orbit's size, p.q = 1",
+    }

@@ -1,0 +1,584 @@
+"""Periodic orbits of a smooth system as one free parameter varies."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+from contwalk.errors import called
+from contwalk.problems import neutral as neutrals
+from contwalk.problems.linear import EPSILON, Factored
+from contwalk.problems.orbit import augmented, describing, rates, switching
+from contwalk.problems.orbit.closure import Closure, imaged
+from contwalk.problems.orbit.discretization import Discretization, method_for
+from contwalk.problems.orbit.motion import PLAIN, Motion, motion_of
+from contwalk.problems.orbit.multipliers import Multipliers, multipliers
+from contwalk.problems.orbit.section import Section, section_at
+from contwalk.problems.orbit.shooting import Mesh, Shooting, meshed, velocity
+from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed
+from contwalk.system import Neutral, System
+from contwalk.system.declarations import ParameterValues
+
+# Samples of an orbit that observables are computed from, beside the integrator's own steps.
+SAMPLES = 512
+# A residual counts as solved at this part of the tolerance.
+SOLVED = 0.01
+# The section moves where the orbit is this much slower than at its fastest, in the metric.
+SLOW = 0.05
+# Evaluations of the field in a step of each method (of the implicit ones, about).
+STAGES = {"dop853": 12, "verner98": 16, "radau5": 24, "radau9": 40}
+# Linearizations that are kept: a step asks for the same ones several times.
+MOST_KEPT = 12
+# Two orbits whose periods and places differ by less than this part are one.
+ALIKE = 1e-6
+
+
+class PeriodicOrbit:
+    """The problem S phi(x, T, p) = x with a phase condition, by multiple shooting.
+
+    The unknowns are u = (x_0, ..., x_m-1, T, a): states at the starts of m segments of equal duration, the
+    period (autonomous systems only), a drift for each pinned neutral direction. An instance is one
+    discretisation, with its section and its steps; `adapted` makes the next one.
+
+    Parameters
+    ----------
+    system : System
+        Its first mode's field is continued.
+    parameters : mapping
+        Values of all parameters.
+    free : str
+        Name of the free parameter, or `path`.
+    path : tuple of two mappings, optional
+        All parameters at its beginning and end, when `free` is `path`.
+    pins : sequence of Neutral
+        Neutral directions that are pinned along the branch.
+    reference : ndarray, shape (n,), optional
+        State at which pins without a parameter hold their direction.
+    subharmonic : int
+        The orbit of a forced system lasts so many of its periods.
+    discretization : Discretization
+    """
+
+    kind = "periodic_orbit"
+
+    def __init__(
+        self,
+        system: System,
+        parameters: Mapping[str, float],
+        free: str,
+        path: tuple[Mapping[str, float], Mapping[str, float]] | None = None,
+        pins: Sequence[Neutral] = (),
+        reference: np.ndarray | None = None,
+        subharmonic: int = 1,
+        discretization: Discretization | None = None,
+    ) -> None:
+        self.system, self.free, self.path = system, free, path
+        self.pins, self.reference = tuple(pins), reference
+        self.parameters = {name: float(parameters[name]) for name in system.parameter_names}
+        self.subharmonic = subharmonic
+        self.discretization = discretization or Discretization()
+        self.states = len(system.states)
+        self.forced = system.period is not None
+        names = system.parameter_names
+        begin, end = path if path is not None else (self.parameters, self.parameters)
+        self._base = np.array([float(begin[name]) for name in names])
+        self._direction = np.array([float(end[name]) - float(begin[name]) for name in names])
+        self.fixed = np.concatenate([self._base, self._direction])
+        self.closure = self._closed(np.zeros(self.states))
+        self.section: Section | None = None
+        self._mesh: Mesh | None = None
+        self._tally = [0]
+        self._kept: dict[bytes, Linearization] = {}
+
+    def _motion(self, fold: int) -> Motion:
+        moving = tuple(np.flatnonzero(self._direction).tolist())
+        free = None if self.path is not None else self.free
+        return motion_of(self.system, free, moving, self.pins, self.subharmonic / fold)
+
+    def _closed(self, turns: np.ndarray, symmetry: Any = None, power: int = 1, fold: int = 1) -> Closure:
+        return Closure(self._motion(fold), turns, symmetry, power, fold)
+
+    # -- variants ----------------------------------------------------------------------------------------
+
+    def _varied(self, **changes: Any) -> PeriodicOrbit:
+        other = copy.copy(self)
+        other._kept = {}
+        for name, value in changes.items():
+            setattr(other, name, value)
+        return other
+
+    def closing(
+        self, turns: np.ndarray, symmetry: Any = None, power: int = 1, fold: int = 1
+    ) -> PeriodicOrbit:
+        """The same orbits closed up to a symmetry (or to none), with angles that turn."""
+        return self._varied(closure=self._closed(turns, symmetry, power, fold))
+
+    def on(self, mesh: Mesh, section: Section | None) -> PeriodicOrbit:
+        """The same problem on another mesh, with another section."""
+        return self._varied(_mesh=mesh, section=section)
+
+    @property
+    def mesh(self) -> Mesh:
+        """The steps of this discretisation."""
+        if self._mesh is None:
+            raise ValueError("the problem has no mesh yet: see `adapted_to`")
+        return self._mesh
+
+    @property
+    def motion(self) -> Motion:
+        """The field over one closure."""
+        return self.closure.motion
+
+    @property
+    def shooting(self) -> Shooting:
+        """Integration over the segments."""
+        return Shooting(self.motion, self.closure, self.mesh, self.fixed)
+
+    @property
+    def segments(self) -> int:
+        """Number of segments."""
+        return self.mesh.segments
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns without the free parameter."""
+        return self.segments * self.states + len(self.motion.columns) - 1
+
+    @property
+    def evaluations(self) -> int:
+        """Steps of integration so far, in right-hand sides."""
+        return self._tally[0]
+
+    @property
+    def observable_names(self) -> tuple[str, ...]:
+        """The system's observables, then `max_abs`."""
+        return (*[o.name for o in self.system.observables], MAX_ABS)
+
+    # -- vectors of unknowns -----------------------------------------------------------------------------
+
+    def starts(self, z: np.ndarray) -> np.ndarray:
+        """States at the starts of the segments, shape (m, n)."""
+        return z[: self.segments * self.states].reshape(self.segments, self.states)
+
+    def scalars(self, z: np.ndarray) -> np.ndarray:
+        """Period (where unknown), drifts and free parameter: the columns of `Motion`."""
+        return z[self.segments * self.states :]
+
+    def values_of(self, z: np.ndarray) -> dict[str, float]:
+        """All parameters at z, by name."""
+        lam = float(z[-1])
+        if self.path is None:
+            return {**self.parameters, self.free: lam}
+        names = self.system.parameter_names
+        return {n: b + lam * d for n, b, d in zip(names, self._base, self._direction, strict=True)}
+
+    def duration(self, z: np.ndarray) -> float:
+        """Duration of the closure, seconds."""
+        if not self.forced:
+            return float(self.scalars(z)[0])
+        period = self.system.period
+        assert period is not None
+        p = ParameterValues(**self.values_of(z))
+        return self.subharmonic / self.closure.fold * float(called("period", period, p))
+
+    @property
+    def periods(self) -> np.ndarray:
+        """Periods of the states that are angles, 0 for the others, shape (N + 1,)."""
+        own = np.array([s.period or 0.0 for s in self.system.states])
+        return np.concatenate([np.tile(own, self.segments), np.zeros(len(self.motion.columns))])
+
+    # -- equations ---------------------------------------------------------------------------------------
+
+    def linearize(self, z: np.ndarray) -> Linearization:
+        """The equations at z."""
+        key = z.tobytes()
+        if key not in self._kept:
+            while len(self._kept) >= MOST_KEPT:
+                del self._kept[next(iter(self._kept))]
+            residual, jacobian = self._equations(z)
+            self._kept[key] = Linearization(
+                residual, jacobian, lambda: (self._levels(z, jacobian), None), lambda: self.magnitudes_near(z)
+            )
+        return self._kept[key]
+
+    def jacobian(self, z: np.ndarray) -> np.ndarray:
+        """DF(z), shape (N, N + 1)."""
+        return self.linearize(z).jacobian
+
+    def _equations(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        n, m, k = self.states, self.segments, len(self.motion.columns)
+        starts, scalars, shooting = self.starts(z), self.scalars(z), self.shooting
+        residual, jacobian = np.zeros(self.size), np.zeros((self.size, self.size + 1))
+        columns = np.hstack([np.eye(n), np.zeros((n, k))])
+        sources = np.array([-1] * n + list(range(k)))
+        for i in range(m):
+            end, moved = shooting.differentiated(PLAIN, i, starts[i], columns, sources, scalars)
+            rows, following = slice(i * n, (i + 1) * n), (i + 1) % m * n
+            residual[rows] = end - starts[(i + 1) % m]
+            jacobian[rows, i * n : (i + 1) * n] += moved[:, :n]
+            jacobian[rows, m * n :] = moved[:, n:]
+            jacobian[rows, following : following + n] -= np.eye(n)
+        self._tally[0] += self._cost
+        row = m * n
+        if not self.forced:
+            residual[row], jacobian[row, : m * n] = self._phase(starts)
+            row += 1
+        for j, pin in enumerate(self.pins):
+            residual[row + j] = self._pinned(pin, z, jacobian[row + j])
+        return residual, jacobian
+
+    @property
+    def _cost(self) -> int:
+        """Right-hand sides of one pass with derivatives, each column counted as one."""
+        stages = STAGES[self.mesh.method]
+        steps = sum(len(times) - 1 for times in self.mesh.steps)
+        return steps * stages * (1 + self.states + len(self.motion.columns))
+
+    def _phase(self, starts: np.ndarray) -> tuple[float, np.ndarray]:
+        """Residual and gradient of the phase condition."""
+        assert self.section is not None
+        gradient = np.zeros(starts.size)
+        gradient[: self.states] = self.section.normal
+        return self.section.residual(starts[0]), gradient
+
+    def _pinned(self, pin: Neutral, z: np.ndarray, row: np.ndarray) -> float:
+        """Residual of a pinned direction; its gradient is written into `row`."""
+        assert self.reference is not None
+        x, names = z[: self.states], self.system.parameter_names
+        if pin.pin is None:
+            g = neutrals.generator_at(pin, self.reference, self.parameters)
+            row[: self.states] = g / np.linalg.norm(g)
+            return float(row[: self.states] @ (x - self.reference))
+        k = self.system.state_names.index(pin.pin)
+        row[k] = 1.0
+        if pin.value is None:
+            return float(x[k] - self.reference[k])
+        if self.path is not None:
+            row[-1] = -self._direction[names.index(pin.value)]
+        elif pin.value == self.free:
+            row[-1] = -1.0
+        return float(x[k] - self.values_of(z)[pin.value])
+
+    def _levels(self, z: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
+        """What of each residual is rounding, or error of the steps."""
+        n, m = self.states, self.segments
+        variation = self.mesh.variation
+        rounding = 8.0 * EPSILON * (np.abs(jacobian) @ np.abs(z))
+        level = np.concatenate([np.tile(SOLVED * self.mesh.tolerance * variation, m), np.zeros(self.size - m * n)])
+        return level + rounding + 1e-300
+
+    def magnitudes_near(self, z: np.ndarray) -> np.ndarray:
+        """Half the range of each state over the orbit; declared scales where there are any."""
+        n, m = self.states, self.segments
+        nodes = np.concatenate(self.shooting.states(self.starts(z), self.scalars(z)))
+        half = 0.5 * np.ptp(nodes, axis=0)
+        half = np.where(half > 1e-13 * np.abs(nodes).max(axis=0), half, np.nan)
+        for i, state in enumerate(self.system.states):
+            if state.scale is not None:
+                half[i] = state.scale
+        scalars = np.abs(self.scalars(z))
+        scalars[1 - self.forced : -1] = np.nan  # drifts are zero; what they are is noise
+        return np.concatenate([np.tile(half, m) * np.sqrt(m), scalars])
+
+    def reported(self, z: np.ndarray) -> np.ndarray:
+        """The state at the phase condition's point, shape (n,)."""
+        return z[: self.states]
+
+    def branch_facts(self) -> dict[str, Any]:
+        """What is true of a whole branch of these orbits, as fields of `BranchInfo`."""
+        neutral = len(self.pins) + (0 if self.forced else 1)
+        return {
+            "problem": self.kind,
+            "observables": self.observable_names,
+            "unknowns": self.size,
+            "spectrum": max(self.states - neutral, 1),
+            "closure": self.closure.name,
+            "subharmonic": self.subharmonic,
+            "settings": {"pins": [pin.name for pin in self.pins], "segments": self.segments, "fold": self.closure.fold},
+        }
+
+    def explain(self, z: np.ndarray) -> str:
+        """Where a residual at z is not finite."""
+        return "the motion from there ends or grows without bound within one period"
+
+    # -- along a branch ----------------------------------------------------------------------------------
+
+    def examine(
+        self,
+        z: np.ndarray,
+        tangent: np.ndarray,
+        weights: np.ndarray,
+        linearization: Linearization,
+        before: int | None,
+    ) -> Sample:
+        """Everything that is watched at a solution."""
+        length = float(np.linalg.norm(tangent / weights))
+        unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
+        found = self.multipliers(z, linearization.jacobian)
+        bordered = np.vstack([linearization.jacobian, unit / weights**2])
+        return Sample(
+            z=z,
+            tangent=unit,
+            weights=weights,
+            orientation=Factored(bordered, weights).orientation(),
+            eigenvalues=found.values,
+            errors=found.errors,
+            rates=rates.of_moduli(self, z, unit, found),
+            measures=found.measures,
+            unstable=found.unstable(before),
+            observables=self.observables(z, found),
+            magnitudes=linearization.magnitudes,
+            excess=linearization.excess_in(weights),
+            critical=1.0,
+            period=self.duration(z),
+            trivial_error=self.trivial_error(z, linearization.jacobian),
+        )
+
+    def factors(self, jacobian: np.ndarray) -> list[np.ndarray]:
+        """Derivative of each segment's end by its start, from DF(z)."""
+        n, m = self.states, self.segments
+        if m == 1:
+            return [jacobian[:n, :n] + np.eye(n)]
+        return [jacobian[i * n : (i + 1) * n, i * n : (i + 1) * n] for i in range(m)]
+
+    def neutral_directions(self, z: np.ndarray, factors: Sequence[np.ndarray]) -> list[np.ndarray]:
+        """At the start of each segment, the directions whose multipliers are left out, shape (n, k)."""
+        values = ParameterValues(**self.values_of(z))
+        result = []
+        for i, x in enumerate(self.starts(z)):
+            directions = [] if self.forced else [self._flow_direction(z, i, factors)]
+            for pin in self.pins:
+                v = np.zeros(self.states)
+                called(f"generator of '{pin.name}'", pin.generator, 0.0, x, values, v)
+                directions.append(v)
+            result.append(np.array(directions).reshape(len(directions), self.states).T)
+        return result
+
+    def _flow_direction(self, z: np.ndarray, segment: int, factors: Sequence[np.ndarray]) -> np.ndarray:
+        """Velocity at a segment's start; of an orbit that is a point still, what it is about to become."""
+        assert self.section is not None
+        magnitudes = self.mesh.variation
+        own = self.velocity(z, segment)
+        if np.linalg.norm(own / magnitudes) > 1e-9:
+            return own
+        direction = self.section.normal * magnitudes**2
+        for i in range(segment):
+            direction = factors[i] @ direction
+        return direction
+
+    def velocity(self, z: np.ndarray, segment: int = 0) -> np.ndarray:
+        """dx/dt at a segment's start, in units of the closure's duration."""
+        values = np.concatenate([self.scalars(z), self.fixed])
+        return velocity(self.motion, self.starts(z)[segment], segment / self.segments, values)
+
+    def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
+        """Multipliers of the closure without the flow's own and the pinned ones."""
+        factors = self.factors(jacobian)
+        neutral = self.neutral_directions(z, factors)
+        return multipliers(factors, neutral, self.mesh.variation, self.mesh.tolerance)
+
+    def trivial_error(self, z: np.ndarray, jacobian: np.ndarray) -> float:
+        """|M f - f| / |f|: how well the flow carries its own velocity once round; NaN where there is none."""
+        if self.forced:
+            return float("nan")
+        f = self.velocity(z) / self.mesh.variation
+        carried = f * self.mesh.variation
+        for factor in self.factors(jacobian):
+            carried = factor @ carried
+        size = float(np.linalg.norm(f))
+        return float(np.linalg.norm(carried / self.mesh.variation - f)) / size if size > 0.0 else float("nan")
+
+    def motion_of(self, z: np.ndarray, number: int = SAMPLES) -> tuple[np.ndarray, np.ndarray]:
+        """The whole motion: times in seconds, shape (k,), and states, shape (k, n)."""
+        times, states = self.shooting.sampled(self.starts(z), self.scalars(z), number)
+        duration, parameters = self.duration(z), ParameterValues(**self.values_of(z))
+        pieces = self.closure.images(states, parameters)
+        starts = np.arange(len(pieces)) * duration
+        return (starts[:, None] + duration * times).ravel(), np.concatenate(pieces)
+
+    def observables(self, z: np.ndarray, found: Multipliers) -> np.ndarray:
+        """Values of `observable_names`, shape (o,)."""
+        values = []
+        if self.system.observables:
+            t, x = self.motion_of(z)
+            p = ParameterValues(**self.values_of(z))
+            values = [
+                called(f"observable '{o.name}'", lambda f: float(f(t, x, p)), o.function)
+                for o in self.system.observables
+            ]
+        largest = float(np.abs(found.values[0])) if len(found.values) else float("nan")
+        return np.array([*values, largest**self.rounds])
+
+    @property
+    def rounds(self) -> int:
+        """Closures of the motion that `max_abs` is of: the whole, if the orbit closes up to a mirror image.
+
+        A relabelled closure is a whole one: the machine is in the same state again.
+        """
+        symmetry = self.closure.symmetry
+        return self.closure.fold if symmetry is not None and symmetry.role == "spatial" else 1
+
+    # -- discretisations ---------------------------------------------------------------------------------
+
+    def adapted(self, sample: Sample) -> tuple[PeriodicOrbit, Sample]:
+        """The problem with its section and steps renewed at a solution, and the solution's sample on it.
+
+        The tangent moves along the flow into the new section; the branch stays where it is.
+        """
+        problem = self.adapted_to(sample.z, sample.weights)
+        if self.forced or problem.section is self.section:
+            return problem, sample
+        tangent = problem.into_section(sample.z, sample.tangent)
+        factor = float(np.linalg.norm(tangent / sample.weights))
+        return problem, sample.facing(tangent / factor, 1.0 / factor)
+
+    def into_section(self, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
+        """A tangent moved along the flow until it lies in the section: the same change of the orbit."""
+        if self.forced:
+            return tangent
+        assert self.section is not None
+        tangent, n, normal = tangent.copy(), self.states, self.section.normal
+        shift = -float(normal @ tangent[:n]) / float(normal @ self.velocity(z))
+        for i in range(self.segments):
+            tangent[i * n : (i + 1) * n] += shift * self.velocity(z, i)
+        return tangent
+
+    def at_stored(self, z: np.ndarray, weights: np.ndarray) -> PeriodicOrbit:
+        """The problem discretised for a solution that is taken up again."""
+        return self.adapted_to(z, weights)
+
+    def adapted_to(
+        self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None, segments: int | None = None
+    ) -> PeriodicOrbit:
+        """The problem with a section through x_0 and steps for the orbit of z.
+
+        Raises
+        ------
+        NotFinite
+            If the motion from z ends before the closure does.
+        """
+        m = segments or self.segments
+        starts, scalars = z[: m * self.states].reshape(m, self.states), z[m * self.states :]
+        magnitudes = weights[: self.states] / np.sqrt(m)
+        tolerance = tolerance or self.discretization.walking
+        method = self.method_for(tolerance)
+        values = np.concatenate([scalars, self.fixed])
+        mesh = meshed(self.motion, starts, values, magnitudes, tolerance, method)
+        self._tally[0] += 2 * STAGES[method] * sum(len(times) for times in mesh.steps)
+        return self.on(mesh, self._section_at(starts[0], values, mesh.variation))
+
+    def method_for(self, tolerance: float) -> str:
+        """The integrator for a tolerance."""
+        method = self.discretization.method
+        return method_for(tolerance) if method == "auto" else method
+
+    def _section_at(self, x: np.ndarray, values: np.ndarray, magnitudes: np.ndarray) -> Section | None:
+        if self.forced:
+            return None
+        own = velocity(self.motion, x, 0.0, values)
+        if np.linalg.norm(own / magnitudes) <= 1e-9 and self.section is not None:
+            return self.section
+        return section_at(x, own, magnitudes)
+
+    def refined(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> PeriodicOrbit:
+        """The same problem, section included, on steps for located points."""
+        tolerance = tolerance or self.discretization.locating
+        return self.adapted_to(z, weights, tolerance).on_section(self.section)
+
+    def doubled(self) -> PeriodicOrbit:
+        """The problem of the orbits that close after two of this one's closures."""
+        closure = self.closure
+        turns = 2.0 * closure.turns
+        if closure.fold == 1:
+            other = self._varied(subharmonic=2 * self.subharmonic) if self.forced else self
+            return other.closing(turns)
+        fold = closure.fold // 2 if closure.fold % 2 == 0 else closure.fold
+        if fold == 1:
+            return self.closing(turns)
+        return self.closing(turns, closure.symmetry, 2 * closure.power % closure.fold, fold)
+
+    def without_symmetry(self) -> PeriodicOrbit:
+        """The problem of the whole orbits."""
+        return self.closing(self.closure.fold * self.closure.turns)
+
+    def on_section(self, section: Section | None) -> PeriodicOrbit:
+        """The same problem with another section."""
+        return self._varied(section=section)
+
+    # -- special points ----------------------------------------------------------------------------------
+
+    def locate(self, label: str, sample: Sample, which: int) -> Located | None:
+        """The special point near a sample, by its defining system."""
+        return augmented.located(self, label, sample, which)
+
+    def locate_mark(self, name: str, level: float, sample: Sample) -> Located | None:
+        """The point near a sample at which an observable has the value `level`."""
+        return augmented.observed(self, name, level, sample)
+
+    def rate(self, name: str, sample: Sample) -> float:
+        """Derivative of an observable along the branch."""
+        return rates.of_observable(self, name, sample)
+
+    def tangent_at(self, label: str, located: Located, near: Sample) -> np.ndarray | None:
+        """At a branch point, the tangent of the branch that `near` is on."""
+        return switching.tangent_through(self, located, near) if label == "BP" else None
+
+    def many_branches(self, z: np.ndarray) -> bool:
+        """Whether more than one branch passes through a solution, to rounding."""
+        return switching.second_direction(self, z) is not None
+
+    def label_of(self, sample: Sample, which: int) -> str | None:
+        """PD or NS; a real multiplier at one is the business of the fold and branch point tests."""
+        value = sample.eigenvalues[which]
+        if value.imag != 0.0:
+            return "NS"
+        if value.real > 0.0:
+            return None
+        return "SB" if self.rounds > 1 else "PD"
+
+    def special_point(self, label: str, located: Located, sample: Sample, s: float) -> SpecialPoint:
+        """The record of a located point, with its normal form."""
+        return describing.described(self, label, located, sample, s)
+
+    def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
+        """The same solution with its angles turned as near as possible to those of another one."""
+        periods = self.periods
+        turns = np.divide(near - z, periods, out=np.zeros(len(z)), where=periods > 0.0)
+        return z + np.round(turns) * periods
+
+    def seeds(self, point: SpecialPoint) -> Sequence[Seed]:
+        """The branches that leave a special point."""
+        return switching.seeds(self, point)
+
+    # -- comparing ---------------------------------------------------------------------------------------
+
+    def same_orbit(self, z: np.ndarray, other: np.ndarray) -> bool:
+        """Whether two solutions are one orbit, or one is the other's image under a declared symmetry."""
+        if abs(self.duration(z) - self.duration(other)) > ALIKE * self.duration(z):
+            return False
+        _, curve = self.motion_of(other, 4 * SAMPLES)
+        p = ParameterValues(**self.values_of(z))
+        images = [z[: self.states], *[imaged(s, z[: self.states], p) for s in self.system.symmetries]]
+        periods = self.periods[: self.states]
+        scale = self.mesh.variation
+        for x in images:
+            apart = x - curve
+            turned = periods > 0.0
+            apart[:, turned] -= np.round(apart[:, turned] / periods[turned]) * periods[turned]
+            distance = np.linalg.norm(apart / scale, axis=1)
+            k = int(np.argmin(distance))
+            a, b = curve[max(k - 1, 0)] / scale, curve[min(k + 1, len(curve) - 1)] / scale
+            if _off_chord(apart[k] / scale, b - a) < 30.0 * ALIKE:
+                return True
+        return False
+
+
+def _off_chord(vector: np.ndarray, chord: np.ndarray) -> float:
+    """Length of a vector's part at a right angle to a chord."""
+    size = float(chord @ chord)
+    along = vector @ chord / size if size > 0.0 else 0.0
+    return float(np.linalg.norm(vector - along * chord))

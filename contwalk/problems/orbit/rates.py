@@ -1,0 +1,78 @@
+"""How fast multipliers and observables of an orbit change along its branch."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contwalk.errors import called
+from contwalk.problems.orbit.augmented import cycle_matrix, null_vectors
+from contwalk.problems.orbit.motion import MIXED
+from contwalk.problems.orbit.multipliers import Multipliers
+from contwalk.system.declarations import ParameterValues
+
+if TYPE_CHECKING:
+    from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
+    from contwalk.problems.problem import Sample
+
+# Rates are computed of multipliers this near to the unit circle: only there a pair of crossings may hide.
+NEAR = 0.25
+# Displacement along the branch, in the metric, for the rate of an observable.
+BESIDE = 1e-4
+
+
+def of_moduli(problem: PeriodicOrbit, z: np.ndarray, tangent: np.ndarray, found: Multipliers) -> np.ndarray:
+    """Derivative of each modulus by arclength; NaN where it is far from one, or real and positive.
+
+    A real multiplier passes one at a fold or a branch point, which other tests see.
+    """
+    rates = np.full(len(found.values), np.nan)
+    for k, value in enumerate(found.values):
+        if abs(abs(value) - 1.0) > NEAR or (value.imag == 0.0 and value.real > 0.0):
+            continue
+        paired = k > 0 and value.imag != 0.0 and value == np.conj(found.values[k - 1])
+        rates[k] = rates[k - 1] if paired else of_modulus(problem, z, tangent, complex(value))
+    return rates
+
+
+def of_modulus(problem: PeriodicOrbit, z: np.ndarray, tangent: np.ndarray, value: complex) -> float:
+    """Derivative of |mu| along the branch, exact on the steps: mu' = psi* L_s v / psi* v."""
+    n, m, k = problem.states, problem.segments, len(problem.motion.columns)
+    multiplier = value if value.imag else value.real
+    matrix = cycle_matrix(problem, problem.linearize(z).jacobian, multiplier)
+    v, psi = null_vectors(matrix, np.tile(problem.mesh.variation, m))
+    parts = [v.real, v.imag] if np.iscomplexobj(v) else [v]
+    along, starts, still = tangent[: m * n].reshape(m, n), problem.starts(z), np.zeros(k)
+    moved = np.zeros(m * n, dtype=complex)
+    for unit, part in zip((1.0, 1j), parts, strict=False):
+        for i, vector in enumerate(part.reshape(m, n)):
+            y = np.concatenate([starts[i], vector, along[i], np.zeros(n)])
+            end = problem.shooting.carried(MIXED, i, y, problem.scalars(z), still, tangent[m * n :])
+            moved[i * n : (i + 1) * n] += unit * end[3 * n :]
+    scale = complex(psi[-n:].conj() @ v[:n])
+    if scale == 0.0:
+        return float("nan")
+    rate = complex(psi.conj() @ moved) / scale
+    return float((np.conj(value) * rate).real / abs(value))
+
+
+def of_observable(problem: PeriodicOrbit, name: str, sample: Sample) -> float:
+    """Derivative of an observable along the branch.
+
+    An observable is any function of the motion, so it is compared for the motions displaced along the
+    tangent to both sides; `max_abs` has an exact derivative.
+    """
+    if name == problem.observable_names[-1]:
+        value, rate = complex(sample.eigenvalues[0]), float(sample.rates[0])
+        if not np.isfinite(rate):
+            rate = of_modulus(problem, sample.z, sample.tangent, value)
+        return problem.rounds * abs(value) ** (problem.rounds - 1) * rate
+    function = next(o.function for o in problem.system.observables if o.name == name)
+    values = []
+    for sign in (1.0, -1.0):
+        z = sample.z + sign * BESIDE * sample.tangent
+        t, x = problem.motion_of(z)
+        p = ParameterValues(**problem.values_of(z))
+        values.append(called(f"observable '{name}'", function, t, x, p))
+    return float(values[0] - values[1]) / (2.0 * BESIDE)

@@ -1,0 +1,202 @@
+"""Finding a periodic orbit by watching a simulation come back to where it was."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from contwalk import flow
+from contwalk.errors import NotFinite, StartError, called
+from contwalk.problems.orbit.motion import PLAIN, motion_of
+from contwalk.system import System
+from contwalk.system.declarations import ParameterValues
+
+TOLERANCE = 1e-9
+# A return this near, in units of the motion's range, is one; Newton's method does the rest.
+RETURNED = 1e-4
+# Simulated stretches, each so many steps long at most, before the search is given up.
+STRETCHES = 400
+STEPS = 400
+# Returns of one stretch that are looked at: orbits that close after so many rounds are found.
+MOST_ROUNDS = 32
+# A motion this slow against its size is an equilibrium.
+STILL = 1e-9
+
+
+@dataclass(frozen=True)
+class Recurrence:
+    """A state on (nearly) a periodic orbit, its period in seconds, and the range of each state on it."""
+
+    state: np.ndarray
+    period: float
+    variation: np.ndarray
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """A system's motion at fixed parameters, in seconds."""
+
+    system: System
+    parameters: Mapping[str, float]
+
+    def constants(self) -> np.ndarray:
+        """What the field depends on: a closure of one second (of one period, if forced)."""
+        names = self.system.parameter_names
+        fixed = np.array([self.parameters[name] for name in names])
+        scalars = [1.0] if self.system.period is None else []
+        return np.concatenate([scalars, [fixed[0]], fixed, np.zeros(len(names))])
+
+    def run(self, t: float, x: np.ndarray, end: float, weights: np.ndarray) -> flow.Path:
+        """The motion from t to `end`; `path.status` tells what became of it."""
+        motion = motion_of(self.system, self.system.parameter_names[0], (), (), 1.0)
+        field = motion.field(PLAIN)
+        c = field.constants(self.constants())
+        return flow.adaptive(field, c, t, x, end, TOLERANCE, weights, "dop853")
+
+    def velocity(self, t: float, x: np.ndarray) -> np.ndarray:
+        """dx/dt."""
+        field = motion_of(self.system, self.system.parameter_names[0], (), (), 1.0).field(PLAIN)
+        return field(t, x, field.constants(self.constants()))
+
+    def at(self, path: flow.Path, times: np.ndarray) -> np.ndarray:
+        """States of a path at any times on it."""
+        field = motion_of(self.system, self.system.parameter_names[0], (), (), 1.0).field(PLAIN)
+        c = field.constants(self.constants())
+        return flow.dense(field, c, path.times, path.states, times, "dop853")
+
+
+def recurrent(
+    system: System, parameters: Mapping[str, float], state: np.ndarray, until: float | str = "settled"
+) -> Recurrence:
+    """The periodic orbit that a simulation settles on.
+
+    Parameters
+    ----------
+    until : float or "settled"
+        Seconds to simulate before looking for a return.
+
+    Raises
+    ------
+    NotFinite
+        If the motion ends.
+    StartError
+        If it comes to rest, or does not come back to where it was.
+    """
+    simulation = Simulation(system, parameters)
+    forced = system.period is not None
+    unit = 1.0
+    if system.period is not None:
+        unit = float(called("period", system.period, ParameterValues(**parameters)))
+    t, x = 0.0, np.array(state, dtype=float)
+    weights = np.maximum(np.abs(x), 1e-3)
+    if until != "settled":
+        path = _checked(simulation.run(t, x, float(until) / unit, weights))
+        t, x = float(path.times[-1]), path.states[-1].copy()
+    length = 8.0 if forced else _first_length(simulation, x, weights)
+    for _ in range(STRETCHES):
+        path = _checked(simulation.run(t, x, t + length, weights))
+        variation = np.ptp(path.states, axis=0)
+        _check_moves(simulation, path, variation)
+        found = _return(simulation, path, variation, forced)
+        if found is not None:
+            return Recurrence(found[0], found[1] * unit, 0.5 * variation)
+        weights = np.maximum(0.5 * variation, 1e-3 * weights)
+        t, x = float(path.times[-1]), path.states[-1].copy()
+        if len(path.times) < STEPS:
+            length *= 1.5
+    raise StartError(
+        f"The simulation did not come back to where it was within {t * unit:.6g} s: it has not settled, "
+        "or settles on a motion that is not periodic.",
+        "Simulate for longer with until: SECONDS, or start from another state.",
+    )
+
+
+def _first_length(simulation: Simulation, x: np.ndarray, weights: np.ndarray) -> float:
+    """A stretch of some steps: what the state needs to change by its own size, ten times over."""
+    rate = float(np.max(np.abs(simulation.velocity(0.0, x)) / weights))
+    return 10.0 / rate if rate > 0.0 else 10.0
+
+
+def _checked(path: flow.Path) -> flow.Path:
+    if path.status != "ok":
+        raise NotFinite(
+            f"The simulation ends after {path.times[-1]:.6g} time units ({path.status.replace('_', ' ')}).",
+            "Start elsewhere, or mend the plugin.",
+        )
+    return path
+
+
+def _check_moves(simulation: Simulation, path: flow.Path, variation: np.ndarray) -> None:
+    """An equilibrium is not an orbit."""
+    size = np.maximum(np.abs(path.states[-1]), 1e-12)
+    if simulation.system.period is None and np.all(variation <= STILL * size):
+        raise StartError(
+            "The simulation comes to rest at an equilibrium.",
+            "Start with start: {state: {...}}, or simulate from a state that leads to a periodic motion.",
+        )
+
+
+def _return(
+    simulation: Simulation, path: flow.Path, variation: np.ndarray, forced: bool
+) -> tuple[np.ndarray, float] | None:
+    """State and time of the first near return in the later half of a path to a point of it."""
+    scale = np.where(variation > 0.0, variation, 1.0)
+    turns = np.array([s.period or 0.0 for s in simulation.system.states])
+    begin = float(path.times[0])
+    end = float(path.times[-1])
+    if forced:
+        strobe = np.arange(np.ceil(begin), end + 1e-9)
+        states = simulation.at(path, np.clip(strobe, begin, end))
+        for k in range(1, len(strobe)):
+            if _distance(states[k], states[0], scale, turns) < RETURNED:
+                return states[0], float(k)
+        return None
+    middle = path.times[len(path.times) // 3]
+    origin = simulation.at(path, np.array([middle]))[0]
+    normal = simulation.velocity(middle, origin) / scale**2
+    later = path.times[path.times > middle]
+    apart = _turned(path.states[path.times > middle] - origin, turns)
+    side = apart @ normal
+    rounds = 0
+    for k in range(1, len(side)):
+        near = np.linalg.norm(apart[k] / scale) < 0.7
+        if side[k - 1] < 0.0 <= side[k] and near:
+            time = _crossing(simulation, path, origin, normal, turns, later[k - 1], later[k])
+            x = simulation.at(path, np.array([time]))[0]
+            rounds += 1
+            if _distance(x, origin, scale, turns) < RETURNED:
+                return origin, time - middle
+            if rounds >= MOST_ROUNDS:
+                return None
+    return None
+
+
+def _crossing(
+    simulation: Simulation,
+    path: flow.Path,
+    origin: np.ndarray,
+    normal: np.ndarray,
+    turns: np.ndarray,
+    low: float,
+    high: float,
+) -> float:
+    """Time at which a path passes the section between two times: a guess for Newton's method."""
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        apart = _turned(simulation.at(path, np.array([middle])) - origin, turns)[0]
+        low, high = (middle, high) if apart @ normal < 0.0 else (low, middle)
+    return 0.5 * (low + high)
+
+
+def _turned(apart: np.ndarray, turns: np.ndarray) -> np.ndarray:
+    """Differences with angles reduced to less than half a turn."""
+    apart = apart.copy()
+    angles = turns > 0.0
+    apart[..., angles] -= np.round(apart[..., angles] / turns[angles]) * turns[angles]
+    return apart
+
+
+def _distance(x: np.ndarray, y: np.ndarray, scale: np.ndarray, turns: np.ndarray) -> float:
+    return float(np.linalg.norm(_turned(x - y, turns) / scale))

@@ -1,0 +1,128 @@
+"""Eigenvalues of a product of matrices that is never formed.
+
+A. Bojanczyk, G. Golub, P. Van Dooren, "The periodic Schur decomposition", Proc. SPIE 1770 (1992) 31: all factors are
+brought to triangular form by unitary transformations between neighbours, the last one by way of Hessenberg form
+and shifted QR sweeps. Each factor is perturbed by its own rounding only, so that multipliers of 1e12 and
+1e-12 in one product come out with their own relative accuracy, as long as each factor is well scaled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+MOST_SWEEPS = 60
+EPSILON = float(np.finfo(float).eps)
+
+
+def product_eigenvalues(factors: Sequence[np.ndarray]) -> np.ndarray:
+    """Eigenvalues of factors[-1] @ ... @ factors[0], each of shape (r, r).
+
+    Parameters
+    ----------
+    factors : sequence of ndarray
+        In the order in which they act.
+
+    Returns
+    -------
+    ndarray of complex, shape (r,)
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        If the iteration does not converge.
+    """
+    if len(factors) == 1:
+        return np.linalg.eigvals(factors[0]).astype(complex)
+    chain = [np.array(factor, dtype=complex) for factor in factors]
+    _hessenberg(chain)
+    _sweeps(chain)
+    values = np.ones(len(chain[0]), dtype=complex)
+    for factor in chain:
+        values = values * np.diag(factor)
+    return values
+
+
+def _hessenberg(chain: list[np.ndarray]) -> None:
+    """All factors but the last upper triangular, the last one upper Hessenberg."""
+    _triangular(chain)
+    last = chain[-1]
+    for k in range(len(last) - 2):
+        q, _ = np.linalg.qr(last[k + 1 :, k : k + 1], mode="complete")
+        last[k + 1 :, :] = q.conj().T @ last[k + 1 :, :]
+        last[k + 2 :, k] = 0.0
+        chain[0][:, k + 1 :] = chain[0][:, k + 1 :] @ q
+        _triangular(chain, k + 1)
+
+
+def _triangular(chain: list[np.ndarray], first: int = 0) -> None:
+    """Restore the triangular form of rows and columns from `first` on, passing the changes on to the last."""
+    for i in range(len(chain) - 1):
+        q, r = np.linalg.qr(chain[i][first:, first:], mode="complete")
+        chain[i][first:, first:] = r
+        chain[i + 1][:, first:] = chain[i + 1][:, first:] @ q
+
+
+def _sweeps(chain: list[np.ndarray]) -> None:
+    """Shifted QR sweeps until the last factor is triangular as well."""
+    last = chain[-1]
+    high, sweeps = len(last) - 1, 0
+    while high > 0:
+        sizes = np.abs(np.diag(last))
+        below = np.abs(np.diag(last, -1))
+        below_is_nothing = below <= EPSILON * (sizes[:-1] + sizes[1:])
+        for k in np.flatnonzero(below_is_nothing):
+            last[k + 1, k] = 0.0
+        if last[high, high - 1] == 0.0:
+            high, sweeps = high - 1, 0
+            continue
+        low = high - 1
+        while low > 0 and last[low, low - 1] != 0.0:
+            low -= 1
+        if sweeps >= MOST_SWEEPS:
+            raise np.linalg.LinAlgError("the periodic QR iteration does not converge")
+        sweeps += 1
+        _sweep(chain, low, high, _shift(chain, high, sweeps))
+
+
+def _shift(chain: list[np.ndarray], high: int, sweeps: int) -> complex:
+    """The eigenvalue of the trailing block of the product that is nearest to its corner."""
+    corner = slice(high - 1, high + 1)
+    block = np.eye(2, dtype=complex)
+    for factor in chain:
+        block = factor[corner, corner] @ block
+    if sweeps % 11 == 10:  # an exceptional shift, against cycles
+        return complex(abs(block[1, 0]) + abs(block[1, 1]))
+    values = np.linalg.eigvals(block)
+    return complex(values[np.argmin(np.abs(values - block[1, 1]))])
+
+
+def _sweep(chain: list[np.ndarray], low: int, high: int, shift: complex) -> None:
+    """One QR sweep on rows and columns low..high: a bulge is chased through all factors."""
+    last = chain[-1]
+    scale = complex(np.prod([factor[low, low] for factor in chain[:-1]]))
+    column = np.array([last[low, low] * scale - shift, last[low + 1, low] * scale])
+    for k in range(low, high):
+        if k > low:
+            column = last[k : k + 2, k - 1].copy()
+        rotation = _rotation(column)
+        last[k : k + 2, :] = rotation @ last[k : k + 2, :]
+        if k > low:
+            last[k + 1, k - 1] = 0.0
+        for i, factor in enumerate(chain):
+            factor[:, k : k + 2] = factor[:, k : k + 2] @ rotation.conj().T
+            if i < len(chain) - 1:
+                rotation = _rotation(factor[k : k + 2, k])
+                factor[k : k + 2, :] = rotation @ factor[k : k + 2, :]
+                factor[k + 1, k] = 0.0
+
+
+def _rotation(column: np.ndarray) -> np.ndarray:
+    """The unitary matrix, shape (2, 2), that takes a column to a multiple of (1, 0)."""
+    a, b = complex(column[0]), complex(column[1])
+    length = float(np.hypot(abs(a), abs(b)))
+    if length == 0.0:
+        return np.eye(2, dtype=complex)
+    a, b = a / length, b / length
+    return np.array([[a.conjugate(), b.conjugate()], [-b, a]])

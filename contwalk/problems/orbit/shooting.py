@@ -1,0 +1,187 @@
+"""Multiple shooting: what becomes of a start state over each segment of the closure, derivatives included.
+
+Everything is integrated on the steps of a `Mesh`, which stays as it is during a solve: the equations that
+Newton's method sees are smooth, and their derivatives are those of the integrator's own steps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contwalk import flow
+from contwalk.errors import NotFinite
+from contwalk.problems.orbit.closure import Closure
+from contwalk.problems.orbit.motion import PLAIN, TANGENT, Motion
+
+# A state that moves less than this part of its typical magnitude stands still: what it seems to move is rounding.
+STILL = 1e-11
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Steps in time, 0 to 1 over the closure, of each segment, and how they came about.
+
+    Parameters
+    ----------
+    steps : tuple of ndarray
+        Times of each segment's steps, its two ends included.
+    method : str
+        The integrator, one of `flow.METHODS`.
+    tolerance : float
+        Local error of each state in units of its variation along the orbit.
+    variation : ndarray, shape (n,)
+    """
+
+    steps: tuple[np.ndarray, ...]
+    method: str
+    tolerance: float
+    variation: np.ndarray
+
+    @property
+    def segments(self) -> int:
+        """Number of segments."""
+        return len(self.steps)
+
+
+@dataclass(frozen=True, eq=False)
+class Shooting:
+    """One closure of a motion, cut into segments of equal duration.
+
+    `fixed` holds the parameters' values: at the beginning of the path (or all of them), then their changes
+    along it.
+    """
+
+    motion: Motion
+    closure: Closure
+    mesh: Mesh
+    fixed: np.ndarray
+
+    def values(self, scalars: np.ndarray, directions: tuple[np.ndarray, ...]) -> np.ndarray:
+        """What a lift's field depends on, in its order."""
+        return np.concatenate([scalars, self.fixed, *directions])
+
+    def carried(
+        self, lift: str, segment: int, y: np.ndarray, scalars: np.ndarray, *directions: np.ndarray
+    ) -> np.ndarray:
+        """A lift's states at the end of a segment, the closure applied to the last one."""
+        values = self.values(scalars, directions)
+        field = self.motion.field(lift)
+        steps, method = self.mesh.steps[segment], self.mesh.method
+        end = flow.along(field, field.constants(values), steps, y, method)[-1]
+        return self.closure.end(lift, end, values) if segment == self.mesh.segments - 1 else end
+
+    def differentiated(
+        self,
+        lift: str,
+        segment: int,
+        y: np.ndarray,
+        columns: np.ndarray,
+        sources: np.ndarray,
+        scalars: np.ndarray,
+        *directions: np.ndarray,
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """As `carried`, with the derivatives `columns`, each driven by the scalar in `sources` (-1: none)."""
+        values = self.values(scalars, directions)
+        field = self.motion.field(lift)
+        steps, method = self.mesh.steps[segment], self.mesh.method
+        end, moved = flow.tangents(field, field.constants(values), steps, y, columns, sources, method)
+        if segment < self.mesh.segments - 1:
+            return end, moved
+        return self.closure.end_with_columns(lift, end, moved, sources, values)
+
+    def states(self, starts: np.ndarray, scalars: np.ndarray) -> list[np.ndarray]:
+        """States at the steps of each segment, shape (s + 1, n)."""
+        field = self.motion.field(PLAIN)
+        c = field.constants(self.values(scalars, ()))
+        return [
+            flow.along(field, c, steps, x, self.mesh.method)
+            for steps, x in zip(self.mesh.steps, starts, strict=True)
+        ]
+
+    def sampled(self, starts: np.ndarray, scalars: np.ndarray, number: int) -> tuple[np.ndarray, np.ndarray]:
+        """Times 0..1 and states, shape (k, n), at least `number` of them evenly spread, and the steps' own."""
+        field = self.motion.field(PLAIN)
+        c = field.constants(self.values(scalars, ()))
+        times, states = [], []
+        even = np.linspace(0.0, 1.0, number + 1)
+        nodes = self.states(starts, scalars)
+        for steps, x in zip(self.mesh.steps, nodes, strict=True):
+            inside = even[(even > steps[0]) & (even < steps[-1])]
+            wanted = np.unique(np.concatenate([steps, inside]))
+            times.append(wanted)
+            states.append(flow.dense(field, c, steps, x, wanted, self.mesh.method))
+        return np.concatenate(times), np.concatenate(states)
+
+
+def velocity(motion: Motion, x: np.ndarray, time: float, values: np.ndarray) -> np.ndarray:
+    """dx/dt in units of the closure's duration, shape (n,)."""
+    field = motion.field(PLAIN)
+    return field(time, x, field.constants(values))
+
+
+def meshed(
+    motion: Motion,
+    starts: np.ndarray,
+    values: np.ndarray,
+    magnitudes: np.ndarray,
+    tolerance: float,
+    method: str,
+) -> Mesh:
+    """Steps on which a motion, and a generic neighbour of it, are integrated to a tolerance.
+
+    The neighbour makes sure that derivatives are right too: where the motion stands still, itself would
+    allow steps of any length.
+
+    Parameters
+    ----------
+    starts : ndarray, shape (m, n)
+        State at the beginning of each segment.
+    values : ndarray
+        Scalars and fixed parameters.
+    magnitudes : ndarray, shape (n,)
+        Typical magnitudes of the states. Where a state varies less along the orbit, its variation counts.
+
+    Raises
+    ------
+    NotFinite
+        If the motion ends before the closure does.
+    """
+    variation = magnitudes
+    steps, nodes = _passed(motion, starts, values, variation, tolerance, method)
+    ranges = np.ptp(np.concatenate(nodes), axis=0)[: len(magnitudes)]
+    moves = ranges > STILL * np.maximum(magnitudes, np.abs(starts).max(axis=0))
+    smaller = np.where(moves, np.minimum(0.5 * ranges, magnitudes), magnitudes)
+    if np.any(smaller < 0.2 * variation):
+        variation = smaller
+        steps, _ = _passed(motion, starts, values, variation, tolerance, method)
+    return Mesh(tuple(steps), method, tolerance, variation)
+
+
+def _passed(
+    motion: Motion, starts: np.ndarray, values: np.ndarray, variation: np.ndarray, tolerance: float, method: str
+) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Accepted steps of every segment, and the states at them."""
+    field = motion.field(TANGENT)
+    c = field.constants(np.concatenate([values, np.zeros(len(motion.columns))]))
+    n, m = motion.states, len(starts)
+    generic = variation * np.cos(np.arange(1.0, n + 1.0))
+    weights = np.concatenate([variation, variation])
+    steps, nodes = [], []
+    for i, x in enumerate(starts):
+        y = np.concatenate([x, generic])
+        path = flow.adaptive(field, c, i / m, y, (i + 1) / m, tolerance, weights, method)
+        if path.status != "ok":
+            raise NotFinite(_SENTENCES[path.status], "Start elsewhere, or keep the run away from there.")
+        steps.append(path.times)
+        nodes.append(path.states)
+    return steps, nodes
+
+
+_SENTENCES = {
+    "not_finite": "The motion is not finite within one period: it ends, or grows without bound.",
+    "too_many_steps": "One period of the motion takes more steps than are allowed.",
+    "step_too_small": "The integrator's step becomes too small within one period: the field is not smooth there.",
+}
+

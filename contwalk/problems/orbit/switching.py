@@ -1,0 +1,301 @@
+"""The branches that leave a special point: of orbits from a Hopf point, and of other orbits from an orbit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+from contwalk.errors import NotFinite
+from contwalk.problems.linear import nearest_eigenpair
+from contwalk.problems.orbit.augmented import cycle_matrix, null_vectors, of_vector
+from contwalk.problems.orbit.closure import imaged, order_of
+from contwalk.problems.orbit.section import section_at
+from contwalk.problems.orbit.shooting import meshed
+from contwalk.problems.orbit.transport import carried_to, segments_for
+from contwalk.problems.problem import Located, Sample, Seed
+from contwalk.system import Symmetry
+from contwalk.system.declarations import ParameterValues
+
+if TYPE_CHECKING:
+    from contwalk.problems.equilibrium import Equilibrium
+    from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
+
+# Components of a critical vector below this part of its largest set no scale.
+FAINT = 1e-6
+# A second direction of solutions is one where DF's second smallest singular value is rounding.
+SINGULAR = 1e-9
+
+
+# -- from a Hopf point -------------------------------------------------------------------------------------
+
+
+def from_hopf(equilibrium: Equilibrium, point: SpecialPoint) -> Sequence[Seed]:
+    """The cycle that is born at a Hopf point, along its critical vectors."""
+    from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
+
+    n, z = equilibrium.states, np.array(point.unknowns)
+    omega = float(point.coefficients["omega"])
+    a = equilibrium.jacobian(z)[:n, :n]
+    q = nearest_eigenpair(a, 1j * omega).right
+    magnitudes = np.maximum(np.abs(q), FAINT * np.abs(q).max())
+    q = _turned(q, magnitudes)
+    orbit = PeriodicOrbit(
+        equilibrium.system,
+        equilibrium.parameters,
+        equilibrium.free,
+        equilibrium.path,
+        equilibrium.pins,
+        equilibrium.reference,
+        discretization=equilibrium.discretization,
+    )
+    x, period = z[:n], 2.0 * np.pi / omega
+    closing = _symmetry_of_cycle(equilibrium, x, z, q)
+    if closing is not None:
+        orbit = orbit.closing(np.zeros(n), *closing)
+        period /= closing[2]
+    scalars = np.concatenate([[period], np.zeros(len(equilibrium.pins)), z[-1:]])
+    section = section_at(x, (1j * omega * q).real, magnitudes)
+    values = np.concatenate([scalars, orbit.fixed])
+    tolerance = orbit.discretization.walking
+    method = orbit.method_for(tolerance)
+
+    def cut(m: int) -> tuple[PeriodicOrbit, np.ndarray, np.ndarray]:
+        mesh = meshed(orbit.motion, np.tile(x, (m, 1)), values, magnitudes, tolerance, method)
+        turns = np.exp(1j * omega * period * np.arange(m) / m)
+        tangent = np.concatenate([*[(q * turn).real for turn in turns], np.zeros(len(scalars))])
+        return orbit.on(mesh, section), np.concatenate([np.tile(x, m), scalars]), tangent
+
+    problem, start, tangent = cut(1)
+    m = segments_for(problem, start)
+    if m > 1:
+        problem, start, tangent = cut(m)
+    l1, rate = float(point.coefficients["l1"]), abs(float(point.coefficients["crossing_rate"]))
+
+    def reach(change: float) -> np.ndarray:
+        """Amplitudes on the cycle while the parameter changes so much: rho^2 = rate change / (omega |l1|)."""
+        amplitude = 2.0 * np.sqrt(rate * change / (omega * abs(l1))) if l1 != 0.0 and rate > 0.0 else 1.0
+        size = np.maximum(amplitude * magnitudes, 1e-12 * np.abs(x)) * np.sqrt(problem.segments)
+        moved = np.zeros(len(start))
+        moved[: problem.segments * n] = np.tile(size, problem.segments)
+        moved[-1] = change
+        return moved
+
+    return (Seed("HB", start, tangent, reach, problem, one_sided=True),)
+
+
+def _turned(q: np.ndarray, magnitudes: np.ndarray) -> np.ndarray:
+    """The phase of q at which its real and imaginary parts are at a right angle, the longer one first."""
+    scaled = q / magnitudes
+    product = complex(scaled @ scaled)
+    return q * np.exp(-0.5j * np.angle(product)) if abs(product) > 0.0 else q
+
+
+def _symmetry_of_cycle(
+    equilibrium: Equilibrium, x: np.ndarray, z: np.ndarray, q: np.ndarray
+) -> tuple[Symmetry, int, int] | None:
+    """Symmetry, power and fold of a cycle whose critical vector a spatial symmetry turns by a part of a round.
+
+    S q = exp(-2 pi i j / fold) q: the cycle is its own image a part of the period later.
+    """
+    p = ParameterValues(**equilibrium.values_of(z))
+    for symmetry in equilibrium.system.symmetries:
+        order = order_of(symmetry, x, p)
+        if symmetry.role != "spatial" or order is None or order < 2:
+            continue
+        if not np.allclose(imaged(symmetry, x, p), x, rtol=1e-9, atol=1e-9 * (1.0 + np.abs(x).max())):
+            continue
+        step = 1e-4
+        image = [(imaged(symmetry, x + step * part, p) - x) / step for part in (q.real, q.imag)]
+        ratio = complex(q.conj() @ (image[0] + 1j * image[1])) / complex(q.conj() @ q)
+        for power in range(1, order):
+            turned = ratio**power
+            if abs(turned - np.exp(-2j * np.pi / order)) < 1e-6:
+                return symmetry, power, order
+    return None
+
+
+# -- from an orbit -----------------------------------------------------------------------------------------
+
+
+def seeds(problem: PeriodicOrbit, point: SpecialPoint) -> Sequence[Seed]:
+    """The branches that leave a special point of a branch of orbits."""
+    z = np.array(point.unknowns)
+    try:
+        there = problem.adapted_to(z, _weights(problem, z), problem.discretization.locating)
+        if point.label == "PD":
+            return _doubled(there, z)
+        if point.label == "BP" and point.kind == "symmetry-breaking":
+            return _whole(there, z)
+        if point.label == "BP" and point.coefficients:
+            return _crossing(there, z, point)
+    except (NotFinite, np.linalg.LinAlgError):
+        return ()
+    return ()
+
+
+def _weights(problem: PeriodicOrbit, z: np.ndarray) -> np.ndarray:
+    """Typical magnitudes for a discretisation at z, from the segments' own starts where nothing else tells."""
+    magnitudes = problem.magnitudes_near(z)
+    return np.where(np.isfinite(magnitudes) & (magnitudes > 0.0), magnitudes, 1.0)
+
+
+def _doubled(problem: PeriodicOrbit, z: np.ndarray) -> Sequence[Seed]:
+    """The orbit of twice the period that leaves along the critical vector."""
+    return _repeated(problem, z, 2, problem.doubled(), "PD")
+
+
+def _whole(problem: PeriodicOrbit, z: np.ndarray) -> Sequence[Seed]:
+    """The orbit without the symmetry that its parent closes up to."""
+    return _repeated(problem, z, problem.closure.fold, problem.without_symmetry(), "BP")
+
+
+def _repeated(
+    problem: PeriodicOrbit, z: np.ndarray, times: int, other: PeriodicOrbit, label: str
+) -> Sequence[Seed]:
+    """A closure followed several times, the deviation changing its sign each time."""
+    n, m = problem.states, problem.segments
+    v, _ = null_vectors(cycle_matrix(problem, problem.linearize(z).jacobian, -1.0), np.tile(problem.mesh.variation, m))
+    v = v.real
+    direction = np.concatenate([v, np.zeros(len(z) - m * n)])
+    scalars = problem.scalars(z).copy()
+    if not problem.forced:
+        scalars[0] *= times
+    pieces = _pieces(problem, z, v, times)
+    first, start_v = pieces[0]
+    single = other.adapted_to(
+        np.concatenate([first, scalars]), _single_weights(problem, z), problem.discretization.walking, 1
+    )
+    count = segments_for(single, np.concatenate([first, scalars]))
+    if count == 1:
+        start, tangent = first, start_v
+        there = single
+    else:
+        cut = [_at(problem, z, direction, j * times / count) for j in range(count)]
+        start, tangent = np.concatenate([x for x, _ in cut]), np.concatenate([w for _, w in cut])
+        weights = np.concatenate([np.tile(_single_weights(problem, z)[:n] * np.sqrt(count), count), np.ones(len(scalars))])
+        there = other.adapted_to(np.concatenate([start, scalars]), weights, problem.discretization.walking, count)
+    z2 = np.concatenate([start, scalars])
+    tangent = there.into_section(z2, np.concatenate([tangent, np.zeros(len(scalars))]))
+    return (Seed(label, z2, tangent, _amplitude(problem, z, tangent), there, one_sided=label == "PD"),)
+
+
+def _single_weights(problem: PeriodicOrbit, z: np.ndarray) -> np.ndarray:
+    return np.concatenate([problem.mesh.variation, np.abs(problem.scalars(z))])
+
+
+def _pieces(
+    problem: PeriodicOrbit, z: np.ndarray, v: np.ndarray, times: int
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Start and deviation at the beginning of each repetition."""
+    n, p = problem.states, ParameterValues(**problem.values_of(z))
+    x, w = problem.starts(z)[0], v[:n]
+    result = [(x, w)]
+    for _ in range(1, times):
+        x, w = _next(problem, x, w, p)
+        result.append((x, w))
+    return result
+
+
+def _next(
+    problem: PeriodicOrbit, x: np.ndarray, w: np.ndarray, p: ParameterValues
+) -> tuple[np.ndarray, np.ndarray]:
+    """What follows a closure: its inverse image, with the deviation's sign changed, in unturned angles."""
+    closure = problem.closure
+    inverse = (closure.fold - 1) * closure.power if closure.fold > 1 else 0
+    size = float(np.linalg.norm(w)) or 1.0
+    step = 1e-6 * max(float(np.linalg.norm(x)), 1.0) / size
+    image = imaged(closure.symmetry, x, p, inverse)
+    # Symmetries of machines are affine, so that a difference is exact to rounding.
+    moved = (imaged(closure.symmetry, x + step * w, p, inverse) - image) / step if inverse else w
+    return image + closure.turns, -moved
+
+
+def _at(problem: PeriodicOrbit, z: np.ndarray, direction: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
+    """State and deviation at a time in closures, which may exceed one."""
+    p = ParameterValues(**problem.values_of(z))
+    whole = int(np.floor(time + 1e-12))
+    x, v = carried_to(problem, z, direction, min(time - whole, 1.0) if time > whole else 0.0)
+    for _ in range(whole):
+        x, v = _next(problem, x, v, p)
+    return x, v
+
+
+def _amplitude(problem: PeriodicOrbit, z: np.ndarray, tangent: np.ndarray):  # type: ignore[no-untyped-def]
+    """How far unknowns move along a branch that begins at a right angle: the orbit's own size bounds it."""
+
+    def reach(change: float) -> np.ndarray:
+        moved = np.abs(tangent) / max(float(np.abs(tangent).max()), 1e-300)
+        moved[-1] = change
+        return moved
+
+    return reach
+
+
+# -- through a branch point --------------------------------------------------------------------------------
+
+
+def directions(problem: PeriodicOrbit, located: Located, weights: np.ndarray) -> list[np.ndarray]:
+    """Tangents of the two branches through a branch point, each a unit vector in the metric."""
+    there = located.problem if located.problem is not None else problem
+    vectors, z = located.vectors, located.z
+    if "plane" not in vectors:
+        return []
+    t1, t2 = (np.linalg.qr((vectors["plane"] / weights).T)[0] * weights[:, None]).T
+    psi = vectors["left"]
+    h1, h2 = psi @ of_vector(there, z, t1), psi @ of_vector(there, z, t2)
+    form = np.array([[h1 @ t1, h1 @ t2], [h1 @ t2, h2 @ t2]])
+    values, axes = np.linalg.eigh(form)
+    if not values[0] < 0.0 < values[1]:
+        return []
+    found = []
+    for sign in (1.0, -1.0):
+        xy = np.sqrt(values[1]) * axes[:, 0] + sign * np.sqrt(-values[0]) * axes[:, 1]
+        t = xy[0] * t1 + xy[1] * t2
+        found.append(t / np.linalg.norm(t / weights))
+    return found
+
+
+def tangent_through(problem: PeriodicOrbit, located: Located, near: Sample) -> np.ndarray | None:
+    """The tangent of a branch at its branch point: of the two, the one nearest to `near`, facing its way."""
+    found = directions(problem, located, near.weights)
+    if not found:
+        return None
+    products = [float((t / near.weights) @ (near.tangent / near.weights)) for t in found]
+    best = int(np.argmax(np.abs(products)))
+    return found[best] * np.sign(products[best])
+
+
+def _crossing(problem: PeriodicOrbit, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
+    """The branch that crosses, along the tangent that the parent does not have."""
+    weights = _weights(problem, z)
+    jacobian = problem.linearize(z).jacobian
+    rows = np.abs(jacobian * weights).max(axis=1)
+    rows[rows == 0.0] = 1.0
+    u, _, vh = np.linalg.svd(jacobian / rows[:, None] * weights)
+    located = Located(z, 0.0, {"plane": vh[-2:] * weights, "left": u[:, -1] / rows}, problem=problem)
+    found = directions(problem, located, weights)
+    if len(found) < 2:
+        return ()
+    parent = np.array(point.tangent)
+    products = [abs(float((t / weights) @ (parent / weights))) for t in found]
+    other = found[int(np.argmin(products))]
+    share = other[-1] / weights[-1]
+    lead = share if abs(share) > 1e-6 else other[int(np.argmax(np.abs(other / weights)))]
+    tangent = other * np.sign(lead)
+    return (Seed("BP", z, tangent, _amplitude(problem, z, tangent), problem),)
+
+
+def second_direction(problem: PeriodicOrbit, z: np.ndarray) -> np.ndarray | None:
+    """A second direction of solutions, where there is one to rounding."""
+    jacobian = problem.linearize(z).jacobian
+    weights = _weights(problem, z)
+    scaled = jacobian * weights
+    rows = np.abs(scaled).max(axis=1)
+    rows[rows == 0.0] = 1.0
+    _, sizes, vh = np.linalg.svd(scaled / rows[:, None])
+    return vh[-2] * weights if sizes[-1] < SINGULAR * sizes[0] else None
+
+

@@ -1,0 +1,210 @@
+"""A motion as a file: what it passed through, and what happened on the way. `docs/schema.md` describes it."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from contwalk.errors import DatabaseError
+from contwalk.storage.failures import check_input, failures_of
+
+TRAJECTORY = "contwalk trajectory"
+SAMPLES = "contwalk samples"
+VERSION = 1
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """A computed motion.
+
+    Parameters
+    ----------
+    system : str
+    states : tuple of str
+        Names of the columns.
+    parameters : mapping
+        Values of all parameters.
+    times, values : ndarray, shapes (k,) and (k, n)
+    event_names : tuple of str
+        Of the events in the order of time; `event_times` (e,), `event_rising` (e,), the states
+        `event_before` and `event_after` (e, n), and `event_modes`, the modes after them, belong to them.
+    status : str
+        `ok` or why it ended early.
+    header : mapping
+        The run file's text as `config`, and `provenance`.
+    """
+
+    system: str
+    states: tuple[str, ...]
+    parameters: Mapping[str, float]
+    times: np.ndarray
+    values: np.ndarray
+    event_names: tuple[str, ...]
+    event_times: np.ndarray
+    event_rising: np.ndarray
+    event_before: np.ndarray
+    event_after: np.ndarray
+    event_modes: tuple[str, ...]
+    status: str = "ok"
+    header: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Measured numbers of many motions, with what each began from.
+
+    Parameters
+    ----------
+    system : str
+    drawn : tuple of str
+        Names of the columns of `draws` (k, d): drawn states and parameters.
+    measured : str
+        What `values` (k,) are, with their unit; NaN where nothing could be measured.
+    settled, crossed : ndarray of bool, shape (k,)
+        Whether the motion came to rest; whether the level was crossed at all.
+    ends : ndarray, shape (k,)
+        The time at which it settled or was given up, in the same unit.
+    header : mapping
+    """
+
+    system: str
+    drawn: tuple[str, ...]
+    measured: str
+    draws: np.ndarray
+    values: np.ndarray
+    settled: np.ndarray
+    crossed: np.ndarray
+    ends: np.ndarray
+    header: Mapping[str, Any] = field(default_factory=dict)
+
+
+def write_trajectory(path: Path, trajectory: Trajectory) -> Path:
+    """Write a motion; a file that exists is replaced when the new one is complete."""
+
+    def fill(file: h5py.File) -> None:
+        file["times"] = trajectory.times
+        file["values"] = trajectory.values
+        file["values"].attrs["states"] = list(trajectory.states)
+        events = file.create_group("events")
+        events["name"] = np.array(trajectory.event_names, dtype=h5py.string_dtype())
+        events["mode"] = np.array(trajectory.event_modes, dtype=h5py.string_dtype())
+        for name in ("times", "rising", "before", "after"):
+            events[name] = getattr(trajectory, f"event_{name}")
+        file.attrs["parameters"] = json.dumps(dict(trajectory.parameters))
+        file.attrs["status"] = trajectory.status
+
+    return _written(path, TRAJECTORY, trajectory.system, trajectory.header, fill)
+
+
+def read_trajectory(path: str | Path) -> Trajectory:
+    """Read a motion.
+
+    Raises
+    ------
+    DatabaseError
+        If the file is missing, damaged, or of something else.
+    """
+
+    def take(file: h5py.File) -> Trajectory:
+        events = file["events"]
+        return Trajectory(
+            system=str(file.attrs["system"]),
+            states=tuple(str(name) for name in file["values"].attrs["states"]),
+            parameters=json.loads(file.attrs["parameters"]),
+            times=file["times"][()],
+            values=file["values"][()],
+            event_names=tuple(events["name"].asstr()[()]),
+            event_modes=tuple(events["mode"].asstr()[()]),
+            **{f"event_{name}": events[name][()] for name in ("times", "rising", "before", "after")},
+            status=str(file.attrs["status"]),
+            header=json.loads(file.attrs["header"]),
+        )
+
+    return _read(path, TRAJECTORY, take)
+
+
+_ARRAYS = ("draws", "values", "settled", "crossed", "ends")
+
+
+def write_samples(path: Path, samples: Samples) -> Path:
+    """Write samples; a file that exists is replaced when the new one is complete."""
+
+    def fill(file: h5py.File) -> None:
+        for name in _ARRAYS:
+            file[name] = getattr(samples, name)
+        file["draws"].attrs["names"] = list(samples.drawn)
+        file["values"].attrs["measured"] = samples.measured
+
+    return _written(path, SAMPLES, samples.system, samples.header, fill)
+
+
+def read_samples(path: str | Path) -> Samples:
+    """Read samples; `DatabaseError` as for `read_trajectory`."""
+
+    def take(file: h5py.File) -> Samples:
+        return Samples(
+            system=str(file.attrs["system"]),
+            drawn=tuple(str(name) for name in file["draws"].attrs["names"]),
+            measured=str(file["values"].attrs["measured"]),
+            **{name: file[name][()] for name in _ARRAYS},
+            header=json.loads(file.attrs["header"]),
+        )
+
+    return _read(path, SAMPLES, take)
+
+
+def refuse_existing(paths: Sequence[Path], force: bool) -> None:
+    """Refuse names that cannot be written or stand for files already, before anything is computed."""
+    for path in paths:
+        if not path.parent.is_dir():
+            raise DatabaseError(
+                f"{path} cannot be created: the directory {path.parent} does not exist.",
+                "Create it, or choose another output.",
+            )
+        if path.is_dir() or (path.exists() and not force):
+            raise DatabaseError(f"{path} exists.", "Replace it with --force, or choose another output.")
+
+
+def _written(
+    path: Path, form: str, system: str, header: Mapping[str, Any], fill: Callable[[h5py.File], None]
+) -> Path:
+    """A whole file beside the old one, then in its place."""
+    temporary = path.with_name(f".{path.name}.writing")
+    with failures_of(path, "create"):
+        try:
+            with h5py.File(temporary, "w") as file:
+                file.attrs["format"] = form
+                file.attrs["schema_version"] = VERSION
+                file.attrs["system"] = system
+                file.attrs["header"] = json.dumps(dict(header))
+                fill(file)
+            os.replace(temporary, path)
+        finally:
+            temporary.unlink(missing_ok=True)
+    return path
+
+
+def _read(path: str | Path, form: str, take: Callable[[h5py.File], Any]) -> Any:
+    path = Path(path)
+    check_input(path)
+    with failures_of(path, "read"), h5py.File(path, "r") as file:
+        stated, version = file.attrs.get("format"), file.attrs.get("schema_version")
+        if stated == form and version == VERSION:
+            return take(file)
+    if stated == form:
+        raise DatabaseError(
+            f"{path} has version {version} of its format; this contwalk reads version {VERSION}.",
+            "Read it with the newer contwalk that wrote it: pip install --upgrade contwalk",
+        )
+    what, command = form.removeprefix("contwalk "), "simulate" if form == TRAJECTORY else "sample"
+    raise DatabaseError(
+        f"{path} holds no {what}: it is {stated or 'an HDF5 file of another program'}.",
+        f"Name a file that contwalk {command} has written.",
+    )

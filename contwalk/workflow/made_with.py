@@ -1,0 +1,28 @@
+"""Where and with what a result was made, as plain values."""
+
+from __future__ import annotations
+
+import platform
+import sys
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+
+from contwalk import __version__
+from contwalk.system import System
+
+
+def made_with(path: Path, reference: str, system: System) -> dict[str, str]:
+    """Versions, machine, time, run file and plugin."""
+    return {
+        "contwalk_version": __version__,
+        "python": sys.version.split()[0],
+        "numpy": np.__version__,
+        "platform": platform.platform(),
+        "time": datetime.now(UTC).isoformat(timespec="seconds"),
+        "run_file": str(path),
+        "run_file_directory": str(path.resolve().parent),
+        "system_reference": reference,
+        "plugin_sha256": system.source,
+    }

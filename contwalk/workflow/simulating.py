@@ -1,0 +1,268 @@
+"""`contwalk simulate`: one motion with its events, as files and figures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contwalk.errors import ContwalkError, NotFinite, StartError
+from contwalk.storage.failures import failures_of
+from contwalk.workflow.made_with import made_with
+from contwalk.workflow.run_settings import FigureSpec
+from contwalk.workflow.run_simulate import SimulationFile
+from contwalk.workflow.run_starts import StartSpec
+
+LONGEST = 500_000  # steps, after which a motion that has not settled is given up
+PARTS = 4  # samples to a step where extremes are looked for
+
+
+@dataclass(frozen=True, eq=False)
+class SimulationResult:
+    """What a simulation left behind.
+
+    Parameters
+    ----------
+    trajectory : storage.trajectory.Trajectory
+    files, figures : list of Path
+    settled : bool or None
+        None where nobody asked.
+    steps, evaluations : int
+    """
+
+    trajectory: Any
+    files: list[Path]
+    figures: list[Path]
+    settled: bool | None
+    steps: int
+    evaluations: int
+
+
+def simulate(
+    run: SimulationFile,
+    *,
+    force: bool = False,
+    figures: bool = True,
+    progress: Callable[[float], None] | None = None,
+) -> SimulationResult:
+    """Integrate the motion that a run file describes, and write it.
+
+    Parameters
+    ----------
+    run : SimulationFile
+    force : bool
+        Replace files that exist.
+    figures : bool
+        Draw the figures too.
+    progress : callable, optional
+        Told the time that has been reached.
+
+    Raises
+    ------
+    ContwalkError
+        For bad input, before anything is written.
+    """
+    from contwalk.storage.trajectory import refuse_existing, write_trajectory
+
+    names = [(spec, run.file(_figure_file(run, number))) for number, spec in enumerate(run.figures)]
+    names = [(spec, _named(run, spec, path)) for spec, path in names] if figures else []
+    tables = [run.file("trajectory.csv"), run.file("events.csv")]
+    database = run.file("trajectory.h5")
+    refuse_existing([database, *tables, *(path for _, path in names)], force)
+    state, parameters = start_of(run.system, run.start, str(run.path))
+    state = state + run.perturbation
+    trajectory, settled, cost = _integrated(run, state, parameters, progress or (lambda t: None))
+    write_trajectory(database, trajectory)
+    _write_tables(trajectory, tables)
+    drawn = [_drawn(run, spec, path, trajectory) for spec, path in names]
+    return SimulationResult(trajectory, [database, *tables], drawn, settled, *cost)
+
+
+def start_of(system: Any, spec: StartSpec, where: str) -> tuple[np.ndarray, dict[str, float]]:
+    """The state that a motion begins with, and all parameters.
+
+    Raises
+    ------
+    StartError
+        For an equilibrium that does not exist there, and a stored point that cannot be read.
+    """
+    parameters = dict(spec.parameters)
+    if spec.kind == "state" and spec.state is not None:
+        return np.array(spec.state, dtype=float), parameters
+    if spec.kind == "from":
+        from contwalk.workflow.stored_points import stored_point
+
+        assert spec.file is not None
+        state, stored = stored_point(spec.file, str(spec.point), system)
+        return state, {**stored, **spec.given}
+    try:
+        states = system.named_states(str(spec.name), parameters)
+    except StartError as error:
+        place = f"{where}, line {spec.line}, key start: " if spec.line else ""
+        raise StartError(f"{place}{error.sentence}", error.remedy) from error
+    return np.array(states[0], dtype=float), parameters
+
+
+def _integrated(
+    run: SimulationFile, state: np.ndarray, parameters: Mapping[str, float], progress: Callable[[float], None]
+) -> tuple[Any, bool | None, tuple[int, int]]:
+    from contwalk.flow import dense
+    from contwalk.flow.motion import magnitudes, pieces
+    from contwalk.flow.settling import Settling
+    from contwalk.storage.trajectory import Trajectory
+
+    system, settings = run.system, run.simulation
+    machine = _machine(run, parameters)
+    if not np.isfinite(machine.field(0.0, state, machine.c)).all():
+        raise NotFinite("The field is not finite at the start.", "Start elsewhere, or mend the plugin.")
+    settles = settings.until == "settled"
+    end = np.inf if settles else float(settings.until)
+    weights = magnitudes(machine, 0.0, state, end, [s.scale for s in system.states], settings.method)
+    settling = Settling([s.period for s in system.states])
+    parts, settled, status = [], False, "ok"
+    for piece in pieces(machine, 0.0, state, end, settings.tolerance, weights, settings.method):
+        parts.append(piece)
+        progress(float(piece.times[-1]))
+        status = piece.status
+        if settles and len(piece.times) > 1:
+            even = np.linspace(piece.times[0], piece.times[-1], PARTS * (len(piece.times) - 1) + 1)
+            samples = dense(machine.field, machine.c, piece.times, piece.states, even, settings.method)
+            settled = settling.add(samples, len(piece.times) - 1)
+            if settled or sum(len(part.times) - 1 for part in parts) >= LONGEST:
+                break
+    times = np.concatenate([parts[0].times, *(part.times[1:] for part in parts[1:])])
+    states = np.concatenate([parts[0].states, *(part.states[1:] for part in parts[1:])])
+    at = np.linspace(times[0], times[-1], settings.points)
+    if len(times) > 1:
+        values = dense(machine.field, machine.c, times, states, at, settings.method)
+    else:
+        at, values = times, states
+    events = [event for part in parts for event in part.events]
+    trajectory = Trajectory(
+        system=system.name,
+        states=system.state_names,
+        parameters=dict(parameters),
+        times=at,
+        values=values,
+        event_names=tuple(event.name for event in events),
+        event_modes=tuple(event.mode for event in events),
+        event_times=np.array([event.time for event in events]),
+        event_rising=np.array([event.rising for event in events], dtype=bool),
+        event_before=np.array([event.before for event in events]).reshape(-1, len(state)),
+        event_after=np.array([event.after for event in events]).reshape(-1, len(state)),
+        status=status,
+        header={
+            "config": run.text,
+            "overrides": list(run.overrides),
+            "model": {key: str(value) for key, value in system.model.items()},
+            "provenance": made_with(run.path, run.system_reference, system),
+        },
+    )
+    cost = (len(times) - 1, sum(part.evaluations for part in parts))
+    return trajectory, (settled if settles else None), cost
+
+
+def _machine(run: SimulationFile, parameters: Mapping[str, float]) -> Any:
+    """The system at these parameters with everything that is watched."""
+    from contwalk.flow.guard import Guard
+    from contwalk.flow.motion import Machine
+    from contwalk.flow.traced import field_of
+
+    system, place = run.system, run.report_at
+    guards = [Guard(system, t.name, t.guard, t.direction) for t in system.transitions]
+    if place is not None and place.section is not None:
+        name, level = place.section
+        column = system.state_names.index(name)
+
+        def passed(t: Any, x: Any, p: Any) -> Any:
+            return x[column] - level
+
+        guards.append(Guard(system, f"{name} = {level:g}", passed, str(place.direction)))
+    field = field_of(system)
+    p = np.array([parameters[name] for name in system.parameter_names], dtype=float)
+    return Machine(field, p, field.constants(p), guards, system.modes[0].name)
+
+
+def _write_tables(trajectory: Any, paths: list[Path]) -> None:
+    """The instants and the events as CSV, all digits kept."""
+    import csv
+
+    motion, events = paths
+    names = trajectory.states
+    rows = ([t, *x] for t, x in zip(trajectory.times.tolist(), trajectory.values.tolist(), strict=True))
+    happened = zip(
+        trajectory.event_names,
+        trajectory.event_times.tolist(),
+        trajectory.event_rising.tolist(),
+        trajectory.event_before.tolist(),
+        trajectory.event_after.tolist(),
+        trajectory.event_modes,
+        strict=True,
+    )
+    told = (
+        [name, t, "rising" if rising else "falling", mode, *before, *after]
+        for name, t, rising, before, after, mode in happened
+    )
+    heads = (
+        ["t", *names],
+        [
+            "event",
+            "t",
+            "direction",
+            "mode_after",
+            *(f"before.{n}" for n in names),
+            *(f"after.{n}" for n in names),
+        ],
+    )
+    for path, head, lines in zip((motion, events), heads, (rows, told), strict=True):
+        with failures_of(path, "create"), path.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(head)
+            writer.writerows(lines)
+
+
+def _figure_file(run: SimulationFile, number: int) -> str:
+    name = run.figures[number].name
+    same = [spec.name for spec in run.figures[:number]].count(name)
+    return f"{name}{f'_{same + 1}' if same else ''}.png"
+
+
+def _named(run: SimulationFile, spec: FigureSpec, default: Path) -> Path:
+    return run.output.parent / spec.options["file"] if "file" in spec.options else default
+
+
+def _drawn(run: SimulationFile, spec: FigureSpec, path: Path, trajectory: Any) -> Path:
+    from contwalk import plotting
+
+    names, units = trajectory.states, plotting.units_of(run.system)
+    times, values = trajectory.times, trajectory.values
+    if spec.name == "phase_portrait":
+        axes = [spec.options[axis] for axis in ("x", "y", "z") if axis in spec.options]
+        columns = [names.index(axis) for axis in axes]
+        return plotting.save(plotting.plot_phase_portrait([values[:, columns]], axes, units=units), path)
+    shown = [name for name in (spec.options.get("y"),) if name] or list(names)
+    columns = [names.index(name) for name in shown]
+    events: dict[str, list[float]] = {}
+    for name, t in zip(trajectory.event_names, trajectory.event_times.tolist(), strict=True):
+        events.setdefault(name, []).append(t)
+    panels = plotting.plot_time_series_panels(
+        times, values[:, columns], shown, events=events, units=units, time_label="time"
+    )
+    return plotting.save(panels[0], path)
+
+
+def why(status: str, t: float) -> ContwalkError | None:
+    """The error for a motion that ended before its time; None where it did not."""
+    if status == "ok":
+        return None
+    words = {
+        "not_finite": "the field is not finite beyond",
+        "step_too_small": "steps became too small to go on at",
+    }.get(status, f"{status} at")
+    return NotFinite(
+        f"The motion ended early: {words} t = {t:.10g}. What came before is stored.",
+        "Look at the states there, or choose simulate.method: radau5 for a stiff machine.",
+    )

@@ -1,0 +1,48 @@
+"""A point of a database as a place to start from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from contwalk.errors import StartError
+from contwalk.storage.hdf5 import Hdf5Database
+from contwalk.system import System
+
+
+def stored_point(file: Path, point: str, system: System) -> tuple[np.ndarray, dict[str, float]]:
+    """State and parameters of a point, by its name (`b1/HB1`) or its number (`b1/12`).
+
+    Raises
+    ------
+    DatabaseError, StartError
+        If the file cannot be read, is of another system, or has no such point.
+    """
+    names = system.state_names
+    with Hdf5Database.open(file) as db:
+        branch_name, point_name = point.split("/")
+        branch = db.branch(branch_name)
+        if branch.info.states != names:
+            raise StartError(
+                f"{file} holds states {', '.join(branch.info.states)}, not {', '.join(names)}.",
+                "Start from a database of the same system and model.",
+            )
+        if point_name.isdigit():
+            if int(point_name) >= len(branch):
+                raise StartError(
+                    f"Branch {branch_name} of {file} has {len(branch)} points, numbered from 0.",
+                    "Give one of them.",
+                )
+            row = branch.points[int(point_name)]
+            state = np.array(row["state"])
+            stored = {**branch.info.parameters, **dict(zip(branch.info.free, row["free"], strict=True))}
+        else:
+            try:
+                special = branch.special(point_name)
+            except KeyError as error:
+                raise StartError(str(error.args[0]), f"In {file}.") from error
+            state = np.array([special.state[name] for name in names])
+            stored = dict(special.parameters)
+    known = {k: float(v) for k, v in stored.items() if k in system.parameter_names}
+    return state, {**system.defaults(), **known}

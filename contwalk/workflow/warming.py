@@ -1,0 +1,52 @@
+"""`contwalk warmup`: compiling beforehand what a first run would compile."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Warmed:
+    """A part that is ready now.
+
+    Parameters
+    ----------
+    name : str
+    state : str
+        `compiled` now, `was there` already, or `not kept` where the cache cannot be written.
+    seconds : float
+        What it took.
+    """
+
+    name: str
+    state: str
+    seconds: float
+
+
+def warm() -> tuple[list[Warmed], Path]:
+    """Compile the integrators that do not depend on a system, or find them in the cache; its folder."""
+    from contwalk.fields import object_cache
+    from contwalk.flow import explicit, radau, sampling
+
+    parts: dict[str, Callable[[], None]] = {
+        "explicit methods (dop853, verner98)": explicit.warmup,
+        "implicit methods (radau5, radau9)": radau.warmup,
+        "sampling": sampling.warmup,
+    }
+    folder = object_cache.directory()
+    return [_warmed(name, part, folder) for name, part in parts.items()], folder
+
+
+def _warmed(name: str, compile_it: Callable[[], None], folder: Path) -> Warmed:
+    before, start = _kept(folder), time.perf_counter()
+    compile_it()
+    after = _kept(folder)
+    state = "compiled" if after - before else "was there" if after else "not kept"
+    return Warmed(name, state, time.perf_counter() - start)
+
+
+def _kept(folder: Path) -> set[Path]:
+    return set(folder.rglob("*.o"))
