@@ -5,10 +5,10 @@ AUTO is no part of contwalk. To have it (a Fortran compiler is needed):
     git clone https://github.com/auto-07p/auto-07p && cd auto-07p && ./configure && make
     CONTWALK_AUTO=/path/to/auto-07p python benchmarks/cascade.py
 
-Its equation file is written from the plugin: the field and its exact derivatives, parameters as constants, so
-that the compiler can fold them. AUTO's own object files are linked as they were built. Each stage is one start of
-the program that AUTO's front end would start, with one thread: balanced equilibrium to the Hopf point, limit
-cycle to the first period doubling, and three times on to the next.
+Its equation file is written from the plugin: the field and its exact derivatives, parameters as constants,
+so that the compiler can fold them. AUTO's own object files are linked as they were built. Each stage is one
+start of the program that AUTO's front end would start, with one thread: balanced equilibrium to the Hopf
+point, limit cycle to the first period doubling, and three times on to the next.
 """
 
 from __future__ import annotations
@@ -37,24 +37,41 @@ NOTHING_TO_SAY = "\n".join(
 
 @dataclass(frozen=True)
 class Setting:
-    """Constants of AUTO: intervals and degree of the collocation, tolerances, steps; one number a cycle."""
+    """Constants of AUTO; where there are four numbers, one for each cycle, from period T to period 8 T."""
 
     name: str
-    intervals: tuple[int, int, int, int]
-    degree: int
-    newton: float
-    location: float
-    steps: tuple[float, float, float, float] = (0.02, 0.01, 0.005, 0.002)
-    largest_steps: tuple[float, float, float, float] = (0.06, 0.06, 0.06, 0.06)
+    intervals: tuple[int, int, int, int]  # NTST
+    degree: int  # NCOL
+    newton: float  # EPSL, EPSU
+    location: float  # EPSS
+    steps: tuple[float, float, float, float]  # DS
+    largest_steps: tuple[float, float, float, float]  # DSMAX
+    equilibrium_step: float = 1e-3
+    adapt_every: int = 3  # IAD
+    full_newton: int = 2  # NWTN
+    weight: float = 1.0  # of delta in the arclength, THL
 
 
-# Found by a random search over AUTO's constants for the least time at each accuracy of the answers below, which
-# such a search must know; then rounded. `careful` is what one would choose without them.
+# The tuned ones came out of a random search over AUTO's constants for the least time at each accuracy of the
+# answers below; such a search must know them, and with longer steps AUTO passes over period doublings without
+# a word. `careful` is what one would choose without knowing.
 SETTINGS = [
-    Setting("AUTO, tuned to 1e-6", (8, 13, 20, 55), 4, 1e-9, 1e-5),
-    Setting("AUTO, tuned to 1e-8", (10, 13, 28, 60), 4, 1e-9, 3e-7),
-    Setting("AUTO, tuned to 7e-12", (10, 15, 30, 60), 6, 1e-9, 1e-9),
-    Setting("AUTO, careful", (20, 30, 50, 80), 5, 1e-9, 1e-11, (0.01,) * 4, (0.02,) * 4),
+    Setting(
+        *("AUTO, tuned to 1e-6", (6, 13, 20, 55), 4, 2.2e-9, 6.5e-5),
+        *((0.0303, 0.0442, 0.00727, 0.00117), (0.0618, 0.672, 0.114, 0.164), 6.64e-4, 10),
+    ),
+    Setting(
+        *("AUTO, tuned to 1e-8", (13, 13, 32, 64), 4, 1e-9, 3.2e-7),
+        *((0.03, 0.0097, 0.0033, 0.0012), (0.062, 0.035, 0.15, 0.032), 3.3e-4, 5),
+    ),
+    Setting(
+        *("AUTO, tuned to 7e-12", (10, 15, 29, 60), 6, 9.93e-10, 7.3e-10),
+        *((0.0303, 0.00966, 0.00717, 0.00117), (0.117, 0.0634, 0.0879, 0.0321), 2.86e-4, 5, 2, 10.0),
+    ),
+    Setting(
+        *("AUTO, careful", (20, 30, 50, 80), 6, 1e-10, 1e-11),
+        *((0.01, 0.01, 0.005, 0.0012), (0.02, 0.02, 0.02, 0.02), 7e-4),
+    ),
 ]
 
 
@@ -65,7 +82,9 @@ class Auto:
         self.folder = folder
         objects = sorted((home / "lib").glob("*.o"))
         if not objects:
-            raise SystemExit(f"CONTWALK_AUTO: no object files in {home / 'lib'}; run ./configure and make there.")
+            raise SystemExit(
+                f"CONTWALK_AUTO: no object files in {home / 'lib'}; run ./configure and make there."
+            )
         (folder / "balancer.f90").write_text(equations(delta))
         flags = ["-O3", "-march=native", "-fopenmp"]
         subprocess.run(
@@ -104,16 +123,17 @@ class Auto:
 def constants(setting: Setting, stage: int) -> str:
     """AUTO's constants file: stage 0 follows the equilibrium, stage k the cycle of period 2^(k - 1)."""
     cycle = max(stage - 1, 0)
-    step = -1e-3 if stage == 0 else setting.steps[cycle]
-    largest = 4e-3 if stage == 0 else setting.largest_steps[cycle]
+    step = -setting.equilibrium_step if stage == 0 else setting.steps[cycle]
+    largest = 4 * setting.equilibrium_step if stage == 0 else setting.largest_steps[cycle]
     start = ["0", "'HB1'", "'PD1'"][min(stage, 2)]
     return f"""NDIM= 8, IPS= {1 if stage == 0 else 2}, IRS= {start}, ILP= 0
-ICP= {[1] if stage == 0 else [1, 11]}
-NTST= {setting.intervals[cycle]}, NCOL= {setting.degree}, IAD= 3, ISP= 2, ISW= {1 if stage < 2 else -1}
-IPLT= 0, NBC= 0, NINT= 0, NMX= 2000, NPR= 0, MXBF= 0, IID= 0, ITMX= 12, ITNW= 8, NWTN= 2, JAC= 1
+ICP= {[1] if stage == 0 else [1, 11]}, ISP= 2, ISW= {1 if stage < 2 else -1}
+NTST= {setting.intervals[cycle]}, NCOL= {setting.degree}, IAD= {setting.adapt_every}
+IPLT= 0, NBC= 0, NINT= 0, NMX= 2000, NPR= 0, MXBF= 0, IID= 0, JAC= 1
+ITMX= 12, ITNW= 8, NWTN= {setting.full_newton}
 EPSL= {setting.newton}, EPSU= {setting.newton}, EPSS= {setting.location}
 DS= {step}, DSMIN= 1e-7, DSMAX= {largest}, IADS= 1
-NPAR= 11, THL= {{11: 0.0}}, THU= {{}}
+NPAR= 11, THL= {{11: 0.0, 1: {setting.weight}}}, THU= {{}}
 RL0= 0.0025, SP= ['{"HB1" if stage == 0 else "PD1"}']
 """
 

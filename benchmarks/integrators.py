@@ -55,7 +55,8 @@ def integrators() -> list[Integrator]:
         # One machine code for each tolerance, up to minutes to make: as few as will do.
         Integrator("heyoka", "heyoka", _heyoka, decades(-4, -16, 1)[::3]),
         Integrator("numbalsoda dop853", "numbalsoda", partial(_numbalsoda, "dop853")),
-        Integrator("numbalsoda lsoda", "numbalsoda", partial(_numbalsoda, "lsoda")),
+        # Tighter ones it refuses.
+        Integrator("numbalsoda lsoda", "numbalsoda", partial(_numbalsoda, "lsoda"), decades(-3, -12)),
         Integrator("scipy DOP853", "scipy", _scipy, decades(-3, -13)),
     ]
 
@@ -72,7 +73,14 @@ def _contwalk(method: str, orbit: Orbit, tolerance: float) -> Prepared:
 
     def run() -> Result:
         path = adaptive(
-            orbit.field, c, 0.0, orbit.start, orbit.period, tolerance=tolerance, weights=weights, method=method
+            orbit.field,
+            c,
+            0.0,
+            orbit.start,
+            orbit.period,
+            tolerance=tolerance,
+            weights=weights,
+            method=method,
         )
         return tangents(orbit.field, c, path.times, orbit.start, identity, sources, method)
 
@@ -217,9 +225,7 @@ def _numbalsoda(method: str, orbit: Orbit, tolerance: float) -> Prepared:
     kept = right_hand_side  # the machine code lives as long as this object
 
     def run() -> Result:
-        states, finished = solver(
-            address, start, times, data, rtol=tolerance, atol=tolerance, mxstep=10**6
-        )
+        states, finished = solver(address, start, times, data, rtol=tolerance, atol=tolerance, mxstep=10**6)
         end = states[-1] if finished and kept else np.full(size, math.nan)
         return end[:n], end[n:].reshape(n, n)
 

@@ -1,11 +1,13 @@
-"""Time of one periodic orbit with its monodromy matrix at the accuracy that is reached, for several integrators.
+"""Time of a periodic orbit with its monodromy matrix at the accuracy reached, for several integrators.
 
-    python benchmarks/orbit_and_monodromy.py [--repeats 7] [--orbits lorenz autobalancer] [--integrators heyoka]
+    python benchmarks/orbit_and_monodromy.py [--repeats 7] [--orbits lorenz] [--integrators contwalk heyoka]
 
-Each integrator runs at many tolerances. For each the error that is *reached* is measured (state and matrix against
-34-digit arithmetic, orbits.py), and the CPU time at an error of 1e-6, 1e-9 and 1e-12 is interpolated between
-them. All runs of an orbit take turns, so that a busy machine slows all of them; medians. Packages that are
-not installed are left out: heyoka, numbalsoda, scipy and numba are used if they are there.
+Each integrator runs at many tolerances. For each the error that is *reached* is measured (state and matrix
+against 34-digit arithmetic, orbits.py), and the CPU time at an error of 1e-6, 1e-9 and 1e-12 is interpolated
+between them. All runs of an orbit take turns, so that a busy machine slows all of them; medians. Packages
+that are not installed are left out: heyoka, numbalsoda and scipy are used if they are there. *Set-up* is the
+most that a first result has cost at any tolerance, imports and compilation included as far as they were
+needed then.
 docs/benchmarks.md says what to make of it.
 """
 

@@ -2,10 +2,10 @@
 
     python benchmarks/orbit_references.py
 
-Extrapolation of the modified midpoint rule (Gragg, Bulirsch, Stoer; Hairer, Norsett, Wanner, Solving Ordinary
-Differential Equations I, section II.9), order 24, equal steps, in mpmath numbers, of the field together with its
-variational equations. It shares no integrator and no arithmetic with anything that is measured. Each orbit is
-computed with two numbers of steps; they must agree to 1e-20. Takes some minutes.
+Extrapolation of the modified midpoint rule (Gragg, Bulirsch, Stoer; Hairer, Norsett, Wanner, Solving
+Ordinary Differential Equations I, section II.9), order 24, equal steps, in mpmath numbers, of the field
+together with its variational equations. It shares no integrator and no arithmetic with anything that is
+measured. Each orbit is computed with two numbers of steps; they must agree to 1e-20. Takes some minutes.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ def _variational(orbit: Orbit) -> Callable[[Vector], Vector]:
 
 
 def _extrapolated(rates: Callable[[Vector], Vector], y: Vector, length: mpmath.mpf) -> Vector:
-    """One step: the midpoint rule with 2, 4, 6, ... parts, extrapolated in the square of the part's length."""
+    """One step: the midpoint rule with 2, 4, 6, ... parts, extrapolated in the square of their length."""
     first = rates(y)
     table: list[Vector] = []
     for row in range(COLUMNS):

@@ -35,7 +35,8 @@ class BranchInfo:
     parameters : mapping
         Values of all parameters; those that are free, as they were at the start.
     unknowns : int
-        Length N of the vector of unknowns of the problem (states first).
+        Most unknowns that a point of the branch may have (states first). Where a point has fewer, because its
+        orbit is cut into fewer segments, its `unknowns`, `tangent` and `weights` end in NaN.
     spectrum : int
         Length m of the spectrum.
     parent : tuple of (str, float), optional
@@ -148,6 +149,11 @@ class Branch:
     def name(self) -> str:
         """`b1`, `b2`, ..."""
         return self.info.name
+
+    def unknowns(self, row: int) -> np.ndarray:
+        """Unknowns of a point and its free parameter: the vector z of its problem."""
+        u = self.points["unknowns"][row]
+        return np.append(u[np.isfinite(u)], self.points["free"][row, 0])
 
     def names(self) -> tuple[str, ...]:
         """Names that `branch[name]` understands besides the columns of `points`."""

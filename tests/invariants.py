@@ -1,4 +1,7 @@
-"""What is true of any branch of equilibria, checked against the plugin's own field and nothing else."""
+"""What is true of any branch, checked against the plugin's own field and nothing else.
+
+Of equilibria here, of periodic orbits in `orbit_invariants`.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,7 @@ from itertools import pairwise
 from types import SimpleNamespace
 
 import numpy as np
+from orbit_invariants import check_orbit_branch as check_orbit_branch
 from special_point_invariants import check_special_points
 
 from contwalk.branch import Branch

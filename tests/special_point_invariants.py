@@ -1,4 +1,4 @@
-"""What is true of the special points of any branch of equilibria, against the branch's own rows."""
+"""What is true of the special points of any branch, against the branch's own rows."""
 
 from __future__ import annotations
 
@@ -45,13 +45,20 @@ def _check_special_point(branch: Branch, point: SpecialPoint) -> None:
     assert point.error is not None
     assert math.isfinite(point.error)
     assert point.error >= 0.0
-    # A vertical branch has no criticality: its cubic coefficient vanishes.
-    decided = point.label == "HB" or (point.kind == "pitchfork" and point.coefficients["c"] != 0.0)
-    assert (point.criticality in ("supercritical", "subcritical")) == decided
+    assert (point.criticality in ("supercritical", "subcritical")) == _decided(point)
     if point.label != "EP" and not _marks_the_start(point):
         assert row["special"]
         _check_interval(branch, point, value)
     _check_counts(branch, point)
+
+
+def _decided(point: SpecialPoint) -> bool:
+    """Whether a point has a criticality."""
+    if point.label == "NS":  # at a strong resonance the normal form is another one
+        return "d" in point.coefficients
+    if point.label == "BP":  # a vertical branch has none: its cubic coefficient vanishes
+        return point.kind in ("pitchfork", "symmetry-breaking") and point.coefficients.get("c", 0.0) != 0.0
+    return point.label in ("HB", "PD")
 
 
 def _check_interval(branch: Branch, point: SpecialPoint, value: float) -> None:
@@ -76,7 +83,7 @@ def _check_counts(branch: Branch, point: SpecialPoint) -> None:
     if point.label in ("EP", "UZ"):
         assert before == after
     else:
-        assert abs(after - before) in {"HB": (2,), "LP": (1,), "BP": (0, 1)}[point.label]
+        assert abs(after - before) in {"HB": (2,), "LP": (1,), "BP": (0, 1), "PD": (1,), "NS": (2,)}[point.label]
     if point.label == "EP":
         return
     at = {other.index: other for other in branch.special_points if other.label != "EP"}

@@ -57,6 +57,8 @@ def walk(
         if isinstance(step, Outcome):
             outcome = step
             break
+        if outcome := problem.ended(step.segment.a, step.there):
+            break
         for place, found in _on_the_way(step, here, sign):
             yield Point(place, found_record(problem, found, place.s, sign))
             number += 1
@@ -105,7 +107,9 @@ def _arrived(
 
 
 def _stop(found: Found, settings: Settings, observer: Observer) -> Outcome | None:
-    """The end of the branch, where a marked point has a value of `stop_at`."""
+    """The end of the branch, where it meets its parent, or a marked point has a value of `stop_at`."""
+    if found.located.vectors.get("fallen_back"):
+        return outcomes.fallen_back()
     if found.label != "UZ":
         return None
     for name, values in settings.stop_at.items():

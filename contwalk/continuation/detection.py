@@ -79,7 +79,9 @@ def _crossings(segment: Segment, low: float, high: float, known: list[Found]) ->
         return found
     found += _measure_crossings(segment, low, high, found)
     if jump not in _reachable(segment, found):
-        raise Disagreement("HB", "The number of eigenvalues that cross does not agree with the points found.")
+        raise Disagreement(
+            _pair_label(segment), "The number of eigenvalues that cross does not agree with the points found."
+        )
     return found
 
 
@@ -256,7 +258,14 @@ def _locate_crossing(segment: Segment, low: float, high: float, which: int) -> F
         return replace(found, located=_with(found.located, which=which))
     if found is not None:
         return found
-    raise Disagreement("HB", "A complex pair crosses, but no Hopf point is found.")
+    label = segment.problem.label_of(segment.at(high if abs(v1) < abs(v0) else low), which)
+    label = label or _pair_label(segment)
+    raise Disagreement(label, f"Eigenvalues cross, but no point {label} is found.")
+
+
+def _pair_label(segment: Segment) -> str:
+    """What a complex pair that crosses makes: a Hopf point, of orbits a torus."""
+    return "HB" if segment.problem.kind == "equilibrium" else "NS"
 
 
 def _with(located: Located, **vectors: object) -> Located:
@@ -270,6 +279,6 @@ def _counted(segment: Segment, found: list[Found]) -> list[Found]:
     between = [0.0, *[0.5 * (f.theta + g.theta) for f, g in pairwise(found)], 1.0]
     counts = [segment.at(t).unstable for t in between]
     return [
-        replace(f, before=before, after=after)
+        f if f.counted else replace(f, before=before, after=after)
         for f, (before, after) in zip(found, pairwise(counts), strict=True)
     ]

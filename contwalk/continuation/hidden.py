@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
-from contwalk.continuation.locating import Found, locate_multiple
+from contwalk.continuation.locating import Disagreement, Found, accepted, locate_multiple
+from contwalk.continuation.newton import correct
 from contwalk.continuation.rootfinding import narrow
-from contwalk.continuation.segment import Segment
-from contwalk.problems.problem import Sample
+from contwalk.continuation.segment import LostBranch, Segment
+from contwalk.problems.problem import Problem, Sample
 
 # An extremum is looked at when it comes this much nearer to zero than the ends.
 NEAR_ZERO = 0.5
+# Nearer to zero than this, against the ends, an extremum is looked at on the finest steps.
+CLOSE = 1e-4
+# How far to both sides of it, in parts of the segment.
+NEIGHBOURHOOD = 0.02
 
 
 def knots_of(segment: Segment, branch_points: list[Found]) -> tuple[list[float], list[Found]]:
@@ -29,12 +35,76 @@ def knots_of(segment: Segment, branch_points: list[Found]) -> tuple[list[float],
     for (low, a), (high, b) in pairwise(ends):
         for which in _suspects(a, b, (high - low) * segment.length):
             theta, passes = _extremum(segment, which, (low, a), (high, b))
-            if passes:
+            pair = _close_pair(segment, which, theta)
+            if pair is not None:
+                touching += pair
+            elif passes:
                 knots.append(theta)
             elif _touches(segment, which, theta) and all(abs(theta - f.theta) > 1e-3 for f in touching):
                 found = locate_multiple(segment, theta)
                 touching += [found] if found is not None else []
     return sorted(set(knots)), touching
+
+
+def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | None:
+    """Two crossings so near to each other that the error of a discretisation may hide or make them.
+
+    They are looked for on the finest steps; None where the extremum is not that near to zero, or the problem
+    has no steps.
+    """
+    here = segment.at(theta)
+    ends = min(abs(segment.a.measures[which]), abs(segment.b.measures[which]))
+    if abs(here.measures[which]) > CLOSE * ends:
+        return None
+    finest = segment.problem.finest(here.z, segment.weights)
+    if finest is None:
+        return None
+    sides = max(theta - NEIGHBOURHOOD, 0.0), min(theta + NEIGHBOURHOOD, 1.0)
+    try:
+        a, b = (_on(finest, segment, side) for side in sides)
+    except LostBranch:
+        return None
+    part = Segment(finest, a, b)
+    middle, passes = _extremum(part, which, (0.0, a), (1.0, b))
+    if not passes:
+        return []
+    found = []
+    outside = part.a.unstable
+    inside = outside + (1 if part.a.measures[which] < 0.0 else -1) * _passing(part.a, which)
+    for low, high, before, after in ((0.0, middle, outside, inside), (middle, 1.0, inside, outside)):
+        point = _crossing_between(part, which, low, high)
+        if point is None:
+            raise Disagreement(str(finest.label_of(part.at(middle), which)), "Of two near crossings one is lost.")
+        position = sides[0] + point.theta * (sides[1] - sides[0])
+        found.append(replace(point, theta=position, before=before, after=after, counted=True))
+    return found
+
+
+def _passing(sample: Sample, which: int) -> int:
+    return 1 if sample.eigenvalues[which].imag == 0.0 else 2
+
+
+def _on(problem: Problem, segment: Segment, theta: float) -> Sample:
+    """The solution at theta on another discretisation."""
+    correction = correct(problem, segment.at(theta).z, segment.normal, segment.weights)
+    if not correction.ok or correction.linearization is None:
+        raise LostBranch(correction.sentence)
+    tangent = segment.tangent(correction.linearization.jacobian)
+    return problem.examine(correction.z, tangent, segment.weights, correction.linearization, None)
+
+
+def _crossing_between(segment: Segment, which: int, low: float, high: float) -> Found | None:
+    """The special point at which measure `which` passes zero between two positions."""
+
+    def value(theta: float) -> float:
+        return float(segment.at(theta).measures[which])
+
+    def attempt(theta: float, left: float, right: float) -> Found | None:
+        sample = segment.at(theta)
+        label = segment.problem.label_of(sample, which)
+        return None if label is None else accepted(segment, label, sample, which, left, right)
+
+    return narrow(value, low, high, value(low), value(high), attempt)
 
 
 def _touches(segment: Segment, which: int, theta: float) -> bool:

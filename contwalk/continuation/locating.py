@@ -28,6 +28,7 @@ class Found:
     before: int = 0
     after: int = 0
     kind: str | None = None
+    counted: bool = False  # the counts are known already
 
 
 class Disagreement(Exception):

@@ -13,12 +13,12 @@ from contwalk.continuation.here import Here, begin
 from contwalk.continuation.newton import correct
 from contwalk.continuation.settings import Settings
 from contwalk.errors import NotFinite, PluginError
-from contwalk.problems.equilibrium import UNDECLARED, Equilibrium, solution_at
-from contwalk.problems.neutral import active
+from contwalk.problems.equilibrium import Equilibrium, solution_at
+from contwalk.problems.neutral import active, constant
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.problem import Problem, Sample
 from contwalk.problems.switching import second_direction
-from contwalk.system import Neutral, System
+from contwalk.system import System
 
 
 @dataclass(frozen=True)
@@ -136,7 +136,7 @@ def _degenerate(
         if beside is not None:
             return Opening(problem, beside)
     z, n = here.sample.z, problem.states
-    held = problem.with_pins((*problem.pins, _constant(generator[:n])), z[:n])
+    held = problem.with_pins((*problem.pins, constant(generator[:n])), z[:n])
     there = begin(held, np.concatenate([z[: problem.size], [0.0], z[-1:]]), settings)
     if isinstance(there, Here) and not _drifts(held, there):
         return Opening(held, there, _report(problem, generator[:n]))
@@ -155,14 +155,6 @@ def _beside(problem: Equilibrium, sample: Sample, change: float, settings: Setti
     if not isinstance(beside, Here) or second_direction(problem, beside.sample.z) is not None:
         return None
     return beside
-
-
-def _constant(direction: np.ndarray) -> Neutral:
-    def generator(t: float, x: np.ndarray, p: object, v: np.ndarray) -> None:
-        for i, entry in enumerate(direction.tolist()):
-            v[i] = entry
-
-    return Neutral(UNDECLARED, generator)
 
 
 def _report(problem: Equilibrium, direction: np.ndarray) -> str:

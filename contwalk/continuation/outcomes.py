@@ -17,6 +17,13 @@ def closed() -> Outcome:
     return Outcome("complete", "closed", "The branch is closed: it came back to its start. Nothing to do.")
 
 
+def fallen_back() -> Outcome:
+    """The orbit became its own parent again."""
+    return Outcome(
+        "complete", "closed", "The orbit has become its parent's again: the branch ends on it. Nothing to do."
+    )
+
+
 def stop_at(what: str) -> Outcome:
     """A value of `stop_at` was met."""
     return Outcome("stopped", "stop_at", f"Stopped at {what}, as asked. Remove it from `stop_at` to go on.")

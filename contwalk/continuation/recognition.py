@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -11,7 +12,9 @@ import numpy as np
 from contwalk.branch import Branch
 from contwalk.continuation.newton import correct
 from contwalk.problems.equilibrium import Equilibrium
+from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.problem import Problem, Sample
+from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:  # compiled flows are imported only where orbits are computed
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
@@ -103,7 +106,7 @@ def known_orbit(problem: PeriodicOrbit, sample: Sample, branches: list[Branch]) 
     for branch in branches:
         if not _comparable(problem, branch) or branch.info.closure != problem.closure.name:
             continue
-        if branch.info.subharmonic != problem.subharmonic or branch.info.unknowns != problem.size:
+        if branch.info.subharmonic != problem.subharmonic:
             continue
         if _orbit_on(problem, sample, branch):
             return branch.name
@@ -111,9 +114,11 @@ def known_orbit(problem: PeriodicOrbit, sample: Sample, branches: list[Branch]) 
 
 
 def _orbit_on(problem: PeriodicOrbit, sample: Sample, branch: Branch) -> bool:
-    rows = np.column_stack([branch.points["unknowns"], branch.points["free"][:, 0]])
     value, period = sample.z[-1], sample.period
-    for a, b, ta, tb in zip(rows[:-1], rows[1:], branch["period"][:-1], branch["period"][1:], strict=True):
+    for k, (ta, tb) in enumerate(pairwise(branch["period"])):
+        a, b = branch.unknowns(k), branch.unknowns(k + 1)
+        if len(a) != len(b):
+            continue
         low, high = sorted((a[-1], b[-1]))
         slack = 1e-9 * abs(value)
         if not low - slack <= value <= high + slack or a[-1] == b[-1]:
@@ -122,10 +127,16 @@ def _orbit_on(problem: PeriodicOrbit, sample: Sample, branch: Branch) -> bool:
             continue
         share = (value - a[-1]) / (b[-1] - a[-1])
         guess = a + share * (b - a)
+        stored = branch.points["weights"][k]
+        weights = stored[np.isfinite(stored)]
         normal = np.zeros(len(guess))
-        normal[-1] = 1.0 / sample.weights[-1]
-        there = problem.at_stored(guess, sample.weights)
-        correction = correct(there, guess, normal, sample.weights)
-        if correction.ok and problem.same_orbit(sample.z, correction.z):
+        normal[-1] = 1.0 / weights[-1]
+        there = problem.at_stored(guess, weights)
+        correction = correct(there, guess, normal, weights)
+        if not correction.ok or abs(there.duration(correction.z) - period) > SAME * period:
+            continue
+        x, p = sample.z[: problem.states], ParameterValues(**problem.values_of(sample.z))
+        images = [x, *[imaged(symmetry, x, p) for symmetry in problem.system.symmetries]]
+        if there.passes(correction.z, images):
             return True
     return False

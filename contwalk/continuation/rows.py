@@ -24,14 +24,19 @@ def to_row(info: BranchInfo, problem: Problem, here: Here, sign: float, special:
     row["period"] = sample.period
     row["trivial_error"] = sample.trivial_error
     row["spectrum"] = eigenvalues
-    row["spectrum_error"] = sample.errors[0] if len(sample.errors) else 0.0
+    own = sample.errors[0] if len(sample.errors) else 0.0
+    row["spectrum_error"] = own if sample.spectrum_error is None else sample.spectrum_error
     row["unstable"] = sample.unstable
     row["stable"] = sample.unstable == 0
     row["admissible"] = True
     row["special"] = special
-    row["unknowns"] = sample.z[:-1]
-    row["tangent"] = sign * sample.tangent
-    row["weights"] = sample.weights
+    for column, values in (
+        ("unknowns", sample.z[:-1]),
+        ("tangent", sign * sample.tangent),
+        ("weights", sample.weights),
+    ):
+        row[column] = np.nan
+        row[column][0, : len(values)] = values
     row["step"] = here.step
     row["residual"] = sample.excess
     row["iterations"] = sample.iterations
@@ -45,8 +50,9 @@ def from_row(problem: Problem, row: np.void, sign: float, born: bool) -> tuple[P
 
     `born` is whether the branch begins at a branch point.
     """
-    z = np.append(row["unknowns"], row["free"])
-    weights, tangent = np.array(row["weights"]), sign * np.array(row["tangent"])
+    size = int(np.sum(np.isfinite(row["unknowns"])))
+    z = np.append(row["unknowns"][:size], row["free"])
+    weights, tangent = np.array(row["weights"][: size + 1]), sign * np.array(row["tangent"][: size + 1])
     problem = problem.at_stored(z, weights)
     sample = problem.examine(z, tangent, weights, problem.linearize(z), int(row["unstable"]))
     if born and row["s"] == 0.0:

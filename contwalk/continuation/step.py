@@ -19,9 +19,6 @@ from contwalk.errors import PluginError
 from contwalk.problems.linear import tangent_along
 from contwalk.problems.problem import Linearization, Located, Problem, Sample
 
-# How far from a branch point that a walk begins at its side is looked at, in parts of the first step.
-BESIDE = 1e-4
-
 # A mark this near to a bifurcation, in parts of the step, is at the same place.
 COINCIDE = 1e-9
 # The field's domain ends where a step this short still leaves it.
@@ -40,6 +37,8 @@ class Step:
     def closes(self, origin: Here) -> bool:
         """Whether the step passed a walk's beginning, the same way round."""
         segment, tangent = self.segment, origin.sample.tangent
+        if segment.problem.kind != "equilibrium":
+            return _comes_back(segment, origin.sample)
         z = segment.problem.nearest_turn(origin.sample.z, segment.a.z)
         theta = segment.position(z)
         same_way = tangent / origin.sample.weights**2 @ self.there.tangent > 0.0
@@ -51,6 +50,26 @@ class Step:
             return segment.distance(z, theta) < 1e-5
         except LostBranch:
             return False
+
+
+def _comes_back(segment: Segment, origin: Sample) -> bool:
+    """Whether a segment of orbits, which begin anywhere on themselves, passes a given one."""
+    a, b, value = segment.a.parameter, segment.b.parameter, origin.parameter
+    if (a - value) * (b - value) > 0.0 or a == b or (b - a) * origin.tangent[-1] < 0.0:
+        return False
+    try:
+        low, high, theta = 0.0, 1.0, (value - a) / (b - a)
+        for _ in range(40):
+            there = segment.at(theta)
+            if abs(there.parameter - value) <= 1e-11 * segment.weights[-1]:
+                break
+            low, high = (theta, high) if (there.parameter - value) * (b - a) < 0.0 else (low, theta)
+            slope = there.tangent[-1] / float(segment.normal @ there.tangent)
+            theta += (value - there.parameter) / slope if slope else 0.0
+            theta = theta if low < theta < high else 0.5 * (low + high)
+        return segment.problem.same(origin, there)
+    except LostBranch:
+        return False
 
 
 @dataclass(frozen=True)
@@ -184,7 +203,7 @@ def _onto_crossing(problem: Problem, a: Sample, z: np.ndarray, linearization: Li
 
 def _beside(segment: Segment) -> Sample:
     """The branch point that a walk begins at, with orientation and stability as they are right beside it."""
-    near = segment.at(BESIDE)
+    near = segment.at(segment.problem.beside)
     return replace(
         segment.a,
         orientation=near.orientation,

@@ -18,6 +18,9 @@ TARGET = 0.4  # of the tolerance: at 1, every second step would be rejected
 MOST_GROWTH, MOST_SHRINKAGE = 6.0, 0.2
 SHRINKAGE_WHERE_UNDEFINED = 0.1
 
+# A step that is tried again must become shorter even after its end has been rounded: this many roundings long.
+LEAST_SHRINKAGE, ROUNDINGS = 0.9, 16.0
+
 _call_step = caller("v", "ddqqqq")
 _call_error = caller("d", "ddqqqqq")
 _evaluate = caller("v", "qdqq")
@@ -165,7 +168,7 @@ def adaptive(address: int, t1: float, tolerance: float, order: float, stable: fl
             return plan.FULL
         end = _end(t, t1, h)
         length = end - t
-        if length == 0.0 or (abs(length) < 4.0 * EPSILON * abs(t) and end != t1):
+        if length == 0.0 or (abs(length) < ROUNDINGS * EPSILON * abs(t) and end != t1):
             return plan.NOT_FINITE if undefined else plan.STEP_TOO_SMALL
         _step(p, t, length)
         error = _error(p, t, length) / tolerance
@@ -185,7 +188,8 @@ def adaptive(address: int, t1: float, tolerance: float, order: float, stable: fl
             counts[plan.REJECTED] += 1
             after_rejection = True
             undefined = not error < math.inf
-            h = abs(length) * (SHRINKAGE_WHERE_UNDEFINED if undefined else _factor(error, TARGET, order))
+            factor = min(LEAST_SHRINKAGE, _factor(error, TARGET, order))
+            h = abs(length) * (SHRINKAGE_WHERE_UNDEFINED if undefined else factor)
             continue
         if _is_stiff(p, length, stable):
             counts[plan.STIFF] += 1

@@ -29,12 +29,8 @@ _FULL = 4
 _PARTS = tuple(f"contwalk.flow.{name}" for name in ("dense_lu", "radau_step"))
 _FIRST, _LAST = "q" * 11, "q" * 4  # what `_Call` gives
 
-_MARCH = Entry(
-    "contwalk.flow.radau_kernel", "radau_march", "q", f"{_FIRST}qqqqqqq{_LAST}", _PARTS
-)
-_ADAPTIVE = Entry(
-    "contwalk.flow.radau_kernel", "radau_adaptive", "q", f"{_FIRST}ddqqqqqqq{_LAST}", _PARTS
-)
+_MARCH = Entry("contwalk.flow.radau_kernel", "radau_march", "q", f"{_FIRST}qqqqqqq{_LAST}", _PARTS)
+_ADAPTIVE = Entry("contwalk.flow.radau_kernel", "radau_adaptive", "q", f"{_FIRST}ddqqqqqqq{_LAST}", _PARTS)
 _TANGENTS = Entry(
     "contwalk.flow.radau_tangents",
     "radau_tangents",
@@ -53,7 +49,9 @@ def warmup() -> None:
 class _Call:
     """What every kernel takes first, and last: a field and a tableau by their addresses, and scratch."""
 
-    def __init__(self, field: Field, c: np.ndarray, tableau: Collocation, more: int = 0, pivots: int = 0) -> None:
+    def __init__(
+        self, field: Field, c: np.ndarray, tableau: Collocation, more: int = 0, pivots: int = 0
+    ) -> None:
         n, s, entries = field.n, tableau.stages, len(field.col)
         modes = (s - 1) // 2
         self._kept = (field, c, field.row_ptr, field.col, _packed(tableau))

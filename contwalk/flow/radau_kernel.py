@@ -6,6 +6,7 @@ Everything comes in by address, so that one object code serves every field. Impo
 from __future__ import annotations
 
 import numpy as np
+
 from contwalk.flow.calling import doubles, inlined, integers
 from contwalk.flow.radau_step import (
     CONVERGED,
@@ -135,7 +136,7 @@ def one_step(
     while True:
         end = end_of_step(t, memory[0], t1)
         h = end - t
-        if end != t1 and not abs(h) > 16.0 * EPSILON * abs(t) or h == 0.0:
+        if (end != t1 and not abs(h) > 16.0 * EPSILON * abs(t)) or h == 0.0:
             return STEP_TOO_SMALL if passable else NOT_FINITE_PATH
         predict(eq, m, w, h, memory[1])
         code, passes, rate = iterate(eq, m, w, t, h, x, MOST_PASSES)

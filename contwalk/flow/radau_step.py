@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+
 from contwalk.flow.calling import call_rhs, inlined
 from contwalk.flow.dense_lu import factor, factor_complex, solve, solve_complex
 
@@ -205,7 +206,13 @@ def residuals(eq: Equations, m: Method, w: Work, t: float, h: float, x: np.ndarr
     for i in range(s):
         for k in range(n):
             w.state[k] = x[k] + w.z[i * n + k]
-        call_rhs(eq.rhs, t + m.nodes[i] * h, w.state.ctypes.data, eq.c.ctypes.data, w.f[i * n : (i + 1) * n].ctypes.data)
+        call_rhs(
+            eq.rhs,
+            t + m.nodes[i] * h,
+            w.state.ctypes.data,
+            eq.c.ctypes.data,
+            w.f[i * n : (i + 1) * n].ctypes.data,
+        )
     for i in range(s):
         for k in range(n):
             w.residual[i * n + k] = w.z[i * n + k]
@@ -295,7 +302,7 @@ def iterate(
                 return CONVERGED, number, _mean_rate(first, size, number)
             if rate > 0.9 and size <= NOISE:
                 return CONVERGED, number, _mean_rate(first, size, number)
-            if number > 2 and rate > 2.0 or size > 1e6 * first:
+            if (number > 2 and rate > 2.0) or size > 1e6 * first:
                 return SLOW, number, 1.0
     return SLOW, most, min(1.0, _mean_rate(first, size, most))
 
@@ -323,9 +330,7 @@ def embedded(eq: Equations, m: Method, w: Work, h: float, x: np.ndarray, weights
 
 
 @inlined
-def embedded_again(
-    eq: Equations, m: Method, w: Work, t: float, x: np.ndarray, weights: np.ndarray
-) -> float:
+def embedded_again(eq: Equations, m: Method, w: Work, t: float, x: np.ndarray, weights: np.ndarray) -> float:
     """The same filtered once more, from x + error: for steps that begin off a stiff solution's smooth part."""
     n = eq.n
     for k in range(n):

@@ -7,10 +7,21 @@ derivative of a step is that of the discrete map, to rounding. Imported only whe
 from __future__ import annotations
 
 import numpy as np
+
 from contwalk.flow.calling import call_rhs, doubles, inlined, integers
 from contwalk.flow.dense_lu import factor, solve
 from contwalk.flow.radau_kernel import MOST_PASSES_FROZEN, accept, equations
-from contwalk.flow.radau_step import CONVERGED, Equations, Method, Work, iterate, linearize, method, predict, work
+from contwalk.flow.radau_step import (
+    CONVERGED,
+    Equations,
+    Method,
+    Work,
+    iterate,
+    linearize,
+    method,
+    predict,
+    work,
+)
 
 
 @inlined
@@ -33,9 +44,7 @@ def driven(
 
 
 @inlined
-def stage_matrix(
-    eq: Equations, m: Method, h: float, j: int, entries: np.ndarray, matrix: np.ndarray
-) -> None:
+def stage_matrix(eq: Equations, m: Method, h: float, j: int, entries: np.ndarray, matrix: np.ndarray) -> None:
     """The columns of I - h A x J that belong to stage j."""
     n, s = eq.n, m.s
     for i in range(s):
@@ -98,7 +107,11 @@ def radau_tangents(
     a = size - (sn * sn + sn + n + entries + nq + sn * q)
     matrix, row_weights = room[a : a + sn * sn], room[a + sn * sn : a + sn * sn + sn]
     a += sn * sn + sn
-    jacobian, change, moved = room[a : a + n + entries], room[a + n + entries : size - sn * q], room[size - sn * q :]
+    jacobian, change, moved = (
+        room[a : a + n + entries],
+        room[a + n + entries : size - sn * q],
+        room[size - sn * q :],
+    )
     grid, now, tangent = doubles(times, steps + 1), doubles(x, n), doubles(columns_in, nq)
     driving = integers(sources, q)
     before = 0.0

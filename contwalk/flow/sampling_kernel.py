@@ -287,7 +287,7 @@ def _move(p: np.ndarray, sample: int, t1: float, tolerance: float, results: np.n
         value_end, rate_end = _measure(p, late, _place(p, NEXT), parameters)
         if not abs(value_end) < math.inf:
             return NOT_FINITE
-        reach = length * max(abs(rate), abs(rate_end))
+        reach = 2.0 * length * max(abs(rate), abs(rate_end))  # as far as it may go and come back
         if _side(value, rate) != _side(value_end, rate_end) or min(abs(value), abs(value_end)) <= reach:
             _interpolate(p, t, length)
             at = _crossing(p, t, length, parameters, value, rate)

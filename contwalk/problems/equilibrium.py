@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.branch import SpecialPoint
+from contwalk.branch import Outcome, SpecialPoint
 from contwalk.errors import NotFinite, SystemDefinitionError, called
 from contwalk.fields.blame import first_not_finite
 from contwalk.fields.kernel import Kernel
@@ -22,8 +22,6 @@ from contwalk.problems.spectrum import EPSILON, Spectrum, spectrum
 from contwalk.problems.switching import branch_point_seeds, second_direction, tangent_through
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues, nearest
-
-UNDECLARED = "undeclared"
 
 
 class Equilibrium:
@@ -48,6 +46,7 @@ class Equilibrium:
     """
 
     kind = "equilibrium"
+    beside = 1e-4
 
     def __init__(
         self,
@@ -221,7 +220,7 @@ class Equilibrium:
         inputs = self.inputs(z)
         rate = self.kernels.rate_of_matrix(*inputs, tangent.tolist())
         rounding = 2.0 * EPSILON * self.kernels.rounding_of_matrix(*inputs)
-        declared = [n + j for j, pin in enumerate(self.pins) if pin.name != UNDECLARED]
+        declared = [n + j for j, pin in enumerate(self.pins) if pin.name != neutrals.UNDECLARED]
         generators = jacobian[:n, declared]
         return spectrum(jacobian[:n, :n], rate, rounding, generators, len(self.pins) - len(declared))
 
@@ -273,12 +272,20 @@ class Equilibrium:
             "observables": self.observable_names,
             "unknowns": self.size,
             "spectrum": max(self.states - len(self.pins), 1),
-            "settings": {"pins": [pin.name for pin in self.pins]},
+            "settings": neutrals.kept(self.pins, self.parameters, self.states, self.path),
         }
 
     def adapted(self, sample: Sample) -> tuple[Equilibrium, Sample]:
         """Equilibria are not discretised."""
         return self, sample
+
+    def ended(self, a: Sample, b: Sample) -> Outcome | None:
+        """Branches of equilibria end at what the walk sees itself."""
+        return None
+
+    def same(self, a: Sample, b: Sample) -> bool:
+        """Whether two solutions at the same parameter are one."""
+        return bool(np.allclose(self.nearest_turn(a.z, b.z), b.z, rtol=1e-9, atol=1e-12))
 
     def at_stored(self, z: np.ndarray, weights: np.ndarray) -> Equilibrium:
         """Equilibria are not discretised."""
@@ -287,6 +294,10 @@ class Equilibrium:
     def refined(self, z: np.ndarray, weights: np.ndarray) -> Equilibrium:
         """Equilibria are not discretised."""
         return self
+
+    def finest(self, z: np.ndarray, weights: np.ndarray) -> None:
+        """Equilibria are not discretised."""
+        return
 
     def reported(self, z: np.ndarray) -> np.ndarray:
         """The state, shape (n,)."""

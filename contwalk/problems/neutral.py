@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from contwalk.system.declarations import ParameterValues
 NEUTRAL = 1e-12
 # A generator this small against its size nearby is rounding noise of zero.
 VANISHED = 1e-9
+# Name of a direction that nobody declared, found at a start.
+UNDECLARED = "undeclared"
 
 
 def generator_at(neutral: Neutral, x: np.ndarray, parameters: Mapping[str, float]) -> np.ndarray:
@@ -59,3 +62,28 @@ def active(
         basis = np.column_stack([basis, rest / np.linalg.norm(rest)])
         chosen.append(neutral)
     return chosen
+
+
+def constant(direction: np.ndarray) -> Neutral:
+    """An undeclared neutral direction, the same at every state."""
+
+    def generator(t: float, x: np.ndarray, p: object, v: np.ndarray) -> None:
+        for i, entry in enumerate(direction.tolist()):
+            v[i] = entry
+
+    return Neutral(UNDECLARED, generator)
+
+
+def kept(
+    pins: Sequence[Neutral],
+    parameters: Mapping[str, float],
+    states: int,
+    path: Sequence[Mapping[str, float]] | None,
+) -> dict[str, Any]:
+    """What is stored with a branch so that its equations can be set up again, as plain JSON values."""
+    undeclared = [generator_at(pin, np.zeros(states), parameters) for pin in pins if pin.name == UNDECLARED]
+    return {
+        "pins": [pin.name for pin in pins],
+        "undeclared": [direction.tolist() for direction in undeclared],
+        "path": None if path is None else [dict(end) for end in path],
+    }

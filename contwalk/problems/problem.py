@@ -21,7 +21,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from contwalk.branch import SpecialPoint
+from contwalk.branch import Outcome, SpecialPoint
 from contwalk.problems.linear import EPSILON
 
 # Observables that every problem has: the largest real part of an equilibrium, the largest modulus of an orbit.
@@ -100,6 +100,8 @@ class Sample:
         Residual in units of its rounding level.
     critical : float
         What a real eigenvalue is where it changes stability: 0, of orbits 1.
+    spectrum_error : float, optional
+        Estimated error of the leading eigenvalue, where `errors` are only what blurs its sign along the branch.
     period, trivial_error : float
         Of orbits: duration of the closure in seconds, and |M f - f| / |f|.
     """
@@ -122,6 +124,7 @@ class Sample:
     critical: float = 0.0
     period: float = float("nan")
     trivial_error: float = float("nan")
+    spectrum_error: float | None = None
 
     def facing(self, tangent: np.ndarray, factor: float = 1.0) -> Sample:
         """The same solution with another unit tangent along its branch, whose length is `factor` of the old one's."""
@@ -185,6 +188,8 @@ class Problem(Protocol):
     """Equations F(u, lambda) = 0 with what is special about them."""
 
     kind: str
+    # How far from a branch point that a walk begins at its side is looked at, in parts of the first step.
+    beside: float
 
     @property
     def size(self) -> int:
@@ -223,12 +228,24 @@ class Problem(Protocol):
         """The problem discretised anew for what follows a solution, and the solution's sample on it."""
         ...
 
+    def ended(self, a: Sample, b: Sample) -> Outcome | None:
+        """Why the branch ends between two neighbouring solutions, if it does."""
+        ...
+
+    def same(self, a: Sample, b: Sample) -> bool:
+        """Whether two solutions at the same parameter are one."""
+        ...
+
     def at_stored(self, z: np.ndarray, weights: np.ndarray) -> Problem:
         """The problem discretised for a solution that is taken up again."""
         ...
 
     def refined(self, z: np.ndarray, weights: np.ndarray) -> Problem:
         """The problem discretised for special points near z."""
+        ...
+
+    def finest(self, z: np.ndarray, weights: np.ndarray) -> Problem | None:
+        """The problem on the finest steps there are; None where it is not discretised."""
         ...
 
     def reported(self, z: np.ndarray) -> np.ndarray:

@@ -12,14 +12,17 @@ from contwalk.fields.trace import trace
 from contwalk.flow.field import Field
 
 
-def field_of(function: Callable[..., Any], states: int, parameters: int, columns: Sequence[int] = ()) -> Field:
+def field_of(
+    function: Callable[..., Any], states: int, parameters: int, columns: Sequence[int] = ()
+) -> Field:
     """The field of ``function(t, x, p)``, which returns the rates; `columns` are numbers of parameters."""
     copy = rebound(function)
 
     def results(tracer: Any) -> list[Any]:
         x, p = np.empty(states, dtype=object), np.empty(parameters, dtype=object)
-        x[:] = [tracer.symbol("x", i) for i in range(states)]
-        p[:] = [tracer.symbol("p", i) for i in range(parameters)]
+        for group, array in (("x", x), ("p", p)):
+            for i in range(len(array)):
+                array[i] = tracer.symbol(group, i)
         return list(copy(tracer.symbol("t", 0), x, p))
 
     return Field(

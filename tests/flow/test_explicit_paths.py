@@ -36,14 +36,18 @@ def slope(steps, errors):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_order(driven, method):
-    """Errors between 1e-6 and 1e-11: small enough for one power to lead, large enough not to be rounding."""
-    steps = (10, 14, 18, 24)
+    """Errors of forty paths: small enough for one power to lead, large enough not to be rounding."""
+    steps = (8, 10, 12)
     errors = []
     for s in steps:
-        times = np.linspace(0.0, 4.0, s + 1)
-        errors.append(np.abs(flow.along(*driven, times, START, method)[-1] - forced_flow(4.0)).max())
-    assert 1e-13 < errors[-1] < errors[0] < 1e-4
-    assert abs(slope(steps, errors) - ORDERS[method]) < 0.8
+        missed = [
+            flow.along(*driven, np.linspace(a, a + 2.0, s + 1), forced_flow(a), method)[-1]
+            - forced_flow(a + 2.0)
+            for a in np.linspace(-3.0, 3.0, 40)
+        ]
+        errors.append(np.sqrt(np.mean(np.square(missed))))
+    assert 1e-13 < errors[-1] < errors[0] < 1e-9
+    assert abs(slope(steps, errors) - ORDERS[method]) < 0.7
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -184,7 +188,7 @@ def test_stiffness_shows(method):
         flow.adaptive(field, field.constants([rate]), 0.0, [1.0], 5.0, 1e-6, [1.0], method).stiff_fraction
         for rate in (2000.0, 1.0)
     )
-    assert stiff > 0.3
+    assert stiff > 0.5
     assert soft == 0.0
 
 

@@ -1,4 +1,4 @@
-"""Tangents are the derivatives of the steps that were made, coarse ones included, and so in the end of the flow."""
+"""Tangents are the derivatives of the steps that were made, coarse ones included."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ def differences(at, h):
 def test_derivatives_of_the_steps(field, method, steps):
     """Eight steps are so coarse that the flow itself is far away: the derivative is that of the steps.
 
-    Differences of fourth order with h = 1e-3 are off by h^4 and by rounding / h: 1e-11 or so, times the growth
-    of perturbations.
+    Differences of fourth order with h = 1e-3 are off by h^4 and by rounding / h: 1e-11 or so, times the
+    growth of perturbations.
     """
     times = np.linspace(0.0, 0.8, steps + 1)
     c = field.constants(PARAMETERS)

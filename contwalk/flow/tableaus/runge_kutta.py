@@ -27,7 +27,8 @@ class RungeKutta:
     error_order : int
         The error estimate is of the order of this power of the step.
     stable : float
-        The method damps exp(-z t) for steps up to this value of h z.
+        Steps h in which exp(-z t) decays are limited by stability, not by accuracy, from about this h z on:
+        somewhat less than where the method becomes unstable, as the error estimate grows before.
     dense_nodes, dense_rows : optional
         Further stages for interpolation. The first of them is the derivative at the end of the step.
     dense : tuple of combinations

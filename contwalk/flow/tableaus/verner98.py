@@ -137,5 +137,5 @@ VERNER98 = RungeKutta(
     weights=_WEIGHTS,
     errors=_ERRORS,
     error_order=9,
-    stable=4.3,
+    stable=3.7,
 )

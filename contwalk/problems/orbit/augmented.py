@@ -26,6 +26,7 @@ import numpy as np
 
 from contwalk.errors import NotFinite
 from contwalk.problems.linear import EPSILON, Factored
+from contwalk.problems.orbit import ending
 from contwalk.problems.orbit.discretization import TIGHTEST
 from contwalk.problems.orbit.motion import TANGENT
 from contwalk.problems.problem import Located, Sample
@@ -96,7 +97,7 @@ def _refined(
         correction = _correction(check, system, found)
         if correction is None:
             break
-        error = 2.0 * abs(float(correction[size])) + EPSILON * abs(float(found[size]))
+        error = 2.0 * abs(float(correction[size])) + _rounding(check, system, found)
         found, finer = found - correction, check
         if best is None or error < best[0]:
             best = (error, found, finer)
@@ -109,7 +110,22 @@ def _refined(
     moved = np.abs(found - rough)[: size + 1] / sample.weights
     if not np.max(moved) < 1e-2:
         return None  # refinement has left the neighbourhood
-    return Located(found[: size + 1], error, system.vectors(finer, found), refined=True, problem=finer)
+    vectors = system.vectors(finer, found)
+    if "plane" in vectors:
+        vectors["fallen_back"] = ending.repeats(finer, found[: size + 1])
+    return Located(found[: size + 1], error, vectors, refined=True, problem=finer)
+
+
+def _rounding(problem: PeriodicOrbit, system: Augmented, y: np.ndarray) -> float:
+    """What rounding of the equations does to the free parameter."""
+    size = problem.size
+    level, _ = problem.linearize(y[: size + 1]).levels
+    own = np.minimum(level, 1e2 * EPSILON * (np.abs(problem.jacobian(y[: size + 1])) @ system.scale[: size + 1]))
+    _, jacobian = system.evaluate(problem, y)
+    # The last rows are bordered inverses: their terms are of size one.
+    noise = np.concatenate([own, np.full(len(jacobian) - size, 1e2 * EPSILON)])
+    row = Factored(jacobian.T.copy()).solve(np.eye(len(y))[size])
+    return float(np.abs(row) @ noise) + EPSILON * abs(float(y[size]))
 
 
 def _newton(problem: PeriodicOrbit, system: Augmented, start: np.ndarray) -> np.ndarray | None:

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 # Tolerances beyond these do not pay: looser ones lose the branch, tighter ones drown in rounding.
 LOOSEST, TIGHTEST = 1e-5, 3e-15
+# Where nothing must hide between two steps of a branch.
+FINEST = 1e-13
 # Local errors of a walk, and of the first attempt at a located point, in units of the wish: estimates of the 8th-order
 # pair are two digits on the safe side, and located points are checked on finer steps anyway.
 WALKING, LOCATING = 100.0, 1.0
-# Where rounding of the state itself takes over, a 9(8) pair is ahead of an 8th-order one.
-ORDER_9_FROM = 3e-12
 
 
 @dataclass(frozen=True)
@@ -50,8 +50,3 @@ class Discretization:
 
 def _clipped(tolerance: float) -> float:
     return min(max(tolerance, TIGHTEST), LOOSEST)
-
-
-def method_for(tolerance: float) -> str:
-    """The explicit pair for a tolerance."""
-    return "dop853" if tolerance > ORDER_9_FROM else "verner98"

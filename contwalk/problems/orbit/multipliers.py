@@ -10,18 +10,29 @@ import numpy as np
 from contwalk.problems.orbit.schur import product_eigenvalues
 from contwalk.problems.spectrum import complement
 
-EPSILON = float(np.finfo(float).eps)
+# Relative rounding error of a derivative of the flow: some hundred steps of one rounding each.
+ROUNDING = 1e-14
 REAL = 1e-11
-# How much of the local errors reaches the monodromy matrix, in units of the tolerance: a bound seen in practice.
-GLOBAL = 30.0
+# How much of the local errors reaches the monodromy matrix, in units of the tolerance: step control is on the safe side.
+GLOBAL = 0.1
 
 
 @dataclass(frozen=True)
 class Multipliers:
-    """Multipliers by descending modulus, with their estimated absolute errors, both of shape (r,)."""
+    """Multipliers by descending modulus.
+
+    Parameters
+    ----------
+    values : ndarray of complex, shape (r,)
+    errors : ndarray, shape (r,)
+        What rounding does to them: on its own steps, a branch's multipliers are smooth beyond that.
+    accuracy : float
+        Estimated absolute error of the first one against the flow itself, that of the steps included.
+    """
 
     values: np.ndarray
     errors: np.ndarray
+    accuracy: float
 
     @property
     def measures(self) -> np.ndarray:
@@ -63,35 +74,35 @@ def multipliers(
         m = len(factors)
         scaled = [bases[(i + 1) % m].T @ scaled[i] @ bases[i] for i in range(m)]
     if not len(scaled[0]):
-        return Multipliers(np.zeros(0, dtype=complex), np.zeros(0))
-    values, errors = _single(scaled[0], tolerance) if len(scaled) == 1 else _product(scaled, tolerance)
+        return Multipliers(np.zeros(0, dtype=complex), np.zeros(0), 0.0)
+    values, errors = _single(scaled[0]) if len(scaled) == 1 else _product(scaled)
     order = np.lexsort((-values.imag, -np.abs(values)))
-    return Multipliers(values[order], errors[order])
+    first = int(order[0])
+    return Multipliers(values[order], errors[order], float(errors[first] * (1.0 + GLOBAL * tolerance / ROUNDING)))
 
 
-def _single(matrix: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues of one matrix; their errors from its own error and their conditions."""
+def _single(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Eigenvalues of one matrix; their errors from its rounding and their conditions."""
     values, right = np.linalg.eig(matrix)
     values = values.astype(complex)
     try:
         left = np.linalg.inv(right)
         condition = np.linalg.norm(left, axis=1) * np.linalg.norm(right, axis=0)
     except np.linalg.LinAlgError:
-        condition = np.full(len(values), 1e8)
-    noise = (GLOBAL * tolerance + 10.0 * EPSILON) * max(float(np.linalg.norm(matrix, 2)), 1e-300)
-    # Where eigenvalues meet, first-order conditions are infinite; the square root of the noise bounds them.
-    size = float(np.linalg.norm(matrix, 2))
-    return values, np.minimum(condition * noise, np.sqrt(noise * max(size, 1e-300)))
+        condition = np.full(len(values), np.inf)
+    size = max(float(np.linalg.norm(matrix, 2)), 1e-300)
+    # Where eigenvalues meet, first-order conditions are infinite; the root of the noise bounds them.
+    return values, np.minimum(condition * ROUNDING * size, size * np.sqrt(ROUNDING))
 
 
-def _product(factors: Sequence[np.ndarray], tolerance: float) -> tuple[np.ndarray, np.ndarray]:
+def _product(factors: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """Eigenvalues of an unformed product, with errors relative to their own size."""
     values = product_eigenvalues(factors)
     # The factors are real: what is left of an imaginary part by the complex arithmetic is rounding.
     values = np.where(np.abs(values.imag) <= REAL * np.abs(values), values.real, values).astype(complex)
-    # A factor is wrong by the tolerance of its norm; what that does to an eigenvalue depends on how far its
-    # own growth is from the largest, segment by segment.
-    largest = float(np.prod([max(np.linalg.norm(factor, 2), 1e-300) ** (1.0 / len(factors)) for factor in factors]))
-    own = np.maximum(np.abs(values), 1e-300) ** (1.0 / len(factors))
-    relative = len(factors) * (GLOBAL * tolerance + 10.0 * EPSILON) * np.maximum(largest / own, 1.0)
-    return values, np.abs(values) * relative
+    # A factor is wrong by the rounding of its norm; what that does to an eigenvalue depends on how far its own
+    # growth is from the largest, segment by segment.
+    m = len(factors)
+    largest = float(np.prod([max(np.linalg.norm(factor, 2), 1e-300) ** (1.0 / m) for factor in factors]))
+    own = np.maximum(np.abs(values), 1e-300) ** (1.0 / m)
+    return values, np.abs(values) * m * ROUNDING * np.maximum(largest / own, 1.0)

@@ -5,7 +5,9 @@ polarisation. Where the period is unknown, it and the drifts of pinned direction
 the end lies in the section and in the pins again: their own derivatives are found order by order.
 
 Notation (docs/theory.md): A the map's derivative, B and C its second and third; q right and p left critical
-vector with |q| = 1 in the metric and p.q = 1. Formulas of Yu. A. Kuznetsov, Elements of Applied Bifurcation Theory,
+vector with p.q = 1. |q| = 1 means that the deviation that starts as q has root mean square one over the closure,
+across the flow and in units of half the range of each state: so the numbers do not depend on where on the
+orbit the section lies. Formulas of Yu. A. Kuznetsov, Elements of Applied Bifurcation Theory,
 2004, sections 5.4 and 8.7.
 """
 
@@ -16,9 +18,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from contwalk import flow
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.linear import Factored
-from contwalk.problems.orbit.motion import JET
+from contwalk.problems.orbit.motion import JET, PLAIN, TANGENT
 from contwalk.problems.spectrum import complement
 
 if TYPE_CHECKING:
@@ -26,6 +29,8 @@ if TYPE_CHECKING:
 
 # c11 this small against its terms is zero: a pitchfork.
 EQUAL = 1e-5
+# Samples of the critical deviation over a closure: evenly spaced, so that the mean converges fast.
+SAMPLES = 256
 
 
 class ReturnMap:
@@ -117,6 +122,43 @@ class ReturnMap:
         end = self._by_scalars[:, -1]
         return self.coordinates @ (end + self._by_scalars[:, :-1] @ self._held(end))
 
+    def critical(self, value: complex) -> tuple[np.ndarray, np.ndarray]:
+        """q and p of an eigenvalue of A, |q| = 1 over the orbit and p @ q = 1; the largest entry of q is positive."""
+        u, _, vh = np.linalg.svd(self.a - value * np.eye(len(self.a)))
+        q, p = vh[-1].conj(), u[:, -1].conj()
+        largest = q[np.argmax(np.abs(q))]
+        q = q * np.conj(largest) / abs(largest) / self._size(q)
+        return q, p / (p @ q)
+
+    def _size(self, q: np.ndarray) -> float:
+        """Root mean square over the closure of the deviation that starts as q, across the flow."""
+        parts = [q.real, q.imag] if np.iscomplexobj(q) else [q]
+        return float(np.sqrt(sum(self._mean_square(self.basis @ part) for part in parts)))
+
+    def _mean_square(self, v: np.ndarray) -> float:
+        problem, n = self.problem, self.problem.states
+        scalars, shooting = problem.scalars(self.z), problem.shooting
+        field, still = problem.motion.field(TANGENT), np.zeros(len(problem.motion.columns))
+        c = field.constants(shooting.values(scalars, (still,)))
+        even = np.arange(SAMPLES) / SAMPLES
+        sampled = []
+        for steps, x in zip(problem.mesh.steps, problem.starts(self.z), strict=True):
+            nodes = flow.along(field, c, steps, np.concatenate([x, v]), problem.mesh.method)
+            inside = even[(even >= steps[0]) & (even < steps[-1])]
+            sampled.append(flow.dense(field, c, steps, nodes, inside, problem.mesh.method))
+            v = nodes[-1, n:]
+        states = np.concatenate(sampled)
+        scale = 0.5 * np.ptp(states[:, :n], axis=0)
+        scale = np.where(scale > 1e-9 * problem.mesh.variation, scale, problem.mesh.variation)
+        deviations = states[:, n:] / scale
+        if not problem.forced:
+            plain, values = problem.motion.field(PLAIN), shooting.values(scalars, ())
+            own = plain.constants(values)
+            along = np.array([plain(t, x, own) for t, x in zip(even, states[:, :n], strict=True)]) / scale
+            along /= np.linalg.norm(along, axis=1, keepdims=True)
+            deviations -= np.sum(deviations * along, axis=1, keepdims=True) * along
+        return float(np.mean(np.sum(deviations**2, axis=1)))
+
     def b(self, v: np.ndarray, w: np.ndarray, lv: float = 0.0, lw: float = 0.0) -> np.ndarray:
         """B(v, w) of real vectors, with components along the free parameter."""
         if v is w and lv == lw:
@@ -130,37 +172,27 @@ class ReturnMap:
         return real + 1j * (self.b(v.real, w.imag) + self.b(v.imag, w.real))
 
 
-def critical(matrix: np.ndarray, value: complex) -> tuple[np.ndarray, np.ndarray]:
-    """q and p of an eigenvalue, |q| = 1 and p @ q = 1 (p a row vector); the largest entry of q is positive."""
-    shifted = matrix - value * np.eye(len(matrix))
-    u, _, vh = np.linalg.svd(shifted)
-    q, p = vh[-1].conj(), u[:, -1].conj()
-    largest = q[np.argmax(np.abs(q))]
-    q = q * np.conj(largest) / abs(largest)
-    return q, p / (p @ q)
-
-
 def fold(problem: PeriodicOrbit, z: np.ndarray) -> dict[str, Any]:
     """a = p.B(q,q) / 2 and b = p.P_lambda of xi -> xi + b mu + a xi^2."""
     map_ = ReturnMap(problem, z)
-    q, p = critical(map_.a, 1.0)
+    q, p = map_.critical(1.0)
     return {
         "a": 0.5 * float(p @ map_.b(q, q)),
         "b": float(p @ map_.by_parameter),
-        "convention": "return map xi -> xi + b mu + a xi^2, a = p.B(q,q)/2, |q| = 1 in units of the orbit's "
-        "size, p.q = 1 (Kuznetsov 2004, section 5.4)",
+        "convention": "return map xi -> xi + b mu + a xi^2, a = p.B(q,q)/2, |q| = 1 over the orbit, "
+        "p.q = 1 (Kuznetsov 2004, section 5.4)",
     }
 
 
 def flip(problem: PeriodicOrbit, z: np.ndarray) -> dict[str, Any]:
     """c of xi -> -(1 + mu) xi + c xi^3: positive where the doubled orbit is stable beside a stable one."""
     map_ = ReturnMap(problem, z)
-    q, p = critical(map_.a, -1.0)
+    q, p = map_.critical(-1.0)
     h = np.linalg.solve(np.eye(len(q)) - map_.a, map_.b(q, q))
     return {
         "c": float(p @ map_.curve(q, h)[2]) / 6.0,
         "convention": "return map xi -> -(1 + mu) xi + c xi^3, c = p.(C(q,q,q) + 3 B(q, (1 - A)^-1 B(q,q)))/6, "
-        "|q| = 1 in units of the orbit's size, p.q = 1 (Kuznetsov 2004, section 5.4)",
+        "|q| = 1 over the orbit, p.q = 1 (Kuznetsov 2004, section 5.4)",
     }
 
 
@@ -168,7 +200,7 @@ def torus(problem: PeriodicOrbit, z: np.ndarray, theta: float) -> dict[str, Any]
     """Re d of the normal form of a Neimark-Sacker point: negative where a stable torus surrounds."""
     map_ = ReturnMap(problem, z)
     a, turn = map_.a, np.exp(1j * theta)
-    q, p = critical(a, turn)
+    q, p = map_.critical(turn)
     one = np.eye(len(q))
     h11 = np.linalg.solve(one - a, map_.b_complex(q, q.conj()))
     h20 = np.linalg.solve(turn**2 * one - a, map_.b_complex(q, q))
@@ -184,7 +216,7 @@ def torus(problem: PeriodicOrbit, z: np.ndarray, theta: float) -> dict[str, Any]
         "theta": theta,
         "rotation_number": theta / (2.0 * np.pi),
         "convention": "Re d, d = exp(-i theta) p.(C(q,q,q*) + 2 B(q,(1-A)^-1 B(q,q*)) + "
-        "B(q*,(exp(2 i theta)-A)^-1 B(q,q)))/2, |q| = 1 in units of the orbit's size, p.q = 1 "
+        "B(q*,(exp(2 i theta)-A)^-1 B(q,q)))/2, |q| = 1 over the orbit, p.q = 1 "
         "(Kuznetsov 2004, section 5.4); theta in rad per closure",
     }
 
@@ -195,8 +227,7 @@ def branch_point(problem: PeriodicOrbit, z: np.ndarray, weight: float) -> dict[s
     `weight` is the typical magnitude of the free parameter.
     """
     map_ = ReturnMap(problem, z)
-    q, p = critical(map_.a, 1.0)
-    q, p = q.real, p.real
+    q, p = map_.critical(1.0)
     shifted = map_.a - np.eye(len(q))
     bordered = Factored(np.block([[shifted, p[:, None]], [q[None, :], np.zeros((1, 1))]]))
     h = bordered.solve(np.append(-map_.by_parameter, 0.0))[:-1]
@@ -214,5 +245,5 @@ def branch_point(problem: PeriodicOrbit, z: np.ndarray, weight: float) -> dict[s
         "c22": c22,
         "c": c,
         "convention": "return map minus identity; c11 s^2 + 2 c12 s t + c22 t^2 = 0 for the directions s q + t h; "
-        "c = p.(C(q,q,q) - 3 B(q, (A-1)^-1 B(q,q)))/6, |q| = 1 in units of the orbit's size, p.q = 1",
+        "c = p.(C(q,q,q) - 3 B(q, (A-1)^-1 B(q,q)))/6, |q| = 1 over the orbit, p.q = 1",
     }

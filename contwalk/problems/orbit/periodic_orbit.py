@@ -8,21 +8,24 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.branch import SpecialPoint
+from contwalk.branch import Outcome, SpecialPoint
 from contwalk.errors import called
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.linear import EPSILON, Factored
-from contwalk.problems.orbit import augmented, describing, rates, switching
-from contwalk.problems.orbit.closure import Closure, imaged
-from contwalk.problems.orbit.discretization import Discretization, method_for
+from contwalk.problems.orbit import augmented, describing, ending, rates, switching
+from contwalk.problems.orbit.closure import Closure
+from contwalk.problems.orbit.discretization import FINEST, Discretization
 from contwalk.problems.orbit.motion import PLAIN, Motion, motion_of
 from contwalk.problems.orbit.multipliers import Multipliers, multipliers
-from contwalk.problems.orbit.section import Section, section_at
+from contwalk.problems.orbit.section import Reference, Section, reference_of, section_at
 from contwalk.problems.orbit.shooting import Mesh, Shooting, meshed, velocity
+from contwalk.problems.orbit.transport import moved, recut
 from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 
+# Segments that a branch has room for, if it does not begin with more.
+ROOM = 8
 # Samples of an orbit that observables are computed from, beside the integrator's own steps.
 SAMPLES = 512
 # A residual counts as solved at this part of the tolerance.
@@ -31,6 +34,8 @@ SOLVED = 0.01
 SLOW = 0.05
 # Evaluations of the field in a step of each method (of the implicit ones, about).
 STAGES = {"dop853": 12, "verner98": 16, "radau5": 24, "radau9": 40}
+# Growth of deviations over a segment beyond which the orbit is cut into twice as many.
+TOO_MUCH = 1e6
 # Linearizations that are kept: a step asks for the same ones several times.
 MOST_KEPT = 12
 # Two orbits whose periods and places differ by less than this part are one.
@@ -64,6 +69,7 @@ class PeriodicOrbit:
     """
 
     kind = "periodic_orbit"
+    beside = 0.1  # stability grows with the square of the amplitude, and drowns in rounding nearer by
 
     def __init__(
         self,
@@ -90,6 +96,7 @@ class PeriodicOrbit:
         self.fixed = np.concatenate([self._base, self._direction])
         self.closure = self._closed(np.zeros(self.states))
         self.section: Section | None = None
+        self._reference: Reference | None = None
         self._mesh: Mesh | None = None
         self._tally = [0]
         self._kept: dict[bytes, Linearization] = {}
@@ -225,7 +232,7 @@ class PeriodicOrbit:
         self._tally[0] += self._cost
         row = m * n
         if not self.forced:
-            residual[row], jacobian[row, : m * n] = self._phase(starts)
+            residual[row] = self._phase(starts, scalars, jacobian[row])
             row += 1
         for j, pin in enumerate(self.pins):
             residual[row + j] = self._pinned(pin, z, jacobian[row + j])
@@ -238,12 +245,34 @@ class PeriodicOrbit:
         steps = sum(len(times) - 1 for times in self.mesh.steps)
         return steps * stages * (1 + self.states + len(self.motion.columns))
 
-    def _phase(self, starts: np.ndarray) -> tuple[float, np.ndarray]:
-        """Residual and gradient of the phase condition."""
-        assert self.section is not None
-        gradient = np.zeros(starts.size)
-        gradient[: self.states] = self.section.normal
-        return self.section.residual(starts[0]), gradient
+    def _phase(self, starts: np.ndarray, scalars: np.ndarray, row: np.ndarray) -> float:
+        """Residual of the phase condition; its gradient is written into `row`."""
+        n, m = self.states, self.segments
+        if self._reference is None:
+            assert self.section is not None
+            row[:n] = self.section.normal
+            return self.section.residual(starts[0])
+        k, total = len(scalars), 0.0
+        columns, sources = np.hstack([np.eye(n), np.zeros((n, k))]), np.array([-1] * n + list(range(k)))
+        for i in range(m):
+            x, moved = self.shooting.nodes(i, starts[i], columns, sources, scalars)
+            points, rows = self._reference.points[i], self._reference.rows[i]
+            total += float(np.sum(rows * (x - points)))
+            gradient = np.einsum("sn,snq->q", rows, moved)
+            row[i * n : (i + 1) * n] += gradient[:n]
+            row[m * n :] += gradient[n:]
+        return total
+
+    def _own_reference(self, z: np.ndarray) -> Reference:
+        """The orbit of z as the reference of the integral phase condition."""
+        values = np.concatenate([self.scalars(z), self.fixed])
+        points = self.shooting.states(self.starts(z), self.scalars(z))
+        times = self.mesh.steps
+        velocities = [
+            np.array([velocity(self.motion, x, t, values) for t, x in zip(ts, xs, strict=True)])
+            for ts, xs in zip(times, points, strict=True)
+        ]
+        return reference_of(times, points, velocities, self.mesh.variation)
 
     def _pinned(self, pin: Neutral, z: np.ndarray, row: np.ndarray) -> float:
         """Residual of a pinned direction; its gradient is written into `row`."""
@@ -288,17 +317,28 @@ class PeriodicOrbit:
         """The state at the phase condition's point, shape (n,)."""
         return z[: self.states]
 
+    @property
+    def _most_unknowns(self) -> int:
+        """Unknowns of an orbit in as many segments as it may be cut into along its branch."""
+        return max(ROOM, 2 * self.segments) * self.states + len(self.motion.columns) - 1
+
     def branch_facts(self) -> dict[str, Any]:
         """What is true of a whole branch of these orbits, as fields of `BranchInfo`."""
         neutral = len(self.pins) + (0 if self.forced else 1)
         return {
             "problem": self.kind,
             "observables": self.observable_names,
-            "unknowns": self.size,
+            "unknowns": self._most_unknowns,
             "spectrum": max(self.states - neutral, 1),
             "closure": self.closure.name,
             "subharmonic": self.subharmonic,
-            "settings": {"pins": [pin.name for pin in self.pins], "segments": self.segments, "fold": self.closure.fold},
+            "settings": {
+                **neutrals.kept(self.pins, self.parameters, self.states, self.path),
+                "segments": self.segments,
+                "fold": self.closure.fold,
+                "power": self.closure.power,
+                "turns": self.closure.turns.tolist(),
+            },
         }
 
     def explain(self, z: np.ndarray) -> str:
@@ -334,6 +374,7 @@ class PeriodicOrbit:
             magnitudes=linearization.magnitudes,
             excess=linearization.excess_in(weights),
             critical=1.0,
+            spectrum_error=found.accuracy,
             period=self.duration(z),
             trivial_error=self.trivial_error(z, linearization.jacobian),
         )
@@ -382,15 +423,22 @@ class PeriodicOrbit:
         return multipliers(factors, neutral, self.mesh.variation, self.mesh.tolerance)
 
     def trivial_error(self, z: np.ndarray, jacobian: np.ndarray) -> float:
-        """|M f - f| / |f|: how well the flow carries its own velocity once round; NaN where there is none."""
+        """|M f - f| / |f|: how well the flow carries its own velocity once round; NaN where there is none.
+
+        Of several segments, the worst one's: what one does to it may be undone by the next.
+        """
         if self.forced:
             return float("nan")
-        f = self.velocity(z) / self.mesh.variation
-        carried = f * self.mesh.variation
-        for factor in self.factors(jacobian):
-            carried = factor @ carried
-        size = float(np.linalg.norm(f))
-        return float(np.linalg.norm(carried / self.mesh.variation - f)) / size if size > 0.0 else float("nan")
+        m, variation = self.segments, self.mesh.variation
+        own = [self.velocity(z, i) / variation for i in range(m)]
+        worst = 0.0
+        for i, factor in enumerate(self.factors(jacobian)):
+            size = float(np.linalg.norm(own[(i + 1) % m]))
+            if size == 0.0:
+                return float("nan")
+            carried = factor @ (own[i] * variation) / variation
+            worst = max(worst, float(np.linalg.norm(carried - own[(i + 1) % m])) / size)
+        return worst
 
     def motion_of(self, z: np.ndarray, number: int = SAMPLES) -> tuple[np.ndarray, np.ndarray]:
         """The whole motion: times in seconds, shape (k,), and states, shape (k, n)."""
@@ -430,19 +478,36 @@ class PeriodicOrbit:
         The tangent moves along the flow into the new section; the branch stays where it is.
         """
         problem = self.adapted_to(sample.z, sample.weights)
+        if not self.forced:
+            times, speeds = ending.speeds_of(problem, sample.z)
+            if speeds[0] < SLOW * speeds.max():
+                problem, sample = moved(problem, sample, float(times[int(np.argmax(speeds))]))
+        if problem.mesh.growth > TOO_MUCH and 2 * problem.segments <= max(ROOM, problem.segments):
+            problem, sample = recut(problem, sample)
         if self.forced or problem.section is self.section:
             return problem, sample
         tangent = problem.into_section(sample.z, sample.tangent)
         factor = float(np.linalg.norm(tangent / sample.weights))
         return problem, sample.facing(tangent / factor, 1.0 / factor)
 
+    def ended(self, a: Sample, b: Sample) -> Outcome | None:
+        """Why the branch ends between two neighbouring orbits, if it does."""
+        return ending.ended(self, a, b)
+
     def into_section(self, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
         """A tangent moved along the flow until it lies in the section: the same change of the orbit."""
         if self.forced:
             return tangent
         assert self.section is not None
-        tangent, n, normal = tangent.copy(), self.states, self.section.normal
-        shift = -float(normal @ tangent[:n]) / float(normal @ self.velocity(z))
+        tangent, n = tangent.copy(), self.states
+        if self._reference is None:
+            normal = self.section.normal
+            shift = -float(normal @ tangent[:n]) / float(normal @ self.velocity(z))
+        else:
+            row = np.zeros(len(z))
+            self._phase(self.starts(z), self.scalars(z), row)
+            own = np.concatenate([*[self.velocity(z, i) for i in range(self.segments)], np.zeros(len(self.scalars(z)))])
+            shift = -float(row @ tangent) / float(row @ own)
         for i in range(self.segments):
             tangent[i * n : (i + 1) * n] += shift * self.velocity(z, i)
         return tangent
@@ -461,20 +526,18 @@ class PeriodicOrbit:
         NotFinite
             If the motion from z ends before the closure does.
         """
-        m = segments or self.segments
+        m = segments or (len(z) - len(self.motion.columns)) // self.states
         starts, scalars = z[: m * self.states].reshape(m, self.states), z[m * self.states :]
         magnitudes = weights[: self.states] / np.sqrt(m)
         tolerance = tolerance or self.discretization.walking
-        method = self.method_for(tolerance)
+        method = self.discretization.method
         values = np.concatenate([scalars, self.fixed])
         mesh = meshed(self.motion, starts, values, magnitudes, tolerance, method)
-        self._tally[0] += 2 * STAGES[method] * sum(len(times) for times in mesh.steps)
-        return self.on(mesh, self._section_at(starts[0], values, mesh.variation))
-
-    def method_for(self, tolerance: float) -> str:
-        """The integrator for a tolerance."""
-        method = self.discretization.method
-        return method_for(tolerance) if method == "auto" else method
+        self._tally[0] += 2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps)
+        problem = self.on(mesh, self._section_at(starts[0], values, mesh.variation))
+        if self.discretization.phase == "integral" and not self.forced:
+            problem._reference = problem._own_reference(z)
+        return problem
 
     def _section_at(self, x: np.ndarray, values: np.ndarray, magnitudes: np.ndarray) -> Section | None:
         if self.forced:
@@ -487,7 +550,11 @@ class PeriodicOrbit:
     def refined(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> PeriodicOrbit:
         """The same problem, section included, on steps for located points."""
         tolerance = tolerance or self.discretization.locating
-        return self.adapted_to(z, weights, tolerance).on_section(self.section)
+        return self.adapted_to(z, weights, tolerance)._with_phase_of(self)
+
+    def finest(self, z: np.ndarray, weights: np.ndarray) -> PeriodicOrbit:
+        """The same problem on the finest steps that rounding allows."""
+        return self.refined(z, weights, FINEST)
 
     def doubled(self) -> PeriodicOrbit:
         """The problem of the orbits that close after two of this one's closures."""
@@ -505,9 +572,9 @@ class PeriodicOrbit:
         """The problem of the whole orbits."""
         return self.closing(self.closure.fold * self.closure.turns)
 
-    def on_section(self, section: Section | None) -> PeriodicOrbit:
-        """The same problem with another section."""
-        return self._varied(section=section)
+    def _with_phase_of(self, other: PeriodicOrbit) -> PeriodicOrbit:
+        """The same problem with the section of another one; an integral condition is its own on each mesh."""
+        return self._varied(section=other.section)
 
     # -- special points ----------------------------------------------------------------------------------
 
@@ -556,16 +623,16 @@ class PeriodicOrbit:
 
     # -- comparing ---------------------------------------------------------------------------------------
 
-    def same_orbit(self, z: np.ndarray, other: np.ndarray) -> bool:
-        """Whether two solutions are one orbit, or one is the other's image under a declared symmetry."""
-        if abs(self.duration(z) - self.duration(other)) > ALIKE * self.duration(z):
-            return False
-        _, curve = self.motion_of(other, 4 * SAMPLES)
-        p = ParameterValues(**self.values_of(z))
-        images = [z[: self.states], *[imaged(s, z[: self.states], p) for s in self.system.symmetries]]
-        periods = self.periods[: self.states]
+    def same(self, a: Sample, b: Sample) -> bool:
+        """Whether two solutions at the same parameter are one orbit; `b` is on this discretisation."""
+        return abs(a.period - b.period) <= ALIKE * a.period and self.passes(b.z, [a.z[: self.states]])
+
+    def passes(self, z: np.ndarray, points: Sequence[np.ndarray]) -> bool:
+        """Whether the orbit of z passes one of some states."""
+        _, curve = self.motion_of(z, 4 * SAMPLES)
+        periods = np.array([s.period or 0.0 for s in self.system.states])
         scale = self.mesh.variation
-        for x in images:
+        for x in points:
             apart = x - curve
             turned = periods > 0.0
             apart[:, turned] -= np.round(apart[:, turned] / periods[turned]) * periods[turned]

@@ -8,6 +8,7 @@ last orbit, over the whole period (E. J. Doedel, 1981).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,3 +42,17 @@ class Reference:
 
     points: tuple[np.ndarray, ...]
     rows: tuple[np.ndarray, ...]
+
+
+def reference_of(
+    times: Sequence[np.ndarray], points: Sequence[np.ndarray], velocities: Sequence[np.ndarray], magnitudes: np.ndarray
+) -> Reference:
+    """The reference that an orbit itself is: states and velocities at the steps of each segment."""
+    rows = []
+    for t, f in zip(times, velocities, strict=True):
+        weights = np.zeros(len(t))  # the trapezoidal rule
+        weights[:-1] += 0.5 * np.diff(t)
+        weights[1:] += 0.5 * np.diff(t)
+        rows.append(weights[:, None] * f / magnitudes**2)
+    size = np.sqrt(sum(float(np.sum((r * magnitudes) ** 2)) for r in rows))
+    return Reference(tuple(points), tuple(r / size for r in rows))

@@ -12,6 +12,7 @@ import numpy as np
 
 from contwalk import flow
 from contwalk.errors import NotFinite
+from contwalk.flow.method import choose
 from contwalk.problems.orbit.closure import Closure
 from contwalk.problems.orbit.motion import PLAIN, TANGENT, Motion
 
@@ -32,12 +33,19 @@ class Mesh:
     tolerance : float
         Local error of each state in units of its variation along the orbit.
     variation : ndarray, shape (n,)
+        Half the range of each state, or its typical magnitude where it hardly moves.
+    growth : float
+        The largest growth of a generic deviation within a segment.
+    reason : str
+        Why this integrator.
     """
 
     steps: tuple[np.ndarray, ...]
     method: str
     tolerance: float
     variation: np.ndarray
+    growth: float = 1.0
+    reason: str = ""
 
     @property
     def segments(self) -> int:
@@ -90,6 +98,15 @@ class Shooting:
         if segment < self.mesh.segments - 1:
             return end, moved
         return self.closure.end_with_columns(lift, end, moved, sources, values)
+
+    def nodes(
+        self, segment: int, x: np.ndarray, columns: np.ndarray, sources: np.ndarray, scalars: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """States at all steps of a segment, shape (s + 1, n), and their derivatives, shape (s + 1, n, q)."""
+        field = self.motion.field(PLAIN)
+        c = field.constants(self.values(scalars, ()))
+        steps, method = self.mesh.steps[segment], self.mesh.method
+        return flow.tangents(field, c, steps, x, columns, sources, method, every=True)
 
     def states(self, starts: np.ndarray, scalars: np.ndarray) -> list[np.ndarray]:
         """States at the steps of each segment, shape (s + 1, n)."""
@@ -149,34 +166,51 @@ def meshed(
         If the motion ends before the closure does.
     """
     variation = magnitudes
-    steps, nodes = _passed(motion, starts, values, variation, tolerance, method)
+    paths, chosen, reason = _passed(motion, starts, values, variation, tolerance, method)
+    nodes = [path.states for path in paths]
     ranges = np.ptp(np.concatenate(nodes), axis=0)[: len(magnitudes)]
     moves = ranges > STILL * np.maximum(magnitudes, np.abs(starts).max(axis=0))
     smaller = np.where(moves, np.minimum(0.5 * ranges, magnitudes), magnitudes)
     if np.any(smaller < 0.2 * variation):
         variation = smaller
-        steps, _ = _passed(motion, starts, values, variation, tolerance, method)
-    return Mesh(tuple(steps), method, tolerance, variation)
+        paths, chosen, reason = _passed(motion, starts, values, variation, tolerance, method)
+    growth = max(_growth(path.states[:, len(variation) :] / variation) for path in paths)
+    return Mesh(tuple(path.times for path in paths), chosen, tolerance, variation, growth, reason)
+
+
+def _growth(deviations: np.ndarray) -> float:
+    """How much a deviation grows at most from any time on."""
+    sizes = np.linalg.norm(deviations, axis=1)
+    return float(np.max(sizes / np.minimum.accumulate(np.maximum(sizes, 1e-300))))
 
 
 def _passed(
     motion: Motion, starts: np.ndarray, values: np.ndarray, variation: np.ndarray, tolerance: float, method: str
-) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """Accepted steps of every segment, and the states at them."""
+) -> tuple[list[flow.Path], str, str]:
+    """The path of every segment with a generic neighbour, the integrator, and why this one."""
     field = motion.field(TANGENT)
     c = field.constants(np.concatenate([values, np.zeros(len(motion.columns))]))
     n, m = motion.states, len(starts)
     generic = variation * np.cos(np.arange(1.0, n + 1.0))
     weights = np.concatenate([variation, variation])
-    steps, nodes = [], []
-    for i, x in enumerate(starts):
-        y = np.concatenate([x, generic])
-        path = flow.adaptive(field, c, i / m, y, (i + 1) / m, tolerance, weights, method)
-        if path.status != "ok":
-            raise NotFinite(_SENTENCES[path.status], "Start elsewhere, or keep the run away from there.")
-        steps.append(path.times)
-        nodes.append(path.states)
-    return steps, nodes
+    ends = [(i / m, np.concatenate([x, generic]), (i + 1) / m) for i, x in enumerate(starts)]
+    if method == "auto":
+        choices = [choose(field, c, *end, tolerance, weights) for end in ends]
+        methods = {choice.method for choice in choices}
+        stiffest = max(choices, key=lambda choice: choice.stability_limited)
+        method, reason = stiffest.method, stiffest.reason
+        if len(methods) == 1:
+            return [_arrived(choice.path) for choice in choices], method, reason
+    else:
+        reason = "as the run file says"
+    paths = [flow.adaptive(field, c, *end, tolerance, weights, method) for end in ends]
+    return [_arrived(path) for path in paths], method, reason
+
+
+def _arrived(path: flow.Path) -> flow.Path:
+    if path.status != "ok":
+        raise NotFinite(_SENTENCES[path.status], "Start elsewhere, or keep the run away from there.")
+    return path
 
 
 _SENTENCES = {

@@ -14,7 +14,7 @@ from contwalk.problems.orbit.augmented import cycle_matrix, null_vectors, of_vec
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.section import section_at
 from contwalk.problems.orbit.shooting import meshed
-from contwalk.problems.orbit.transport import carried_to, segments_for
+from contwalk.problems.orbit.transport import carried_to, following, segments_for
 from contwalk.problems.problem import Located, Sample, Seed
 from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
@@ -60,7 +60,7 @@ def from_hopf(equilibrium: Equilibrium, point: SpecialPoint) -> Sequence[Seed]:
     section = section_at(x, (1j * omega * q).real, magnitudes)
     values = np.concatenate([scalars, orbit.fixed])
     tolerance = orbit.discretization.walking
-    method = orbit.method_for(tolerance)
+    method = orbit.discretization.method
 
     def cut(m: int) -> tuple[PeriodicOrbit, np.ndarray, np.ndarray]:
         mesh = meshed(orbit.motion, np.tile(x, (m, 1)), values, magnitudes, tolerance, method)
@@ -124,7 +124,7 @@ def seeds(problem: PeriodicOrbit, point: SpecialPoint) -> Sequence[Seed]:
     """The branches that leave a special point of a branch of orbits."""
     z = np.array(point.unknowns)
     try:
-        there = problem.adapted_to(z, _weights(problem, z), problem.discretization.locating)
+        there = _discretized(problem, z)
         if point.label == "PD":
             return _doubled(there, z)
         if point.label == "BP" and point.kind == "symmetry-breaking":
@@ -134,6 +134,15 @@ def seeds(problem: PeriodicOrbit, point: SpecialPoint) -> Sequence[Seed]:
     except (NotFinite, np.linalg.LinAlgError):
         return ()
     return ()
+
+
+def _discretized(problem: PeriodicOrbit, z: np.ndarray) -> PeriodicOrbit:
+    """The problem on fine steps for a stored solution, which may have other segments than the branch began with."""
+    n, k = problem.states, len(problem.motion.columns)
+    m = (len(z) - k) // n
+    sizes = np.maximum(np.abs(z[: m * n].reshape(m, n)).max(axis=0), 1e-6)
+    rough = problem.adapted_to(z, np.concatenate([np.tile(sizes, m) * np.sqrt(m), np.abs(z[m * n :])]))
+    return rough.adapted_to(z, _weights(rough, z), problem.discretization.locating)
 
 
 def _weights(problem: PeriodicOrbit, z: np.ndarray) -> np.ndarray:
@@ -202,15 +211,9 @@ def _pieces(
 def _next(
     problem: PeriodicOrbit, x: np.ndarray, w: np.ndarray, p: ParameterValues
 ) -> tuple[np.ndarray, np.ndarray]:
-    """What follows a closure: its inverse image, with the deviation's sign changed, in unturned angles."""
-    closure = problem.closure
-    inverse = (closure.fold - 1) * closure.power if closure.fold > 1 else 0
-    size = float(np.linalg.norm(w)) or 1.0
-    step = 1e-6 * max(float(np.linalg.norm(x)), 1.0) / size
-    image = imaged(closure.symmetry, x, p, inverse)
-    # Symmetries of machines are affine, so that a difference is exact to rounding.
-    moved = (imaged(closure.symmetry, x + step * w, p, inverse) - image) / step if inverse else w
-    return image + closure.turns, -moved
+    """What follows a closure, with the deviation's sign changed."""
+    image, deviation = following(problem, x, w, p)
+    return image, -deviation
 
 
 def _at(problem: PeriodicOrbit, z: np.ndarray, direction: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contwalk import flow
 from contwalk.errors import NotFinite
+from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.motion import PLAIN, TANGENT
+from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
+    from contwalk.problems.problem import Sample
 
 # Growth over one segment that shooting still takes easily: four digits of sixteen.
 MOST_GROWTH = 1e4
@@ -72,3 +76,56 @@ def segments_for(problem: PeriodicOrbit, z: np.ndarray) -> int:
     if not np.isfinite(largest):
         return MOST_SEGMENTS
     return int(np.clip(np.ceil(np.log(largest) / np.log(MOST_GROWTH)), 1, MOST_SEGMENTS))
+
+
+def recut(problem: PeriodicOrbit, sample: Sample) -> tuple[PeriodicOrbit, Sample]:
+    """The same solution in twice as many segments, its tangent and the sign of its Jacobian with it."""
+    n, m, z = problem.states, problem.segments, sample.z
+    starts, tangents = [], []
+    for j in range(2 * m):
+        x, v = carried_to(problem, z, sample.tangent, j / (2 * m))
+        starts.append(x)
+        tangents.append(v)
+    there = np.concatenate([*starts, z[m * n :]])
+    tangent = np.concatenate([*tangents, sample.tangent[m * n :]])
+    # Each state's share of the metric stays what it is: the squares of m segments add up.
+    states = sample.weights[:n] * np.sqrt(2.0)
+    weights = np.concatenate([np.tile(states, 2 * m), sample.weights[m * n :]])
+    finer = problem.adapted_to(there, weights, segments=2 * m)
+    tangent = finer.into_section(there, tangent)
+    again = finer.examine(there, tangent, weights, finer.linearize(there), sample.unstable)
+    return finer, replace(again, iterations=sample.iterations)
+
+
+def moved(problem: PeriodicOrbit, sample: Sample, time: float) -> tuple[PeriodicOrbit, Sample]:
+    """The same solution, beginning at another time in 0..1 of its closure."""
+    n, m, z = problem.states, problem.segments, sample.z
+    p = ParameterValues(**problem.values_of(z))
+    starts, tangents = [], []
+    for j in range(m):
+        when = time + j / m
+        x, v = carried_to(problem, z, sample.tangent, when - np.floor(when))
+        if when >= 1.0:
+            x, v = following(problem, x, v, p)
+        starts.append(x)
+        tangents.append(v)
+    there = np.concatenate([*starts, z[m * n :]])
+    tangent = np.concatenate([*tangents, sample.tangent[m * n :]])
+    begun = problem.adapted_to(there, sample.weights)
+    tangent = begun.into_section(there, tangent)
+    again = begun.examine(there, tangent, sample.weights, begun.linearize(there), sample.unstable)
+    return begun, replace(again, iterations=sample.iterations)
+
+
+def following(
+    problem: PeriodicOrbit, x: np.ndarray, v: np.ndarray, p: ParameterValues
+) -> tuple[np.ndarray, np.ndarray]:
+    """State and deviation one closure later: the inverse image, in unturned angles."""
+    closure = problem.closure
+    inverse = (closure.fold - 1) * closure.power if closure.fold > 1 else 0
+    if not inverse:
+        return x + closure.turns, v
+    image = imaged(closure.symmetry, x, p, inverse)
+    # Symmetries of machines are affine, so that a difference is exact to rounding.
+    step = max(float(np.linalg.norm(x)), 1.0) / (float(np.linalg.norm(v)) or 1.0)
+    return image + closure.turns, (imaged(closure.symmetry, x + step * v, p, inverse) - image) / step

@@ -1,0 +1,385 @@
+"""A special point computed once more, on another path to it, and how the two agree.
+
+Orbits: the point is left a little along the branch and solved for again with another integrator, on steps of a
+tolerance far below the stored error. Equilibria: the defining system is solved from another start and refined
+with residuals of 40 digits. Beside that, where an eigenvalue or multiplier crosses, its distance from the border,
+which no defining system has a part in, is turned into a distance of the parameter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from contwalk.branch import Branch, SpecialPoint
+from contwalk.continuation.newton import correct
+from contwalk.continuation.reopening import problem_of, reopened, stored_place
+from contwalk.errors import ContwalkError
+from contwalk.problems.linear import Factored
+from contwalk.problems.orbit.discretization import TIGHTEST, Discretization
+from contwalk.problems.problem import Located, Problem, Sample
+from contwalk.system import System
+
+# A point may differ by so many times what the two error estimates together allow: estimates are estimates.
+SLACK = 5.0
+# How far the search begins beside the stored point, in the metric of the branch.
+ASIDE = 1e-4
+# The second computation aims at this part of the stored error.
+TIGHTER = 0.1
+AGREES, DIFFERS, LOST, SKIPPED = "agrees", "DISAGREES", "NOT FOUND AGAIN", "not recomputed"
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A stored point beside its second computation.
+
+    Parameters
+    ----------
+    branch, point : str
+        Names, as `b2` and `PD1`.
+    quantity : str
+        What is compared: the free parameter, or what was solved for at a given value of it.
+    stored, recomputed, difference : float
+    stored_error, own_error : float
+        Estimated absolute errors of both.
+    allowed : float
+        The largest difference with which they agree.
+    spectral : float
+        Distance of the parameter from where the critical eigenvalue or multiplier is; NaN where there is none.
+    method : str
+        How it was recomputed.
+    verdict : str
+        `AGREES`, `DIFFERS`, `LOST` or `SKIPPED`.
+    reason : str
+        Why, unless it agrees.
+    """
+
+    branch: str
+    point: str
+    quantity: str
+    stored: float
+    recomputed: float = float("nan")
+    difference: float = float("nan")
+    stored_error: float = float("nan")
+    own_error: float = float("nan")
+    allowed: float = float("nan")
+    spectral: float = float("nan")
+    method: str = ""
+    verdict: str = SKIPPED
+    reason: str = ""
+
+    @property
+    def failed(self) -> bool:
+        """Whether the stored point is called into question."""
+        return self.verdict in (DIFFERS, LOST)
+
+
+def other_method(
+    system: System,
+    branch: Branch,
+    point: SpecialPoint,
+    steps: Discretization,
+    marks: Mapping[str, Sequence[float | str]],
+) -> str:
+    """An integrator that a stored orbit was not computed with.
+
+    Parameters
+    ----------
+    steps : Discretization
+        The run's own. The point is located with them as the run did, to see what `auto` takes.
+    """
+    problem, sample = reopened(system, branch, point, steps)
+    finest = _finest(problem, sample, branch, point, marks)
+    used = {there.mesh.method for there in (problem, finest)}  # type: ignore[attr-defined]
+    if used & {"radau5", "radau9"}:
+        return "verner98" if "verner98" not in used else "dop853"
+    return "radau9" if "verner98" in used else "verner98"
+
+
+def compared(
+    system: System,
+    branch: Branch,
+    point: SpecialPoint,
+    steps: Discretization,
+    method: str = "",
+    marks: Mapping[str, Sequence[float | str]] | None = None,
+) -> Comparison:
+    """Recompute one special point.
+
+    Parameters
+    ----------
+    system : System
+    branch : Branch
+    point : SpecialPoint
+    steps : Discretization
+        What the run asked of its orbits, its relative accuracy first.
+    method : str
+        The integrator for orbits; `other_method` by default.
+    marks : mapping, optional
+        The run's marked values, by name: what marked points (UZ) of observables stand for.
+    """
+    free = branch.info.free[0]
+    stored = float(point.unknowns[-1]) if point.unknowns else float("nan")
+    error = float("nan") if point.error is None else float(point.error)
+    begun = Comparison(branch.name, point.name, free, stored, stored_error=error)
+    why = _not_for_us(branch, point)
+    if why:
+        return replace(begun, reason=why)
+    orbit, accuracy = branch.info.problem == "periodic_orbit", steps.accuracy
+    try:
+        method = method or other_method(system, branch, point, steps, marks or {}) if orbit else "40 digits"
+        begun = replace(begun, method=method)
+        problem, sample = _beside(system, branch, point, accuracy, method)
+        if point.label == "UZ" and point.kind == "parameter":
+            return _at_value(begun, branch, problem, sample, point, accuracy)
+        found = _found(problem, sample, branch, point, marks or {})
+    except (ContwalkError, np.linalg.LinAlgError) as failure:
+        return replace(begun, verdict=LOST, reason=str(failure))
+    if found is None:
+        return replace(begun, verdict=LOST, reason="the search from beside it does not come back to it")
+    return _judged(begun, branch, problem, sample, point, found, accuracy)
+
+
+def _not_for_us(branch: Branch, point: SpecialPoint) -> str:
+    """Why a point is not recomputed; empty if it is."""
+    if point.status != "located":
+        return "it was not located in the first place"
+    if branch.info.problem not in ("equilibrium", "periodic_orbit"):
+        return f"points of {branch.info.problem.replace('_', ' ')} branches are not recomputed"
+    if branch.info.problem == "periodic_orbit" and point.label == "BP" and not point.coefficients:
+        return "the orbit is its parent again: the parent's own point is recomputed"
+    return ""
+
+
+# -- the second computation --------------------------------------------------------------------------------
+
+
+def _beside(
+    system: System, branch: Branch, point: SpecialPoint, accuracy: float, method: str
+) -> tuple[Problem, Sample]:
+    """The problem on steps of another integrator, and a solution a little along the branch."""
+    place = stored_place(branch, point)
+    z, tangent, weights = place.z, place.tangent, place.weights
+    error = abs(point.error) if point.error is not None else accuracy * abs(z[-1])
+    relative = error / abs(z[-1]) if z[-1] != 0.0 else accuracy
+    wanted = min(max(TIGHTER * min(relative, accuracy), TIGHTEST), TIGHTER * accuracy)
+    steps = Discretization(accuracy=max(wanted, TIGHTEST), method=method)
+    problem: Problem = problem_of(system, branch.info, z[: len(branch.info.states)], steps)
+    problem = problem.at_stored(z, weights)
+    if point.label == "UZ" and point.kind == "parameter":
+        normal = np.zeros(len(z))
+        normal[-1] = 1.0 / weights[-1]
+        shift = ASIDE * weights * np.cos(np.arange(1.0, len(z) + 1.0))
+        guess = np.append((z + shift)[:-1], z[-1])
+        problem = problem.refined(z, weights)
+    else:
+        normal, guess = tangent / weights**2, z + ASIDE * tangent
+    found = correct(problem, guess, normal, weights, iterations=20)
+    if not found.ok or found.linearization is None:
+        raise ContwalkError(f"There is no solution beside the point: {found.sentence}")
+    return problem, problem.examine(found.z, tangent, weights, found.linearization, place.unstable)
+
+
+def _finest(
+    problem: Problem,
+    sample: Sample,
+    branch: Branch,
+    point: SpecialPoint,
+    marks: Mapping[str, Sequence[float | str]],
+) -> Problem:
+    """The finest steps on which a point was located."""
+    if point.label == "UZ" and point.kind == "parameter":
+        return problem.refined(sample.z, sample.weights)
+    found = _found(problem, sample, branch, point, marks)
+    return problem if found is None or found.problem is None else found.problem
+
+
+def _found(
+    problem: Problem,
+    sample: Sample,
+    branch: Branch,
+    point: SpecialPoint,
+    marks: Mapping[str, Sequence[float | str]],
+) -> Located | None:
+    """The special point near a sample."""
+    if point.label == "UZ":
+        name, level = _mark(problem, branch, point, sample, marks)
+        if level is None:
+            return _extremum(problem, sample, name)
+        located = problem.locate_mark(name, level, sample)
+    else:
+        label, which = _search(point, sample)
+        located = problem.locate(label, sample, which)
+    return None if located is None else located.settled()
+
+
+def _search(point: SpecialPoint, sample: Sample) -> tuple[str, int]:
+    """Label of the defining system, and the number of the eigenvalue that is critical."""
+    values = sample.eigenvalues
+    if point.label == "HB":
+        target: complex = 1j * float(point.coefficients["omega"])
+    elif point.label == "NS":
+        target = np.exp(1j * float(point.coefficients["theta"]))
+    elif point.label == "PD" or point.kind == "symmetry-breaking":
+        label = "PD" if point.label == "PD" else "SB"
+        return label, int(np.argmin(np.abs(values + 1.0)))
+    else:
+        multiple = "multiplicity" in point.coefficients
+        return ("MULTIPLE" if multiple else point.label), int(np.argmin(np.abs(values - sample.critical)))
+    return point.label, int(np.argmin(np.abs(values - target)))
+
+
+def _mark(
+    problem: Problem,
+    branch: Branch,
+    point: SpecialPoint,
+    sample: Sample,
+    marks: Mapping[str, Sequence[float | str]],
+) -> tuple[str, float | None]:
+    """Name and value of the observable that is marked at a point; no value for an extremum."""
+    observables = branch.info.observables
+    here = dict(zip(observables, branch.points["observables"][point.index], strict=True))
+    if point.kind == "extremum":
+        names = [name for name, values in marks.items() if "extremum" in values and name in here]
+        rates = {name: abs(problem.rate(name, sample)) / max(abs(here[name]), 1e-300) for name in names}
+        if rates:
+            return min(rates, key=lambda name: rates[name]), None
+    levels = [
+        (abs(here[name] - float(value)) / max(abs(here[name]), abs(float(value)), 1e-300), name, float(value))
+        for name, values in marks.items()
+        for value in values
+        if name in here and value != "extremum"
+    ]
+    if not levels or point.kind == "extremum":
+        raise ContwalkError("The run file in the database does not tell what is marked here.")
+    _, name, value = min(levels)
+    return name, value
+
+
+def _extremum(problem: Problem, sample: Sample, name: str) -> Located | None:
+    """The point at which the rate of an observable is zero, by the secant method along the branch."""
+
+    def at(position: float) -> tuple[Sample, float]:
+        guess = sample.z + position * sample.tangent
+        found = correct(problem, guess, sample.tangent / sample.weights**2, sample.weights)
+        if not found.ok or found.linearization is None:
+            raise ContwalkError(f"There is no solution beside the point: {found.sentence}")
+        tangent = _tangent(found.linearization.jacobian, sample)
+        there = problem.examine(found.z, tangent, sample.weights, found.linearization, sample.unstable)
+        return there, problem.rate(name, there)
+
+    low, high = -3.0 * ASIDE, ASIDE
+    v0, v1 = at(low)[1], at(high)[1]
+    there, moved = sample, high - low
+    for _ in range(6):
+        if v0 == v1:
+            break
+        new = high - v1 * (high - low) / (v1 - v0)
+        low, v0, moved = high, v1, new - high
+        high = new
+        there, v1 = at(new)
+        if abs(moved) < 1e-9:
+            break
+    if not abs(moved) < ASIDE:
+        return None
+    return Located(there.z, abs(moved * sample.tangent[-1]) + float(np.spacing(abs(there.z[-1]))), {})
+
+
+def _tangent(jacobian: np.ndarray, near: Sample) -> np.ndarray:
+    """Unit tangent at a solution, facing like that of a sample beside it."""
+    bordered = np.vstack([jacobian, near.tangent / near.weights**2])
+    tangent = Factored(bordered, near.weights).solve(np.eye(len(near.z))[-1])
+    return tangent / np.linalg.norm(tangent / near.weights)
+
+
+# -- the verdict -------------------------------------------------------------------------------------------
+
+
+def _judged(
+    begun: Comparison,
+    branch: Branch,
+    problem: Problem,
+    sample: Sample,
+    point: SpecialPoint,
+    found: Located,
+    accuracy: float,
+) -> Comparison:
+    """Whether both values of the parameter agree."""
+    value = float(found.z[-1])
+    difference = abs(value - begun.stored)
+    claim = begun.stored_error if np.isfinite(begun.stored_error) else accuracy * abs(begun.stored)
+    within = SLACK * (claim + found.error)
+    asked = accuracy * abs(begun.stored)
+    spectral, uncertain = _from_spectrum(problem, sample, point, found)
+    result = replace(
+        begun,
+        recomputed=value,
+        difference=difference,
+        own_error=found.error,
+        allowed=min(within, asked) if asked > 0.0 else within,
+        spectral=spectral,
+        verdict=DIFFERS,
+    )
+    if difference > within:
+        return replace(result, reason=f"more than {SLACK:g} times the errors of both")
+    if asked > 0.0 and difference > asked:
+        return replace(result, reason=f"more than the accuracy {accuracy:g} that was asked for")
+    if spectral > SLACK * (claim + found.error + uncertain):
+        return replace(result, reason=f"its critical eigenvalue is {spectral:.1e} away from the border")
+    return replace(result, verdict=AGREES)
+
+
+def _from_spectrum(
+    problem: Problem, sample: Sample, point: SpecialPoint, found: Located
+) -> tuple[float, float]:
+    """Distance of the parameter from where the critical measure is zero, and how uncertain that is."""
+    if point.label not in ("HB", "PD", "NS") and point.kind != "symmetry-breaking":
+        return float("nan"), 0.0
+    there = problem if found.problem is None else found.problem
+    tangent = np.array(point.tangent)
+    at = there.examine(found.z, tangent, sample.weights, there.linearize(found.z), sample.unstable)
+    _, which = _search(point, at)
+    rate = abs(float(at.rates[which]))
+    if not rate > 0.0:
+        return float("nan"), 0.0
+    change = abs(float(at.tangent[-1])) / rate
+    return abs(float(at.measures[which])) * change, float(at.errors[which]) * change
+
+
+def _at_value(
+    begun: Comparison,
+    branch: Branch,
+    problem: Problem,
+    sample: Sample,
+    point: SpecialPoint,
+    accuracy: float,
+) -> Comparison:
+    """Whether the solution at a given value of the parameter agrees, by the unknown that differs most."""
+    z = np.array(point.unknowns)
+    moved = np.abs(sample.z - problem.nearest_turn(z, sample.z)) / sample.weights
+    at = int(np.argmax(moved[:-1]))
+    n, size = len(branch.info.states), len(z) - 1
+    orbit = branch.info.problem == "periodic_orbit"
+    segments = int(branch.info.settings.get("segments", 1)) if orbit else 1
+    if at < segments * n:
+        name = branch.info.states[at % n]
+    else:
+        name = "period" if orbit and at == segments * n and size > segments * n else "drift"
+    scale = max(float(sample.weights[at]), abs(float(z[at])))
+    result = replace(
+        begun,
+        quantity=name,
+        stored=float(z[at]),
+        recomputed=float(sample.z[at]),
+        difference=float(moved[at] * sample.weights[at]),
+        stored_error=float("nan"),
+        allowed=accuracy * scale,
+        verdict=AGREES,
+    )
+    if result.difference > result.allowed:
+        return replace(
+            result, verdict=DIFFERS, reason=f"more than the accuracy {accuracy:g} that was asked for"
+        )
+    return result
