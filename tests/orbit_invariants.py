@@ -89,7 +89,8 @@ def _check_count(row: np.void) -> None:
 def orbit_of(branch: Branch, problem: PeriodicOrbit | Equilibrium, row: np.void) -> Row:
     """A stored row taken apart: starts of the segments, duration of the closure, parameters."""
     system, n = problem.system, len(branch.info.states)
-    m, fold = int(branch.info.settings["segments"]), int(branch.info.settings["fold"])
+    # Rows of a branch may have different numbers of segments; what a row does not need is NaN.
+    m, fold = int(np.isfinite(row["unknowns"]).sum()) // n, int(branch.info.settings["fold"])
     value = float(row["free"][0])
     parameters = {**branch.info.parameters, branch.info.free[0]: value}
     if problem.path is not None:

@@ -3,64 +3,101 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from contwalk.errors import ContwalkError
 
 if TYPE_CHECKING:
-    from contwalk.branch import Branch
+    from contwalk.branch import Branch, SpecialPoint
     from contwalk.system import System
 
-KINDS = ("bifurcation_diagram", "eigenvalues", "multipliers", "stability_map", "machine")
+KINDS = (
+    "bifurcation_diagram",
+    "eigenvalues",
+    "multipliers",
+    "stability_map",
+    "machine",
+    "phase_portrait",
+)
 
 
 @click.command("plot")
 @click.argument("db")
 @click.option("-x", "x", metavar="P", help="What stands on the horizontal axis.")
 @click.option("-y", "y", metavar="OBS", help="What stands on the vertical axis.")
+@click.option("-z", "z", metavar="STATE", help="The third axis of a phase portrait.")
 @click.option("-o", "output", metavar="FIG", required=True, help="The file to write: PNG, SVG or PDF.")
 @click.option("--kind", type=click.Choice(KINDS), default=KINDS[0], show_default=True, help="The figure.")
 @click.option("--branch", "names", metavar="b1", multiple=True, help="A branch to draw; all by default.")
-@click.option("--point", metavar="b1/HB1", help="Where to draw the machine; the start by default.")
+@click.option(
+    "--point",
+    "points",
+    metavar="b1/HB1",
+    multiple=True,
+    help="Where to draw the machine, or an orbit; by default the start, and a handful of orbits.",
+)
 def command(
-    db: str, x: str | None, y: str | None, output: str, kind: str, names: tuple[str, ...], point: str | None
+    db: str,
+    x: str | None,
+    y: str | None,
+    z: str | None,
+    output: str,
+    kind: str,
+    names: tuple[str, ...],
+    points: tuple[str, ...],
 ) -> None:
     """Draw a figure of the database DB into the file FIG.
 
-    The axes take any parameter, state or observable. For a stability map, -x is the free parameter and -y the
-    swept one.
+    The axes take any parameter, state or observable; those of a phase portrait take states. For a stability
+    map, -x is the free parameter and -y the swept one.
     """
     from contwalk.cli.stored_system import system_of
     from contwalk.storage import open_database
     from contwalk.workflow.figures import draw_figure
 
-    _check_options(kind, x, y, point)
+    _check_options(kind, x, y, z, points)
     with open_database(db) as database:
         branches = [database.branch(name) for name in dict.fromkeys(names)] or database.branches()
-        pointed = None if point is None else database.branch(point.partition("/")[0])
+        pointed = [(database.branch(point.partition("/")[0]), point) for point in points]
         system: System | None = None
         try:
             system = system_of(database.header, Path(db))
         except ContwalkError:
-            if kind == "machine":
+            if kind in ("machine", "phase_portrait"):
                 raise
-    if pointed is not None and point is not None and system is not None:
-        _draw_machine(system, pointed, point, output)
+    if kind == "machine" and pointed and system is not None:
+        _draw_machine(system, *pointed[0], output)
     else:
         if kind == "stability_map":
             y = y or _swept(branches)
-        options = {axis: name for axis, name in (("x", x), ("y", y)) if name}
+        options: dict[str, Any] = {axis: name for axis, name in (("x", x), ("y", y), ("z", z)) if name}
+        options["points"] = [_stored(branch, point) for branch, point in pointed]
         draw_figure(kind, branches, system, Path(output), options)
     click.echo(f"Wrote {output}.")
 
 
-def _check_options(kind: str, x: str | None, y: str | None, point: str | None) -> None:
-    if point is not None and kind != "machine":
-        raise ContwalkError(f"--point belongs to --kind machine, not to {kind}.", "Leave it out.")
-    if (x or y) and kind not in ("bifurcation_diagram", "stability_map"):
+def _check_options(kind: str, x: str | None, y: str | None, z: str | None, points: tuple[str, ...]) -> None:
+    if points and kind not in ("machine", "phase_portrait"):
+        raise ContwalkError(
+            f"--point belongs to --kind machine and phase_portrait, not to {kind}.", "Leave it out."
+        )
+    if kind == "machine" and len(points) > 1:
+        raise ContwalkError("The machine is drawn at one point.", "Give --point once.")
+    if (x or y) and kind not in ("bifurcation_diagram", "stability_map", "phase_portrait"):
         raise ContwalkError(f"The figure {kind} has no -x and -y.", "Leave them out.")
+    if z and kind != "phase_portrait":
+        raise ContwalkError(f"The figure {kind} has no -z.", "Leave it out.")
+
+
+def _stored(branch: Branch, point: str) -> tuple[Branch, SpecialPoint | int]:
+    """A branch with its special point, or the number of its row."""
+    from contwalk.cli.point_page import row_of, special_of
+
+    name = point.partition("/")[2]
+    row = row_of(branch, name)
+    return branch, special_of(branch, name) if row is None else row
 
 
 def _swept(branches: list[Branch]) -> str:

@@ -71,7 +71,9 @@ def walk(
         try:
             problem, sample = problem.adapted(here.sample)
         except NotFinite as error:
-            outcome = outcomes.stuck("not_finite", error.sentence, here.step, observer.parameter, here.sample.parameter)
+            outcome = outcomes.stuck(
+                "not_finite", error.sentence, here.step, observer.parameter, here.sample.parameter
+            )
             break
         here = replace(here, sample=sample)
         number += 1

@@ -28,8 +28,8 @@ BESIDE = 1e-3
 NEAR_REAL = 1e-5
 # Below this share of the parameter in the unit tangent, its sign is rounding noise.
 NO_SHARE = 1e-9
-# How many eigenvalues pass at points that only eigenvalues tell: a pair, or a real one (SB: of half a symmetric
-# orbit, where its whole loses the symmetry).
+# How many eigenvalues pass at points that only eigenvalues tell: a pair, or a real one (SB: of half a
+# symmetric orbit, where its whole loses the symmetry).
 PASSING = {"HB": 2, "NS": 2, "PD": 1, "SB": 1}
 
 

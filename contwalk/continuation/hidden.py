@@ -74,7 +74,9 @@ def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | Non
     for low, high, before, after in ((0.0, middle, outside, inside), (middle, 1.0, inside, outside)):
         point = _crossing_between(part, which, low, high)
         if point is None:
-            raise Disagreement(str(finest.label_of(part.at(middle), which)), "Of two near crossings one is lost.")
+            raise Disagreement(
+                str(finest.label_of(part.at(middle), which)), "Of two near crossings one is lost."
+            )
         position = sides[0] + point.theta * (sides[1] - sides[0])
         found.append(replace(point, theta=position, before=before, after=after, counted=True))
     return found

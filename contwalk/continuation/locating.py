@@ -11,8 +11,7 @@ from contwalk.continuation.rootfinding import narrow
 from contwalk.continuation.segment import Segment
 from contwalk.problems.problem import Located, Sample
 
-# A located point lies on the branch if it is this near, relative to the segment, beside rounding in the
-# metric.
+# Of two points that are one, in the metric, beside what a problem blurs.
 SAME_POINT = 1e-6
 ROUNDING = 1e-13
 
@@ -114,7 +113,7 @@ def passes_through(segment: Segment, z: np.ndarray, tangent: np.ndarray, theta: 
 
 def same_point(segment: Segment, located: Located, theta: float) -> bool:
     """Whether a located point is the branch's own solution at theta."""
-    return segment.distance(located.z, theta) < SAME_POINT + ROUNDING / segment.length
+    return segment.distance(located.z, theta) < segment.problem.blur + ROUNDING / segment.length
 
 
 def sample_at(segment: Segment, label: str, located: Located, near: Sample) -> Sample:

@@ -75,6 +75,5 @@ def no_start(reason: str, sentence: str, what: str = "an equilibrium, or a named
     return Outcome(
         "failed",
         "no_convergence",
-        f"The start does not converge to a solution: {sentence} "
-        f"Give a state nearer to {what}.",
+        f"The start does not converge to a solution: {sentence} Give a state nearer to {what}.",
     )

@@ -38,6 +38,7 @@ def to_row(info: BranchInfo, problem: Problem, here: Here, sign: float, special:
         row[column] = np.nan
         row[column][0, : len(values)] = values
     row["step"] = here.step
+    row["error"] = sample.error
     row["residual"] = sample.excess
     row["iterations"] = sample.iterations
     row["rhs"] = sample.evaluations

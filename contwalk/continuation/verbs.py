@@ -92,7 +92,7 @@ def switch_branch(
         If no other branch leaves that point.
     """
     special = branch.special(point) if isinstance(point, str) else point
-    chosen = _settings(problem, range, marks, settings)
+    chosen = _settings(problem, range, marks, settings, float(special.unknowns[-1]))
     seeds = problem.seeds(special)
     if not seeds:
         raise StartError(
@@ -158,9 +158,7 @@ def _opened(
                 "An orbit of an autonomous system needs its period, or a simulation that finds it.",
                 "Give period=SECONDS, or until='settled'.",
             )
-        opening = opened_orbit(
-            *given, discretization=problem.discretization, period=period, until=until
-        )
+        opening = opened_orbit(*given, discretization=problem.discretization, period=period, until=until)
     if isinstance(opening, Outcome):
         raise StartError(opening.message)
     return opening
@@ -178,6 +176,7 @@ def _settings(
     range: tuple[float, float],
     marks: Mapping[str, Sequence[float | str]] | None,
     settings: dict[str, Any],
+    start: float | None = None,
 ) -> Settings:
     chosen = tuple(
         Mark(name, tuple(float(v) for v in values if v != "extremum"), "extremum" in values)
@@ -197,7 +196,7 @@ def _settings(
                 f"Known: {', '.join(watched)}. {nearest(name, watched)}".strip(),
             )
     low, high = float(range[0]), float(range[1])
-    value = problem.parameters.get(problem.free, low)
+    value = problem.parameters.get(problem.free, low) if start is None else start
     if not low <= value <= high or not low < high:
         raise StartError(
             f"The start has {problem.free} = {value:g}, the range is ({low:g}, {high:g}).",
@@ -212,7 +211,9 @@ def _direction(direction: str) -> tuple[float, ...]:
     return _DIRECTIONS[direction]
 
 
-def _state(problem: Equilibrium | PeriodicOrbit, state: str | Sequence[float] | Mapping[str, float]) -> np.ndarray:
+def _state(
+    problem: Equilibrium | PeriodicOrbit, state: str | Sequence[float] | Mapping[str, float]
+) -> np.ndarray:
     if isinstance(state, str):
         return problem.system.named_states(state, problem.parameters)[0]
     if isinstance(state, Mapping):

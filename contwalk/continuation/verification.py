@@ -1,9 +1,9 @@
 """A special point computed once more, on another path to it, and how the two agree.
 
-Orbits: the point is left a little along the branch and solved for again with another integrator, on steps of a
-tolerance far below the stored error. Equilibria: the defining system is solved from another start and refined
-with residuals of 40 digits. Beside that, where an eigenvalue or multiplier crosses, its distance from the border,
-which no defining system has a part in, is turned into a distance of the parameter.
+Orbits: the point is left a little along the branch and solved for again with another integrator, on steps
+of a tolerance far below the stored error. Equilibria: the defining system is solved from another start and
+refined with residuals of 40 digits. Beside that, where an eigenvalue or multiplier crosses, its distance
+from the border, which no defining system has a part in, is turned into a distance of the parameter.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class Comparison:
     allowed : float
         The largest difference with which they agree.
     spectral : float
-        Distance of the parameter from where the critical eigenvalue or multiplier is; NaN where there is none.
+        Distance of the parameter from where the critical eigenvalue crosses; NaN where none does.
     method : str
         How it was recomputed.
     verdict : str
@@ -130,6 +130,8 @@ def compared(
     orbit, accuracy = branch.info.problem == "periodic_orbit", steps.accuracy
     try:
         method = method or other_method(system, branch, point, steps, marks or {}) if orbit else "40 digits"
+        if not orbit and point.label == "UZ" and point.kind == "parameter":
+            method = "another start"
         begun = replace(begun, method=method)
         problem, sample = _beside(system, branch, point, accuracy, method)
         if point.label == "UZ" and point.kind == "parameter":

@@ -45,12 +45,6 @@ def partials(graph: Graph, node: int) -> list[tuple[int, int]]:
     if name == "div":
         reciprocal = graph.div(graph.one, a[1])
         return [(a[0], reciprocal), (a[1], graph.neg(graph.mul(node, reciprocal)))]
-    if name == "select":
-        condition, first, second = a
-        return [
-            (first, graph.select(condition, graph.one, graph.zero)),
-            (second, graph.select(condition, graph.zero, graph.one)),
-        ]
     found = FUNCTIONS[name].partials(graph, node, a)
     return [(argument, partial) for argument, partial in zip(a, found, strict=True) if partial is not None]
 
@@ -60,6 +54,9 @@ def jacobian(graph: Graph, outputs: Sequence[int], inputs: Sequence[int]) -> lis
     derivatives: dict[int, dict[int, int]] = {node: {k: graph.one} for k, node in enumerate(inputs)}
     for node in ancestors(graph, outputs):
         if node in derivatives:
+            continue
+        if graph.nodes[node][0] == "select":
+            derivatives[node] = _selected(graph, node, derivatives)
             continue
         row: dict[int, int] = {}
         for argument, partial in partials(graph, node):
@@ -72,11 +69,25 @@ def jacobian(graph: Graph, outputs: Sequence[int], inputs: Sequence[int]) -> lis
     ]
 
 
+def _selected(graph: Graph, node: int, derivatives: Mapping[int, Mapping[int, int]]) -> dict[int, int]:
+    """Derivatives of a choice: chosen as well, since what is not taken need not exist there."""
+    condition, first, second = graph.nodes[node][1:]
+    one, other = derivatives.get(first, {}), derivatives.get(second, {})
+    return {
+        k: graph.select(condition, one.get(k, graph.zero), other.get(k, graph.zero)) for k in {**one, **other}
+    }
+
+
 def directional(graph: Graph, outputs: Sequence[int], directions: Mapping[int, int]) -> list[int]:
     """Derivatives of the outputs when each input moves along its direction (input node -> direction node)."""
     derivatives: dict[int, int] = dict(directions)
     for node in ancestors(graph, outputs):
         if node in derivatives:
+            continue
+        if graph.nodes[node][0] == "select":
+            condition, first, second = graph.nodes[node][1:]
+            sides = (derivatives.get(side, graph.zero) for side in (first, second))
+            derivatives[node] = graph.select(condition, *sides)
             continue
         total = graph.zero
         for argument, partial in partials(graph, node):

@@ -1,23 +1,37 @@
 """LU factors of small dense matrices, real and complex, in loops that numba compiles.
 
 Matrices are flat and row-major. Rows are weighed by their largest entry when a pivot is chosen: equations of
-a machine have the units that its author chose, and the choice must not depend on them.
+a machine have the units that its author chose, and the choice must not depend on them. Parts of rows are counted from 0: loops over them become vector
+instructions, which they do not if an index may be negative for all that the compiler knows.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from contwalk.flow.calling import inlined
+from contwalk.flow.calling import doubles, inlined
+
+
+@inlined
+def _subtract(target: np.ndarray, multiple: float, source: np.ndarray, length: int) -> None:
+    """target -= multiple source."""
+    for j in range(length):
+        target[j] -= multiple * source[j]
+
+
+@inlined
+def _exchange(first: np.ndarray, second: np.ndarray, length: int) -> None:
+    for j in range(length):
+        first[j], second[j] = second[j], first[j]
 
 
 @inlined
 def factor(a: np.ndarray, weights: np.ndarray, pivots: np.ndarray, n: int) -> bool:
     """Replace a by its factors; false if it is singular or not finite. `weights` is scratch of length n."""
     for i in range(n):
-        largest = 0.0
+        row, largest = doubles(a.ctypes.data + 8 * (i * n), n), 0.0
         for j in range(n):
-            largest = max(largest, abs(a[i * n + j]))
+            largest = max(largest, abs(row[j]))
         weights[i] = 1.0 / largest
     for k in range(n):
         chosen, best = k, -1.0
@@ -30,15 +44,17 @@ def factor(a: np.ndarray, weights: np.ndarray, pivots: np.ndarray, n: int) -> bo
         pivots[k] = chosen
         if chosen != k:
             weights[chosen] = weights[k]
-            for j in range(n):
-                a[k * n + j], a[chosen * n + j] = a[chosen * n + j], a[k * n + j]
+            _exchange(
+                doubles(a.ctypes.data + 8 * (k * n), n), doubles(a.ctypes.data + 8 * (chosen * n), n), n
+            )
         inverse = 1.0 / a[k * n + k]
+        rest = n - k - 1
+        source = doubles(a.ctypes.data + 8 * (k * n + k + 1), rest)
         for i in range(k + 1, n):
             multiple = a[i * n + k] * inverse
-            a[i * n + k] = multiple
             if multiple != 0.0:
-                for j in range(k + 1, n):
-                    a[i * n + j] -= multiple * a[k * n + j]
+                a[i * n + k] = multiple
+                _subtract(doubles(a.ctypes.data + 8 * (i * n + k + 1), rest), multiple, source, rest)
     return True
 
 
@@ -48,23 +64,26 @@ def solve(a: np.ndarray, pivots: np.ndarray, n: int, b: np.ndarray, columns: int
     for k in range(n):
         other = pivots[k]
         if other != k:
-            for j in range(columns):
-                b[k * columns + j], b[other * columns + j] = b[other * columns + j], b[k * columns + j]
+            _exchange(
+                doubles(b.ctypes.data + 8 * (k * columns), columns),
+                doubles(b.ctypes.data + 8 * (other * columns), columns),
+                columns,
+            )
     for i in range(1, n):
+        target = doubles(b.ctypes.data + 8 * (i * columns), columns)
         for k in range(i):
             multiple = a[i * n + k]
             if multiple != 0.0:
-                for j in range(columns):
-                    b[i * columns + j] -= multiple * b[k * columns + j]
+                _subtract(target, multiple, doubles(b.ctypes.data + 8 * (k * columns), columns), columns)
     for i in range(n - 1, -1, -1):
+        target = doubles(b.ctypes.data + 8 * (i * columns), columns)
         for k in range(i + 1, n):
             multiple = a[i * n + k]
             if multiple != 0.0:
-                for j in range(columns):
-                    b[i * columns + j] -= multiple * b[k * columns + j]
-        pivot = a[i * n + i]
+                _subtract(target, multiple, doubles(b.ctypes.data + 8 * (k * columns), columns), columns)
+        inverse = 1.0 / a[i * n + i]
         for j in range(columns):
-            b[i * columns + j] /= pivot
+            target[j] *= inverse
 
 
 @inlined
@@ -73,9 +92,13 @@ def factor_complex(
 ) -> bool:
     """The same for a complex matrix; the diagonal of the factors holds the inverses of the pivots."""
     for i in range(n):
-        largest = 0.0
+        x, y, largest = (
+            doubles(real.ctypes.data + 8 * (i * n), n),
+            doubles(imaginary.ctypes.data + 8 * (i * n), n),
+            0.0,
+        )
         for j in range(n):
-            largest = max(largest, abs(real[i * n + j]) + abs(imaginary[i * n + j]))
+            largest = max(largest, abs(x[j]) + abs(y[j]))
         weights[i] = 1.0 / largest
     for k in range(n):
         chosen, best = k, -1.0
@@ -88,24 +111,33 @@ def factor_complex(
         pivots[k] = chosen
         if chosen != k:
             weights[chosen] = weights[k]
-            for j in range(n):
-                real[k * n + j], real[chosen * n + j] = real[chosen * n + j], real[k * n + j]
-                imaginary[k * n + j], imaginary[chosen * n + j] = (
-                    imaginary[chosen * n + j],
-                    imaginary[k * n + j],
-                )
-        x, y = real[k * n + k], imaginary[k * n + k]
-        x, y = _inverse(x, y)
+            _exchange(
+                doubles(real.ctypes.data + 8 * (k * n), n), doubles(real.ctypes.data + 8 * (chosen * n), n), n
+            )
+            _exchange(
+                doubles(imaginary.ctypes.data + 8 * (k * n), n),
+                doubles(imaginary.ctypes.data + 8 * (chosen * n), n),
+                n,
+            )
+        x, y = _inverse(real[k * n + k], imaginary[k * n + k])
         real[k * n + k], imaginary[k * n + k] = x, y
+        rest = n - k - 1
+        c, d = (
+            doubles(real.ctypes.data + 8 * (k * n + k + 1), rest),
+            doubles(imaginary.ctypes.data + 8 * (k * n + k + 1), rest),
+        )
         for i in range(k + 1, n):
             p, q = real[i * n + k], imaginary[i * n + k]
             if p != 0.0 or q != 0.0:
                 u, v = p * x - q * y, p * y + q * x
                 real[i * n + k], imaginary[i * n + k] = u, v
-                for j in range(k + 1, n):
-                    p, q = real[k * n + j], imaginary[k * n + j]
-                    real[i * n + j] -= u * p - v * q
-                    imaginary[i * n + j] -= u * q + v * p
+                e, f = (
+                    doubles(real.ctypes.data + 8 * (i * n + k + 1), rest),
+                    doubles(imaginary.ctypes.data + 8 * (i * n + k + 1), rest),
+                )
+                for j in range(rest):
+                    e[j] -= u * c[j] - v * d[j]
+                    f[j] -= u * d[j] + v * c[j]
     return True
 
 

@@ -3,7 +3,8 @@
 A path gives its steps; between their ends the dense output only says where to look. There the step is
 taken anew with the length that ends at a trial instant, so that an event has the accuracy of the steps
 themselves and not that of an interpolation. Within a step the guard is sampled. A crossing shows as a change
-of sign; a pair of crossings as a guard that nears zero on one side and leaves it on the other (rates are exact).
+of sign; a pair of crossings as a guard that nears zero on one side and leaves it on the other (rates are
+exact).
 """
 
 from __future__ import annotations

@@ -28,6 +28,9 @@ STAGES_OF = Entry(_DRIVERS, "stages_of", "q", "q", _PARTS)
 # Steps that there is room for at first.
 _ROOM = 512
 
+# Numbers in a line of the processor's cache.
+_LINE = 8
+
 # Most numbers that interpolation keeps at once.
 _MOST_KEPT = 4_000_000
 
@@ -48,7 +51,7 @@ class _Call:
         self.start = _padded(field.n)
         self.width = _padded(columns)
         self.length = self.start + field.n * self.width
-        self.vectors = np.zeros((stages.vectors(self.method), self.length))
+        self.vectors = _aligned(stages.vectors(self.method), self.length)
         self._c = _checked(c, (max(field.constant_count, 1),), "constants")
         if x0 is not None:
             self.vectors[stages.Y, : field.n] = _checked(x0, (field.n,), "start")
@@ -87,7 +90,7 @@ class _Call:
         if given.shape != (q,) or ((given < -1) | (given >= field.k)).any():
             raise ValueError(f"{q} tangents of a field with {field.k} columns are driven by {list(sources)}")
         self.split(self.vectors[stages.Y])[1][:, :q] = x
-        driving = np.zeros((max(field.k, 1), self.width))
+        driving = _aligned(max(field.k, 1), self.width)
         driving[given[given >= 0], np.flatnonzero(given >= 0)] = 1.0
         buffer = np.empty(field.n + len(field.col))
         self._kept += [driving, buffer]
@@ -324,6 +327,13 @@ def _method(name: str) -> RungeKutta:
 
 def _padded(count: int) -> int:
     return -(-count // stages.WIDTH) * stages.WIDTH
+
+
+def _aligned(rows: int, columns: int) -> np.ndarray:
+    """Zeros, at an address at which vectors do not straddle the lines of the processor's cache."""
+    memory = np.zeros(rows * columns + _LINE)
+    offset = -(memory.ctypes.data // memory.itemsize) % _LINE
+    return memory[offset : offset + rows * columns].reshape(rows, columns)
 
 
 def _grid(times: Vector) -> np.ndarray:

@@ -18,7 +18,8 @@ TARGET = 0.4  # of the tolerance: at 1, every second step would be rejected
 MOST_GROWTH, MOST_SHRINKAGE = 6.0, 0.2
 SHRINKAGE_WHERE_UNDEFINED = 0.1
 
-# A step that is tried again must become shorter even after its end has been rounded: this many roundings long.
+# A step that is tried again must become shorter even after its end has been rounded: this many roundings
+# long.
 LEAST_SHRINKAGE, ROUNDINGS = 0.9, 16.0
 
 _call_step = caller("v", "ddqqqq")

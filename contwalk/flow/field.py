@@ -35,6 +35,8 @@ class Field:
         Parameters by which derivatives are wanted.
     time : (group, index), optional
         The input that is the time, if f depends on it.
+    differentiable : bool
+        Whether its Jacobian may be asked for: what is prepared for it has a price.
 
     Attributes
     ----------
@@ -58,6 +60,7 @@ class Field:
         parameters: Mapping[str, int],
         columns: Sequence[Input] = (),
         time: Input | None = None,
+        differentiable: bool = True,
     ) -> None:
         self.n, self.k = len(states), len(columns)
         self.parameter_count = sum(parameters.values())
@@ -69,6 +72,7 @@ class Field:
         self._time = {} if time is None else {graph.input(*time): ("t", 0)}
         self._along = [*self._states, *(graph.input(*column) for column in columns)]
         self._lock = RLock()
+        self._differentiable = differentiable
         self._check(columns, places)
 
     def _check(self, columns: Sequence[Input], places: Sequence[Input]) -> None:
@@ -133,7 +137,9 @@ class Field:
 
     @cached_property
     def _hoisted(self) -> list[int]:
-        nodes = [*roots(self._program.tree), *roots(self._linearization.tree)]
+        nodes = [*roots(self._program.tree)]
+        if self._differentiable:
+            nodes += roots(self._linearization.tree)
         return hoisted(self._program.graph, nodes, self._parameters.keys())
 
     @cached_property

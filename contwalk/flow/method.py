@@ -1,8 +1,9 @@
 """Which method for which flow: told by what the methods do on the very path that is wanted.
 
-Stiffness is no property of a field alone: it depends on the path, its length and the tolerance. The explicit pair is
-therefore tried first. If stability limits its steps, or if they become many, the implicit method is tried too, and the
-one that works less is taken. Work is counted and not timed, so that the same problem always gets the same method.
+Stiffness is no property of a field alone: it depends on the path, its length and the tolerance. The explicit
+pair is therefore tried first. If stability limits its steps, or if they become many, the implicit method is tried
+too, and the one that works less is taken. Work is counted and not timed, so that the same problem always gets the same
+method.
 """
 
 from __future__ import annotations
@@ -18,7 +19,8 @@ from contwalk.flow.verbs import adaptive
 
 IMPLICIT = "radau9"
 
-# At this tolerance both explicit pairs need about equally many right-hand sides; below, the pair of order 9 fewer.
+# At this tolerance both explicit pairs need about equally many right-hand sides; below, the pair of order 9
+# fewer.
 ORDER_9_FROM = 1e-11
 
 # Explicit steps after which the implicit method is tried, whatever limits them.
@@ -48,8 +50,8 @@ class Choice:
     path : Path
         The path by the method chosen.
     explicit_work, implicit_work : float
-        Work of the two in units of a right-hand side; that of the explicit pair up to where its trial ended; NaN for
-        the implicit method if it was not tried.
+        Work of the two in units of a right-hand side; that of the explicit pair up to where its trial ended;
+        NaN for the implicit method if it was not tried.
     """
 
     method: str
@@ -102,9 +104,9 @@ def choose(
 def implicit_work(field: Field, path: Path) -> float:
     """Work of an implicit path in units of a right-hand side, linear algebra included.
 
-    Operations as they were measured, in units of about half a nanosecond: a right-hand side with its share of an
-    explicit step 20 + 8 an entry of the Jacobian; a stage of a Newton pass 30 n + 3.6 n^2 besides its right-hand
-    side; a step 6 n^3 and a Jacobian, which costs four right-hand sides.
+    Operations as they were measured, in units of about half a nanosecond: a right-hand side with its share
+    of an explicit step 20 + 8 an entry of the Jacobian; a stage of a Newton pass 30 n + 3.6 n^2 besides its
+    right-hand side; a step 6 n^3 and a Jacobian, which costs four right-hand sides.
     """
     n, rhs = field.n, 20.0 + 8.0 * len(field.col)
     steps = _steps(path)

@@ -110,7 +110,7 @@ def _far(machine: Machine, t: float, x: np.ndarray, weights: np.ndarray) -> floa
 def magnitudes(
     machine: Machine, t0: float, x0: np.ndarray, t1: float, given: Sequence[float | None], method: str
 ) -> np.ndarray:
-    """Typical magnitudes of the states: those given, else the largest values at the beginning of the motion.
+    """Typical magnitudes of the states: those given, else those seen at the beginning of the motion.
 
     Parameters
     ----------
@@ -123,5 +123,16 @@ def magnitudes(
     first = np.where(np.isnan(known), np.where(x0 == 0.0, 1.0, np.abs(x0)), known)
     end = t1 if np.isfinite(t1) else t0 + _far(machine, t0, x0, first)
     path = adaptive(machine.field, machine.c, t0, x0, end, 1e-6, first, method, max_steps=PILOT_STEPS)
-    seen = np.abs(path.states).max(axis=0)
+    if path.status not in ("ok", "too_many_steps"):
+        return first  # what it came to on its way out of the numbers is not typical
+    # Twice the mean over time, not the largest value: that of a motion on its way to infinity says nothing.
+    seen = np.minimum(2.0 * _mean(path.times, np.abs(path.states)), np.abs(path.states).max(axis=0))
     return np.where(np.isnan(known), np.where(seen > 0.0, seen, 1.0), known)
+
+
+def _mean(times: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Mean over time of each column, by the trapezoidal rule."""
+    if len(times) < 2:
+        return values[0]
+    lengths = np.diff(times)[:, None]
+    return (0.5 * lengths * (values[:-1] + values[1:])).sum(axis=0) / (times[-1] - times[0])

@@ -1,7 +1,7 @@
 """Radau IIA collocation for stiff flows: L-stable, orders 5 and 9, with exact Jacobians.
 
-Every step's equations are solved to rounding (`radau_step`), so that a path over a given grid is a smooth function of
-its start, and bitwise the same whether the grid was chosen by error control or is given.
+Every step's equations are solved to rounding (`radau_step`), so that a path over a given grid is a smooth
+function of its start, and bitwise the same whether the grid was chosen by error control or is given.
 
 Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd edition, IV.5 and IV.8.
 """
@@ -23,10 +23,14 @@ TABLEAUS = {"radau5": RADAU5, "radau9": RADAU9}
 # Steps for which memory is set aside before it is known how many there are.
 _ROOM = 512
 
+# Of the error of the embedded formula, in the translation of tolerances (that of RADAU).
+SHARE = 0.1
+
 _STATUS = ("ok", "not_finite", "too_many_steps", "step_too_small")
 _FULL = 4
 
-_PARTS = tuple(f"contwalk.flow.{name}" for name in ("dense_lu", "radau_step"))
+_NAMES = ("dense_lu", "radau_parts", "radau_newton", "radau_estimate")
+_PARTS = tuple(f"contwalk.flow.{name}" for name in _NAMES)
 _FIRST, _LAST = "q" * 11, "q" * 4  # what `_Call` gives
 
 _MARCH = Entry("contwalk.flow.radau_kernel", "radau_march", "q", f"{_FIRST}qqqqqqq{_LAST}", _PARTS)
@@ -46,6 +50,21 @@ def warmup() -> None:
         _ = entry.address
 
 
+def _measured(tolerance: float, stages: int) -> float:
+    """The bound of the embedded estimate that belongs to a tolerance: 0.1 tolerance^((s + 1) / (2 s)).
+
+    The estimate is that of a formula of order s and falls like h^(s + 1), the error itself like h^(2 s). So that steps
+    are as long as the error allows, the tolerance is translated as the code RADAU does (E. Hairer, G. Wanner, Stiff
+    differential equations solved by Radau methods, J. Comput. Appl. Math. 111 (1999) 93-111).
+    """
+    return SHARE * tolerance ** ((stages + 1) / (2 * stages))
+
+
+def _errors(estimates: np.ndarray, stages: int) -> np.ndarray:
+    """Local errors by embedded estimates: the inverse of `_measured`."""
+    return (estimates / SHARE) ** (2 * stages / (stages + 1))
+
+
 class _Call:
     """What every kernel takes first, and last: a field and a tableau by their addresses, and scratch."""
 
@@ -55,7 +74,7 @@ class _Call:
         n, s, entries = field.n, tableau.stages, len(field.col)
         modes = (s - 1) // 2
         self._kept = (field, c, field.row_ptr, field.col, _packed(tableau))
-        self._scratch = np.empty(n + entries + 5 * s * n + (1 + 2 * modes) * n * n + 5 * n + more)
+        self._scratch = np.empty(2 * (n + entries) + 5 * s * n + (1 + 2 * modes) * n * n + 5 * n + more)
         self._pivots = np.empty((1 + modes) * n + pivots, dtype=np.int64)
         numbers = self._kept[-1]
         self.first = (
@@ -104,10 +123,11 @@ def adaptive(
     scales = np.ascontiguousarray(weights, dtype=float)
     times, states = np.empty(_ROOM + 1), np.empty((_ROOM + 1, field.n))
     times[0], states[0] = t0, x0
+    allowed = _measured(tolerance, TABLEAUS[method].stages)
     memory, counts = np.zeros(5), np.zeros(4, dtype=np.int64)
     code = _FULL
     while True:
-        arguments = (t1, tolerance, scales.ctypes.data, max_steps, times.ctypes.data, states.ctypes.data)
+        arguments = (t1, allowed, scales.ctypes.data, max_steps, times.ctypes.data, states.ctypes.data)
         arguments += (len(times) - 1, memory.ctypes.data, counts.ctypes.data)
         code = _ADAPTIVE(*call.first, *arguments, *call.last)
         if code != _FULL:
@@ -164,7 +184,7 @@ def errors_on(
     """Embedded error estimates of the steps of a grid, shape (s,), in units of the weights."""
     errors = np.full(len(times) - 1, np.nan)
     _march(field, c, times, x0, method, np.ascontiguousarray(weights, dtype=float), errors)
-    return errors
+    return _errors(errors, TABLEAUS[method].stages)
 
 
 def tangents(
@@ -195,7 +215,7 @@ def tangents(
     """
     n, stages, q, entries = field.n, TABLEAUS[method].stages, np.shape(X0)[1], len(field.col)
     sn = stages * n
-    more = sn * sn + sn + n + entries + n * q + sn * q
+    more = sn * sn + sn + n + entries + sn * q
     call = _Call(field, c, TABLEAUS[method], more, sn)
     grid, x = np.ascontiguousarray(times, dtype=float), np.array(x0, dtype=float)
     X, driving = np.array(X0, dtype=float, order="C"), np.asarray(sources, dtype=np.int64)

@@ -1,6 +1,7 @@
 """Paths of Radau IIA collocation, compiled by numba: with step control, on a frozen grid, and with tangents.
 
-Everything comes in by address, so that one object code serves every field. Imported only where it is compiled.
+Everything comes in by address, so that one object code serves every field. Imported only where it is
+compiled.
 """
 
 from __future__ import annotations
@@ -8,22 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.flow.calling import doubles, inlined, integers
-from contwalk.flow.radau_step import (
-    CONVERGED,
-    EPSILON,
-    NOT_FINITE,
-    Equations,
-    Method,
-    Work,
-    embedded,
-    embedded_again,
-    iterate,
-    linearize,
-    method,
-    norm,
-    predict,
-    work,
-)
+from contwalk.flow.radau_estimate import embedded, embedded_again, norm
+from contwalk.flow.radau_newton import CONVERGED, NOT_FINITE, iterate, linearize, predict
+from contwalk.flow.radau_parts import EPSILON, Equations, Method, Work, equations, method, work
 
 # What `adaptive` returns.
 DONE, NOT_FINITE_PATH, TOO_MANY_STEPS, STEP_TOO_SMALL, FULL = 0, 1, 2, 3, 4
@@ -37,14 +25,6 @@ BEST_RATE = 0.25
 
 SAFETY = 0.9
 MOST_GROWTH, MOST_SHRINKAGE = 8.0, 5.0
-
-
-@inlined
-def equations(
-    rhs: int, jac: int, n: int, rows: int, columns: int, entries: int, c: int, constants: int
-) -> Equations:
-    """A field's addresses as arrays."""
-    return Equations(rhs, jac, n, integers(rows, n + 1), integers(columns, entries), doubles(c, constants))
 
 
 @inlined
@@ -63,7 +43,8 @@ def radau_march(
 ) -> int:  # fmt: skip
     """The steps of a grid from x, which is overwritten; how many of them could be done.
 
-    `states` (steps + 1, n), `errors` (steps,), `increments` (steps, s, n) are written unless their address is 0.
+    `states` (steps + 1, n), `errors` (steps,), `increments` (steps, s, n) are written unless their address
+    is 0.
     """
     eq = equations(rhs, jac, n, rows, columns, entries, c, constants)
     m = method(doubles(tableau, numbers), s)
@@ -170,8 +151,8 @@ def radau_adaptive(
 ) -> int:  # fmt: skip
     """Steps with error control from the last node written to t1, until `room` steps are full.
 
-    `memory` (5, all 0 at the start): next step; length of the last step; that length and its error as the controller
-    remembers them; end of the last step. `counts` (4): steps, rejected steps, right-hand sides, Jacobians.
+    `memory` (5, all 0 at the start): next step; length of the last step; that length and its error as the
+    controller remembers them; end of the last step. `counts` (4): steps, rejected steps, right-hand sides, Jacobians.
     """
     eq = equations(rhs, jac, n, rows, columns, entries, c, constants)
     m = method(doubles(tableau, numbers), s)

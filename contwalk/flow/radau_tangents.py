@@ -1,6 +1,6 @@
 """Derivatives of Radau IIA steps, compiled by numba.
 
-The stage equations Z = h A f(x + Z) are differentiated as they stand, with the Jacobian of each stage: the
+The stage equations A^-1 Z = h f(x + Z) are differentiated as they stand, with the Jacobian of each stage: the
 derivative of a step is that of the discrete map, to rounding. Imported only where it is compiled.
 """
 
@@ -10,81 +10,65 @@ import numpy as np
 
 from contwalk.flow.calling import call_rhs, doubles, inlined, integers
 from contwalk.flow.dense_lu import factor, solve
-from contwalk.flow.radau_kernel import MOST_PASSES_FROZEN, accept, equations
-from contwalk.flow.radau_step import (
-    CONVERGED,
-    Equations,
-    Method,
-    Work,
-    iterate,
-    linearize,
-    method,
-    predict,
-    work,
-)
+from contwalk.flow.radau_kernel import MOST_PASSES_FROZEN, accept
+from contwalk.flow.radau_newton import CONVERGED, iterate, linearize, predict
+from contwalk.flow.radau_parts import Equations, Method, Work, equations, method, work
 
 
 @inlined
 def driven(
-    eq: Equations, entries: np.ndarray, x: np.ndarray, q: int, sources: np.ndarray, out: np.ndarray
+    eq: Equations, h: float, entries: np.ndarray, x: np.ndarray, q: int, sources: np.ndarray, out: np.ndarray
 ) -> None:
-    """out = J x + the derivatives by the parameters that drive the columns."""
+    """out = h (J x + the derivatives by the parameters that drive the columns)."""
     for i in range(eq.n * q):
         out[i] = 0.0
     for i in range(eq.n):
+        target = doubles(out.ctypes.data + 8 * i * q, q)
         for e in range(eq.rows[i], eq.rows[i + 1]):
-            column, value = eq.columns[e], entries[e]
+            column, value = eq.columns[e], h * entries[e]
             if column < eq.n:
+                source = doubles(x.ctypes.data + 8 * column * q, q)
                 for j in range(q):
-                    out[i * q + j] += value * x[column * q + j]
+                    target[j] += value * source[j]
             else:
                 for j in range(q):
                     if sources[j] == column - eq.n:
-                        out[i * q + j] += value
+                        target[j] += value
 
 
 @inlined
 def stage_matrix(eq: Equations, m: Method, h: float, j: int, entries: np.ndarray, matrix: np.ndarray) -> None:
-    """The columns of I - h A x J that belong to stage j."""
+    """The rows of A^-1 x I - h J that belong to stage j: blocks beside the diagonal one are diagonal."""
     n, s = eq.n, m.s
-    for i in range(s):
-        a = h * m.matrix[i * s + j]
-        for k in range(n):
-            row = matrix[(i * n + k) * s * n + j * n : (i * n + k) * s * n + (j + 1) * n]
-            for column in range(n):
-                row[column] = 0.0
-            for e in range(eq.rows[k], eq.rows[k + 1]):
-                if eq.columns[e] < n:
-                    row[eq.columns[e]] = -a * entries[e]
-            if i == j:
-                row[k] += 1.0
+    for k in range(n):
+        row = matrix[(j * n + k) * s * n : (j * n + k + 1) * s * n]
+        for column in range(s * n):
+            row[column] = 0.0
+        for i in range(s):
+            row[i * n + k] = m.inverse[j * s + i]
+        for e in range(eq.rows[k], eq.rows[k + 1]):
+            if eq.columns[e] < n:
+                row[j * n + eq.columns[e]] -= h * entries[e]
 
 
 @inlined
 def step_tangents(
     eq: Equations, m: Method, w: Work, t: float, h: float, x: np.ndarray, tangents: np.ndarray, q: int,
     sources: np.ndarray, matrix: np.ndarray, pivots: np.ndarray, row_weights: np.ndarray,
-    jacobian: np.ndarray, change: np.ndarray, moved: np.ndarray,
+    jacobian: np.ndarray, moved: np.ndarray,
 ) -> bool:  # fmt: skip
     """Carry the tangents at x over the step whose increments are in w.z."""
     n, s = eq.n, m.s
-    for i in range(s * n * q):
-        moved[i] = 0.0
     for j in range(s):
         for k in range(n):
             w.state[k] = x[k] + w.z[j * n + k]
         call_rhs(eq.jac, t + m.nodes[j] * h, w.state.ctypes.data, eq.c.ctypes.data, jacobian.ctypes.data)
         stage_matrix(eq, m, h, j, jacobian[n:], matrix)
-        driven(eq, jacobian[n:], tangents, q, sources, change)
-        for i in range(s):
-            a = h * m.matrix[i * s + j]
-            part = moved[i * n * q : (i + 1) * n * q]
-            for k in range(n * q):
-                part[k] += a * change[k]
+        driven(eq, h, jacobian[n:], tangents, q, sources, doubles(moved.ctypes.data + 8 * j * n * q, n * q))
     if not factor(matrix, row_weights, pivots, s * n):
         return False
     solve(matrix, pivots, s * n, moved, q)
-    last = moved[(s - 1) * n * q :]
+    last = doubles(moved.ctypes.data + 8 * (s - 1) * n * q, n * q)
     for k in range(n * q):
         tangents[k] += last[k]
     return True
@@ -104,14 +88,10 @@ def radau_tangents(
     room, slots = doubles(scratch, size), integers(pivots, pivot_size)
     w = work(room, slots, n, s, entries)
     sn, nq = s * n, n * q
-    a = size - (sn * sn + sn + n + entries + nq + sn * q)
+    a = size - (sn * sn + sn + n + entries + sn * q)
     matrix, row_weights = room[a : a + sn * sn], room[a + sn * sn : a + sn * sn + sn]
     a += sn * sn + sn
-    jacobian, change, moved = (
-        room[a : a + n + entries],
-        room[a + n + entries : size - sn * q],
-        room[size - sn * q :],
-    )
+    jacobian, moved = room[a : a + n + entries], room[size - sn * q :]
     grid, now, tangent = doubles(times, steps + 1), doubles(x, n), doubles(columns_in, nq)
     driving = integers(sources, q)
     before = 0.0
@@ -126,7 +106,7 @@ def radau_tangents(
             return step
         if not step_tangents(
             eq, m, w, t, h, now, tangent, q, driving, matrix, slots[pivot_size - sn :], row_weights,
-            jacobian, change, moved,
+            jacobian, moved,
         ):  # fmt: skip
             return step
         accept(m, w, n, now)

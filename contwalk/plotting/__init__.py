@@ -24,41 +24,49 @@ if TYPE_CHECKING:
     from contwalk.plotting.histogram import plot_histogram
     from contwalk.plotting.machine import plot_machine
     from contwalk.plotting.multipliers import plot_multipliers
+    from contwalk.plotting.phase_panels import Portrait, plot_phase_panels
     from contwalk.plotting.phase_portrait import plot_phase_portrait
     from contwalk.plotting.quantities import units_of
     from contwalk.plotting.stability_map import plot_stability_map
     from contwalk.plotting.style import new_axes, save
     from contwalk.plotting.time_series import plot_time_series, plot_time_series_panels
     from contwalk.plotting.tradeoff import plot_tradeoff
+    from contwalk.plotting.tradeoff_panels import plot_tradeoff_panels
 
 __all__ = [
+    "Portrait",
     "new_axes",
     "plot_bifurcation_diagram",
     "plot_eigenvalues",
     "plot_histogram",
     "plot_machine",
     "plot_multipliers",
+    "plot_phase_panels",
     "plot_phase_portrait",
     "plot_stability_map",
     "plot_time_series",
     "plot_time_series_panels",
     "plot_tradeoff",
+    "plot_tradeoff_panels",
     "save",
     "units_of",
 ]
 
 _MODULES = {
+    "Portrait": "phase_panels",
     "new_axes": "style",
     "plot_bifurcation_diagram": "bifurcation_diagram",
     "plot_eigenvalues": "eigenvalues",
     "plot_histogram": "histogram",
     "plot_machine": "machine",
     "plot_multipliers": "multipliers",
+    "plot_phase_panels": "phase_panels",
     "plot_phase_portrait": "phase_portrait",
     "plot_stability_map": "stability_map",
     "plot_time_series": "time_series",
     "plot_time_series_panels": "time_series",
     "plot_tradeoff": "tradeoff",
+    "plot_tradeoff_panels": "tradeoff_panels",
     "save": "style",
     "units_of": "quantities",
 }

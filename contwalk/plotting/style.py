@@ -28,6 +28,7 @@ PROPORTIONS = {
     "stability_map": (6.4, 4.2),
     "machine": (4.2, 4.2),
     "phase_portrait": (6.4, 4.6),
+    "phase_panels": (4.6, 4.6),
     "time_series": (7.2, 3.0),
     "histogram": (6.4, 4.0),
     "tradeoff": (6.4, 4.2),
@@ -65,6 +66,18 @@ def new_axes(kind: str, projection: str | None = None) -> Axes:
 def new_panels(kind: str, number: int) -> list[Axes]:
     """As `new_axes`, with panels one below the other; each but the first adds two thirds to the height."""
     return list(_new_figure(kind, number).subplots(number, squeeze=False)[:, 0])
+
+
+def new_grid(kind: str, number: int, columns: int) -> list[Axes]:
+    """As `new_axes`, with panels in so many columns, row by row; all of the size of one figure."""
+    rows = -(-number // columns)
+    figure = _new_figure(kind, 1)
+    width, height = PROPORTIONS[kind]
+    figure.set_size_inches(width * columns, height * rows)
+    axes = list(figure.subplots(rows, columns, squeeze=False).ravel())
+    for ax in axes[number:]:
+        ax.remove()
+    return axes[:number]
 
 
 def _new_figure(kind: str, panels: int) -> Figure:

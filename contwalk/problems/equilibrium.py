@@ -15,7 +15,7 @@ from contwalk.problems import defining
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.description import described
 from contwalk.problems.equations import equations_of
-from contwalk.problems.linear import Factored
+from contwalk.problems.linear import Factored, solution_error
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.problem import MAX_RE, Linearization, Located, Sample, Seed
 from contwalk.problems.spectrum import EPSILON, Spectrum, spectrum
@@ -47,6 +47,8 @@ class Equilibrium:
 
     kind = "equilibrium"
     beside = 1e-4
+    blur = 1e-6
+    method = ""
 
     def __init__(
         self,
@@ -251,6 +253,7 @@ class Equilibrium:
             observables=self.observables(z, found),
             magnitudes=linearization.magnitudes,
             excess=linearization.excess_in(weights),
+            error=solution_error(bordered, linearization.levels[0], weights),
         )
 
     def solve_states(self, z: np.ndarray, right: np.ndarray) -> np.ndarray:

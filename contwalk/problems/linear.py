@@ -71,6 +71,16 @@ class Factored:
         return float(np.linalg.slogdet(self._scaled)[0])
 
 
+def solution_error(bordered: np.ndarray, levels: np.ndarray, weights: np.ndarray) -> float:
+    """What errors of the equations, `levels`, do to their solution in the metric, at most."""
+    scaled = bordered * weights
+    try:
+        inverse = np.linalg.inv(scaled)
+    except np.linalg.LinAlgError:
+        return float("inf")
+    return float(np.max(np.abs(inverse[:, : len(levels)]) @ levels))
+
+
 class LeastSquares:
     """A square matrix of deficient rank, equilibrated; `solve` gives the shortest least-squares solution."""
 

@@ -24,7 +24,8 @@ import numpy as np
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.problems.linear import EPSILON
 
-# Observables that every problem has: the largest real part of an equilibrium, the largest modulus of an orbit.
+# Observables that every problem has: the largest real part of an equilibrium, the largest modulus of an
+# orbit.
 MAX_RE, MAX_ABS = "max_re", "max_abs"
 
 
@@ -101,7 +102,10 @@ class Sample:
     critical : float
         What a real eigenvalue is where it changes stability: 0, of orbits 1.
     spectrum_error : float, optional
-        Estimated error of the leading eigenvalue, where `errors` are only what blurs its sign along the branch.
+        Estimated error of the leading eigenvalue, where `errors` are only what blurs its sign along the
+        branch.
+    error : float
+        Estimated error of z in the metric, from the errors of the equations.
     period, trivial_error : float
         Of orbits: duration of the closure in seconds, and |M f - f| / |f|.
     """
@@ -125,6 +129,7 @@ class Sample:
     period: float = float("nan")
     trivial_error: float = float("nan")
     spectrum_error: float | None = None
+    error: float = float("nan")
 
     def facing(self, tangent: np.ndarray, factor: float = 1.0) -> Sample:
         """The same solution with another unit tangent along its branch, whose length is `factor` of the old one's."""
@@ -188,12 +193,26 @@ class Problem(Protocol):
     """Equations F(u, lambda) = 0 with what is special about them."""
 
     kind: str
+    free: str
+    path: tuple[Mapping[str, float], Mapping[str, float]] | None
     # How far from a branch point that a walk begins at its side is looked at, in parts of the first step.
     beside: float
+    # A located point lies on the branch if it is this near, relative to the segment, beside rounding.
+    blur: float
 
     @property
     def size(self) -> int:
         """Number N of unknowns without the free parameter."""
+        ...
+
+    @property
+    def observable_names(self) -> tuple[str, ...]:
+        """Names of the observables, in the order of `Sample.observables`."""
+        ...
+
+    @property
+    def method(self) -> str:
+        """How motions are integrated, and why so; empty where none are."""
         ...
 
     @property

@@ -23,7 +23,7 @@ def draw_figure(
     system : System, optional
         For units, and for the figure `machine`.
     options : mapping
-        `x` and `y` where the figure takes them.
+        `x`, `y` and `z` where the figure takes them; `points`, names of stored points, for a phase portrait.
     """
     from contwalk import plotting
 
@@ -39,10 +39,40 @@ def draw_figure(
         axes = plotting.plot_stability_map(branches, x or branches[0].info.free[0], str(y), units=units)
     elif name == "machine":
         axes = _machine(branches, system)
+    elif name == "phase_portrait":
+        axes = _phase_portrait(branches, system, options)
     else:
         raise ContwalkError(f"There is no figure named '{name}'.", "See docs/reference/figures.md.")
     plotting.save(axes, path)
     return path
+
+
+def _phase_portrait(branches: Sequence[Branch], system: System | None, options: Mapping[str, Any]) -> Any:
+    """Orbits of special points and ends, or of the points that are named, integrated once more."""
+    from contwalk import plotting
+    from contwalk.workflow.stored_orbits import columns_of, orbit_at, orbits_of
+
+    if system is None:
+        raise ContwalkError("Orbits cannot be integrated without their system.", "Install it again.")
+    x, y = (
+        options.get(axis) or system.state_names[min(k, len(system.states) - 1)] for k, axis in enumerate("xy")
+    )
+    names = [x, y, *([options["z"]] if options.get("z") else [])]
+    if options.get("points"):
+        groups = [[orbit_at(system, branch, point) for branch, point in options["points"]]]
+    else:
+        groups = orbits_of(system, branches)
+    origins = {branch.name: branch.info.origin for branch in branches}
+    portraits = [
+        plotting.Portrait(
+            group[0].branch + (f", from {origins[group[0].branch]}" if origins.get(group[0].branch) else ""),
+            [columns_of(system, orbit, names) for orbit in group],
+            [orbit.label for orbit in group],
+            [orbit.stable for orbit in group],
+        )
+        for group in groups
+    ]
+    return plotting.plot_phase_panels(portraits, names, units=plotting.units_of(system))[0]
 
 
 def _machine(branches: Sequence[Branch], system: System | None) -> Any:

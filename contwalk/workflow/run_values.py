@@ -13,10 +13,18 @@ from contwalk.branch import LABELS
 from contwalk.workflow.yaml_lines import shown
 
 FOLLOWED = tuple(label for label in LABELS if label not in ("EP", "UZ"))
-DIAGRAM_FIGURES = ("bifurcation_diagram", "eigenvalues", "multipliers", "stability_map", "machine")
+DIAGRAM_FIGURES = (
+    "bifurcation_diagram",
+    "eigenvalues",
+    "multipliers",
+    "stability_map",
+    "machine",
+    "phase_portrait",
+)
 MOTION_FIGURES = ("time_series", "phase_portrait")
 SAMPLE_FIGURES = ("histogram",)
-FIGURES = (*DIAGRAM_FIGURES, *MOTION_FIGURES, *SAMPLE_FIGURES)  # each command draws its own
+# each command draws its own
+FIGURES = tuple(dict.fromkeys((*DIAGRAM_FIGURES, *MOTION_FIGURES, *SAMPLE_FIGURES)))
 LOWEST_ACCURACY = 1e-14  # below it, rounding in double precision decides, not the method
 
 

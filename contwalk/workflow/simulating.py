@@ -96,8 +96,8 @@ def start_of(system: Any, spec: StartSpec, where: str) -> tuple[np.ndarray, dict
         from contwalk.workflow.stored_points import stored_point
 
         assert spec.file is not None
-        state, stored = stored_point(spec.file, str(spec.point), system)
-        return state, {**stored, **spec.given}
+        found = stored_point(spec.file, str(spec.point), system)
+        return found.state, {**found.parameters, **spec.given}
     try:
         states = system.named_states(str(spec.name), parameters)
     except StartError as error:

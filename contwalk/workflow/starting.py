@@ -12,8 +12,8 @@ from contwalk.continuation.settings import Settings
 from contwalk.continuation.work import Start
 from contwalk.errors import StartError
 from contwalk.problems.orbit.discretization import Discretization
-from contwalk.storage.hdf5 import Hdf5Database
 from contwalk.workflow.run_file import RunFile, StartSpec
+from contwalk.workflow.stored_points import stored_point
 
 
 @dataclass(frozen=True)
@@ -76,35 +76,8 @@ def _stored_place(run_file: RunFile, spec: StartSpec) -> Place:
     """A point of another database; its parameters, changed by those the run file gives."""
     assert spec.file is not None
     assert spec.point is not None
-    names = run_file.system.state_names
-    with Hdf5Database.open(spec.file) as db:
-        branch_name, point_name = spec.point.split("/")
-        branch = db.branch(branch_name)
-        if branch.info.states != names:
-            raise StartError(
-                f"{spec.file} holds states {', '.join(branch.info.states)}, not {', '.join(names)}.",
-                "Start from a database of the same system and model.",
-            )
-        if point_name.isdigit():
-            if int(point_name) >= len(branch):
-                raise StartError(
-                    f"Branch {branch_name} of {spec.file} has {len(branch)} points, numbered from 0.",
-                    "Give one of them.",
-                )
-            row = branch.points[int(point_name)]
-            state, period = np.array(row["state"]), float(row["period"])
-            stored = {**branch.info.parameters, **dict(zip(branch.info.free, row["free"], strict=True))}
-        else:
-            try:
-                point = branch.special(point_name)
-            except KeyError as error:
-                raise StartError(str(error.args[0]), f"In {spec.file}.") from error
-            state = np.array([point.state[name] for name in names])
-            period = float(point.period or np.nan)
-            stored = dict(point.parameters)
-    fold = int(branch.info.settings.get("fold", 1))
-    known = {k: float(v) for k, v in stored.items() if k in run_file.system.parameter_names}
-    parameters = {**run_file.system.defaults(), **known, **spec.given}
+    found = stored_point(spec.file, spec.point, run_file.system)
+    parameters = {**found.parameters, **spec.given}
     low, high = run_file.range
     if run_file.parameter_path is None and not low <= parameters[run_file.free] <= high:
         raise StartError(
@@ -113,9 +86,9 @@ def _stored_place(run_file: RunFile, spec: StartSpec) -> Place:
             "Widen continue.range, or start from another point.",
         )
     origin = f"{spec.point} of {spec.file.name}"
-    if not np.isfinite(period):
-        return Place(state, parameters, origin)
-    return Place(state, parameters, origin, period=fold * period, orbit=True)
+    if not np.isfinite(found.period):
+        return Place(found.state, parameters, origin)
+    return Place(found.state, parameters, origin, period=found.period, orbit=True)
 
 
 def starts(

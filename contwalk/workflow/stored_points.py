@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +12,26 @@ from contwalk.storage.hdf5 import Hdf5Database
 from contwalk.system import System
 
 
-def stored_point(file: Path, point: str, system: System) -> tuple[np.ndarray, dict[str, float]]:
-    """State and parameters of a point, by its name (`b1/HB1`) or its number (`b1/12`).
+@dataclass(frozen=True, eq=False)
+class StoredPoint:
+    """What a database says of a point.
+
+    Parameters
+    ----------
+    state : ndarray, shape (n,)
+    parameters : dict
+        All of the system's: its defaults where the database has none.
+    period : float
+        Of the whole orbit; NaN for an equilibrium.
+    """
+
+    state: np.ndarray
+    parameters: dict[str, float]
+    period: float
+
+
+def stored_point(file: Path, point: str, system: System) -> StoredPoint:
+    """A point by its name (`b1/HB1`) or its number (`b1/12`).
 
     Raises
     ------
@@ -35,7 +54,7 @@ def stored_point(file: Path, point: str, system: System) -> tuple[np.ndarray, di
                     "Give one of them.",
                 )
             row = branch.points[int(point_name)]
-            state = np.array(row["state"])
+            state, period = np.array(row["state"]), float(row["period"])
             stored = {**branch.info.parameters, **dict(zip(branch.info.free, row["free"], strict=True))}
         else:
             try:
@@ -43,6 +62,8 @@ def stored_point(file: Path, point: str, system: System) -> tuple[np.ndarray, di
             except KeyError as error:
                 raise StartError(str(error.args[0]), f"In {file}.") from error
             state = np.array([special.state[name] for name in names])
+            period = float(special.period or np.nan)
             stored = dict(special.parameters)
+    fold = int(branch.info.settings.get("fold", 1))
     known = {k: float(v) for k, v in stored.items() if k in system.parameter_names}
-    return state, {**system.defaults(), **known}
+    return StoredPoint(state, {**system.defaults(), **known}, fold * period)

@@ -24,6 +24,8 @@ diagram: {{follow: [BP, HB, PD], depth: 5}}   # labels of {labels}; all, or none
 # figures: [bifurcation_diagram]   # of {figures}
 # sweep: {sweep}   # the whole diagram at each value; or NAME: {{from: 0, to: 1, count: 11}}
 # engine: {{max_step: 0.1, max_angle: 20}}   # for experts: step, min_step, newton_iterations
+# simulate: {simulate}   # contwalk simulate: one motion from the start
+# sample: {sample}   # contwalk sample: many motions
 """
 
 
@@ -71,6 +73,8 @@ def starting_file(system: System, reference: str) -> str:
         figures=", ".join(FIGURES),
         report_at=_report_example(system),
         sweep=_sweep_example(system, parameter),
+        simulate=f"{{until: settled, points: 1000, perturb: {{{system.state_names[0]}: 0.01}}}}",
+        sample=_sample_example(system),
     )
     return "\n".join([*lines, rest])
 
@@ -138,6 +142,18 @@ def _report_example(system: System) -> str:
 def _sweep_example(system: System, continued: Parameter) -> str:
     others = [parameter for parameter in system.parameters if parameter is not continued]
     return f"{{{others[-1].name}: [{float(others[-1].default)!r}]}}" if others else "null"
+
+
+def _sample_example(system: System) -> str:
+    """What could be measured of many motions; nothing without an observable and a place to rest."""
+    if not (system.observables and system.starts):
+        return "null"
+    state = system.state_names[0]
+    return (
+        f"{{count: 1000, draw: {{{state}: [0, 1]}}, until: 1000, "
+        f"measure: {{observable: {system.observables[0].name}, level: 0.1}}, "
+        f"settled: {{equilibrium: {_text(system.starts[0].name)}, within: {{{state}: 1e-4}}}}}}"
+    )
 
 
 def _text(value: object) -> str:

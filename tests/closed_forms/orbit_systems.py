@@ -1,6 +1,7 @@
 """Systems whose periodic orbits, multipliers and normal forms are known in closed form, written as plugins.
 
 All are built round the cycle r = 1 of r' = r (1 - r^2), phi' = omega, in smooth coordinates x + i y = r exp(i phi).
+A state that is zero on the cycle has no size but the declared scale, and normal forms are in units of it.
 """
 
 from __future__ import annotations
@@ -15,8 +16,6 @@ from contwalk.branch import Branch, SpecialPoint
 from contwalk.system import State, System
 
 ACCURACY = 1e-9
-# A state that is zero on the cycle has no size but the declared one, and normal forms are in units of it.
-UNIT = {"scale": 1.0}
 
 
 def orbits(system: System, free: str, accuracy: float = ACCURACY, **changes: Any) -> cw.PeriodicOrbit:
@@ -77,7 +76,9 @@ def bautin(omega: float = 3.0, b: float = 0.4) -> System:
     return small_system(field, "xy", {"mu": 0.9, "omega": omega, "b": b})
 
 
-def transverse(growth, omega: float = 2.0, tilt: float = 0.0, **values: float) -> System:
+def transverse(
+    growth, omega: float = 2.0, tilt: float = 0.0, scale: float | None = 1.0, **values: float
+) -> System:
     """The unit cycle with one state across it: zeta' = growth(lam, zeta), z = zeta + tilt x.
 
     Multipliers of the cycle zeta = constant: exp(-2 T) and exp(T growth'), with T = 2 pi / omega.
@@ -89,7 +90,7 @@ def transverse(growth, omega: float = 2.0, tilt: float = 0.0, **values: float) -
         dx[1] = p.omega * x[0] + (1.0 - s) * x[1]
         dx[2] = growth(p, x[2] - tilt * x[0]) + tilt * dx[0]
 
-    states = ("x", "y", State("z", **UNIT))
+    states = ("x", "y", State("z", scale=scale))
     return small_system(field, states, {"lam": 1.0, "omega": omega, **values})
 
 
@@ -111,11 +112,13 @@ def torus(nu: float, sigma: float, beta: float = 0.0, kappa: float = 0.0, omega:
         dx[2] = a * x[2] - p.nu * x[3]
         dx[3] = p.nu * x[2] + a * x[3]
 
-    states = ("x", "y", State("u", **UNIT), State("v", **UNIT))
+    states = ("x", "y", State("u", scale=1.0), State("v", scale=1.0))
     return small_system(field, states, {"lam": 0.7, "omega": omega, "nu": nu})
 
 
-def moebius(sigma: float, beta: float = 0.0, kappa: float = 0.0, omega: float = 2.0) -> System:
+def moebius(
+    sigma: float, beta: float = 0.0, kappa: float = 0.0, omega: float = 2.0, scale: float | None = 1.0
+) -> System:
     """The unit cycle in a Moebius band: across it, in a frame that makes half a turn a round, a and b obey
 
     a' = (lam - 1 + beta (r^2 - 1) + sigma a^2) a,  b' = -b / 2,  r' = r (1 - r^2 + kappa a^2).
@@ -140,7 +143,7 @@ def moebius(sigma: float, beta: float = 0.0, kappa: float = 0.0, omega: float = 
         dx[2] = a * first - 0.5 * (x[2] - first) - 0.5 * p.omega * x[3]
         dx[3] = a * second - 0.5 * (x[3] - second) + 0.5 * p.omega * x[2]
 
-    states = ("x", "y", State("z", **UNIT), State("w", **UNIT))
+    states = ("x", "y", State("z", scale=scale), State("w", scale=scale))
     return small_system(field, states, {"lam": 0.7, "omega": omega})
 
 

@@ -41,10 +41,10 @@ def test_the_doubled_orbit_is_where_its_normal_form_says(sigma, beta, kappa):
     total = sigma + beta * kappa
     assert point.coefficients["c"] == pytest.approx(-T * total, rel=COEFFICIENT)
     assert point.criticality == ("supercritical" if total < 0 else "subcritical")
-    doubled = cw.switch_branch(problem, branch, point, (0.8, 1.2))
+    doubled = cw.switch_branch(problem, branch, point, (0.6, 1.2))
     check_orbit_branch(doubled, problem)
     # One branch leaves, on the side and with the stability that c says.
-    end = 1.2 if total < 0 else 0.8
+    end = 1.2 if total < 0 else 0.6
     assert doubled["lam"][-1] == end
     assert doubled["s"][0] == 0.0
     for row in doubled.points[1:]:
@@ -63,11 +63,31 @@ def test_the_doubled_orbit_is_where_its_normal_form_says(sigma, beta, kappa):
         assert across == pytest.approx((1.0 - lam) / total, abs=30.0 * WALKED)
 
 
+def test_without_a_declared_scale():
+    """States that are zero on the whole branch have their size from nothing but the motion across it."""
+    problem = orbits(moebius(-1.0, scale=None), "lam")
+    branch = cw.continue_branch(problem, [1.0, 0.0, 0.0, 0.0], (0.5, 1.4), period=T)
+    (point,) = labelled(branch, "PD", "LP", "BP", "NS")
+    assert_met(point, "lam", 1.0)
+    assert point.criticality == "supercritical"
+    doubled = cw.switch_branch(problem, branch, point, (0.6, 1.2))
+    check_orbit_branch(doubled, problem)
+    assert doubled["lam"][-1] == 1.2
+
+
+def test_a_range_round_the_point_that_is_switched_at():
+    """The range of a switch need not contain where the parent began."""
+    problem = orbits(moebius(-1.0), "lam")
+    branch = cw.continue_branch(problem, [1.0, 0.0, 0.0, 0.0], (0.5, 1.4), period=T)
+    doubled = cw.switch_branch(problem, branch, "PD1", (0.9, 1.2))
+    assert doubled["lam"][-1] == 1.2
+
+
 def test_the_doubled_orbit_of_a_doubled_orbit_is_not_invented():
     """The doubled orbit of the simplest band has positive multipliers: nothing happens on it."""
     problem = orbits(moebius(-1.0), "lam")
     branch = cw.continue_branch(problem, [1.0, 0.0, 0.0, 0.0], (0.5, 1.4), period=T)
-    doubled = cw.switch_branch(problem, branch, "PD1", (0.8, 2.0))
+    doubled = cw.switch_branch(problem, branch, "PD1", (0.5, 2.0))
     check_orbit_branch(doubled, problem)
     assert not labelled(doubled, "PD", "LP", "BP", "NS")
     assert doubled["lam"][-1] == 2.0

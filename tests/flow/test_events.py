@@ -43,7 +43,10 @@ def found(level, t1, *guards, **options):
 def test_crossings_are_where_they_are_and_the_guard_is_zero_there(method):
     events, _ = found(0.5, 20.0, watch(), method=method)
     exact = sorted(
-        t for k in range(4) for t in (2 * math.pi * k + math.pi / 3, 2 * math.pi * (k + 1) - math.pi / 3) if t < 20
+        t
+        for k in range(4)
+        for t in (2 * math.pi * k + math.pi / 3, 2 * math.pi * (k + 1) - math.pi / 3)
+        if t < 20
     )
     # A hundred steps of local error 1e-12; the slope of the guard is 0.87.
     np.testing.assert_allclose([e.time for e in events], exact, rtol=0, atol=1e-9)
@@ -77,7 +80,7 @@ def test_a_guard_that_only_comes_near_has_no_event(excess):
 def test_a_guard_that_dips_below_zero_has_two(depth):
     events, _ = found(-1.0 + depth, 5.0, watch())
     half = math.acos(1.0 - depth)
-    # The guard is flat there: an error e of the path moves a crossing by e / slope; the slope is about `half`.
+    # The guard is flat there: an error e of the path moves a crossing by e / slope, the slope being `half`.
     np.testing.assert_allclose(
         [e.time for e in events], [math.pi - half, math.pi + half], rtol=0, atol=1e-10 / half + 1e-10
     )
@@ -136,7 +139,9 @@ def test_pieces_of_a_path_have_the_events_of_the_whole():
     whole = crossings(FIELD, c, p, made.times, made.states, [watch()], "dop853")
     half = len(made.times) // 2
     parts = [slice(0, half + 1), slice(half, None)]
-    pieces = [e for s in parts for e in crossings(FIELD, c, p, made.times[s], made.states[s], [watch()], "dop853")]
+    pieces = [
+        e for s in parts for e in crossings(FIELD, c, p, made.times[s], made.states[s], [watch()], "dop853")
+    ]
     assert [e.time for e in pieces] == [e.time for e in whole]
 
 

@@ -56,7 +56,9 @@ def test_an_oscillation_crosses_often_and_the_last_or_first_counts():
         assert result.ended[0] == (plan.FOUND if first else plan.TIME_UP)
         assert first or result.ended_at[0] == 23.0
     rising = motions(OSCILLATOR, high, [[1.0, 0.0]], [1.0, 0.0, 0.5], limit=23.0, direction="rising")
-    assert measure(rising, 1e-11, np.ones(2)).crossed_at[0] == pytest.approx(6 * math.pi - math.pi / 3, abs=1e-8)
+    assert measure(rising, 1e-11, np.ones(2)).crossed_at[0] == pytest.approx(
+        6 * math.pi - math.pi / 3, abs=1e-8
+    )
 
 
 @pytest.mark.parametrize("level", [1.0 - 1e-3, 1.0 - 1e-6])
@@ -99,7 +101,9 @@ def test_missing_targets_never_settle_and_one_of_several_is_enough():
 
 
 def test_a_motion_that_leaves_the_numbers_is_told_and_others_are_not_hurt():
-    made = motions(EXPLOSION, lambda t, x, p: x[0] - 10.0, [[1.0], [-1.0]], np.empty(0), limit=500.0, within=[0.01])
+    made = motions(
+        EXPLOSION, lambda t, x, p: x[0] - 10.0, [[1.0], [-1.0]], np.empty(0), limit=500.0, within=[0.01]
+    )
     result = measure(made, 1e-8, np.ones(1))
     assert result.ended[0] in (plan.NOT_FINITE, plan.GIVEN_UP)
     assert result.ended[1] == plan.SETTLED  # x = -1 / (1 + t)
@@ -117,9 +121,7 @@ def test_a_start_that_is_not_a_number_is_told():
 def test_results_do_not_depend_on_threads_or_neighbours():
     rng = np.random.default_rng(3)
     starts = np.column_stack([rng.uniform(0.2, 5.0, 90), rng.uniform(-1, 1, 90)])
-    made = motions(
-        OSCILLATOR, lambda t, x, p: x[0] - 0.1, starts, [1.0, 0.05, 0.0], limit=200.0
-    )
+    made = motions(OSCILLATOR, lambda t, x, p: x[0] - 0.1, starts, [1.0, 0.05, 0.0], limit=200.0)
     done: list[int] = []
     results = [
         measure(made, 1e-8, np.ones(2), threads, done.append if threads == 3 else None) for threads in (1, 3)

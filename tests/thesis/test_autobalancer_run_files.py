@@ -17,7 +17,9 @@ ROWS = {
     "three_masses_stability_map": "sweep.m={from: 0.0025, to: 0.0205, count: 3}",
 }
 NAMES = sorted(
-    path.stem for path in RUNS.glob("*.yaml") if path.stem.startswith(("autobalancer", "three_masses"))
+    path.stem
+    for path in RUNS.glob("*.yaml")
+    if path.stem.startswith(("autobalancer", "three_masses")) and "monte_carlo" not in path.stem
 )
 
 

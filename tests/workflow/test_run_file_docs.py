@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from contwalk.workflow import run_model
+from contwalk.workflow import run_model, run_motions
 from contwalk.workflow.run_values import FIGURES, FOLLOWED
 from contwalk.workflow.yaml_lines import parse_yaml
 
@@ -25,6 +25,12 @@ def test_the_example_has_the_right_form():
 @pytest.mark.parametrize("section", ["RunModel", "Start", "Continue", "Diagram", "Events", "Span", "Engine"])
 def test_every_key_is_on_the_page(section):
     for key in getattr(run_model, section).known_keys():
+        assert re.search(rf"\b{key}\b", PAGE), key
+
+
+@pytest.mark.parametrize("section", ["Simulation", "Sampling", "Measure", "Settled", "TimeUnit"])
+def test_every_key_of_motions_is_on_the_page(section):
+    for key in getattr(run_motions, section).known_keys():
         assert re.search(rf"\b{key}\b", PAGE), key
 
 

@@ -1,9 +1,9 @@
 """Radau IIA collocation of orders 5 and 9.
 
-Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd edition, IV.5 (the methods) and IV.8
-(the transformation that decouples the stages, and the embedded error estimate). The numbers were computed with 60
-digits from the definition: the nodes are the zeros of the (s-1)-th derivative of x^(s-1) (x-1)^s, and the stages
-integrate polynomials of degree s-1 exactly. A test does that again.
+Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd edition, IV.5 (the methods) and
+IV.8 (the transformation that decouples the stages, and the embedded error estimate). The numbers were computed
+with 60 digits from the definition: the nodes are the zeros of the (s-1)-th derivative of x^(s-1) (x-1)^s, and the
+stages integrate polynomials of degree s-1 exactly. A test does that again.
 """
 
 from __future__ import annotations
@@ -34,16 +34,20 @@ class Collocation:
         Where in a step the equation holds; the last is 1.
     matrix : tuple of tuples
         A, Z = h A f: the integrals of the Lagrange polynomials of the nodes.
+    inverse : tuple of tuples
+        Its inverse.
     real : Mode
         The real eigenvalue of A^-1; its inverse is the weight of f(t0, x0) in the embedded formula.
     pairs : tuple of Mode
         Its complex eigenvalues with positive imaginary part.
     error : tuple of float
-        The embedded formula of order s minus the method, in terms of Z: error = h f(t0, x0) / real + error . Z.
+        The embedded formula of order s minus the method, in terms of Z: error = h f(t0, x0) / real + error .
+        Z.
     """
 
     nodes: Numbers
     matrix: tuple[Numbers, ...]
+    inverse: tuple[Numbers, ...]
     real: Mode
     pairs: tuple[Mode, ...]
     error: Numbers
@@ -54,8 +58,8 @@ class Collocation:
         return len(self.nodes)
 
     def packed(self) -> np.ndarray:
-        """All numbers in one array, in the order in which `radau_kernel.tableau` takes them apart."""
-        parts = [self.nodes, *self.matrix, self.error, [self.real.eigenvalue.real]]
+        """All numbers in one array, in the order in which `radau_parts.method` takes them apart."""
+        parts = [self.nodes, *self.matrix, *self.inverse, self.error, [self.real.eigenvalue.real]]
         parts += [np.real(self.real.right), np.real(self.real.left)]
         for mode in self.pairs:
             parts.append([mode.eigenvalue.real, mode.eigenvalue.imag])
@@ -85,6 +89,23 @@ RADAU5 = Collocation(
             0.3764030627004672750500754,
             0.5124858261884216138388134,
             0.1111111111111111111111111,
+        ),
+    ),
+    inverse=(
+        (
+            3.224744871391589049098642,
+            1.167840084690405494924041,
+            -0.2531972647421808261859424,
+        ),
+        (
+            -3.567840084690405494924041,
+            0.775255128608410950901358,
+            1.053197264742180826185942,
+        ),
+        (
+            5.531972647421808261859424,
+            -7.531972647421808261859424,
+            5.0,
         ),
     ),
     real=Mode(
@@ -165,6 +186,43 @@ RADAU9 = Collocation(
             0.3118265229757412540818549,
             0.2231039010835707444025602,
             0.04,
+        ),
+    ),
+    inverse=(
+        (
+            8.755923977938361667631661,
+            2.891942615380117404357457,
+            -0.8751863962002650264162826,
+            0.3997052079399654826216567,
+            -0.133706163849215835671702,
+        ),
+        (
+            -7.16138072014538702739247,
+            1.806077724083644363529878,
+            2.363797176068608369422103,
+            -0.8659007802831345191395346,
+            0.2743380777751942021737668,
+        ),
+        (
+            4.122165246243373781044035,
+            -4.496017125813394719848837,
+            0.8567652453971776050861934,
+            2.518320949211064374937135,
+            -0.6570627571343601062552304,
+        ),
+        (
+            -3.87866321972401033363528,
+            3.393151918064954168692954,
+            -5.18834090640718687919712,
+            0.5812330525808163637522676,
+            2.809983655279712329602274,
+        ),
+        (
+            8.412424223594288656407174,
+            -6.970256116656660967032272,
+            8.777114204150473239214027,
+            -18.21928231108810092858893,
+            13.0,
         ),
     ),
     real=Mode(

@@ -1,8 +1,8 @@
 """Special points of orbits as regular solutions of minimally augmented systems.
 
-Beside F(u, lambda) = 0 stands a scalar g that vanishes where a matrix L is singular: the corner of its bordered
-inverse, [L b; c* 0] [v; g] = [0; 1], with gradient g' = -psi* L' v and psi from the adjoint system (W. Govaerts,
-Numerical Methods for Bifurcations of Dynamical Equilibria, 2000, chapter 3).
+Beside F(u, lambda) = 0 stands a scalar g that vanishes where a matrix L is singular: the corner of its
+bordered inverse, [L b; c* 0] [v; g] = [0; 1], with gradient g' = -psi* L' v and psi from the adjoint system (W.
+Govaerts, Numerical Methods for Bifurcations of Dynamical Equilibria, 2000, chapter 3).
 
 | point | L | further unknowns |
 |---|---|---|
@@ -79,9 +79,7 @@ def solved(problem: PeriodicOrbit, system: Augmented, sample: Sample) -> Located
     return replace(located, refine=lambda: _refined(problem, system, rough, sample))
 
 
-def _refined(
-    problem: PeriodicOrbit, system: Augmented, rough: np.ndarray, sample: Sample
-) -> Located | None:
+def _refined(problem: PeriodicOrbit, system: Augmented, rough: np.ndarray, sample: Sample) -> Located | None:
     """The point on steps fine enough for the accuracy that is asked for, with its estimated error."""
     size, wanted = problem.size, problem.discretization.accuracy
     tolerance, found, error, finer = problem.discretization.locating, rough, np.inf, problem
@@ -120,7 +118,9 @@ def _rounding(problem: PeriodicOrbit, system: Augmented, y: np.ndarray) -> float
     """What rounding of the equations does to the free parameter."""
     size = problem.size
     level, _ = problem.linearize(y[: size + 1]).levels
-    own = np.minimum(level, 1e2 * EPSILON * (np.abs(problem.jacobian(y[: size + 1])) @ system.scale[: size + 1]))
+    own = np.minimum(
+        level, 1e2 * EPSILON * (np.abs(problem.jacobian(y[: size + 1])) @ system.scale[: size + 1])
+    )
     _, jacobian = system.evaluate(problem, y)
     # The last rows are bordered inverses: their terms are of size one.
     noise = np.concatenate([own, np.full(len(jacobian) - size, 1e2 * EPSILON)])
@@ -163,7 +163,8 @@ def _correction(problem: PeriodicOrbit, system: Augmented, y: np.ndarray) -> np.
 def second(
     problem: PeriodicOrbit, z: np.ndarray, vectors: np.ndarray, scalars: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The segments' derivative in one direction, shape (m n,), and its own derivative by z, shape (m n, N + 1).
+    """The segments' derivative in one direction, shape (m n,), and its own derivative by z, shape (m n, N +
+    1).
 
     `vectors`, shape (m, n), and `scalars`, shape (k,), are the direction.
     """
@@ -230,7 +231,7 @@ def _scales(problem: PeriodicOrbit) -> np.ndarray:
 def _fold(problem: PeriodicOrbit, sample: Sample, which: int) -> Augmented:
     """F_u singular."""
     size = problem.size
-    rows, columns = _equation_scales(problem), sample.weights[:size]
+    rows, columns = equation_scales(problem), sample.weights[:size]
     u, _, vh = np.linalg.svd(problem.jacobian(sample.z)[:, :size] / rows[:, None] * columns)
     b, c = u[:, -1], vh[-1]
 
@@ -252,7 +253,8 @@ def _fold(problem: PeriodicOrbit, sample: Sample, which: int) -> Augmented:
     return Augmented(evaluate, sample.z, sample.weights, vectors)
 
 
-def _equation_scales(problem: PeriodicOrbit) -> np.ndarray:
+def equation_scales(problem: PeriodicOrbit) -> np.ndarray:
+    """Units of the equations. Their own rows would not do: one that vanishes at the point is the critical one."""
     scales = np.ones(problem.size)
     own = _scales(problem)
     scales[: len(own)] = own
@@ -326,7 +328,7 @@ def _torus(problem: PeriodicOrbit, sample: Sample, which: int, modulus: float = 
 def _crossing(problem: PeriodicOrbit, sample: Sample, which: int) -> Augmented:
     """[F_u F_lambda] of deficient rank: another branch passes."""
     size = problem.size
-    rows, columns = _equation_scales(problem), sample.weights
+    rows, columns = equation_scales(problem), sample.weights
     u, _, vh = np.linalg.svd(problem.jacobian(sample.z) / rows[:, None] * columns)
     b, c = u[:, -1], vh[-2:]
 

@@ -20,6 +20,9 @@ from contwalk.system.declarations import ParameterValues
 # An orbit is its own image if it meets it this nearly, in units of its range: corrected orbits do to 1e-8.
 OWN_IMAGE = 1e-5
 
+# A state that moves less than this part of what others do, in units of its size, is constant but for the error of steps.
+CONSTANT = 1e-5
+
 Path = tuple[Mapping[str, float], Mapping[str, float]]
 
 
@@ -50,7 +53,9 @@ def orbit_at(
     if system.period is not None and period is not None:
         own = float(called("period", system.period, ParameterValues(**parameters)))
         subharmonic = max(round(period / own), 1)
-    problem = PeriodicOrbit(system, parameters, free, path, subharmonic=subharmonic, discretization=discretization)
+    problem = PeriodicOrbit(
+        system, parameters, free, path, subharmonic=subharmonic, discretization=discretization
+    )
     scalars = np.array([value]) if system.period is not None else np.array([float(period or 0.0), value])
     values = np.concatenate([scalars, problem.fixed])
     turns, ranges = _once_round(problem, np.asarray(state, dtype=float), values)
@@ -70,10 +75,12 @@ def _once_round(problem: PeriodicOrbit, x: np.ndarray, values: np.ndarray) -> tu
     own = np.array([s.period or 0.0 for s in problem.system.states])
     grown = path.states[-1] - path.states[0]
     turns = np.where(own > 0.0, np.round(np.divide(grown, own, out=np.zeros_like(grown), where=own > 0)), 0.0)
-    ranges = 0.5 * np.ptp(path.states, axis=0)
-    still = ranges <= 1e-9 * size
+    ranges, sizes = 0.5 * np.ptp(path.states, axis=0), np.maximum(np.abs(path.states).max(axis=0), 1e-300)
     declared = np.array([s.scale or np.nan for s in problem.system.states])
-    ranges = np.where(still, np.where(np.isfinite(declared), declared, np.maximum(np.abs(x), 1.0)), ranges)
+    shares = ranges / np.maximum(sizes, 1e-9 * sizes.max())
+    still = (shares <= CONSTANT * shares.max()) | (shares <= 1e-9)
+    at_rest = np.where(np.isfinite(declared), declared, np.where(sizes > 1e-9 * sizes.max(), sizes, 1.0))
+    ranges = np.where(still, at_rest, ranges)
     return turns * own, ranges
 
 
@@ -89,7 +96,9 @@ def cut(problem: PeriodicOrbit, z: np.ndarray, weights: np.ndarray) -> tuple[Per
     return problem.adapted_to(there, magnitudes, segments=m), there
 
 
-def symmetric(problem: PeriodicOrbit, z: np.ndarray, weights: np.ndarray) -> tuple[PeriodicOrbit, np.ndarray] | None:
+def symmetric(
+    problem: PeriodicOrbit, z: np.ndarray, weights: np.ndarray
+) -> tuple[PeriodicOrbit, np.ndarray] | None:
     """The same orbit closed up to a spatial symmetry that it has, so that a part of it is integrated.
 
     None where it has none. `z` is a solution that closes fully.
@@ -103,7 +112,9 @@ def symmetric(problem: PeriodicOrbit, z: np.ndarray, weights: np.ndarray) -> tup
         later = carried_to(problem, z, np.zeros(len(z)), 1.0 / order)[0]
         for power in range(1, order):
             image = imaged(symmetry, later, p, power)
-            if np.linalg.norm((image - x) / scale) > OWN_IMAGE or not _carries(problem, z, symmetry, power, order):
+            if np.linalg.norm((image - x) / scale) > OWN_IMAGE or not _carries(
+                problem, z, symmetry, power, order
+            ):
                 continue
             other = problem.closing(np.zeros(n), symmetry, power, order)
             scalars = problem.scalars(z).copy()

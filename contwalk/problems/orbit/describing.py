@@ -19,9 +19,7 @@ RESONANT = 1e-6
 Form = tuple[str | None, str | None, dict[str, Any], str | None]
 
 
-def described(
-    problem: PeriodicOrbit, label: str, located: Located, sample: Sample, s: float
-) -> SpecialPoint:
+def described(problem: PeriodicOrbit, label: str, located: Located, sample: Sample, s: float) -> SpecialPoint:
     """The record of a located point, with its normal form."""
     there = located.problem if located.problem is not None else problem
     z = located.z

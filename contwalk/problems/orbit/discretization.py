@@ -8,8 +8,8 @@ from dataclasses import dataclass
 LOOSEST, TIGHTEST = 1e-5, 3e-15
 # Where nothing must hide between two steps of a branch.
 FINEST = 1e-13
-# Local errors of a walk, and of the first attempt at a located point, in units of the wish: estimates of the 8th-order
-# pair are two digits on the safe side, and located points are checked on finer steps anyway.
+# Local errors of a walk, and of the first attempt at a located point, in units of the wish: estimates of the
+# 8th-order pair are two digits on the safe side, and located points are checked on finer steps anyway.
 WALKING, LOCATING = 100.0, 1.0
 
 

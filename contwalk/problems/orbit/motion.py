@@ -1,7 +1,7 @@
 """The motion over one period as a traced program, and the lifts of it that carry derivatives along.
 
-Time runs from 0 to 1 over the closure of an orbit: the field is T f(T t, x, p), where T is an unknown, or for a
-forced machine a multiple of period(p). In this form the period is a parameter like the others: its
+Time runs from 0 to 1 over the closure of an orbit: the field is T f(T t, x, p), where T is an unknown, or
+for a forced machine a multiple of period(p). In this form the period is a parameter like the others: its
 derivatives need no formulas of their own.
 
 A *lift* of the field integrates derivatives beside the state. They are fields again, made of the same graph:
@@ -11,7 +11,8 @@ A *lift* of the field integrates derivatives beside the state. They are fields a
 | `PLAIN` | x | the motion |
 | `TANGENT` | x, v | and its derivative in one direction (v, w) of state and parameters |
 | `MIXED` | x, v, y, z | and the derivative of x and v in a second direction (y, e) |
-| `JET` | x, x1, x2, x3 | and the first three derivatives of the motion by the parameter of a curve of motions |
+| `JET` | x, x1, x2, x3 | and the first three derivatives of the motion by the parameter of a curve of
+motions |
 
 Steps of an integrator commute with differentiation: on the same steps a lift gives the exact derivatives of
 what the integrator makes of the motion.
@@ -72,7 +73,7 @@ class Motion:
         self._period = None if system.period is None else rebound(system.period)
         count = len(system.parameters)
         self.groups = {"T": 0 if self.forced else 1, "a": len(pins), "l": 1, "b": count, "d": count}
-        self._fields: dict[str, Field] = {}
+        self._fields: dict[tuple[str, bool], Field] = {}
 
     @property
     def columns(self) -> list[tuple[str, int]]:
@@ -123,16 +124,26 @@ class Motion:
 
     # -- lifts -------------------------------------------------------------------------------------------
 
-    def field(self, lift: str) -> Field:
-        """The compiled field of a lift."""
-        if lift not in self._fields:
+    def field(self, lift: str, implicit: bool = False) -> Field:
+        """The compiled field of a lift; an implicit method needs the Jacobian of any."""
+        key = lift, implicit or lift in (PLAIN, TANGENT)
+        if key not in self._fields:
             states = [(group, i) for group in STATES[lift] for i in range(self.states)]
             groups = {**self.groups, **{group: len(self.columns) for group in DIRECTIONS[lift]}}
             program = lifted(self.program, self.states, self.columns, lift)
-            self._fields[lift] = Field(program, states, groups, self.columns, time=("t", 0))
-        return self._fields[lift]
+            self._fields[key] = Field(
+                program,
+                states,
+                groups,
+                self.columns,
+                time=("t", 0),
+                differentiable=key[1],
+            )
+        return self._fields[key]
 
-    def constants(self, lift: str, scalars: np.ndarray, fixed: np.ndarray, *directions: np.ndarray) -> np.ndarray:
+    def constants(
+        self, lift: str, scalars: np.ndarray, fixed: np.ndarray, *directions: np.ndarray
+    ) -> np.ndarray:
         """What a lift's field depends on beside time and state.
 
         Parameters
@@ -147,9 +158,7 @@ class Motion:
         return self.field(lift).constants(np.concatenate([scalars, fixed, *directions]))
 
 
-def lifted(
-    program: Program, states: int, columns: Sequence[tuple[str, int]], lift: str
-) -> Program:
+def lifted(program: Program, states: int, columns: Sequence[tuple[str, int]], lift: str) -> Program:
     """The program that computes a lift's outputs from those of `program`: a field, a map or a guard."""
     graph = program.graph
 
@@ -195,9 +204,7 @@ def motion_of(
     return _KNOWN[key]
 
 
-def _written(
-    function: Callable[..., Any], name: str, t: Any, x: np.ndarray, p: ParameterValues
-) -> list[Any]:
+def _written(function: Callable[..., Any], name: str, t: Any, x: np.ndarray, p: ParameterValues) -> list[Any]:
     """What a function of the form `f(t, x, p, out)` writes; every entry must be written."""
     out = np.full(len(x), None, dtype=object)
     function(t, x, p, out)

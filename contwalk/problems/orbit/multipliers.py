@@ -13,8 +13,9 @@ from contwalk.problems.spectrum import complement
 # Relative rounding error of a derivative of the flow: some hundred steps of one rounding each.
 ROUNDING = 1e-14
 REAL = 1e-11
-# How much of the local errors reaches the monodromy matrix, in units of the tolerance: step control is on the safe side.
-GLOBAL = 0.1
+# How much of the local errors reaches the monodromy matrix, in units of the tolerance: step control is on
+# the safe side.
+GLOBAL = 0.3
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,9 @@ def multipliers(
     values, errors = _single(scaled[0]) if len(scaled) == 1 else _product(scaled)
     order = np.lexsort((-values.imag, -np.abs(values)))
     first = int(order[0])
-    return Multipliers(values[order], errors[order], float(errors[first] * (1.0 + GLOBAL * tolerance / ROUNDING)))
+    return Multipliers(
+        values[order], errors[order], float(errors[first] * (1.0 + GLOBAL * tolerance / ROUNDING))
+    )
 
 
 def _single(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -90,7 +93,8 @@ def _single(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         condition = np.linalg.norm(left, axis=1) * np.linalg.norm(right, axis=0)
     except np.linalg.LinAlgError:
         condition = np.full(len(values), np.inf)
-    size = max(float(np.linalg.norm(matrix, 2)), 1e-300)
+    # Errors of the last steps are relative to the motion, however much has decayed before.
+    size = max(float(np.linalg.norm(matrix, 2)), 1.0)
     # Where eigenvalues meet, first-order conditions are infinite; the root of the noise bounds them.
     return values, np.minimum(condition * ROUNDING * size, size * np.sqrt(ROUNDING))
 
@@ -100,9 +104,10 @@ def _product(factors: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     values = product_eigenvalues(factors)
     # The factors are real: what is left of an imaginary part by the complex arithmetic is rounding.
     values = np.where(np.abs(values.imag) <= REAL * np.abs(values), values.real, values).astype(complex)
-    # A factor is wrong by the rounding of its norm; what that does to an eigenvalue depends on how far its own
-    # growth is from the largest, segment by segment.
+    # A factor is wrong by the rounding of its norm; what that does to an eigenvalue depends on how far its
+    # own growth is from the largest, segment by segment.
     m = len(factors)
-    largest = float(np.prod([max(np.linalg.norm(factor, 2), 1e-300) ** (1.0 / m) for factor in factors]))
+    sizes = [max(float(np.linalg.norm(factor, 2)), 1e-300) for factor in factors]
+    largest = float(np.prod([size ** (1.0 / m) for size in sizes]))
     own = np.maximum(np.abs(values), 1e-300) ** (1.0 / m)
     return values, np.abs(values) * m * ROUNDING * np.maximum(largest / own, 1.0)

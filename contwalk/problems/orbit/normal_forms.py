@@ -1,12 +1,12 @@
 """Normal forms of orbits: derivatives of the map that takes the section once round.
 
 The first three derivatives of the map along curves are integrated (the jet lift); mixed ones follow by
-polarisation. Where the period is unknown, it and the drifts of pinned directions change with the start so that
-the end lies in the section and in the pins again: their own derivatives are found order by order.
+polarisation. Where the period is unknown, it and the drifts of pinned directions change with the start so
+that the end lies in the section and in the pins again: their own derivatives are found order by order.
 
 Notation (docs/theory.md): A the map's derivative, B and C its second and third; q right and p left critical
-vector with p.q = 1. |q| = 1 means that the deviation that starts as q has root mean square one over the closure,
-across the flow and in units of half the range of each state: so the numbers do not depend on where on the
+vector with p.q = 1. |q| = 1 means that the deviation that starts as q has root mean square one over the
+closure, across the flow and in units of half the range of each state: so the numbers do not depend on where on the
 orbit the section lies. Formulas of Yu. A. Kuznetsov, Elements of Applied Bifurcation Theory,
 2004, sections 5.4 and 8.7.
 """
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 # c11 this small against its terms is zero: a pitchfork.
 EQUAL = 1e-5
+# A state that moves less than this part of its magnitude has no range on the orbit; its magnitude stands in.
+MOVES = 1e-5
 # Samples of the critical deviation over a closure: evenly spaced, so that the mean converges fast.
 SAMPLES = 256
 
@@ -149,7 +151,7 @@ class ReturnMap:
             v = nodes[-1, n:]
         states = np.concatenate(sampled)
         scale = 0.5 * np.ptp(states[:, :n], axis=0)
-        scale = np.where(scale > 1e-9 * problem.mesh.variation, scale, problem.mesh.variation)
+        scale = np.where(scale > MOVES * problem.mesh.magnitudes, scale, problem.mesh.magnitudes)
         deviations = states[:, n:] / scale
         if not problem.forced:
             plain, values = problem.motion.field(PLAIN), shooting.values(scalars, ())

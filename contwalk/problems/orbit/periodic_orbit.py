@@ -11,12 +11,12 @@ import numpy as np
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.errors import called
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.linear import EPSILON, Factored
+from contwalk.problems.linear import EPSILON, Factored, solution_error
 from contwalk.problems.orbit import augmented, describing, ending, rates, switching
 from contwalk.problems.orbit.closure import Closure
 from contwalk.problems.orbit.discretization import FINEST, Discretization
 from contwalk.problems.orbit.motion import PLAIN, Motion, motion_of
-from contwalk.problems.orbit.multipliers import Multipliers, multipliers
+from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers, multipliers
 from contwalk.problems.orbit.section import Reference, Section, reference_of, section_at
 from contwalk.problems.orbit.shooting import Mesh, Shooting, meshed, velocity
 from contwalk.problems.orbit.transport import moved, recut
@@ -29,11 +29,13 @@ ROOM = 8
 # Samples of an orbit that observables are computed from, beside the integrator's own steps.
 SAMPLES = 512
 # A residual counts as solved at this part of the tolerance.
-SOLVED = 0.01
+SOLVED = 1e-3
 # The section moves where the orbit is this much slower than at its fastest, in the metric.
 SLOW = 0.05
 # Evaluations of the field in a step of each method (of the implicit ones, about).
 STAGES = {"dop853": 12, "verner98": 16, "radau5": 24, "radau9": 40}
+# A state that moves less than this part of what others do, in units of its size, tells no magnitude.
+CONSTANT = 1e-5
 # Growth of deviations over a segment beyond which the orbit is cut into twice as many.
 TOO_MUCH = 1e6
 # Linearizations that are kept: a step asks for the same ones several times.
@@ -69,6 +71,7 @@ class PeriodicOrbit:
     """
 
     kind = "periodic_orbit"
+    blur = 1e-3  # solutions are solved for to a part of the tolerance only
     beside = 0.1  # stability grows with the square of the amplitude, and drowns in rounding nearer by
 
     def __init__(
@@ -154,6 +157,11 @@ class PeriodicOrbit:
     def size(self) -> int:
         """Number of unknowns without the free parameter."""
         return self.segments * self.states + len(self.motion.columns) - 1
+
+    @property
+    def method(self) -> str:
+        """How motions are integrated, and why so."""
+        return f"{self.mesh.method}, {self.mesh.reason}"
 
     @property
     def evaluations(self) -> int:
@@ -297,15 +305,25 @@ class PeriodicOrbit:
         n, m = self.states, self.segments
         variation = self.mesh.variation
         rounding = 8.0 * EPSILON * (np.abs(jacobian) @ np.abs(z))
-        level = np.concatenate([np.tile(SOLVED * self.mesh.tolerance * variation, m), np.zeros(self.size - m * n)])
+        level = np.concatenate(
+            [np.tile(SOLVED * self.mesh.tolerance * variation, m), np.zeros(self.size - m * n)]
+        )
         return level + rounding + 1e-300
+
+    def _errors(self, linearization: Linearization) -> np.ndarray:
+        """Estimated error of each equation: that of the steps, beside what it is solved to."""
+        n, m = self.states, self.segments
+        errors = linearization.levels[0].copy()
+        errors[: m * n] += GLOBAL * self.mesh.tolerance * np.tile(self.mesh.variation, m)
+        return errors
 
     def magnitudes_near(self, z: np.ndarray) -> np.ndarray:
         """Half the range of each state over the orbit; declared scales where there are any."""
         n, m = self.states, self.segments
         nodes = np.concatenate(self.shooting.states(self.starts(z), self.scalars(z)))
         half = 0.5 * np.ptp(nodes, axis=0)
-        half = np.where(half > 1e-13 * np.abs(nodes).max(axis=0), half, np.nan)
+        shares = half / np.maximum(np.abs(nodes).max(axis=0), self.mesh.variation)
+        half = np.where(shares > max(CONSTANT * float(shares.max()), 1e-13), half, np.nan)
         for i, state in enumerate(self.system.states):
             if state.scale is not None:
                 half[i] = state.scale
@@ -373,6 +391,7 @@ class PeriodicOrbit:
             observables=self.observables(z, found),
             magnitudes=linearization.magnitudes,
             excess=linearization.excess_in(weights),
+            error=solution_error(bordered, self._errors(linearization), weights),
             critical=1.0,
             spectrum_error=found.accuracy,
             period=self.duration(z),
@@ -506,7 +525,9 @@ class PeriodicOrbit:
         else:
             row = np.zeros(len(z))
             self._phase(self.starts(z), self.scalars(z), row)
-            own = np.concatenate([*[self.velocity(z, i) for i in range(self.segments)], np.zeros(len(self.scalars(z)))])
+            own = np.concatenate(
+                [*[self.velocity(z, i) for i in range(self.segments)], np.zeros(len(self.scalars(z)))]
+            )
             shift = -float(row @ tangent) / float(row @ own)
         for i in range(self.segments):
             tangent[i * n : (i + 1) * n] += shift * self.velocity(z, i)
@@ -534,7 +555,7 @@ class PeriodicOrbit:
         values = np.concatenate([scalars, self.fixed])
         mesh = meshed(self.motion, starts, values, magnitudes, tolerance, method)
         self._tally[0] += 2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps)
-        problem = self.on(mesh, self._section_at(starts[0], values, mesh.variation))
+        problem = self.on(mesh, self._section_at(starts[0], values, magnitudes))
         if self.discretization.phase == "integral" and not self.forced:
             problem._reference = problem._own_reference(z)
         return problem

@@ -1,8 +1,8 @@
 """Eigenvalues of a product of matrices that is never formed.
 
-A. Bojanczyk, G. Golub, P. Van Dooren, "The periodic Schur decomposition", Proc. SPIE 1770 (1992) 31: all factors are
-brought to triangular form by unitary transformations between neighbours, the last one by way of Hessenberg form
-and shifted QR sweeps. Each factor is perturbed by its own rounding only, so that multipliers of 1e12 and
+A. Bojanczyk, G. Golub, P. Van Dooren, "The periodic Schur decomposition", Proc. SPIE 1770 (1992) 31: all
+factors are brought to triangular form by unitary transformations between neighbours, the last one by way of Hessenberg
+form and shifted QR sweeps. Each factor is perturbed by its own rounding only, so that multipliers of 1e12 and
 1e-12 in one product come out with their own relative accuracy, as long as each factor is well scaled.
 """
 

@@ -1,7 +1,7 @@
 """What fixes the phase of an orbit of an autonomous system.
 
-A *section* is a hyperplane through a point of the orbit, at a right angle to the flow in the metric. It is anchored
-anew at every point of a branch, so that the flow always crosses it well, and where the orbit has become slow
+A *section* is a hyperplane through a point of the orbit, at a right angle to the flow in the metric. It is
+anchored anew at every point of a branch, so that the flow always crosses it well, and where the orbit has become slow
 there it moves to where the orbit is fast. The *integral* condition asks for the phase nearest to that of the
 last orbit, over the whole period (E. J. Doedel, 1981).
 """
@@ -45,7 +45,10 @@ class Reference:
 
 
 def reference_of(
-    times: Sequence[np.ndarray], points: Sequence[np.ndarray], velocities: Sequence[np.ndarray], magnitudes: np.ndarray
+    times: Sequence[np.ndarray],
+    points: Sequence[np.ndarray],
+    velocities: Sequence[np.ndarray],
+    magnitudes: np.ndarray,
 ) -> Reference:
     """The reference that an orbit itself is: states and velocities at the steps of each segment."""
     rows = []

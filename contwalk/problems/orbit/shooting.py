@@ -16,8 +16,11 @@ from contwalk.flow.method import choose
 from contwalk.problems.orbit.closure import Closure
 from contwalk.problems.orbit.motion import PLAIN, TANGENT, Motion
 
-# A state that moves less than this part of its typical magnitude stands still: what it seems to move is rounding.
+# A state that moves less than this part of its typical magnitude stands still: what it seems to move is
+# rounding.
 STILL = 1e-11
+# What a state is taken to move at least, in parts of what the one that moves most does.
+LEAST_SHARE = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +37,8 @@ class Mesh:
         Local error of each state in units of its variation along the orbit.
     variation : ndarray, shape (n,)
         Half the range of each state, or its typical magnitude where it hardly moves.
+    magnitudes : ndarray, shape (n,)
+        Typical magnitudes of the states.
     growth : float
         The largest growth of a generic deviation within a segment.
     reason : str
@@ -44,6 +49,7 @@ class Mesh:
     method: str
     tolerance: float
     variation: np.ndarray
+    magnitudes: np.ndarray
     growth: float = 1.0
     reason: str = ""
 
@@ -75,7 +81,7 @@ class Shooting:
     ) -> np.ndarray:
         """A lift's states at the end of a segment, the closure applied to the last one."""
         values = self.values(scalars, directions)
-        field = self.motion.field(lift)
+        field = self.motion.field(lift, implicit=self.mesh.method.startswith("radau"))
         steps, method = self.mesh.steps[segment], self.mesh.method
         end = flow.along(field, field.constants(values), steps, y, method)[-1]
         return self.closure.end(lift, end, values) if segment == self.mesh.segments - 1 else end
@@ -92,7 +98,7 @@ class Shooting:
     ) -> tuple[np.ndarray, np.ndarray]:
         """As `carried`, with the derivatives `columns`, each driven by the scalar in `sources` (-1: none)."""
         values = self.values(scalars, directions)
-        field = self.motion.field(lift)
+        field = self.motion.field(lift, implicit=self.mesh.method.startswith("radau"))
         steps, method = self.mesh.steps[segment], self.mesh.method
         end, moved = flow.tangents(field, field.constants(values), steps, y, columns, sources, method)
         if segment < self.mesh.segments - 1:
@@ -168,14 +174,25 @@ def meshed(
     variation = magnitudes
     paths, chosen, reason = _passed(motion, starts, values, variation, tolerance, method)
     nodes = [path.states for path in paths]
-    ranges = np.ptp(np.concatenate(nodes), axis=0)[: len(magnitudes)]
-    moves = ranges > STILL * np.maximum(magnitudes, np.abs(starts).max(axis=0))
-    smaller = np.where(moves, np.minimum(0.5 * ranges, magnitudes), magnitudes)
+    smaller = _variation(np.concatenate(nodes)[:, : len(magnitudes)], magnitudes)
     if np.any(smaller < 0.2 * variation):
         variation = smaller
         paths, chosen, reason = _passed(motion, starts, values, variation, tolerance, method)
     growth = max(_growth(path.states[:, len(variation) :] / variation) for path in paths)
-    return Mesh(tuple(path.times for path in paths), chosen, tolerance, variation, growth, reason)
+    return Mesh(tuple(path.times for path in paths), chosen, tolerance, variation, magnitudes, growth, reason)
+
+
+def _variation(states: np.ndarray, magnitudes: np.ndarray) -> np.ndarray:
+    """Half the range of each state, not above its magnitude.
+
+    A state that moves far less than the others is taken as moving a thousandth of what they do: what it seems
+    to move may be the error of the steps.
+    """
+    shares = 0.5 * np.ptp(states, axis=0) / magnitudes
+    largest = float(shares.max())
+    if largest <= STILL:
+        return magnitudes
+    return magnitudes * np.clip(shares, LEAST_SHARE * largest, 1.0)
 
 
 def _growth(deviations: np.ndarray) -> float:
@@ -185,7 +202,12 @@ def _growth(deviations: np.ndarray) -> float:
 
 
 def _passed(
-    motion: Motion, starts: np.ndarray, values: np.ndarray, variation: np.ndarray, tolerance: float, method: str
+    motion: Motion,
+    starts: np.ndarray,
+    values: np.ndarray,
+    variation: np.ndarray,
+    tolerance: float,
+    method: str,
 ) -> tuple[list[flow.Path], str, str]:
     """The path of every segment with a generic neighbour, the integrator, and why this one."""
     field = motion.field(TANGENT)
@@ -218,4 +240,3 @@ _SENTENCES = {
     "too_many_steps": "One period of the motion takes more steps than are allowed.",
     "step_too_small": "The integrator's step becomes too small within one period: the field is not smooth there.",
 }
-

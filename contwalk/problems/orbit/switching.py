@@ -10,7 +10,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
 from contwalk.problems.linear import nearest_eigenpair
-from contwalk.problems.orbit.augmented import cycle_matrix, null_vectors, of_vector
+from contwalk.problems.orbit.augmented import cycle_matrix, equation_scales, null_vectors, of_vector
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.section import section_at
 from contwalk.problems.orbit.shooting import meshed
@@ -96,7 +96,8 @@ def _turned(q: np.ndarray, magnitudes: np.ndarray) -> np.ndarray:
 def _symmetry_of_cycle(
     equilibrium: Equilibrium, x: np.ndarray, z: np.ndarray, q: np.ndarray
 ) -> tuple[Symmetry, int, int] | None:
-    """Symmetry, power and fold of a cycle whose critical vector a spatial symmetry turns by a part of a round.
+    """Symmetry, power and fold of a cycle whose critical vector a spatial symmetry turns by a part of a
+    round.
 
     S q = exp(-2 pi i j / fold) q: the cycle is its own image a part of the period later.
     """
@@ -166,7 +167,9 @@ def _repeated(
 ) -> Sequence[Seed]:
     """A closure followed several times, the deviation changing its sign each time."""
     n, m = problem.states, problem.segments
-    v, _ = null_vectors(cycle_matrix(problem, problem.linearize(z).jacobian, -1.0), np.tile(problem.mesh.variation, m))
+    v, _ = null_vectors(
+        cycle_matrix(problem, problem.linearize(z).jacobian, -1.0), np.tile(problem.mesh.variation, m)
+    )
     v = v.real
     direction = np.concatenate([v, np.zeros(len(z) - m * n)])
     scalars = problem.scalars(z).copy()
@@ -184,8 +187,12 @@ def _repeated(
     else:
         cut = [_at(problem, z, direction, j * times / count) for j in range(count)]
         start, tangent = np.concatenate([x for x, _ in cut]), np.concatenate([w for _, w in cut])
-        weights = np.concatenate([np.tile(_single_weights(problem, z)[:n] * np.sqrt(count), count), np.ones(len(scalars))])
-        there = other.adapted_to(np.concatenate([start, scalars]), weights, problem.discretization.walking, count)
+        weights = np.concatenate(
+            [np.tile(_single_weights(problem, z)[:n] * np.sqrt(count), count), np.ones(len(scalars))]
+        )
+        there = other.adapted_to(
+            np.concatenate([start, scalars]), weights, problem.discretization.walking, count
+        )
     z2 = np.concatenate([start, scalars])
     tangent = there.into_section(z2, np.concatenate([tangent, np.zeros(len(scalars))]))
     return (Seed(label, z2, tangent, _amplitude(problem, z, tangent), there, one_sided=label == "PD"),)
@@ -216,7 +223,9 @@ def _next(
     return image, -deviation
 
 
-def _at(problem: PeriodicOrbit, z: np.ndarray, direction: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
+def _at(
+    problem: PeriodicOrbit, z: np.ndarray, direction: np.ndarray, time: float
+) -> tuple[np.ndarray, np.ndarray]:
     """State and deviation at a time in closures, which may exceed one."""
     p = ParameterValues(**problem.values_of(z))
     whole = int(np.floor(time + 1e-12))
@@ -275,8 +284,7 @@ def _crossing(problem: PeriodicOrbit, z: np.ndarray, point: SpecialPoint) -> Seq
     """The branch that crosses, along the tangent that the parent does not have."""
     weights = _weights(problem, z)
     jacobian = problem.linearize(z).jacobian
-    rows = np.abs(jacobian * weights).max(axis=1)
-    rows[rows == 0.0] = 1.0
+    rows = equation_scales(problem)
     u, _, vh = np.linalg.svd(jacobian / rows[:, None] * weights)
     located = Located(z, 0.0, {"plane": vh[-2:] * weights, "left": u[:, -1] / rows}, problem=problem)
     found = directions(problem, located, weights)
@@ -295,10 +303,6 @@ def second_direction(problem: PeriodicOrbit, z: np.ndarray) -> np.ndarray | None
     """A second direction of solutions, where there is one to rounding."""
     jacobian = problem.linearize(z).jacobian
     weights = _weights(problem, z)
-    scaled = jacobian * weights
-    rows = np.abs(scaled).max(axis=1)
-    rows[rows == 0.0] = 1.0
-    _, sizes, vh = np.linalg.svd(scaled / rows[:, None])
+    rows = equation_scales(problem)
+    _, sizes, vh = np.linalg.svd(jacobian / rows[:, None] * weights)
     return vh[-2] * weights if sizes[-1] < SINGULAR * sizes[0] else None
-
-

@@ -1,114 +1,31 @@
-"""One step of Radau IIA collocation, in loops that numba compiles.
+"""The equations of one Radau IIA step and their solution, in loops that numba compiles.
 
-The unknowns are the increments Z_i = x(t + c_i h) - x(t) at the s nodes, Z = h A f. Newton's method with the Jacobian
-of the step's beginning decouples into one real and (s - 1) / 2 complex systems of the size of the state (Hairer &
-Wanner II, IV.8). It is iterated until the residual Z - h A f is rounding and nothing else, so that the end of a
-step is a smooth function of its beginning, and the same one whatever the matrix was.
+The unknowns are the increments Z_i = x(t + c_i h) - x(t) at the s nodes, Z = h A f. Newton's method with one
+Jacobian for all nodes, that of the middle of the step, decouples into one real and (s - 1) / 2 complex systems of the
+size of the state (Hairer & Wanner II, IV.8). It is iterated until the residual Z - h A f is rounding and nothing else,
+so that the end of a step is a smooth function of its beginning, and the same one whatever the matrix was.
 """
 
 from __future__ import annotations
-
-from typing import NamedTuple
 
 import numpy as np
 
 from contwalk.flow.calling import call_rhs, inlined
 from contwalk.flow.dense_lu import factor, factor_complex, solve, solve_complex
-
-EPSILON = 2.0**-52
+from contwalk.flow.radau_parts import EPSILON, Equations, Method, Work
 
 # How a step's iteration ended.
 CONVERGED, SLOW, NOT_FINITE, SINGULAR = 0, 1, 2, 3
 
-# Corrections of so many units of rounding that no longer shrink are taken for rounding that the estimate of it
-# missed (cancellation inside f); larger ones are taken for a failure.
+# Corrections of so many units of rounding that no longer shrink are taken for rounding that the estimate of
+# it missed (cancellation inside f); larger ones are taken for a failure.
 NOISE = 1e5
+# Passes without halving the smallest correction after which it is said to shrink no longer.
+IDLE = 4
 
-
-class Equations(NamedTuple):
-    """A field by addresses: right-hand side, the same with Jacobian, its pattern, and the constants."""
-
-    rhs: int
-    jac: int
-    n: int
-    rows: np.ndarray
-    columns: np.ndarray
-    c: np.ndarray
-
-
-class Method(NamedTuple):
-    """A tableau taken apart; `tableaus.radau` says what the parts are."""
-
-    s: int
-    nodes: np.ndarray
-    matrix: np.ndarray
-    error: np.ndarray
-    mu: float
-    right: np.ndarray
-    left: np.ndarray
-    pairs: np.ndarray
-
-
-class Work(NamedTuple):
-    """Scratch of a path."""
-
-    out: np.ndarray  # f at the beginning of the step and the entries of its Jacobian
-    z: np.ndarray  # increments of the step (s, n)
-    old: np.ndarray  # increments of the step before (s, n)
-    f: np.ndarray  # f at the nodes (s, n)
-    residual: np.ndarray  # (s, n)
-    delta: np.ndarray  # correction of the increments (s, n)
-    lu: np.ndarray
-    pivots: np.ndarray
-    complex_lu: np.ndarray
-    complex_pivots: np.ndarray
-    weights: np.ndarray
-    base: np.ndarray  # units of rounding, from the beginning of the step
-    state: np.ndarray
-    y: np.ndarray
-    v: np.ndarray
-
-
-@inlined
-def method(tableau: np.ndarray, s: int) -> Method:
-    """The parts of a packed tableau."""
-    at = s + s * s + s
-    return Method(
-        s,
-        tableau[:s],
-        tableau[s : s + s * s],
-        tableau[s + s * s : at],
-        tableau[at],
-        tableau[at + 1 : at + 1 + s],
-        tableau[at + 1 + s : at + 1 + 2 * s],
-        tableau[at + 1 + 2 * s :],
-    )
-
-
-@inlined
-def work(doubles: np.ndarray, integers: np.ndarray, n: int, s: int, entries: int) -> Work:
-    """Scratch cut into its parts."""
-    sn, pairs = s * n, (s - 1) // 2
-    a = n + entries
-    b = a + 5 * sn
-    d = b + n * n + pairs * 2 * n * n
-    return Work(
-        doubles[:a],
-        doubles[a : a + sn],
-        doubles[a + sn : a + 2 * sn],
-        doubles[a + 2 * sn : a + 3 * sn],
-        doubles[a + 3 * sn : a + 4 * sn],
-        doubles[a + 4 * sn : b],
-        doubles[b : b + n * n],
-        integers[:n],
-        doubles[b + n * n : d],
-        integers[n : n + pairs * n],
-        doubles[d : d + n],
-        doubles[d + n : d + 2 * n],
-        doubles[d + 2 * n : d + 3 * n],
-        doubles[d + 3 * n : d + 4 * n],
-        doubles[d + 4 * n : d + 5 * n],
-    )
+# Convergence slower than this is mended by a matrix from the increments known by then, so often at most and
+# if corrections still are of so many units of rounding: the last passes are cheaper than a new matrix.
+SLOWEST, MOST_MENDED, WORTH_MENDING = 0.3, 3, 1e3
 
 
 @inlined
@@ -119,6 +36,21 @@ def linearize(eq: Equations, w: Work, t: float, x: np.ndarray) -> bool:
     for value in w.out:
         total += abs(value)
     return total < np.inf
+
+
+@inlined
+def around(eq: Equations, m: Method, w: Work, t: float, h: float, x: np.ndarray) -> None:
+    """The Jacobian for the matrices: at the middle node as far as it is known, or at the step's beginning."""
+    n, i = eq.n, m.s // 2
+    for k in range(n):
+        w.state[k] = x[k] + w.z[i * n + k]
+    call_rhs(eq.jac, t + m.nodes[i] * h, w.state.ctypes.data, eq.c.ctypes.data, w.near.ctypes.data)
+    total = 0.0
+    for value in w.near:
+        total += abs(value)
+    if not total < np.inf:
+        for i in range(len(w.out)):
+            w.near[i] = w.out[i]
 
 
 @inlined
@@ -139,7 +71,7 @@ def factorise(eq: Equations, m: Method, w: Work, h: float) -> bool:
     """Factors of the real and of the complex matrices of a step."""
     n = eq.n
     size = n * n
-    entries = w.out[n:]
+    entries = w.near[n:]
     shifted(eq, entries, m.mu / h, w.lu)
     if not factor(w.lu, w.weights, w.pivots, n):
         return False
@@ -282,10 +214,13 @@ def iterate(
 
     Needs `linearize`. A step that is solved with few passes allowed is solved by the same ones if more are.
     """
+    around(eq, m, w, t, h, x)
     if not factorise(eq, m, w, h):
         return SINGULAR, 0, 0.0
     roundings(eq, m, w, x)
     first = last = size = 0.0
+    best = np.inf
+    idle = mended = 0
     for number in range(1, most + 1):
         residuals(eq, m, w, t, h, x)
         correction(eq, m, w, h)
@@ -294,16 +229,20 @@ def iterate(
             return NOT_FINITE, number, 1.0
         if number == 1:
             first = size
-        if size <= 1.0:
+        rate = size / last if number > 1 else 0.0
+        if size <= 1.0 or (0.0 < rate < 1.0 and size * rate <= 1.0 - rate):
             return CONVERGED, number, _mean_rate(first, size, number)
-        if number > 1:
-            rate = size / last
-            if rate < 1.0 and size * rate <= 1.0 - rate:
-                return CONVERGED, number, _mean_rate(first, size, number)
-            if rate > 0.9 and size <= NOISE:
-                return CONVERGED, number, _mean_rate(first, size, number)
-            if (number > 2 and rate > 2.0) or size > 1e6 * first:
-                return SLOW, number, 1.0
+        idle = idle + 1 if size > 0.5 * best else 0
+        best = min(best, size)
+        if idle >= IDLE and best <= NOISE:
+            return CONVERGED, number, _mean_rate(first, size, number)
+        if idle >= 3 * IDLE or size > 1e6 * first:
+            return SLOW, number, 1.0
+        if rate > SLOWEST and size > WORTH_MENDING and mended < MOST_MENDED:
+            mended += 1
+            around(eq, m, w, t, h, x)
+            if not factorise(eq, m, w, h):
+                return SINGULAR, number, 1.0
     return SLOW, most, min(1.0, _mean_rate(first, size, most))
 
 
@@ -313,39 +252,3 @@ def _mean_rate(first: float, size: float, passes: int) -> float:
     if passes < 2 or first <= 1.0:
         return 0.0
     return (max(size, 1.0) / first) ** (1.0 / (passes - 1))
-
-
-@inlined
-def embedded(eq: Equations, m: Method, w: Work, h: float, x: np.ndarray, weights: np.ndarray) -> float:
-    """Norm of the difference to the embedded formula, filtered by (I - h J / mu)^-1; left in w.y."""
-    n, s = eq.n, m.s
-    for k in range(n):
-        total = 0.0
-        for i in range(s):
-            total += m.error[i] * w.z[i * n + k]
-        w.v[k] = total * (m.mu / h)
-        w.y[k] = w.out[k] + w.v[k]
-    solve(w.lu, w.pivots, n, w.y, 1)
-    return norm(w.y, weights, n)
-
-
-@inlined
-def embedded_again(eq: Equations, m: Method, w: Work, t: float, x: np.ndarray, weights: np.ndarray) -> float:
-    """The same filtered once more, from x + error: for steps that begin off a stiff solution's smooth part."""
-    n = eq.n
-    for k in range(n):
-        w.state[k] = x[k] + w.y[k]
-    call_rhs(eq.rhs, t, w.state.ctypes.data, eq.c.ctypes.data, w.y.ctypes.data)
-    for k in range(n):
-        w.y[k] += w.v[k]
-    solve(w.lu, w.pivots, n, w.y, 1)
-    return norm(w.y, weights, n)
-
-
-@inlined
-def norm(y: np.ndarray, weights: np.ndarray, n: int) -> float:
-    """Root mean square in units of the weights."""
-    total = 0.0
-    for k in range(n):
-        total += (y[k] / weights[k]) ** 2
-    return np.sqrt(total / n)

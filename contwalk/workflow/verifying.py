@@ -1,0 +1,72 @@
+"""`contwalk verify`: every located special point of a database recomputed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from contwalk.branch import Branch, SpecialPoint
+from contwalk.continuation.verification import Comparison, compared
+from contwalk.errors import ContwalkError
+from contwalk.problems.orbit.discretization import Discretization
+from contwalk.storage import RunHeader
+from contwalk.system import System
+from contwalk.workflow.yaml_lines import parse_yaml
+
+DEFAULT_ACCURACY = 1e-8
+_OF_ORBITS = ("method", "tolerance", "segments", "phase")
+
+
+def points_of(branches: Sequence[Branch]) -> list[tuple[Branch, SpecialPoint]]:
+    """The points that are recomputed: all special points but ends."""
+    return [(branch, point) for branch in branches for point in branch.special_points if point.label != "EP"]
+
+
+def verify(
+    system: System,
+    header: RunHeader,
+    points: Sequence[tuple[Branch, SpecialPoint]],
+    method: str = "",
+    progress: Callable[[Comparison], None] | None = None,
+) -> list[Comparison]:
+    """Recompute special points of a run.
+
+    Parameters
+    ----------
+    system : System
+    header : RunHeader
+        Of the database, which tells what accuracy was asked and what is marked.
+    points : sequence of (Branch, SpecialPoint)
+    method : str
+        The integrator for orbits; one that a point was not computed with by default.
+    progress : callable, optional
+        Told each comparison when it is there.
+    """
+    steps, marks = discretization_of_run(header), marks_of_run(header)
+    result = []
+    for branch, point in points:
+        comparison = compared(system, branch, point, steps, method, marks)
+        if progress is not None:
+            progress(comparison)
+        result.append(comparison)
+    return result
+
+
+def discretization_of_run(header: RunHeader) -> Discretization:
+    """What a stored run asked of its orbits."""
+    engine = dict(header.provenance.get("engine", {}))
+    given: dict[str, Any] = {key: engine[key] for key in _OF_ORBITS if key in engine}
+    accuracy = float(header.provenance.get("accuracy", DEFAULT_ACCURACY))
+    return Discretization(accuracy=accuracy, **given)
+
+
+def marks_of_run(header: RunHeader) -> Mapping[str, Sequence[float | str]]:
+    """The marked values in a stored run file, by name; none where it cannot be read."""
+    try:
+        data = parse_yaml(header.config, "the stored run file")[0]
+    except ContwalkError:
+        return {}
+    written = data.get("mark") if isinstance(data, dict) else None
+    if not isinstance(written, dict):
+        return {}
+    return {str(n): values if isinstance(values, list) else [values] for n, values in written.items()}

@@ -1,0 +1,167 @@
+"""`contwalk sample` in a folder of its own."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+
+import numpy as np
+import pytest
+
+from contwalk.storage.trajectory import read_samples
+
+# x' = -rate x from a drawn height: x passes `level` at log(height / level) / rate.
+PLUGIN = """\
+import math
+from contwalk.system import Mode, Observable, Parameter, Start, State, Symmetry, System
+
+def field(t, x, p, dx):
+    dx[0] = -p.rate * x[0]
+    dx[1] = -p.rate * (x[1] - p.place)
+
+def mirror(t, x, p, x_image):
+    x_image[0] = x[0]
+    x_image[1] = 2.0 - x[1]
+
+SYSTEM = System(
+    name="falling",
+    states=(State("x", scale=1.0), State("angle", "rad", scale=1.0, period=2 * math.pi)),
+    parameters=(Parameter("rate", 1.0, "1/s", (0.0, None)), Parameter("place", 0.5), Parameter("level", 0.1)),
+    modes=(Mode("free", field),),
+    observables=(Observable("height", lambda t, x, p: x[:, 0].max()),),
+    starts=(Start("rest", lambda p: [[0.0, p.place]] if p.place < 0.9 else [], exists="place < 0.9"),),
+)
+"""
+
+RUN = """\
+system: ./falling.py
+start: {state: {x: 1.0, angle: 0.25}}
+sample:
+  count: 60
+  seed: 5
+  draw: {rate: [0.5, 4*level/0.2], x: [0.2, 10*level]}
+  measure: {observable: height, level: level, direction: falling, crossing: last}
+  settled: {equilibrium: rest, within: {x: 1e-3, angle: 0.01}}
+  time_unit: {name: decays, length: 1/rate}
+  until: 40
+output: s.h5
+"""
+
+
+@pytest.fixture
+def falling(folder):
+    (folder / "falling.py").write_text(PLUGIN, encoding="utf-8")
+    (folder / "s.yaml").write_text(RUN, encoding="utf-8")
+    return folder
+
+
+def test_samples_are_measured_stored_drawn_and_told(contwalk, falling):
+    done = contwalk("sample", "s.yaml")
+    assert (done.code, done.err) == (0, "")
+    assert {p.name for p in falling.glob("s_*")} == {"s_samples.h5", "s_samples.csv", "s_histogram.png"}
+    stored = read_samples(falling / "s_samples.h5")
+    assert stored.drawn == ("x", "rate")
+    assert stored.measured == "decays"
+    heights = stored.draws[:, 0]
+    assert (heights >= 0.2).all()
+    assert (heights < 1.0).all()
+    assert ((stored.draws[:, 1] >= 0.5) & (stored.draws[:, 1] < 2.0)).all()
+    # Tens of steps of local error 1e-8; the slope at the level is 0.1.
+    np.testing.assert_allclose(stored.values, np.log(heights / 0.1), rtol=0, atol=1e-5)
+    assert stored.settled.all()
+    assert stored.crossed.all()
+    mean, error = stored.values.mean(), stored.values.std(ddof=1) / math.sqrt(60)
+    for words in (f"{mean:.8g}", f"{error:.3g}", "never settled", "in decays", "s_histogram.png"):
+        assert words in done.out
+    with (falling / "s_samples.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["decays"]) for row in rows] == stored.values.tolist()
+    assert [float(row["x"]) for row in rows] == heights.tolist()
+    assert {row["settled"] for row in rows} == {"true"}
+
+
+def test_a_seed_gives_the_same_samples_whatever_their_number_and_that_of_threads(contwalk, falling):
+    fewer = ("--threads", "4", "--set", "sample.count=35")
+    for name, options in {"a": ("--threads", "1"), "b": fewer}.items():
+        assert contwalk("sample", "s.yaml", *options, "--output", f"{name}.h5", "--quiet").code == 0
+    a, b = (read_samples(falling / f"{name}_samples.h5") for name in "ab")
+    np.testing.assert_array_equal(a.draws[:35], b.draws)
+    np.testing.assert_array_equal(a.values[:35], b.values)
+    np.testing.assert_array_equal(a.ends[:35], b.ends)
+    contwalk("sample", "s.yaml", "--set", "sample.seed=6", "--output", "c.h5", "--quiet")
+    assert not np.isin(read_samples(falling / "c_samples.h5").draws, a.draws).any()
+
+
+def test_what_never_settles_or_never_crosses_is_counted(contwalk, falling):
+    done = contwalk("sample", "s.yaml", "--set", "sample.until=3", "--set", "sample.draw.x=[0.05, 0.9]")
+    stored = read_samples(falling / "s_samples.h5")
+    assert not stored.settled.any()
+    assert stored.ends == pytest.approx(3.0)
+    below = stored.draws[:, 0] < 0.1
+    assert below.any()
+    np.testing.assert_array_equal(stored.crossed, ~below)
+    assert (stored.values[below] == 0.0).all()  # beyond the level all along
+    assert re.search(r"never settled +60\n", done.out)
+    assert re.search(rf"never crossed +{below.sum()}\n", done.out)
+    contwalk("sample", "s.yaml", "--force", "--set", "sample.measure.crossing=first",
+             "--set", "sample.draw.x=[0.05, 0.9]")  # fmt: skip
+    first = read_samples(falling / "s_samples.h5")
+    assert np.isnan(first.values[below]).all()
+    assert np.isfinite(first.values[~below]).all()
+
+
+def test_samples_without_their_equilibrium_never_settle_and_are_told(contwalk, falling):
+    done = contwalk("sample", "s.yaml", "--set", "sample.draw.place=[0.5, 1.3]")
+    stored = read_samples(falling / "s_samples.h5")
+    without = stored.draws[:, stored.drawn.index("place")] >= 0.9
+    np.testing.assert_array_equal(stored.settled, ~without)
+    assert done.code == 0
+    assert "no equilibrium rest there" in done.out
+
+
+def test_images_under_a_renaming_are_places_to_rest(contwalk, falling):
+    # `rest` is said to be at 2 - place; the motion comes to rest at its image, which is `place`.
+    renamed = PLUGIN.replace("[[0.0, p.place]]", "[[0.0, 2.0 - p.place]]").replace(
+        "    starts=", '    symmetries=(Symmetry("swap", "relabel", mirror),),\n    starts='
+    )
+    (falling / "falling.py").write_text(renamed)
+    assert contwalk("sample", "s.yaml").code == 0
+    assert read_samples(falling / "s_samples.h5").settled.all()
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ("sample=null", "key sample: the key is missing"),
+        ("sample.count=0", "from 1 to 10000000"),
+        ("sample.draw={}", "draws nothing"),
+        ("sample.draw.z=[0, 1]", "neither a state nor a parameter"),
+        ("sample.draw.x=[1, 1]", "is empty: [1, 1]"),
+        ("sample.draw.x=[0, rate]", "depends on 'rate', which is drawn too"),
+        ("sample.draw.rate=[-1, 1]", "-1 lies outside the bounds of 'rate'"),
+        ("sample.draw.x=[0, 2+3]", "'2+3' is no factor"),
+        ("sample.draw.x=[0, 2*levle]", "Did you mean 'level'"),
+        ("sample.draw.x=3", "Allowed: [lowest, highest]"),
+        ("sample.measure.observable=hight", "Did you mean 'height'"),
+        ("sample.measure.level=1/0", "not finite"),
+        ("sample.measure.direction=up", "Allowed: falling, rising"),
+        ("sample.settled.equilibrium=rset", "Did you mean 'rest'"),
+        ("sample.settled.within={}", "names no state"),
+        ("sample.settled.within.y=1", "'y' is not a state"),
+        ("sample.settled.within.x=0", "a positive number"),
+        ("sample.time_unit.length=-1", "Allowed: what is positive"),
+        ("sample.until=0", "a positive number"),
+    ],
+)
+def test_bad_input_is_a_sentence_and_writes_nothing(contwalk, falling, change, said):
+    done = contwalk("sample", "s.yaml", "--set", change)
+    assert done.code == 2
+    assert said in done.err
+    assert not list(falling.glob("s_*"))
+
+
+def test_a_sampling_is_no_study_for_continue(contwalk, falling):
+    done = contwalk("continue", "s.yaml")
+    assert done.code == 2
+    assert "continue.parameter" in done.err
