@@ -1,6 +1,7 @@
 """Motions and their derivatives with nothing of the engine: the plugin's own field, scipy, complex steps.
 
-The fields of the tests are analytic (polynomials and numpy's functions), and write their entries from those of
+The fields of the tests are analytic (polynomials and numpy's functions), and write their entries from
+those of
 x by arithmetic alone; so one call with x of shape (n, k) gives k velocities, and with an imaginary part of
 1e-30 their derivatives to rounding.
 """
@@ -55,7 +56,9 @@ def passed(
     duration = end - begin
 
     def right(tau: float, y: np.ndarray) -> np.ndarray:
-        f, moved = derived(field, begin + tau * duration, scale * y[:n], p, scale[:, None] * y[n:].reshape(n, n))
+        f, moved = derived(
+            field, begin + tau * duration, scale * y[:n], p, scale[:, None] * y[n:].reshape(n, n)
+        )
         return duration * np.concatenate([f / scale, (moved / scale[:, None]).ravel()])
 
     start = np.concatenate([x / scale, np.eye(n).ravel()])

@@ -58,7 +58,7 @@ def _decided(point: SpecialPoint) -> bool:
         return "d" in point.coefficients
     if point.label == "BP":  # a vertical branch has none: its cubic coefficient vanishes
         return point.kind in ("pitchfork", "symmetry-breaking") and point.coefficients.get("c", 0.0) != 0.0
-    return point.label in ("HB", "PD")
+    return point.label == "HB" or (point.label == "PD" and point.coefficients["c"] != 0.0)
 
 
 def _check_interval(branch: Branch, point: SpecialPoint, value: float) -> None:
@@ -83,7 +83,9 @@ def _check_counts(branch: Branch, point: SpecialPoint) -> None:
     if point.label in ("EP", "UZ"):
         assert before == after
     else:
-        assert abs(after - before) in {"HB": (2,), "LP": (1,), "BP": (0, 1), "PD": (1,), "NS": (2,)}[point.label]
+        assert (
+            abs(after - before) in {"HB": (2,), "LP": (1,), "BP": (0, 1), "PD": (1,), "NS": (2,)}[point.label]
+        )
     if point.label == "EP":
         return
     at = {other.index: other for other in branch.special_points if other.label != "EP"}

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from contwalk.cli.summary import free_value
 from contwalk.cli.terminal import line, table
-from contwalk.cli.words import exact, meaning, rough, with_unit
+from contwalk.cli.words import exact, meaning, plural, rough, with_unit
 from contwalk.errors import ContwalkError
 
 if TYPE_CHECKING:
+    import numpy as np
     from rich.console import Console
 
     from contwalk.branch import Branch, SpecialPoint
@@ -64,13 +66,9 @@ def print_special(out: Console, branch: Branch, point: SpecialPoint, units: Mapp
     facts += [f"criticality: {point.criticality}"] if point.criticality else []
     facts += [f"note: {point.note}"] if point.note else []
     facts += [] if point.admissible else ["not admissible"]
-    for name, value in (
-        ("period", point.period),
-        ("full period", point.period_full),
-        ("error of the trivial multiplier", point.trivial_error),
-    ):
-        facts += [] if value is None else [f"{name}: {exact(value)}"]
+    facts += [] if point.period is None else _of_orbit(branch, point.period, point.trivial_error)
     facts.append(f"point {point.index} of the branch, {branch.info.problem.replace('_', ' ')}")
+    facts += _cost(branch.points[point.index]) if point.index < len(branch) else []
     for fact in facts:
         line(out, fact, indent=4)
     _values(out, "parameter", point.parameters.items(), units)
@@ -93,11 +91,45 @@ def print_row(out: Console, branch: Branch, row: int, units: Mapping[str, str]) 
     line(out, f"unstable directions: {int(point['unstable'])} ({stable})", indent=4)
     if not point["admissible"]:
         line(out, "not admissible", indent=4)
+    period, trivial = float(point["period"]), float(point["trivial_error"])
+    facts = _of_orbit(branch, period, None if math.isnan(trivial) else trivial) if period > 0.0 else []
+    for fact in [*facts, *_cost(point)]:
+        line(out, fact, indent=4)
     parameters = {**info.parameters, **dict(zip(info.free, point["free"], strict=True))}
     _values(out, "parameter", parameters.items(), units)
     _values(out, "state", zip(info.states, point["state"], strict=True), units)
     _values(out, "observable", zip(info.observables, point["observables"], strict=True), units)
     _spectrum(out, branch, point["spectrum"], "")
+
+
+def _of_orbit(branch: Branch, period: float, trivial_error: float | None) -> list[str]:
+    """Period, closure and accuracy of an orbit."""
+    info = branch.info
+    fold = int(info.settings.get("fold", 1))
+    facts = [f"period: {exact(fold * period)} s"]
+    if info.closure not in (None, "full"):
+        facts.append(
+            f"closure: up to the symmetry '{info.closure}' after 1/{fold} of the period, {exact(period)} s"
+        )
+    elif info.subharmonic > 1:
+        facts.append(f"closure: after {info.subharmonic} periods of the forcing")
+    else:
+        facts.append("closure: full")
+    if trivial_error is not None:
+        facts.append(f"error of the trivial multiplier, which is one: {rough(trivial_error)}")
+    return facts
+
+
+def _cost(row: np.void) -> list[str]:
+    """How well a point is known, and what it cost."""
+    spectral, excess = float(row["spectrum_error"]), float(row["residual"])
+    facts = [] if math.isnan(spectral) else [f"estimated error of the leading eigenvalue: {rough(spectral)}"]
+    facts += [] if math.isnan(excess) else [f"residual: {excess:.2g} of its own error"]
+    rhs, passes = int(row["rhs"]), int(row["iterations"])
+    if rhs:
+        cost = f"cost: {plural(rhs, 'right-hand side')}, {plural(passes, 'Newton iteration')}"
+        facts.append(f"{cost}, {1e3 * float(row['seconds']):.3g} ms")
+    return facts
 
 
 def _values(out: Console, title: str, values: Iterable[tuple[str, float]], units: Mapping[str, str]) -> None:

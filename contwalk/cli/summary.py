@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from contwalk.cli.terminal import line, table
 from contwalk.cli.words import choices, exact, meaning, plural, rough
 
@@ -59,11 +61,15 @@ def _print_branch(out: Console, branch: Branch, among: Sequence[Branch], fixed: 
         values = branch[info.free[0]]
         words.append(f"{info.free[0]} from {values.min():.6g} to {values.max():.6g}")
     words += [plural(len(branch), "point"), f"{branch.cost.get('seconds', 0.0):.3g} s"]
+    rhs = int(branch.cost.get("rhs", 0))
+    words += [plural(rhs, "right-hand side")] if rhs else []
     line(out, f"{branch.name}  {', '.join(words)}", style="bold")
     if info.origin:
         line(out, info.origin, indent=4)
     if info.parent is not None:
         line(out, f"parent: {_parent(info.parent, among)}", indent=4)
+    if len(branch) and branch.info.problem in ("periodic_orbit", "hybrid_orbit"):
+        line(out, _orbits(branch), indent=4)
     if info.signature:
         line(out, f"signature: {' '.join(info.signature)}", indent=4)
     shown = [name for name in fixed if name not in info.free]
@@ -72,6 +78,22 @@ def _print_branch(out: Console, branch: Branch, among: Sequence[Branch], fixed: 
     style = "red" if outcome.status == "failed" else ""
     line(out, f"{outcome.status} ({outcome.reason}): {outcome.message}", indent=4, style=style)
     _print_special(out, branch)
+
+
+def _orbits(branch: Branch) -> str:
+    """Periods and closure of a branch of orbits, and the worst error of their trivial multiplier."""
+    info, fold = branch.info, int(branch.info.settings.get("fold", 1))
+    periods = fold * branch["period"]
+    text = f"period from {np.nanmin(periods):.6g} to {np.nanmax(periods):.6g} s"
+    if info.closure not in (None, "full"):
+        text += f", 1/{fold} of it integrated: closed up to '{info.closure}'"
+    elif info.subharmonic > 1:
+        text += f", {info.subharmonic} of the forcing"
+    # Where a branch is born at a Hopf point, the orbit is a point still and has no direction of flow.
+    trivial = branch["trivial_error"][branch["s"] != 0.0]
+    if np.isfinite(trivial).any():
+        text += f"; trivial multiplier right to {np.nanmax(trivial):.1e}"
+    return text
 
 
 def _print_special(out: Console, branch: Branch) -> None:

@@ -105,6 +105,8 @@ def _changes(segment: Segment, found: Found) -> tuple[int, ...]:
         return tuple(range(-many, many + 1))
     if found.label in PASSING:
         return (-PASSING[found.label], PASSING[found.label])
+    if segment.problem.kind != "equilibrium":  # on its steps, a multiplier passes one beside the point
+        return (-1, 1) if found.label == "LP" else (-1, 0, 1)
     if found.label == "LP" and not _has_zero(found.sample):
         return (0,)
     low, high = max(found.theta - BESIDE, 0.0), min(found.theta + BESIDE, 1.0)
@@ -210,11 +212,18 @@ def _measure_crossings(segment: Segment, low: float, high: float, known: list[Fo
         crossing = _locate_crossing(segment, low, high, which)
         if isinstance(crossing, Found):
             found.append(crossing)
-        elif not any(abs(f.theta - crossing) < 1e-3 for f in known):
+        elif not any(abs(f.theta - crossing) < _doubt(p, q, which) for f in known):
             unexplained.append((crossing, which))
     if unexplained:
         found.append(_multiple(segment, unexplained))
     return found
+
+
+def _doubt(p: Sample, q: Sample, which: int) -> float:
+    """How far from its point a real eigenvalue may seem to pass its critical value, in parts of the segment."""
+    known = max((s.spectrum_error or 0.0) + np.nan_to_num(s.trivial_error) for s in (p, q))
+    change = abs(float(p.measures[which] - q.measures[which]))
+    return 1e-3 + 10.0 * known / max(change, 1e-300)
 
 
 def _multiple(segment: Segment, crossings: list[tuple[float, int]]) -> Found:

@@ -19,7 +19,7 @@ from contwalk.continuation.marks import Observer, marks_at, observer_of
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.recognition import known_branch
 from contwalk.continuation.records import start_record
-from contwalk.continuation.rows import to_row
+from contwalk.continuation.rows import from_row, to_row
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.work import Start, Stored, Work, closed, combined, info_of, resumed
 from contwalk.problems.problem import Problem
@@ -179,8 +179,9 @@ class Diagram:
                     yield Noted(f"method {work.info.name}", f"{work.info.name}: integrated by {problem.method}.")
             work.rows = [to_row(work.info, problem, opening.here, 1.0, special=False)]
             yield Found(work.info, work.rows[0], None)
-            here = opening.here
-            places = {sign: (problem, here if sign > 0 else turned(here)) for sign in signs}
+            # The walk sets out from what the row tells, as it would when taken up again.
+            born = work.info.parent is not None
+            places = {sign: from_row(problem, work.rows[0][0], sign, born) for sign in signs}
         else:
             places = resumed(problem, work, stored, signs)
             yield Cut(work.info, len(work.rows), len(work.special_points))

@@ -50,8 +50,7 @@ def begin(
     normal = np.zeros(len(z))
     normal[-1] = 1.0
     if toward is None:
-        size = np.maximum(np.abs(z), 1.0)
-        correction = correct(problem, z, normal, size, iterations=60, damped=True)
+        correction = correct(problem, z, normal, problem.beginnings(z), iterations=60, damped=True)
         if not correction.ok:
             return correction
         z = np.append(correction.z[:-1], value)
@@ -60,7 +59,7 @@ def begin(
     if reach is not None:
         moved = reach(parameter_weight(magnitudes[-1], settings, value))
         magnitudes = np.where(np.isfinite(magnitudes) | ~(moved > 0.0), magnitudes, moved)
-    weights = updated(None, magnitudes, settings, z)
+    weights = updated(None, magnitudes, settings, np.abs(z), float(z[-1]))
     tangent = toward if toward is not None else first_tangent(linearization.jacobian, weights)
     sample = problem.examine(z, tangent, weights, linearization, None)
     if toward is not None:
@@ -86,6 +85,7 @@ def turned(here: Here) -> Here:
 
 def grown(sample: Sample, here: Here, settings: Settings) -> Sample:
     """A new sample in the metric that its own size adds to."""
-    weights = updated(here.sample.weights, sample.magnitudes, settings, sample.z)
+    sizes = np.abs(sample.z) if sample.sizes is None else sample.sizes
+    weights = updated(here.sample.weights, sample.magnitudes, settings, sizes, float(sample.z[-1]))
     factor = float(np.linalg.norm(sample.tangent / weights))
     return replace(sample, weights=weights, tangent=sample.tangent / factor, rates=sample.rates / factor)

@@ -9,10 +9,9 @@ from itertools import pairwise
 import numpy as np
 
 from contwalk.continuation.locating import Disagreement, Found, accepted, locate_multiple
-from contwalk.continuation.newton import correct
 from contwalk.continuation.rootfinding import narrow
 from contwalk.continuation.segment import LostBranch, Segment
-from contwalk.problems.problem import Problem, Sample
+from contwalk.problems.problem import Sample
 
 # An extremum is looked at when it comes this much nearer to zero than the ends.
 NEAR_ZERO = 0.5
@@ -61,7 +60,7 @@ def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | Non
         return None
     sides = max(theta - NEIGHBOURHOOD, 0.0), min(theta + NEIGHBOURHOOD, 1.0)
     try:
-        a, b = (_on(finest, segment, side) for side in sides)
+        a, b = (segment.on(finest, side) for side in sides)
     except LostBranch:
         return None
     part = Segment(finest, a, b)
@@ -84,15 +83,6 @@ def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | Non
 
 def _passing(sample: Sample, which: int) -> int:
     return 1 if sample.eigenvalues[which].imag == 0.0 else 2
-
-
-def _on(problem: Problem, segment: Segment, theta: float) -> Sample:
-    """The solution at theta on another discretisation."""
-    correction = correct(problem, segment.at(theta).z, segment.normal, segment.weights)
-    if not correction.ok or correction.linearization is None:
-        raise LostBranch(correction.sentence)
-    tangent = segment.tangent(correction.linearization.jacobian)
-    return problem.examine(correction.z, tangent, segment.weights, correction.linearization, None)
 
 
 def _crossing_between(segment: Segment, which: int, low: float, high: float) -> Found | None:

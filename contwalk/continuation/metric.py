@@ -13,7 +13,7 @@ UNKNOWN = 1.0
 
 
 def updated(
-    weights: np.ndarray | None, magnitudes: np.ndarray, settings: Settings, z: np.ndarray
+    weights: np.ndarray | None, magnitudes: np.ndarray, settings: Settings, sizes: np.ndarray, value: float
 ) -> np.ndarray:
     """Weights at the next point.
 
@@ -26,12 +26,14 @@ def updated(
         Those of the last point; None at the start.
     magnitudes : ndarray, shape (N + 1,)
         Typical magnitudes at the new point, NaN where unknown.
-    z : ndarray, shape (N + 1,)
-        The new point.
+    sizes : ndarray, shape (N + 1,)
+        Sizes of the unknowns at the new point.
+    value : float
+        The free parameter there.
     """
     told = np.where(np.isfinite(magnitudes), magnitudes, UNKNOWN)
-    result = told if weights is None else np.where(weights == UNKNOWN, told, np.maximum(weights, np.abs(z)))
-    result[-1] = parameter_weight(magnitudes[-1], settings, float(z[-1]))
+    result = told if weights is None else np.where(weights == UNKNOWN, told, np.maximum(weights, sizes))
+    result[-1] = parameter_weight(magnitudes[-1], settings, value)
     return result
 
 

@@ -52,6 +52,10 @@ def opened_orbit(
         here = begin(problem, z, settings)
         if not isinstance(here, Here):
             return outcomes.no_start(here.reason, here.sentence, "a periodic orbit")
+        if not problem.moves(here.sample.z):
+            return outcomes.no_start(
+                "no_convergence", "The correction ends at an equilibrium, which is no orbit.", "a periodic orbit"
+            )
         return _closed(problem, here, settings)
     except PluginError as error:
         return outcomes.no_start("plugin_error", error.sentence)

@@ -75,6 +75,20 @@ class Segment:
             )
         return self._known[theta]
 
+    def on(self, problem: Problem, theta: float) -> Sample:
+        """The solution at theta on another discretisation.
+
+        Raises
+        ------
+        LostBranch
+            If the corrector does not converge there.
+        """
+        correction = correct(problem, self.at(theta).z, self.normal, self.weights)
+        if not correction.ok or correction.linearization is None:
+            raise LostBranch(correction.sentence)
+        tangent = self.tangent(correction.linearization.jacobian)
+        return problem.examine(correction.z, tangent, self.weights, correction.linearization, None)
+
     def distance(self, z: np.ndarray, theta: float) -> float:
         """Distance of z from the solution at theta, relative to the length of the segment."""
         return float(np.linalg.norm((self.at(theta).z - z) / self.weights)) / max(self.length, 1e-300)

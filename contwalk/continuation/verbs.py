@@ -15,6 +15,7 @@ from contwalk.continuation.diagram import Diagram, Plan
 from contwalk.continuation.here import begin, turned
 from contwalk.continuation.marks import observer_of
 from contwalk.continuation.opening import Opening, opened
+from contwalk.continuation.reopening import problem_of
 from contwalk.continuation.settings import Mark, Settings
 from contwalk.continuation.work import Start
 from contwalk.errors import StartError
@@ -93,6 +94,9 @@ def switch_branch(
     """
     special = branch.special(point) if isinstance(point, str) else point
     chosen = _settings(problem, range, marks, settings, float(special.unknowns[-1]))
+    if branch.info.problem == "periodic_orbit":  # its orbits may close up to a symmetry, the given problem's fully
+        state = np.array(list(special.state.values()))
+        problem = problem_of(problem.system, branch.info, state, problem.discretization)
     seeds = problem.seeds(special)
     if not seeds:
         raise StartError(

@@ -1,8 +1,9 @@
 """LU factors of small dense matrices, real and complex, in loops that numba compiles.
 
 Matrices are flat and row-major. Rows are weighed by their largest entry when a pivot is chosen: equations of
-a machine have the units that its author chose, and the choice must not depend on them. Parts of rows are counted from 0: loops over them become vector
-instructions, which they do not if an index may be negative for all that the compiler knows.
+a machine have the units that its author chose, and the choice must not depend on them. Parts of rows are
+counted from 0: loops over them become vector instructions, which they do not if an index may be negative for
+all that the compiler knows.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Which method for which flow: told by what the methods do on the very path that is wanted.
 
 Stiffness is no property of a field alone: it depends on the path, its length and the tolerance. The explicit
-pair is therefore tried first. If stability limits its steps, or if they become many, the implicit method is tried
-too, and the one that works less is taken. Work is counted and not timed, so that the same problem always gets the same
-method.
+pair is therefore tried first. If stability limits its steps, or if they become many, the implicit method is
+tried too, and the one that works less is taken. Work is counted and not timed, so that the same problem
+always gets the same method.
 """
 
 from __future__ import annotations
@@ -29,11 +29,26 @@ TRIAL_STEPS = 2000
 # A share of stability-limited steps that is worth a trial of the implicit method.
 NOTABLE = 0.02
 
+# A share of stability-limited steps that is still harmless if the steps are taken again from elsewhere.
+STEADY = 0.1
+
 _NAMES = {
     "dop853": "explicit 8th-order pair",
     "verner98": "explicit 9th-order pair",
     IMPLICIT: "Radau IIA of order 9",
 }
+
+
+# Passes with tangents on the steps of one path: a correction by Newton's method takes a few.
+REPEATED = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Carried:
+    """Tangents that are to be computed on the steps of a path: of which field, and how many columns."""
+
+    field: Field
+    columns: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,42 +91,79 @@ def choose(
     tolerance: float,
     weights: Sequence[float] | np.ndarray,
     max_steps: int = 100_000,
+    carried: Carried | None = None,
 ) -> Choice:
-    """The method that does least work on the path from (t0, x0) to t1; arguments as for `adaptive`."""
+    """The method that does least work on the path from (t0, x0) to t1; arguments as for `adaptive`.
+
+    `carried` are the tangents that are to be computed on the steps of the path, from neighbouring starts. Explicit
+    steps at the limit of stability, taken again, go beyond it; the implicit method is then taken whatever it costs.
+    """
 
     def run(method: str, most: float) -> Path:
         return adaptive(field, c, t0, x0, t1, tolerance, weights, method, int(min(most, max_steps)))
 
+    def explicitly(path: Path) -> float:
+        return explicit_work(field, path, carried)
+
     pair = explicit_pair(tolerance)
     explicit = run(pair, TRIAL_STEPS)
+    spent = explicitly(explicit)
     if explicit.status == "ok" and explicit.stiff_fraction <= NOTABLE:
-        return _chosen(pair, _limited(pair, explicit), explicit, explicit)
+        return _chosen(pair, _limited(pair, explicit), explicit, explicit, spent)
     implicit = run(IMPLICIT, max_steps)
     if implicit.status != "ok":
         if explicit.status == "too_many_steps":
             explicit = run(pair, max_steps)
         why = f"{_limited(pair, explicit)}; {_NAMES[IMPLICIT]} {_failure(implicit)}"
-        return _chosen(pair, why, explicit, explicit)
-    work = implicit_work(field, implicit)
-    if explicit.status == "too_many_steps" and float(explicit.evaluations) < work:
+        return _chosen(pair, why, explicit, explicit, explicitly(explicit))
+    work = implicit_work(field, implicit, carried)
+    if explicit.status == "too_many_steps" and spent < work:
         # on, as far as it may still turn out to be the cheaper one
-        explicit = run(pair, _steps(explicit) * work / explicit.evaluations)
-    if explicit.status == "ok" and explicit.evaluations <= work:
-        return _chosen(pair, _limited(pair, explicit), explicit, explicit, work)
-    return _chosen(IMPLICIT, _against(explicit, work), implicit, explicit, work)
+        explicit = run(pair, _steps(explicit) * work / spent)
+        spent = explicitly(explicit)
+    steady = carried is None or explicit.stiff_fraction <= STEADY
+    if explicit.status == "ok" and spent <= work and steady:
+        return _chosen(pair, _limited(pair, explicit), explicit, explicit, spent, work)
+    return _chosen(IMPLICIT, _against(explicit, spent, work), implicit, explicit, spent, work)
 
 
-def implicit_work(field: Field, path: Path) -> float:
-    """Work of an implicit path in units of a right-hand side, linear algebra included.
+def _rhs(field: Field) -> float:
+    """Nanoseconds of a right-hand side with its share of a step, as they were measured; no timing here."""
+    return 10.0 + 1.5 * len(field.col)
 
-    Operations as they were measured, in units of about half a nanosecond: a right-hand side with its share
-    of an explicit step 20 + 8 an entry of the Jacobian; a stage of a Newton pass 30 n + 3.6 n^2 besides its
-    right-hand side; a step 6 n^3 and a Jacobian, which costs four right-hand sides.
+
+def explicit_work(field: Field, path: Path, carried: Carried | None = None) -> float:
+    """Work of an explicit path and of tangents on its steps, in units of a right-hand side of `field`.
+
+    Per evaluation and column of tangents: a product with the Jacobian and about six sums of vectors.
     """
-    n, rhs = field.n, 20.0 + 8.0 * len(field.col)
-    steps = _steps(path)
+    work = path.evaluations * _rhs(field)
+    if carried is not None:
+        other, q = carried.field, carried.columns
+        each = 2.0 * _rhs(other) + 0.08 * q * (len(other.col) + 6.0 * other.n)
+        work += REPEATED * path.evaluations * each
+    return work / _rhs(field)
+
+
+def implicit_work(field: Field, path: Path, carried: Carried | None = None) -> float:
+    """Work of an implicit path and of tangents on its steps, in units of a right-hand side of `field`.
+
+    Tangents of a step need the Jacobians of five stages, 125 n^3 / 3 products for the factors, and 25 n^2 a column
+    for the solution; some of them are zero.
+    """
+    work = _newton(field, path)
+    if carried is not None:
+        n, q, rhs = carried.field.n, carried.columns, _rhs(carried.field)
+        each = 20.0 * rhs + 6.3 * n * n * (n + q)
+        work += REPEATED * (_newton(carried.field, path) + _steps(path) * each)
+    return work / _rhs(field)
+
+
+def _newton(field: Field, path: Path) -> float:
+    """Nanoseconds of a path by Newton's method: stages of its passes, and steps with their factors."""
+    n, rhs, steps = field.n, _rhs(field), _steps(path)
     stages = path.evaluations - steps
-    return (stages * (rhs + 30.0 * n + 3.6 * n**2) + steps * (4.0 * rhs + 6.0 * n**3)) / rhs
+    return stages * (rhs + 12.0 * n + 1.2 * n**2) + steps * (4.0 * rhs + 0.3 * n**3)
 
 
 def _steps(path: Path) -> int:
@@ -125,7 +177,7 @@ def _limited(method: str, explicit: Path) -> str:
     return f"{_NAMES[method]}: {count} of {_steps(explicit)} steps limited by stability{ended}"
 
 
-def _against(explicit: Path, work: float) -> str:
+def _against(explicit: Path, spent: float, work: float) -> str:
     """Why the implicit method: stability if that is what was seen, else work."""
     count, steps = round(explicit.stiff_fraction * _steps(explicit)), _steps(explicit)
     if explicit.status in ("not_finite", "step_too_small"):
@@ -135,7 +187,7 @@ def _against(explicit: Path, work: float) -> str:
     more = "more than " if explicit.status == "too_many_steps" else ""
     return (
         f"{_NAMES[IMPLICIT]}: its work is that of {work:.0f} right-hand sides, "
-        f"and the explicit pair needs {more}{explicit.evaluations}"
+        f"and that of the explicit pair {more}{spent:.0f}"
     )
 
 
@@ -149,5 +201,7 @@ def _failure(path: Path) -> str:
     return f"{ends[path.status]} (t = {path.times[-1]:.6g})"
 
 
-def _chosen(method: str, reason: str, path: Path, explicit: Path, work: float = float("nan")) -> Choice:
-    return Choice(method, reason, explicit.stiff_fraction, path, float(explicit.evaluations), work)
+def _chosen(
+    method: str, reason: str, path: Path, explicit: Path, spent: float, work: float = float("nan")
+) -> Choice:
+    return Choice(method, reason, explicit.stiff_fraction, path, spent, work)

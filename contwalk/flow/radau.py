@@ -34,7 +34,7 @@ _PARTS = tuple(f"contwalk.flow.{name}" for name in _NAMES)
 _FIRST, _LAST = "q" * 11, "q" * 4  # what `_Call` gives
 
 _MARCH = Entry("contwalk.flow.radau_kernel", "radau_march", "q", f"{_FIRST}qqqqqqq{_LAST}", _PARTS)
-_ADAPTIVE = Entry("contwalk.flow.radau_kernel", "radau_adaptive", "q", f"{_FIRST}ddqqqqqqq{_LAST}", _PARTS)
+_ADAPTIVE = Entry("contwalk.flow.radau_kernel", "radau_adaptive", "q", f"{_FIRST}dddqqqqqqq{_LAST}", _PARTS)
 _TANGENTS = Entry(
     "contwalk.flow.radau_tangents",
     "radau_tangents",
@@ -53,9 +53,10 @@ def warmup() -> None:
 def _measured(tolerance: float, stages: int) -> float:
     """The bound of the embedded estimate that belongs to a tolerance: 0.1 tolerance^((s + 1) / (2 s)).
 
-    The estimate is that of a formula of order s and falls like h^(s + 1), the error itself like h^(2 s). So that steps
-    are as long as the error allows, the tolerance is translated as the code RADAU does (E. Hairer, G. Wanner, Stiff
-    differential equations solved by Radau methods, J. Comput. Appl. Math. 111 (1999) 93-111).
+    The estimate is that of a formula of order s and falls like h^(s + 1), the error itself like h^(2 s). So
+    that steps are as long as the error allows, the tolerance is translated as the code RADAU does (E. Hairer,
+    G. Wanner, Stiff differential equations solved by Radau methods, J. Comput. Appl. Math. 111 (1999)
+    93-111).
     """
     return SHARE * tolerance ** ((stages + 1) / (2 * stages))
 
@@ -127,9 +128,11 @@ def adaptive(
     memory, counts = np.zeros(5), np.zeros(4, dtype=np.int64)
     code = _FULL
     while True:
-        arguments = (t1, allowed, scales.ctypes.data, max_steps, times.ctypes.data, states.ctypes.data)
-        arguments += (len(times) - 1, memory.ctypes.data, counts.ctypes.data)
-        code = _ADAPTIVE(*call.first, *arguments, *call.last)
+        places = (times.ctypes.data, states.ctypes.data, len(times) - 1)
+        code = _ADAPTIVE(
+            *(*call.first, t1, tolerance, allowed, scales.ctypes.data, max_steps, *places),
+            *(memory.ctypes.data, counts.ctypes.data, *call.last),
+        )
         if code != _FULL:
             break
         times = np.concatenate([times, np.empty(len(times))])
@@ -169,7 +172,7 @@ def _march(
 def along(
     field: Field, c: np.ndarray, times: np.ndarray, x0: Sequence[float] | np.ndarray, method: str = "radau9"
 ) -> np.ndarray:
-    """The states at given times, shape (s + 1, n), one step from each to the next; NaN after a step that fails."""
+    """The states at given times, shape (s + 1, n), a step from each to the next; NaN after one that fails."""
     return _march(field, c, times, x0, method)
 
 
@@ -182,9 +185,9 @@ def errors_on(
     weights: Sequence[float] | np.ndarray,
 ) -> np.ndarray:
     """Embedded error estimates of the steps of a grid, shape (s,), in units of the weights."""
-    errors = np.full(len(times) - 1, np.nan)
+    errors = np.full((len(times) - 1, 2), np.nan)
     _march(field, c, times, x0, method, np.ascontiguousarray(weights, dtype=float), errors)
-    return _errors(errors, TABLEAUS[method].stages)
+    return np.maximum(_errors(errors[:, 0], TABLEAUS[method].stages), errors[:, 1])
 
 
 def tangents(
@@ -263,7 +266,7 @@ def dense(
 
 
 def _lagrange(tableau: Collocation, at: np.ndarray) -> np.ndarray:
-    """Values at `at` (fractions of a step) of the polynomials that are 1 at one node, 0 at the others and at 0."""
+    """Values at fractions of a step of the polynomials that are 1 at one node, 0 at the others and at 0."""
     nodes = np.array([0.0, *tableau.nodes])
     values = np.ones((len(at), tableau.stages))
     for j in range(tableau.stages):

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.flow.calling import doubles, inlined, integers
-from contwalk.flow.radau_estimate import embedded, embedded_again, norm
+from contwalk.flow.radau_estimate import estimated, estimated_again, norm
 from contwalk.flow.radau_newton import CONVERGED, NOT_FINITE, iterate, linearize, predict
 from contwalk.flow.radau_parts import EPSILON, Equations, Method, Work, equations, method, work
 
@@ -43,7 +43,7 @@ def radau_march(
 ) -> int:  # fmt: skip
     """The steps of a grid from x, which is overwritten; how many of them could be done.
 
-    `states` (steps + 1, n), `errors` (steps,), `increments` (steps, s, n) are written unless their address
+    `states` (steps + 1, n), `errors` (steps, 2), `increments` (steps, s, n) are written unless their address
     is 0.
     """
     eq = equations(rhs, jac, n, rows, columns, entries, c, constants)
@@ -62,7 +62,8 @@ def radau_march(
         if iterate(eq, m, w, grid[step], h, now, MOST_PASSES_FROZEN)[0] != CONVERGED:
             return step
         if errors != 0:
-            doubles(errors, steps)[step] = embedded(eq, m, w, h, now, doubles(weights, n))
+            pair = doubles(errors + 16 * step, 2)
+            pair[0], pair[1] = estimated(eq, m, w, h, doubles(weights, n))
         if increments != 0:
             kept = doubles(increments + 8 * step * sn, sn)
             for i in range(sn):
@@ -108,7 +109,7 @@ def end_of_step(t: float, h: float, t1: float) -> float:
 @inlined
 def one_step(
     eq: Equations, m: Method, w: Work, t: float, t1: float, x: np.ndarray,
-    weights: np.ndarray, tolerance: float, memory: np.ndarray, count: np.ndarray,
+    weights: np.ndarray, tolerance: float, allowed: float, memory: np.ndarray, count: np.ndarray,
 ) -> int:  # fmt: skip
     """Try steps until one is accepted; its increments are in w.z, its end and length in `memory`."""
     passable = True
@@ -128,10 +129,11 @@ def one_step(
             memory[0] = 0.3 * h
             rejected = again = True
             continue
-        error = embedded(eq, m, w, h, x, weights) / tolerance
-        if error >= 1.0 and again:
+        error, linear = estimated(eq, m, w, h, weights)
+        if max(error / allowed, linear / tolerance) >= 1.0 and again:
             count[2] += 1
-            error = embedded_again(eq, m, w, t, x, weights) / tolerance
+            error, linear = estimated_again(eq, m, w, t, h, x, weights)
+        error = max(error / allowed, linear / tolerance)
         if error < 1.0:
             proposed = next_step(m.s, h, max(error, 1e-10), rate, memory[2], memory[3])
             memory[0] = proposed if not rejected or abs(proposed) < abs(h) else h
@@ -145,14 +147,15 @@ def one_step(
 
 def radau_adaptive(
     rhs: int, jac: int, n: int, rows: int, columns: int, entries: int, c: int, constants: int,
-    tableau: int, numbers: int, s: int, t1: float, tolerance: float, weights: int, most: int,
+    tableau: int, numbers: int, s: int, t1: float, tolerance: float, allowed: float, weights: int, most: int,
     times: int, states: int, room: int, memory: int, counts: int,
     scratch: int, size: int, pivots: int, pivot_size: int,
 ) -> int:  # fmt: skip
     """Steps with error control from the last node written to t1, until `room` steps are full.
 
     `memory` (5, all 0 at the start): next step; length of the last step; that length and its error as the
-    controller remembers them; end of the last step. `counts` (4): steps, rejected steps, right-hand sides, Jacobians.
+    controller remembers them; end of the last step. `counts` (4): steps, rejected steps, right-hand sides,
+    Jacobians.
     """
     eq = equations(rhs, jac, n, rows, columns, entries, c, constants)
     m = method(doubles(tableau, numbers), s)
@@ -170,8 +173,8 @@ def radau_adaptive(
         if not linearize(eq, w, t, x):
             return NOT_FINITE_PATH
         if done == 0:
-            keep[0] = first_step(s, t1 - t, norm(w.out, scales, n), tolerance)
-        code = one_step(eq, m, w, t, t1, x, scales, tolerance, keep, count)
+            keep[0] = first_step(s, t1 - t, norm(w.out, scales, n), allowed)
+        code = one_step(eq, m, w, t, t1, x, scales, tolerance, allowed, keep, count)
         if code != DONE:
             return code
         node = doubles(states + 8 * (done + 1) * n, n)

@@ -1,9 +1,10 @@
 """The equations of one Radau IIA step and their solution, in loops that numba compiles.
 
 The unknowns are the increments Z_i = x(t + c_i h) - x(t) at the s nodes, Z = h A f. Newton's method with one
-Jacobian for all nodes, that of the middle of the step, decouples into one real and (s - 1) / 2 complex systems of the
-size of the state (Hairer & Wanner II, IV.8). It is iterated until the residual Z - h A f is rounding and nothing else,
-so that the end of a step is a smooth function of its beginning, and the same one whatever the matrix was.
+Jacobian for all nodes, that of the middle of the step, decouples into one real and (s - 1) / 2 complex
+systems of the size of the state (Hairer & Wanner II, IV.8). It is iterated until the residual Z - h A f is
+rounding and nothing else, so that the end of a step is a smooth function of its beginning, and the same one
+whatever the matrix was.
 """
 
 from __future__ import annotations
@@ -111,7 +112,7 @@ def roundings(eq: Equations, m: Method, w: Work, x: np.ndarray) -> None:
 
 @inlined
 def predict(eq: Equations, m: Method, w: Work, h: float, before: float) -> None:
-    """First increments: the polynomial of the step before, of length `before` (0: there is none), continued."""
+    """First increments: the polynomial of the step before (its length: `before`, 0 for none), continued."""
     n, s = eq.n, m.s
     for i in range(s * n):
         w.z[i] = 0.0

@@ -33,6 +33,7 @@ class Method(NamedTuple):
     matrix: np.ndarray
     inverse: np.ndarray
     error: np.ndarray
+    linear: float
     mu: float
     right: np.ndarray
     left: np.ndarray
@@ -71,9 +72,10 @@ def method(tableau: np.ndarray, s: int) -> Method:
         tableau[s + s * s : s + 2 * s * s],
         tableau[s + 2 * s * s : at],
         tableau[at],
-        tableau[at + 1 : at + 1 + s],
-        tableau[at + 1 + s : at + 1 + 2 * s],
-        tableau[at + 1 + 2 * s :],
+        tableau[at + 1],
+        tableau[at + 2 : at + 2 + s],
+        tableau[at + 2 + s : at + 2 + 2 * s],
+        tableau[at + 2 + 2 * s :],
     )
 
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from contwalk.plotting.eigenvalues import plot_eigenvalues
     from contwalk.plotting.histogram import plot_histogram
     from contwalk.plotting.machine import plot_machine
-    from contwalk.plotting.multipliers import plot_multipliers
+    from contwalk.plotting.multipliers import plot_multiplier_panels, plot_multipliers
     from contwalk.plotting.phase_panels import Portrait, plot_phase_panels
     from contwalk.plotting.phase_portrait import plot_phase_portrait
     from contwalk.plotting.quantities import units_of
@@ -40,6 +40,7 @@ __all__ = [
     "plot_eigenvalues",
     "plot_histogram",
     "plot_machine",
+    "plot_multiplier_panels",
     "plot_multipliers",
     "plot_phase_panels",
     "plot_phase_portrait",
@@ -59,6 +60,7 @@ _MODULES = {
     "plot_eigenvalues": "eigenvalues",
     "plot_histogram": "histogram",
     "plot_machine": "machine",
+    "plot_multiplier_panels": "multipliers",
     "plot_multipliers": "multipliers",
     "plot_phase_panels": "phase_panels",
     "plot_phase_portrait": "phase_portrait",

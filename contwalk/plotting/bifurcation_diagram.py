@@ -32,6 +32,8 @@ def plot_bifurcation_diagram(
     *,
     units: Mapping[str, str] | None = None,
     parameters: Mapping[str, float] | None = None,
+    xlim: tuple[float, float] | None = None,
+    ylim: tuple[float, float] | None = None,
 ) -> Axes:
     """Draw branches: stable solid, unstable dashed and thin, inadmissible light under grey dots.
 
@@ -50,6 +52,8 @@ def plot_bifurcation_diagram(
         Units by name for the axis labels, as from `units_of(system)`.
     parameters : mapping, optional
         Values to state above the diagram, such as those held fixed.
+    xlim, ylim : tuple of float, optional
+        The part that is shown; all by default.
 
     Raises
     ------
@@ -72,13 +76,25 @@ def plot_bifurcation_diagram(
         for label in _draw_special(ax, branch, curves[number], number)
     ]
     _frame(ax, np.concatenate(list(curves.values())))
+    if xlim is not None:
+        ax.set_xlim(*xlim)
+    if ylim is not None:
+        ax.set_ylim(*ylim)
     _legend(ax, drawn, units)
     if parameters:
         title(ax, ",  ".join(_setting(name, value, units) for name, value in parameters.items()))
     if 1 < len(drawn) <= MOST_NAMED_BRANCHES:
-        labels += _names(ax, drawn, curves, labels)
+        labels += _names(ax, drawn, {n: _shown(ax, points) for n, points in curves.items()}, labels)
+    labels = [label for label in labels if len(_shown(ax, np.array([[label.x, label.y]])))]
     place_labels(ax, labels, list(curves.values()))
     return ax
+
+
+def _shown(ax: Axes, points: np.ndarray) -> np.ndarray:
+    """Those of the points, shape (k, 2), that lie within the axes."""
+    (left, right), (low, high) = sorted(ax.get_xlim()), sorted(ax.get_ylim())
+    x, y = points.T
+    return points[(x >= left) & (x <= right) & (y >= low) & (y <= high)]
 
 
 def _values(branch: Branch, name: str) -> np.ndarray:

@@ -10,9 +10,40 @@ from matplotlib.patches import Circle
 
 from contwalk.branch import Branch
 from contwalk.plotting.spectrum import SHADE, choose, draw_spectra, with_margin
-from contwalk.plotting.style import INK, dress, new_axes
+from contwalk.plotting.style import INK, dress, new_axes, new_grid
 
+PROBLEMS = ("periodic_orbit", "hybrid_orbit")
+OTHER = "for equilibria use the figure `eigenvalues`"
 FARTHEST = 3.0  # modulus that is still shown: beyond it the unit circle would shrink to a dot
+
+
+COLUMNS = 2
+
+
+def plot_multiplier_panels(
+    branches: Sequence[Branch], *, units: Mapping[str, str] | None = None
+) -> list[Axes]:
+    """Draw the multipliers of each branch in a panel of its own, with a colour scale of its own.
+
+    Parameters
+    ----------
+    branches, units
+        As for `plot_multipliers`.
+
+    Raises
+    ------
+    ContwalkError
+        If no branch is one of orbits with a spectrum.
+    """
+    chosen = choose(branches, PROBLEMS, "multipliers", OTHER)
+    if len(chosen) == 1:
+        return [plot_multipliers(chosen, units=units)]
+    axes = new_grid("multipliers", len(chosen), COLUMNS)
+    for ax, branch in zip(axes, chosen, strict=True):
+        plot_multipliers([branch], ax, units=units)
+        origin = f", from {branch.info.origin}" if branch.info.origin else ""
+        ax.text(0.02, 0.98, branch.name + origin, transform=ax.transAxes, va="top", fontsize=9.5, color=INK)
+    return axes
 
 
 def plot_multipliers(
@@ -38,8 +69,7 @@ def plot_multipliers(
     ContwalkError
         If no branch is one of orbits with a spectrum.
     """
-    problems = ("periodic_orbit", "hybrid_orbit")
-    chosen = choose(branches, problems, "multipliers", "for equilibria use the figure `eigenvalues`")
+    chosen = choose(branches, PROBLEMS, "multipliers", OTHER)
     ax = ax or new_axes("multipliers")
     dress(ax, "real part", "imaginary part")
     numbers = draw_spectra(ax, chosen, units)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from matplotlib.axes import Axes
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
 from contwalk.errors import ContwalkError
 from contwalk.plotting.style import GREY, INK, new_panels, title
@@ -42,7 +43,7 @@ def plot_tradeoff_panels(
         raise ContwalkError("There is nothing to draw.", "Give the points of one integrator at least.")
     axes = new_panels("tradeoff", len(panels))
     for ax, (name, series) in zip(axes, panels.items(), strict=True):
-        times, accuracies = zip(*sorted(asked.get(name, ())), strict=True) if asked.get(name) else ((), ())
+        times, accuracies = zip(*asked[name], strict=True) if asked.get(name) else ((), ())
         ax.plot(
             times,
             accuracies,
@@ -57,7 +58,7 @@ def plot_tradeoff_panels(
         )
         plot_tradeoff(series, ax, xlabel=xlabel if ax is axes[-1] else "", ylabel=ylabel)
         for at, accuracy in zip(times, accuracies, strict=True):
-            text = f"{accuracy:g}"
+            text = f"{accuracy:.0e}".replace("e-0", "e-")
             ax.annotate(
                 text,
                 (at, accuracy),
@@ -69,11 +70,21 @@ def plot_tradeoff_panels(
             )
         title(ax, name)
     _common_limits(axes)
+    _plain_times(axes)
     if doubt > 0.0:
         for ax in axes:
             low, _ = ax.get_ylim()
             ax.axhspan(low, max(doubt, low), color="#F0F0F0", zorder=0, gid="doubt")
     return axes
+
+
+def _plain_times(axes: Sequence[Axes]) -> None:
+    """Seconds as plain numbers; times often span less than a decade."""
+    low, high = axes[0].get_xlim()
+    for ax in axes:
+        ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)) if high > 10.0 * low else MaxNLocator(6))
+        ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        ax.xaxis.set_minor_locator(NullLocator())
 
 
 def _common_limits(axes: Sequence[Axes]) -> None:

@@ -278,6 +278,10 @@ class Equilibrium:
             "settings": neutrals.kept(self.pins, self.parameters, self.states, self.path),
         }
 
+    def beginnings(self, z: np.ndarray) -> np.ndarray:
+        """Typical magnitudes for the first corrections of a start, shape (N + 1,)."""
+        return np.maximum(np.abs(z), 1.0)
+
     def adapted(self, sample: Sample) -> tuple[Equilibrium, Sample]:
         """Equilibria are not discretised."""
         return self, sample

@@ -104,6 +104,8 @@ class Sample:
     spectrum_error : float, optional
         Estimated error of the leading eigenvalue, where `errors` are only what blurs its sign along the
         branch.
+    sizes : ndarray, shape (N + 1,), optional
+        What the weights of the metric grow with along the branch; |z| if not given.
     error : float
         Estimated error of z in the metric, from the errors of the equations.
     period, trivial_error : float
@@ -129,6 +131,7 @@ class Sample:
     period: float = float("nan")
     trivial_error: float = float("nan")
     spectrum_error: float | None = None
+    sizes: np.ndarray | None = None
     error: float = float("nan")
 
     def facing(self, tangent: np.ndarray, factor: float = 1.0) -> Sample:
@@ -241,6 +244,10 @@ class Problem(Protocol):
 
     def branch_facts(self) -> dict[str, Any]:
         """What is true of a whole branch, as fields of `BranchInfo`."""
+        ...
+
+    def beginnings(self, z: np.ndarray) -> np.ndarray:
+        """Typical magnitudes for the first corrections of a start, shape (N + 1,)."""
         ...
 
     def adapted(self, sample: Sample) -> tuple[Problem, Sample]:

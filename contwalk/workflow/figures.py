@@ -10,6 +10,9 @@ from contwalk.branch import Branch
 from contwalk.errors import ContwalkError
 from contwalk.system import System
 
+# Branches whose multipliers have a panel each; more are drawn into one.
+MOST_PANELS = 6
+
 
 def draw_figure(
     name: str, branches: Sequence[Branch], system: System | None, path: Path, options: Mapping[str, Any]
@@ -29,12 +32,17 @@ def draw_figure(
 
     units = plotting.units_of(system) if system is not None else None
     x, y = options.get("x"), options.get("y")
+    axes: Any
     if name == "bifurcation_diagram":
-        axes = plotting.plot_bifurcation_diagram(branches, x, y, units=units)
+        axes = plotting.plot_bifurcation_diagram(
+            branches, x, y, units=units, xlim=options.get("xlim"), ylim=options.get("ylim")
+        )
     elif name == "eigenvalues":
         axes = plotting.plot_eigenvalues(branches, units=units)
     elif name == "multipliers":
-        axes = plotting.plot_multipliers(branches, units=units)
+        several = 1 < sum(branch.info.problem != "equilibrium" for branch in branches) <= MOST_PANELS
+        drawn = plotting.plot_multiplier_panels if several else plotting.plot_multipliers
+        axes = drawn(branches, units=units)
     elif name == "stability_map":
         axes = plotting.plot_stability_map(branches, x or branches[0].info.free[0], str(y), units=units)
     elif name == "machine":
@@ -43,7 +51,7 @@ def draw_figure(
         axes = _phase_portrait(branches, system, options)
     else:
         raise ContwalkError(f"There is no figure named '{name}'.", "See docs/reference/figures.md.")
-    plotting.save(axes, path)
+    plotting.save(axes[0] if isinstance(axes, list) else axes, path)
     return path
 
 

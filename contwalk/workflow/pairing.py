@@ -47,9 +47,10 @@ def paired(first: Sequence[Branch], second: Sequence[Branch]) -> Paired:
         if there is not None:
             taken.add(there.name)
         left = [] if there is None else [p for p in there.special_points if counted(p)]
-        for point in [p for p in branch.special_points if counted(p)]:
-            same = [p for p in left if p.label == point.label and p.kind == point.kind]
-            found = min(same, key=lambda p: abs(value_of(p) - value_of(point)), default=None)
+        own = [point for point in branch.special_points if counted(point)]
+        partners = _nearest_first(own, left)
+        for point in own:
+            found = partners.get(point.name)
             result.values[f"{branch.name}/{point.name}"] = None if found is None else value_of(found)
             if found is not None and there is not None:
                 left.remove(found)
@@ -60,6 +61,21 @@ def paired(first: Sequence[Branch], second: Sequence[Branch]) -> Paired:
         if branch.name not in taken:
             result.extra += [f"{branch.name}/{p.name}" for p in branch.special_points if counted(p)]
     return result
+
+
+def _nearest_first(own: Sequence[SpecialPoint], others: Sequence[SpecialPoint]) -> dict[str, SpecialPoint]:
+    """Partners of the points of a branch, by name: of equal label and kind, the nearest pairs first."""
+    pairs = [
+        (abs(value_of(a) - value_of(b)), i, j)
+        for i, a in enumerate(own)
+        for j, b in enumerate(others)
+        if (a.label, a.kind) == (b.label, b.kind)
+    ]
+    result: dict[int, int] = {}
+    for _, i, j in sorted(pairs):
+        if i not in result and j not in result.values():
+            result[i] = j
+    return {own[i].name: others[j] for i, j in result.items()}
 
 
 def _children(branches: Sequence[Branch]) -> dict[tuple[str, float] | None, list[Branch]]:

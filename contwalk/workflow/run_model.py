@@ -125,6 +125,8 @@ class FigureOptions(Section):
     x: str | None = Field(default=None, description="a parameter, state or observable")
     y: str | None = Field(default=None, description="a parameter, state or observable")
     z: str | None = Field(default=None, description="a state, for a phase_portrait in space")
+    xlim: Range | None = Field(default=None, description="two numbers, [left, right]")
+    ylim: Range | None = Field(default=None, description="two numbers, [lowest, highest]")
     file: FileName | None = Field(default=None, description="a file name")
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from contwalk.system.declarations import System
 from contwalk.workflow.run_model import FigureOptions, ReportPlace, RunModel
@@ -35,10 +36,10 @@ class Mark:
 
 @dataclass(frozen=True)
 class FigureSpec:
-    """A figure by its name, with the options `x`, `y` and `file` that the file gives."""
+    """A figure by its name, with the options (`x`, `y`, `file`, ...) that the file gives."""
 
     name: str
-    options: Mapping[str, str] = field(default_factory=dict)
+    options: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -219,6 +220,7 @@ def _check_axes(problems: Problems, system: System, key: Key, options: FigureOpt
         known, what = system.state_names, "not a state"
     if options.z is not None and key[-1] != "phase_portrait":
         problems.add((*key, "z"), f"'{key[-1]}' has no third axis.", "Remove it.")
+    _check_limits(problems, key, options)
     for axis, name in (("x", options.x), ("y", options.y), ("z", options.z)):
         if name is not None and name not in known:
             problems.add(
@@ -226,3 +228,14 @@ def _check_axes(problems: Problems, system: System, key: Key, options: FigureOpt
                 f"'{name}' is {what} of '{system.name}'.",
                 allowed(tuple(dict.fromkeys(known)), name),
             )
+
+
+def _check_limits(problems: Problems, key: Key, options: FigureOptions) -> None:
+    for name, limits in (("xlim", options.xlim), ("ylim", options.ylim)):
+        if limits is None:
+            continue
+        if key[-1] != "bifurcation_diagram":
+            problems.add((*key, name), f"'{key[-1]}' has no {name}.", "Remove it.")
+        elif len(limits) != 2 or not limits[0] < limits[1]:
+            shown = ", ".join(f"{value:.12g}" for value in limits)
+            problems.add((*key, name), f"is [{shown}].", "Allowed: two numbers, the smaller one first.")

@@ -1,6 +1,7 @@
 """Systems whose periodic orbits, multipliers and normal forms are known in closed form, written as plugins.
 
-All are built round the cycle r = 1 of r' = r (1 - r^2), phi' = omega, in smooth coordinates x + i y = r exp(i phi).
+All are built round the cycle r = 1 of r' = r (1 - r^2), phi' = omega, in smooth coordinates x + i y = r
+exp(i phi).
 A state that is zero on the cycle has no size but the declared scale, and normal forms are in units of it.
 """
 
@@ -40,7 +41,9 @@ def at_bound(branch: Branch, which: int = -1) -> Any:
     return branch.points[which]
 
 
-def stuart_landau(matrix: tuple[float, float, float, float] = (1, 0, 0, 1), offset=(0.0, 0.0), **values: float):
+def stuart_landau(
+    matrix: tuple[float, float, float, float] = (1, 0, 0, 1), offset=(0.0, 0.0), **values: float
+):
     """z' = (mu + i omega) z - (1 - i b) z |z|^2 in affine coordinates: (x, y) = offset + matrix (Re z, Im z).
 
     For mu > 0 the cycle |z|^2 = mu has the period 2 pi / (omega + b mu), the multiplier exp(-2 mu T).
@@ -95,10 +98,13 @@ def transverse(
 
 
 def torus(nu: float, sigma: float, beta: float = 0.0, kappa: float = 0.0, omega: float = 1.5) -> System:
-    """The unit cycle with a linear oscillator across it: w' = (lam - 1 + i nu + beta (r^2 - 1) + sigma |w|^2) w.
+    """The unit cycle with a linear oscillator across it: w' = (lam - 1 + i nu + beta (r^2 - 1) + sigma
+    |w|^2) w.
 
-    The cycle is fed back by r' = r (1 - r^2 + kappa |w|^2), so that r^2 = 1 + kappa |w|^2 on the centre manifold and
-    the cubic coefficient is sigma + beta kappa. Multipliers exp(T (lam - 1 +- i nu)): a Neimark-Sacker point at
+    The cycle is fed back by r' = r (1 - r^2 + kappa |w|^2), so that r^2 = 1 + kappa |w|^2 on the centre
+    manifold and
+    the cubic coefficient is sigma + beta kappa. Multipliers exp(T (lam - 1 +- i nu)): a Neimark-Sacker
+    point at
     lam = 1 with the rotation number nu / omega and, with w = sqrt(2) zeta for |q| = 1 (declared unit scales),
     Re d = 2 T (sigma + beta kappa). The torus is |w|^2 = (1 - lam) / (sigma + beta kappa).
     """
@@ -124,7 +130,8 @@ def moebius(
     a' = (lam - 1 + beta (r^2 - 1) + sigma a^2) a,  b' = -b / 2,  r' = r (1 - r^2 + kappa a^2).
 
     The projection on the frame's first vector, (1 + [[cos phi, sin phi], [sin phi, -cos phi]]) / 2, is smooth
-    though the frame is not. Multipliers -exp(T (lam - 1)), -exp(-T / 2), exp(-2 T): a period doubling at lam = 1 with
+    though the frame is not. Multipliers -exp(T (lam - 1)), -exp(-T / 2), exp(-2 T): a period doubling at
+    lam = 1 with
     c = -T (sigma + beta kappa) for |q| = 1 (declared unit scales). On the doubled orbit
     a^2 = (1 - lam) / (sigma + beta kappa), r^2 = 1 + kappa a^2, its period is 2 T.
     """

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from invariants import check_orbit_branch
-from orbit_systems import ACCURACY, assert_met, bautin, orbits, period_of, transverse
+from orbit_systems import ACCURACY, assert_met, bautin, orbits, transverse
 from small_systems import labelled
 
 import contwalk as cw
@@ -31,7 +31,11 @@ def test_the_fold_of_cycles():
     problem = orbits(bautin(), "mu")
     square = 0.5 + math.sqrt(0.9 - 0.75)
     branch = cw.continue_branch(
-        problem, [math.sqrt(square), 0.0], (0.5, 1.5), period=2.0 * math.pi / (3.0 + 0.4 * square), max_points=200
+        problem,
+        [math.sqrt(square), 0.0],
+        (0.5, 1.5),
+        period=2.0 * math.pi / (3.0 + 0.4 * square),
+        max_points=200,
     )
     # Beyond the fold the cycle shrinks into its Hopf point at mu = 1: tested below, from there.
     points = labelled(branch, "LP", "BP", "PD", "NS")
@@ -47,7 +51,8 @@ def assert_fold(fold):
     assert math.hypot(*fold.state.values()) == pytest.approx(math.sqrt(0.5), rel=1e-4)
     assert fold.period == pytest.approx(period, rel=1e-5)
     assert sorted((fold.unstable_before, fold.unstable_after)) == [0, 1]
-    # r -> r + T (r (mu - 3/4) + g'' (r - r0)^2 / 2), g'' = 6 r - 20 r^3 = -2 sqrt 2, in units of r0 = 1 / sqrt 2.
+    # r -> r + T (r (mu - 3/4) + g'' (r - r0)^2 / 2), g'' = 6 r - 20 r^3 = -2 sqrt 2, in units of r0 = 1 /
+    # sqrt 2.
     assert abs(fold.coefficients["a"]) == pytest.approx(period, rel=1e-4)
     assert fold.coefficients["a"] * fold.coefficients["b"] == pytest.approx(-(period**2), rel=1e-4)
 
@@ -71,7 +76,8 @@ def test_from_the_subcritical_hopf_point_round_the_fold():
     bautin_rows(branch)
 
 
-# Without a declared scale, a state that is zero on the whole branch has its size from nothing but its motion across.
+# Without a declared scale, a state that is zero on the whole branch has its size from nothing but its
+# motion across.
 @pytest.mark.parametrize(("tilt", "scale"), [(0.0, 1.0), (0.0, None), (0.6, None)])
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
 def test_the_pitchfork_of_cycles(sign, tilt, scale):

@@ -1,6 +1,7 @@
 """Linear systems with a known Floquet form x = P(t) exp(B t) x_0: multipliers of 1e12 and 1e-12 in one orbit.
 
-x' = (P' P^-1 + P B P^-1) (x - c(t)) + c'(t) has the orbit c(t) and its multipliers are the eigenvalues of exp(B T).
+x' = (P' P^-1 + P B P^-1) (x - c(t)) + c'(t) has the orbit c(t); its multipliers are the
+eigenvalues of exp(B T).
 """
 
 import math
@@ -121,7 +122,9 @@ def test_negative_multipliers():
         dx[2] = m[2][2] * (x[2] - 2.0)
 
     system = small_system(field, "xyz", {"lam": 1.0}, period=lambda p: PERIOD)
-    problem = cw.PeriodicOrbit(system, system.defaults(), "lam", discretization=cw.Discretization(accuracy=ACCURACY))
+    problem = cw.PeriodicOrbit(
+        system, system.defaults(), "lam", discretization=cw.Discretization(accuracy=ACCURACY)
+    )
     branch = cw.continue_branch(problem, [0.0, 0.0, 2.0], (0.9, 1.1))
     check_orbit_branch(branch, problem, every=10)
     assert_multipliers(branch, lambda lam: [-(1e5**lam), -(1e-5**lam), math.exp(-0.3 * lam * PERIOD)])
@@ -136,7 +139,10 @@ def test_any_number_of_segments_gives_the_same(segments):
 
     system = rotating(b)
     problem = cw.PeriodicOrbit(
-        system, system.defaults(), "lam", discretization=cw.Discretization(accuracy=ACCURACY, segments=segments)
+        system,
+        system.defaults(),
+        "lam",
+        discretization=cw.Discretization(accuracy=ACCURACY, segments=segments),
     )
     branch = cw.continue_branch(problem, [0.3, -1.0, 2.0], (0.9, 1.1))
     check_orbit_branch(branch, problem, every=10)

@@ -10,7 +10,8 @@ from small_systems import bifurcations, labelled
 
 import contwalk as cw
 
-# Along a branch local errors are 100 times the accuracy of special points (Discretization.walking); those of some
+# Along a branch local errors are 100 times the accuracy of special points (Discretization.walking); those
+# of some
 # ten steps a round add up, and a neutral multiplier's cycle (small mu) sums them over 1 / (2 mu T) rounds.
 WALKED = 100.0 * ACCURACY
 
@@ -119,4 +120,6 @@ def test_a_mark_of_the_largest_modulus():
     check_orbit_branch(branch, problem, every=20)
     (mark,) = labelled(branch, "UZ")
     level = math.log(10.0)
-    assert mark.parameters["mu"] == pytest.approx(2.0 * level / (4.0 * math.pi - 0.5 * level), rel=10 * ACCURACY)
+    assert mark.parameters["mu"] == pytest.approx(
+        2.0 * level / (4.0 * math.pi - 0.5 * level), rel=10 * ACCURACY
+    )

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from small_flows import field_of
 
-from contwalk.flow.method import Choice, choose
+from contwalk.flow import Field, adaptive
+from contwalk.flow.method import Carried, Choice, choose, explicit_work, implicit_work
 
 
 def chosen(mu: float, tolerance: float) -> Choice:
@@ -41,6 +42,56 @@ def test_the_cheaper_one_is_taken_where_both_arrive() -> None:
     assert choice.stability_limited > 0.5
     assert choice.method == "dop853"
     assert choice.explicit_work < choice.implicit_work
+
+
+def chain(bodies: int) -> Field:
+    """Bodies between walls, joined by springs p0 and dampers p1; the first is driven."""
+
+    def rates(t, x, p):
+        x, v = x[:bodies], x[bodies:]
+        left, right = [0.0, *x[:-1]], [*x[1:], 0.0]
+        slower, faster = [0.0, *v[:-1]], [*v[1:], 0.0]
+        forces = [
+            p[0] * (a - 2.0 * b + c) - b**3 + p[1] * (d - 2.0 * e + f)
+            for a, b, c, d, e, f in zip(left, x, right, slower, v, faster, strict=True)
+        ]
+        forces[0] = forces[0] + p[2] * np.sin(t)
+        return [*v, *forces]
+
+    return field_of(rates, 2 * bodies, 3, [0, 1])
+
+
+@pytest.mark.parametrize(("damping", "end", "method"), [(0.1, 40.0, "dop853"), (3e5, 40.0, "radau9")])
+def test_a_chain_of_28_states(damping: float, end: float, method: str) -> None:
+    """Dampers of 3e5 have rates up to 1.2e6: explicit steps of 5e-6, against some tens of long implicit ones."""
+    field, n = chain(14), 28
+    c, start = field.constants([5.0, damping, 1.0]), np.zeros(28)
+    start[:14] = np.sin(np.arange(14.0))
+    carried = Carried(field, n + 2)
+    choice = choose(field, c, 0.0, start, end, 1e-8, np.ones(n), carried=carried)
+    assert choice.method == method
+    assert choice.path.status == "ok"
+
+
+def test_tangents_count() -> None:
+    """At 28 states an implicit step with 30 tangents costs many explicit ones, without them it does not."""
+    field = chain(14)
+    c, start, n = field.constants([5.0, 3.0, 1.0]), np.full(28, 0.1), 28
+    carried = Carried(field, 30)
+    paths = {m: adaptive(field, c, 0.0, start, 40.0, 1e-8, np.ones(n), m) for m in ("dop853", "radau9")}
+    alone = implicit_work(field, paths["radau9"]) / explicit_work(field, paths["dop853"])
+    together = implicit_work(field, paths["radau9"], carried) / explicit_work(field, paths["dop853"], carried)
+    assert together > 1.2 * alone
+
+
+def test_steps_to_be_taken_again_are_not_at_the_limit_of_stability() -> None:
+    """At mu = 20 the explicit pair is cheaper, but on its steps a neighbouring motion would grow without bound."""
+    field = field_of(lambda t, x, p: [x[1], p[0] * (1.0 - x[0] ** 2) * x[1] - x[0]], 2, 1)
+    arguments = (field, field.constants([20.0]), 0.0, [2.0, 0.0], 40.0, 1e-6, [2.0, 30.0])
+    assert choose(*arguments).method == "dop853"
+    choice = choose(*arguments, carried=Carried(field, 2))
+    assert choice.method == "radau9"
+    assert "limited by stability" in choice.reason
 
 
 def test_the_choice_is_the_same_every_time() -> None:

@@ -100,7 +100,8 @@ class TestCascade:
 
     def test_stability_changes_at_the_doublings_only(self, accuracy):
         for number, branch in enumerate(cascade(accuracy)[1:]):
-            delta, regular = DOUBLINGS[number][0], ~branch["special"]
+            # At its birth an orbit is its parent, or an equilibrium: a multiplier is 1 there.
+            delta, regular = DOUBLINGS[number][0], ~branch["special"] & (branch["s"] > 0.0)
             above = regular & (branch["delta"] > delta)
             assert np.all(branch["unstable"][above] == 0)
             assert np.all(branch["unstable"][regular & ~above] == 1)
@@ -114,7 +115,7 @@ class TestCascade:
         assert np.array_equal(orbit.points["spectrum"][point.index], np.array(point.spectrum))
 
     def test_the_flow_carries_its_own_velocity_round(self, accuracy):
-        """At located points, as an independent measure of the orbits; walked points are a hundred times coarser."""
+        """An independent measure of the orbits; walked points are a hundred times coarser."""
         for branch in cascade(accuracy)[1:]:
             assert only(branch, "PD").trivial_error <= accuracy
             regular = ~branch["special"] & (branch["s"] > 0.0)

@@ -1,9 +1,9 @@
 """Radau IIA collocation of orders 5 and 9.
 
 Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd edition, IV.5 (the methods) and
-IV.8 (the transformation that decouples the stages, and the embedded error estimate). The numbers were computed
-with 60 digits from the definition: the nodes are the zeros of the (s-1)-th derivative of x^(s-1) (x-1)^s, and the
-stages integrate polynomials of degree s-1 exactly. A test does that again.
+IV.8 (the transformation that decouples the stages, and the embedded error estimate). The numbers were
+computed with 60 digits from the definition: the nodes are the zeros of the (s-1)-th derivative of x^(s-1)
+(x-1)^s, and the stages integrate polynomials of degree s-1 exactly. A test does that again.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ Numbers = tuple[float, ...]
 
 @dataclass(frozen=True)
 class Mode:
-    """An eigenvalue of A^-1 (one of each conjugate pair), with vectors normalised so that left . right = 1."""
+    """An eigenvalue of A^-1 (one of each conjugate pair) with its vectors; left . right = 1."""
 
     eigenvalue: complex
     right: tuple[complex, ...]
@@ -57,15 +57,23 @@ class Collocation:
         """How many stages there are, s. The order is 2 s - 1."""
         return len(self.nodes)
 
+    @property
+    def linear(self) -> float:
+        """Error of a step for h J = z in units of the embedded estimate and of z^2 / |mu - z|^2 (product over pairs).
+
+        It is s / (s + 1), as the motion t^(s+1) shows.
+        """
+        return self.stages / (self.stages + 1)
+
     def packed(self) -> np.ndarray:
         """All numbers in one array, in the order in which `radau_parts.method` takes them apart."""
-        parts = [self.nodes, *self.matrix, *self.inverse, self.error, [self.real.eigenvalue.real]]
-        parts += [np.real(self.real.right), np.real(self.real.left)]
+        parts = [*self.nodes, *np.ravel(self.matrix), *np.ravel(self.inverse), *self.error]
+        parts += [self.linear, self.real.eigenvalue.real, *np.real(self.real.right), *np.real(self.real.left)]
         for mode in self.pairs:
-            parts.append([mode.eigenvalue.real, mode.eigenvalue.imag])
+            parts += [mode.eigenvalue.real, mode.eigenvalue.imag]
             for vector in (mode.right, mode.left):
-                parts += [np.real(vector), np.imag(vector)]
-        return np.concatenate([np.asarray(part, dtype=float) for part in parts])
+                parts += [*np.real(vector), *np.imag(vector)]
+        return np.array(parts, dtype=float)
 
 
 RADAU5 = Collocation(

@@ -6,13 +6,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from contwalk import flow
-from contwalk.errors import NotFinite, called
+from contwalk.errors import called
+from contwalk.flow.method import choose
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.motion import PLAIN
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
-from contwalk.problems.orbit.shooting import velocity
+from contwalk.problems.orbit.shooting import arrived, velocity
 from contwalk.problems.orbit.transport import carried_to, segments_for
 from contwalk.system import System
 from contwalk.system.declarations import ParameterValues
@@ -22,6 +22,9 @@ OWN_IMAGE = 1e-5
 
 # A state that moves less than this part of what others do, in units of its size, is constant but for the error of steps.
 CONSTANT = 1e-5
+
+# Tolerance of the first look at a motion.
+ROUGH = 1e-7
 
 Path = tuple[Mapping[str, float], Mapping[str, float]]
 
@@ -68,18 +71,17 @@ def orbit_at(
 def _once_round(problem: PeriodicOrbit, x: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """By how much angles grow in one period, in whole turns, and half the range of each state."""
     field = problem.motion.field(PLAIN)
-    size = np.maximum(np.abs(x), 1e-3)
-    path = flow.adaptive(field, field.constants(values), 0.0, x, 1.0, 1e-6, size, "dop853")
-    if path.status != "ok":
-        raise NotFinite("The motion from the start ends within one period.", "Start elsewhere.")
+    largest = float(np.abs(x).max())
+    size = np.maximum(np.abs(x), 1e-3 * largest if largest > 0.0 else 1.0)
+    path = arrived(choose(field, field.constants(values), 0.0, x, 1.0, ROUGH, size).path)
     own = np.array([s.period or 0.0 for s in problem.system.states])
     grown = path.states[-1] - path.states[0]
     turns = np.where(own > 0.0, np.round(np.divide(grown, own, out=np.zeros_like(grown), where=own > 0)), 0.0)
     ranges, sizes = 0.5 * np.ptp(path.states, axis=0), np.maximum(np.abs(path.states).max(axis=0), 1e-300)
     declared = np.array([s.scale or np.nan for s in problem.system.states])
     shares = ranges / np.maximum(sizes, 1e-9 * sizes.max())
-    still = (shares <= CONSTANT * shares.max()) | (shares <= 1e-9)
-    at_rest = np.where(np.isfinite(declared), declared, np.where(sizes > 1e-9 * sizes.max(), sizes, 1.0))
+    still = (shares <= CONSTANT * shares.max()) | (shares <= 10.0 * ROUGH)
+    at_rest = np.where(np.isfinite(declared), declared, np.where(sizes > max(1e-9 * sizes.max(), 1e-250), sizes, 1.0))
     ranges = np.where(still, at_rest, ranges)
     return turns * own, ranges
 

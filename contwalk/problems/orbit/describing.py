@@ -28,6 +28,9 @@ def described(problem: PeriodicOrbit, label: str, located: Located, sample: Samp
     except np.linalg.LinAlgError:
         kind, criticality, coefficients = None, None, {}
         note = "degenerate: the critical directions are not determined, so there is no normal form"
+    if located.refined and located.error > problem.discretization.accuracy * abs(float(z[-1])):
+        limit = f"known to {located.error:.1e} only: rounding does not allow the accuracy that was asked for"
+        note = limit if note is None else f"{note}; {limit}"
     values = problem.values_of(z)
     duration, fold = problem.duration(z), problem.closure.fold
     spectrum = tuple(complex(v) for v in sample.eigenvalues)

@@ -93,9 +93,11 @@ def repeats(problem: PeriodicOrbit, z: np.ndarray) -> bool:
     try:
         x = problem.starts(z)[0]
         still = np.zeros(len(z))
-        half = carried_to(problem, z, still, 0.5)[0] - 0.5 * problem.closure.turns
-        if _meet(problem, half, x):
-            return True
+        # The force alone is the same again after one of its periods, not after a half: an orbit at rest is no parent's.
+        if not problem.forced or problem.subharmonic % 2 == 0:
+            half = carried_to(problem, z, still, 0.5)[0] - 0.5 * problem.closure.turns
+            if _meet(problem, half, x):
+                return True
         p = ParameterValues(**problem.values_of(z))
         for symmetry in problem.system.symmetries:
             order = order_of(symmetry, x, p)

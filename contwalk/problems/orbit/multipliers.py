@@ -104,6 +104,7 @@ def _product(factors: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     values = product_eigenvalues(factors)
     # The factors are real: what is left of an imaginary part by the complex arithmetic is rounding.
     values = np.where(np.abs(values.imag) <= REAL * np.abs(values), values.real, values).astype(complex)
+    values = _paired(values)
     # A factor is wrong by the rounding of its norm; what that does to an eigenvalue depends on how far its
     # own growth is from the largest, segment by segment.
     m = len(factors)
@@ -111,3 +112,18 @@ def _product(factors: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     largest = float(np.prod([size ** (1.0 / m) for size in sizes]))
     own = np.maximum(np.abs(values), 1e-300) ** (1.0 / m)
     return values, np.abs(values) * m * ROUNDING * np.maximum(largest / own, 1.0)
+
+
+def _paired(values: np.ndarray) -> np.ndarray:
+    """Complex eigenvalues of a real product as exact conjugates, which complex arithmetic leaves only nearly so."""
+    values = values.copy()
+    upper = np.flatnonzero(values.imag > 0.0)
+    lower = list(np.flatnonzero(values.imag < 0.0))
+    for k in upper:
+        if not lower:
+            break
+        partner = min(lower, key=lambda j: abs(values[j] - np.conj(values[k])))
+        lower.remove(partner)
+        mean = 0.5 * (values[k] + np.conj(values[partner]))
+        values[k], values[partner] = mean, np.conj(mean)
+    return values

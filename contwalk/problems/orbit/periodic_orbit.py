@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from contwalk.problems.orbit.closure import Closure
 from contwalk.problems.orbit.discretization import FINEST, Discretization
 from contwalk.problems.orbit.motion import PLAIN, Motion, motion_of
 from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers, multipliers
-from contwalk.problems.orbit.section import Reference, Section, reference_of, section_at
+from contwalk.problems.orbit.section import Reference, Section, better_phase, reference_of, section_at
 from contwalk.problems.orbit.shooting import Mesh, Shooting, meshed, velocity
 from contwalk.problems.orbit.transport import moved, recut
 from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed
@@ -30,12 +31,12 @@ ROOM = 8
 SAMPLES = 512
 # A residual counts as solved at this part of the tolerance.
 SOLVED = 1e-3
-# The section moves where the orbit is this much slower than at its fastest, in the metric.
-SLOW = 0.05
 # Evaluations of the field in a step of each method (of the implicit ones, about).
 STAGES = {"dop853": 12, "verner98": 16, "radau5": 24, "radau9": 40}
 # A state that moves less than this part of what others do, in units of its size, tells no magnitude.
 CONSTANT = 1e-5
+# An orbit that goes a smaller part of its own size in one period has become a point.
+MOVES = 1e-2
 # Growth of deviations over a segment beyond which the orbit is cut into twice as many.
 TOO_MUCH = 1e6
 # Linearizations that are kept: a step asks for the same ones several times.
@@ -340,6 +341,12 @@ class PeriodicOrbit:
         """Unknowns of an orbit in as many segments as it may be cut into along its branch."""
         return max(ROOM, 2 * self.segments) * self.states + len(self.motion.columns) - 1
 
+    def beginnings(self, z: np.ndarray) -> np.ndarray:
+        """Typical magnitudes for the first corrections of a start, shape (N + 1,)."""
+        scalars = np.maximum(np.abs(self.scalars(z)), 1e-300)
+        scalars[1 - self.forced : -1] = 1.0
+        return np.concatenate([np.tile(self.mesh.variation, self.segments), scalars])
+
     def branch_facts(self) -> dict[str, Any]:
         """What is true of a whole branch of these orbits, as fields of `BranchInfo`."""
         neutral = len(self.pins) + (0 if self.forced else 1)
@@ -394,6 +401,7 @@ class PeriodicOrbit:
             error=solution_error(bordered, self._errors(linearization), weights),
             critical=1.0,
             spectrum_error=found.accuracy,
+            sizes=np.nan_to_num(linearization.magnitudes),
             period=self.duration(z),
             trivial_error=self.trivial_error(z, linearization.jacobian),
         )
@@ -446,7 +454,7 @@ class PeriodicOrbit:
 
         Of several segments, the worst one's: what one does to it may be undone by the next.
         """
-        if self.forced:
+        if self.forced or not self.moves(z):
             return float("nan")
         m, variation = self.segments, self.mesh.variation
         own = [self.velocity(z, i) / variation for i in range(m)]
@@ -499,23 +507,32 @@ class PeriodicOrbit:
         problem = self.adapted_to(sample.z, sample.weights)
         if not self.forced:
             times, speeds = ending.speeds_of(problem, sample.z)
-            if speeds[0] < SLOW * speeds.max():
-                problem, sample = moved(problem, sample, float(times[int(np.argmax(speeds))]))
+            lengths = np.concatenate([np.diff(steps) for steps in problem.mesh.steps])
+            better = better_phase(times, speeds, lengths)
+            if better is not None:
+                problem, sample = moved(problem, sample, better)
         if problem.mesh.growth > TOO_MUCH and 2 * problem.segments <= max(ROOM, problem.segments):
             problem, sample = recut(problem, sample)
-        if self.forced or problem.section is self.section:
-            return problem, sample
         tangent = problem.into_section(sample.z, sample.tangent)
-        factor = float(np.linalg.norm(tangent / sample.weights))
-        return problem, sample.facing(tangent / factor, 1.0 / factor)
+        # Both ends of the next step are seen on the same steps: what they tell differs by the branch alone.
+        linearization = problem.linearize(sample.z)
+        again = problem.examine(sample.z, tangent, sample.weights, linearization, sample.unstable)
+        orientation = 0.0 if sample.orientation == 0.0 else again.orientation
+        return problem, replace(again, orientation=orientation)
 
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
         """Why the branch ends between two neighbouring orbits, if it does."""
         return ending.ended(self, a, b)
 
+    def moves(self, z: np.ndarray) -> bool:
+        """Whether the orbit of z is more than a point; of a forced system it may be one."""
+        if self.forced:
+            return True
+        return float(np.linalg.norm(self.velocity(z) / self.mesh.variation)) > MOVES
+
     def into_section(self, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
         """A tangent moved along the flow until it lies in the section: the same change of the orbit."""
-        if self.forced:
+        if self.forced or not self.moves(z):
             return tangent
         assert self.section is not None
         tangent, n = tangent.copy(), self.states

@@ -9,6 +9,7 @@ import numpy as np
 
 from contwalk import flow
 from contwalk.errors import NotFinite, StartError, called
+from contwalk.flow.method import Choice, choose
 from contwalk.problems.orbit.motion import PLAIN, motion_of
 from contwalk.system import System
 from contwalk.system.declarations import ParameterValues
@@ -21,6 +22,10 @@ STRETCHES = 400
 STEPS = 400
 # Returns of one stretch that are looked at: orbits that close after so many rounds are found.
 MOST_ROUNDS = 32
+# Instants of a step at which it is looked at where a motion is.
+PARTS = 4
+# Variations below this part of a state's size are not resolved any better.
+LEAST = 1e-3
 # A motion this slow against its size is an equilibrium.
 STILL = 1e-9
 
@@ -48,23 +53,23 @@ class Simulation:
         scalars = [1.0] if self.system.period is None else []
         return np.concatenate([scalars, [fixed[0]], fixed, np.zeros(len(names))])
 
-    def run(self, t: float, x: np.ndarray, end: float, weights: np.ndarray) -> flow.Path:
-        """The motion from t to `end`; `path.status` tells what became of it."""
+    def run(self, t: float, x: np.ndarray, end: float, weights: np.ndarray) -> Choice:
+        """The motion from t to `end`, by the method that works least; `path.status` tells what became of it."""
         motion = motion_of(self.system, self.system.parameter_names[0], (), (), 1.0)
         field = motion.field(PLAIN)
         c = field.constants(self.constants())
-        return flow.adaptive(field, c, t, x, end, TOLERANCE, weights, "dop853")
+        return choose(field, c, t, x, end, TOLERANCE, weights)
 
     def velocity(self, t: float, x: np.ndarray) -> np.ndarray:
         """dx/dt."""
         field = motion_of(self.system, self.system.parameter_names[0], (), (), 1.0).field(PLAIN)
         return field(t, x, field.constants(self.constants()))
 
-    def at(self, path: flow.Path, times: np.ndarray) -> np.ndarray:
-        """States of a path at any times on it."""
+    def at(self, run: Choice, times: np.ndarray) -> np.ndarray:
+        """States at any times of a motion."""
         field = motion_of(self.system, self.system.parameter_names[0], (), (), 1.0).field(PLAIN)
         c = field.constants(self.constants())
-        return flow.dense(field, c, path.times, path.states, times, "dop853")
+        return flow.dense(field, c, run.path.times, run.path.states, times, run.method)
 
 
 def recurrent(
@@ -90,19 +95,23 @@ def recurrent(
     if system.period is not None:
         unit = float(called("period", system.period, ParameterValues(**parameters)))
     t, x = 0.0, np.array(state, dtype=float)
-    weights = np.maximum(np.abs(x), 1e-3)
+    reached = np.abs(x)
+    weights = np.maximum(reached, 1e-3)
     if until != "settled":
-        path = _checked(simulation.run(t, x, float(until) / unit, weights))
+        path = _checked(simulation.run(t, x, float(until) / unit, weights), unit).path
         t, x = float(path.times[-1]), path.states[-1].copy()
     length = 8.0 if forced else _first_length(simulation, x, weights)
     for _ in range(STRETCHES):
-        path = _checked(simulation.run(t, x, t + length, weights))
+        run = _checked(simulation.run(t, x, t + length, weights), unit)
+        path = run.path
         variation = np.ptp(path.states, axis=0)
         _check_moves(simulation, path, variation)
-        found = _return(simulation, path, variation, forced)
+        found = _return(simulation, run, variation, forced)
         if found is not None:
             return Recurrence(found[0], found[1] * unit, 0.5 * variation)
-        weights = np.maximum(0.5 * variation, 1e-3 * weights)
+        reached = np.maximum(reached, np.abs(path.states).max(axis=0))
+        # A stretch may see next to nothing of a slow motion: what it varies by does not tell all.
+        weights = np.maximum(np.maximum(0.5 * variation, LEAST * reached), LEAST * weights)
         t, x = float(path.times[-1]), path.states[-1].copy()
         if len(path.times) < STEPS:
             length *= 1.5
@@ -119,13 +128,19 @@ def _first_length(simulation: Simulation, x: np.ndarray, weights: np.ndarray) ->
     return 10.0 / rate if rate > 0.0 else 10.0
 
 
-def _checked(path: flow.Path) -> flow.Path:
+def _checked(run: Choice, unit: float) -> Choice:
+    path = run.path
     if path.status != "ok":
+        what = {
+            "not_finite": "the motion is not finite from there on",
+            "step_too_small": "the motion grows without bound there, or its field is not smooth",
+            "too_many_steps": "going on takes more steps than are allowed",
+        }[path.status]
         raise NotFinite(
-            f"The simulation ends after {path.times[-1]:.6g} time units ({path.status.replace('_', ' ')}).",
+            f"The simulation ends after {path.times[-1] * unit:.6g} s: {what}.",
             "Start elsewhere, or mend the plugin.",
         )
-    return path
+    return run
 
 
 def _check_moves(simulation: Simulation, path: flow.Path, variation: np.ndarray) -> None:
@@ -139,32 +154,32 @@ def _check_moves(simulation: Simulation, path: flow.Path, variation: np.ndarray)
 
 
 def _return(
-    simulation: Simulation, path: flow.Path, variation: np.ndarray, forced: bool
+    simulation: Simulation, run: Choice, variation: np.ndarray, forced: bool
 ) -> tuple[np.ndarray, float] | None:
     """State and time of the first near return in the later half of a path to a point of it."""
     scale = np.where(variation > 0.0, variation, 1.0)
     turns = np.array([s.period or 0.0 for s in simulation.system.states])
-    begin = float(path.times[0])
-    end = float(path.times[-1])
+    begin, end = float(run.path.times[0]), float(run.path.times[-1])
     if forced:
         strobe = np.arange(np.ceil(begin), end + 1e-9)
-        states = simulation.at(path, np.clip(strobe, begin, end))
+        states = simulation.at(run, np.clip(strobe, begin, end))
         for k in range(1, len(strobe)):
             if _distance(states[k], states[0], scale, turns) < RETURNED:
                 return states[0], float(k)
         return None
-    middle = path.times[len(path.times) // 3]
-    origin = simulation.at(path, np.array([middle]))[0]
+    times = _refined(run.path.times)
+    middle = times[np.searchsorted(times, begin + (end - begin) / 3.0)]
+    origin = simulation.at(run, np.array([middle]))[0]
     normal = simulation.velocity(middle, origin) / scale**2
-    later = path.times[path.times > middle]
-    apart = _turned(path.states[path.times > middle] - origin, turns)
+    later = times[times > middle]
+    apart = _turned(simulation.at(run, later) - origin, turns)
     side = apart @ normal
     rounds = 0
     for k in range(1, len(side)):
         near = np.linalg.norm(apart[k] / scale) < 0.7
         if side[k - 1] < 0.0 <= side[k] and near:
-            time = _crossing(simulation, path, origin, normal, turns, later[k - 1], later[k])
-            x = simulation.at(path, np.array([time]))[0]
+            time = _crossing(simulation, run, origin, normal, turns, later[k - 1], later[k])
+            x = simulation.at(run, np.array([time]))[0]
             rounds += 1
             if _distance(x, origin, scale, turns) < RETURNED:
                 return origin, time - middle
@@ -173,9 +188,15 @@ def _return(
     return None
 
 
+def _refined(times: np.ndarray) -> np.ndarray:
+    """The ends of steps and instants between them: in a long step a motion can go far."""
+    parts = np.arange(PARTS) / PARTS
+    return np.append((times[:-1, None] + np.diff(times)[:, None] * parts).ravel(), times[-1])
+
+
 def _crossing(
     simulation: Simulation,
-    path: flow.Path,
+    run: Choice,
     origin: np.ndarray,
     normal: np.ndarray,
     turns: np.ndarray,
@@ -185,7 +206,7 @@ def _crossing(
     """Time at which a path passes the section between two times: a guess for Newton's method."""
     for _ in range(40):
         middle = 0.5 * (low + high)
-        apart = _turned(simulation.at(path, np.array([middle])) - origin, turns)[0]
+        apart = _turned(simulation.at(run, np.array([middle])) - origin, turns)[0]
         low, high = (middle, high) if apart @ normal < 0.0 else (low, middle)
     return 0.5 * (low + high)
 

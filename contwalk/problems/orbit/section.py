@@ -1,8 +1,9 @@
 """What fixes the phase of an orbit of an autonomous system.
 
 A *section* is a hyperplane through a point of the orbit, at a right angle to the flow in the metric. It is
-anchored anew at every point of a branch, so that the flow always crosses it well, and where the orbit has become slow
-there it moves to where the orbit is fast. The *integral* condition asks for the phase nearest to that of the
+anchored anew at every point of a branch, so that the flow always crosses it well. Where the orbit has become slow
+there it moves to where the orbit is fast: near an equilibrium the flow hardly crosses anything. Where it has
+become a jump it moves to where the orbit is slow: the state in a jump depends on the instant by far too much. The *integral* condition asks for the phase nearest to that of the
 last orbit, over the whole period (E. J. Doedel, 1981).
 """
 
@@ -12,6 +13,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+
+
+# Parts of the mean speed of an orbit, in the metric: below the first it is slow, above the second it jumps.
+SLOW, JUMPING = 0.05, 20.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +35,24 @@ def section_at(point: np.ndarray, velocity: np.ndarray, magnitudes: np.ndarray) 
     """The section through a point at a right angle to the velocity, in units of the magnitudes."""
     normal = velocity / magnitudes**2
     return Section(point, normal / np.linalg.norm(normal * magnitudes))
+
+
+def better_phase(times: np.ndarray, speeds: np.ndarray, lengths: np.ndarray) -> float | None:
+    """The instant to which the section should move, None if it is well where it is.
+
+    Parameters
+    ----------
+    times, speeds, lengths : ndarray, shape (s,)
+        Middles of the orbit's steps, its speed there, and how long they are. The first is where the section is.
+    """
+    mean = float(speeds @ lengths / lengths.sum())
+    if speeds[0] < SLOW * mean:
+        return float(times[int(np.argmax(speeds))])
+    order = np.argsort(speeds)
+    median = order[int(np.searchsorted(np.cumsum(lengths[order]), 0.5 * lengths.sum()))]
+    if speeds[0] > JUMPING * mean and speeds[median] > SLOW * mean:
+        return float(times[median])
+    return None
 
 
 @dataclass(frozen=True, eq=False)

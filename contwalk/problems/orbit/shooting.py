@@ -6,21 +6,25 @@ Newton's method sees are smooth, and their derivatives are those of the integrat
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from contwalk import flow
 from contwalk.errors import NotFinite
-from contwalk.flow.method import choose
+from contwalk.flow.method import Carried, choose
 from contwalk.problems.orbit.closure import Closure
 from contwalk.problems.orbit.motion import PLAIN, TANGENT, Motion
 
-# A state that moves less than this part of its typical magnitude stands still: what it seems to move is
-# rounding.
+# An orbit that would go a smaller part of its magnitudes in one period is a point.
 STILL = 1e-11
 # What a state is taken to move at least, in parts of what the one that moves most does.
 LEAST_SHARE = 1e-3
+# Local errors this small, in units of the magnitudes, are below rounding.
+ROUNDED = 3e-15
+# What moves this much less on finer steps did not move.
+SHRINKS = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,26 +177,44 @@ def meshed(
     """
     variation = magnitudes
     paths, chosen, reason = _passed(motion, starts, values, variation, tolerance, method)
-    nodes = [path.states for path in paths]
-    smaller = _variation(np.concatenate(nodes)[:, : len(magnitudes)], magnitudes)
+    smaller = _variation(motion, values, paths, variation, tolerance)
     if np.any(smaller < 0.2 * variation):
-        variation = smaller
-        paths, chosen, reason = _passed(motion, starts, values, variation, tolerance, method)
+        finer = _passed(motion, starts, values, smaller, tolerance, method)
+        # A motion that shrinks on finer steps was their error: the orbit is a point.
+        if np.any(_variation(motion, values, finer[0], magnitudes, tolerance) >= SHRINKS * smaller):
+            variation = smaller
+            paths, chosen, reason = finer
     growth = max(_growth(path.states[:, len(variation) :] / variation) for path in paths)
     return Mesh(tuple(path.times for path in paths), chosen, tolerance, variation, magnitudes, growth, reason)
 
 
-def _variation(states: np.ndarray, magnitudes: np.ndarray) -> np.ndarray:
-    """Half the range of each state, not above its magnitude.
+def _variation(
+    motion: Motion, values: np.ndarray, paths: Sequence[flow.Path], magnitudes: np.ndarray, tolerance: float
+) -> np.ndarray:
+    """Half the range of each state, not above its magnitude; the magnitudes themselves of an orbit that is a point.
 
     A state that moves far less than the others is taken as moving a thousandth of what they do: what it seems
     to move may be the error of the steps.
     """
-    shares = 0.5 * np.ptp(states, axis=0) / magnitudes
+    n = len(magnitudes)
+    shares = 0.5 * np.ptp(np.concatenate([path.states for path in paths])[:, :n], axis=0) / magnitudes
     largest = float(shares.max())
-    if largest <= STILL:
+    if largest < tolerance and (largest * tolerance < ROUNDED or _still(motion, values, paths, magnitudes)):
         return magnitudes
     return magnitudes * np.clip(shares, LEAST_SHARE * largest, 1.0)
+
+
+def _still(
+    motion: Motion, values: np.ndarray, paths: Sequence[flow.Path], magnitudes: np.ndarray
+) -> bool:
+    """Whether the field vanishes all along, to rounding."""
+    n, field = len(magnitudes), motion.field(PLAIN)
+    c = field.constants(values)
+    for path in paths:
+        for k in range(0, len(path.times), max(len(path.times) // 8, 1)):
+            if np.abs(field(path.times[k], path.states[k, :n], c) / magnitudes).max() > STILL:
+                return False
+    return True
 
 
 def _growth(deviations: np.ndarray) -> float:
@@ -217,19 +239,27 @@ def _passed(
     weights = np.concatenate([variation, variation])
     ends = [(i / m, np.concatenate([x, generic]), (i + 1) / m) for i, x in enumerate(starts)]
     if method == "auto":
-        choices = [choose(field, c, *end, tolerance, weights) for end in ends]
+        carried = Carried(motion.field(PLAIN), n + len(motion.columns))
+        choices = [choose(field, c, *end, tolerance, weights, carried=carried) for end in ends]
         methods = {choice.method for choice in choices}
         stiffest = max(choices, key=lambda choice: choice.stability_limited)
         method, reason = stiffest.method, stiffest.reason
         if len(methods) == 1:
-            return [_arrived(choice.path) for choice in choices], method, reason
+            return [arrived(choice.path) for choice in choices], method, reason
     else:
         reason = "as the run file says"
     paths = [flow.adaptive(field, c, *end, tolerance, weights, method) for end in ends]
-    return [_arrived(path) for path in paths], method, reason
+    return [arrived(path) for path in paths], method, reason
 
 
-def _arrived(path: flow.Path) -> flow.Path:
+def arrived(path: flow.Path) -> flow.Path:
+    """A path that reached its end.
+
+    Raises
+    ------
+    NotFinite
+        With what became of the motion.
+    """
     if path.status != "ok":
         raise NotFinite(_SENTENCES[path.status], "Start elsewhere, or keep the run away from there.")
     return path

@@ -1,0 +1,168 @@
+"""`contwalk verify`: what agrees, what does not, and what it says."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from contwalk.storage.hdf5 import Hdf5Database
+
+CYCLES = """\
+from contwalk.system import Mode, Parameter, Start, State, System
+
+def field(t, x, p, dx):
+    growth = p.mu - x[0] ** 2 - x[1] ** 2
+    dx[0] = growth * x[0] - x[1]
+    dx[1] = x[0] + growth * x[1]
+
+SYSTEM = System(
+    name="cycles",
+    states=(State("x"), State("y")),
+    parameters=(Parameter("mu", -0.5),),
+    modes=(Mode("free", field),),
+    starts=(Start("rest", lambda p: [[0.0, 0.0]]),),
+)
+"""
+RUN = """\
+contwalk: 1
+system: ./cycles.py
+start: {equilibrium: rest}
+continue: {parameter: mu, range: [-1.0, 1.0]}
+diagram: {follow: [HB]}
+mark: {mu: 0.5, max_abs: 0.5}
+output: cycles.h5
+"""
+
+
+@pytest.fixture
+def database(contwalk):
+    assert contwalk("continue", "run.yaml", "--quiet").code == 0
+    return "fork.h5"
+
+
+@pytest.fixture
+def cycles(folder, contwalk):
+    """A database with a Hopf point, its cycle, and marked values on both."""
+    (folder / "cycles.py").write_text(CYCLES, encoding="utf-8")
+    (folder / "cycles.yaml").write_text(RUN, encoding="utf-8")
+    assert contwalk("continue", "cycles.yaml", "--quiet").code == 0
+    return "cycles.h5"
+
+
+def tampered(path, change, to="wrong.h5"):
+    """A copy of a database in which every special point but the ends went through `change`."""
+    with Hdf5Database.open(path) as old, Hdf5Database.create(to, old.header) as new:
+        for name in old.branch_names():
+            branch = old.branch(name)
+            new.start_branch(branch.info)
+            for row in old.rows(name):
+                new.append(name, row)
+            for point in old.specials(name):
+                new.append_special(name, point if point.label == "EP" else change(point))
+            new.finish(name, branch.outcome, branch.cost)
+    return to
+
+
+def test_a_branch_point_agrees(contwalk, database):
+    done = contwalk("verify", database)
+    assert done.code == 0
+    assert done.err == ""
+    assert "1 of 1 point agree." in done.out
+    row = next(line for line in done.out.splitlines() if line.startswith("b1/BP1"))
+    assert row.endswith("agrees")
+    assert "40 digits" in row
+
+
+def test_orbits_are_recomputed_by_another_integrator(contwalk, cycles):
+    done = contwalk("verify", cycles, "--json")
+    shown = json.loads(done.out)
+    assert done.code == 0
+    assert shown["agree"] is True
+    by_name = {f"{p['branch']}/{p['point']}": p for p in shown["points"]}
+    assert by_name["b1/HB1"]["recomputed"] == 0.0
+    orbits = [p for name, p in by_name.items() if name.startswith("b2/")]
+    assert orbits
+    assert {p["method"] for p in orbits} <= {"verner98", "radau9"}  # the run took dop853 at 1e-8
+    assert all(p["verdict"] == "agrees" for p in orbits)
+
+
+def test_one_point_by_a_chosen_integrator(contwalk, cycles):
+    done = contwalk("verify", cycles, "b2/UZ1", "--method", "radau5", "--json")
+    (point,) = json.loads(done.out)["points"]
+    assert (point["branch"], point["point"], point["method"]) == ("b2", "UZ1", "radau5")
+    assert contwalk("verify", cycles, "b1").out.count("\nb1/") >= 1
+
+
+def test_a_wrong_value_is_found(contwalk, database):
+    def change(point):
+        return replace(point, unknowns=(*point.unknowns[:-1], point.unknowns[-1] + 1e-6))
+
+    wrong = tampered(database, change)
+    done = contwalk("verify", wrong)
+    assert done.code == 1
+    assert "DISAGREES" in done.out
+    assert "0 of 1 point agree, 1 DISAGREE." in done.out
+    assert json.loads(contwalk("verify", wrong, "--json").out)["agree"] is False
+
+
+def test_points_that_were_not_located_do_not_fail(contwalk, database):
+    wrong = tampered(database, lambda point: replace(point, status="unlocated"))
+    done = contwalk("verify", wrong)
+    assert done.code == 0
+    assert "1 not recomputed" in done.out
+
+
+def test_nothing_to_recompute(contwalk):
+    contwalk("continue", "run.yaml", "--quiet", "--set", "continue.range=[-1.0,-0.1]")
+    done = contwalk("verify", "fork.h5")
+    assert (done.code, done.out) == (0, "There is no special point to recompute.\n")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("missing.h5",), "missing.h5"),
+        (("fork.h5", "b7"), "no branch 'b7'"),
+        (("fork.h5", "b1/HB9"), "no special point 'HB9'"),
+        (("fork.h5", "--method", "euler"), "'euler' is not one of"),
+    ],
+)
+def test_bad_input(contwalk, database, arguments, said):
+    done = contwalk("verify", *arguments)
+    assert done.code == 2
+    assert said in done.err
+    assert "Traceback" not in done.err
+
+
+def test_a_plugin_that_is_gone(contwalk, database, folder):
+    (folder / "fork.py").unlink()
+    done = contwalk("verify", database)
+    assert done.code == 2
+    assert "cannot be loaded" in done.err
+
+
+def test_pages_of_orbits(contwalk, cycles):
+    text = contwalk("show", cycles, "b2").out
+    assert "period from 6.28319 to 6.28319 s" in text
+    assert "trivial multiplier right to" in text
+    page = contwalk("show", cycles, "b2/3").out
+    assert "period: 6.28318" in page
+    assert "closure: full" in page
+    assert "estimated error of the leading eigenvalue" in page
+    assert "right-hand sides" in page
+    assert "multipliers: real" in page
+
+
+def test_a_phase_portrait_of_stored_orbits(contwalk, cycles, folder):
+    done = contwalk("plot", cycles, "--kind", "phase_portrait", "-x", "x", "-y", "y", "-o", "p.svg")
+    assert (done.code, done.out) == (0, "Wrote p.svg.\n")
+    assert "mu = 0.5,  T = 6.283 s" in (folder / "p.svg").read_text(encoding="utf-8")
+    point = ("--point", "b2/2", "--point", "b2/UZ1")
+    assert contwalk("plot", cycles, "--kind", "phase_portrait", *point, "-o", "p.svg").code == 0
+    refused = contwalk("plot", cycles, "--kind", "phase_portrait", "-x", "mu", "-o", "p.svg")
+    assert refused.code == 2
+    assert "'mu' is not a state" in refused.err
+    assert contwalk("plot", cycles, "-z", "x", "-o", "p.svg").code == 2
+    assert contwalk("plot", cycles, "--kind", "machine", *point, "-o", "p.svg").code == 2

@@ -1,0 +1,224 @@
+"""Special points recomputed on another path, and stored ones that were tampered with."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from small_systems import labelled, small_system
+
+import contwalk as cw
+from contwalk.branch import Branch, SpecialPoint
+from contwalk.continuation.reopening import problem_of, reopened
+from contwalk.continuation.verification import AGREES, DIFFERS, LOST, SKIPPED, SLACK, Comparison, compared
+from contwalk.errors import DatabaseError
+from contwalk.problems.orbit.discretization import Discretization
+from contwalk.system import Neutral, State, Symmetry, System
+
+STEPS = Discretization(accuracy=1e-7)
+
+
+def folding_cycle(t, x, p, dx):
+    # r' = r (mu + r^2 - r^4), phase' = 1: cycles fold at mu = -1/4, r^2 = 1/2
+    r2 = x[0] ** 2 + x[1] ** 2
+    growth = p.mu + r2 - r2**2
+    dx[0] = growth * x[0] - x[1]
+    dx[1] = x[0] + growth * x[1]
+
+
+def roessler(t, x, p, dx):
+    dx[0] = -x[1] - x[2]
+    dx[1] = x[0] + 0.2 * x[1]
+    dx[2] = 0.2 + x[2] * (x[0] - p.c)
+
+
+def van_der_pol(t, x, p, dx):
+    dx[0] = x[1]
+    dx[1] = p.mu * (1.0 - x[0] ** 2) * x[1] - x[0]
+
+
+def mirrored(t, x, p, y):
+    y[0], y[1] = -x[0], -x[1]
+
+
+def checked(system: System, branch: Branch, point: SpecialPoint, **rest) -> Comparison:
+    return compared(system, branch, point, STEPS, **rest)
+
+
+@pytest.fixture(scope="module")
+def folded():
+    """A cycle with a fold at mu = -1/4."""
+    system = small_system(folding_cycle, ("x", "y"), {"mu": -0.2})
+    radius = np.sqrt(0.5 + np.sqrt(0.25 - 0.2))
+    problem = cw.PeriodicOrbit(system, system.defaults(), "mu", discretization=STEPS)
+    branch = cw.continue_branch(
+        problem, [radius, 0.0], range=(-0.3, -0.1), period=2.0 * np.pi, direction="backward"
+    )
+    return system, branch
+
+
+def test_fold_of_cycles(folded):
+    system, branch = folded
+    (point,) = labelled(branch, "LP")
+    found = checked(system, branch, point)
+    assert found.verdict == AGREES
+    # the claim of the recomputed value is an estimate of its own error, taken SLACK times as `verify` does
+    assert abs(found.recomputed + 0.25) <= SLACK * found.own_error
+    assert found.own_error < STEPS.accuracy * 0.25
+    assert found.method in ("verner98", "radau9")
+
+
+@pytest.mark.parametrize("method", ["dop853", "verner98", "radau9"])
+def test_every_integrator_agrees(folded, method):
+    system, branch = folded
+    found = checked(system, branch, labelled(branch, "LP")[0], method=method)
+    assert (found.verdict, found.method) == (AGREES, method)
+
+
+def test_a_value_beyond_its_error_disagrees(folded):
+    system, branch = folded
+    (point,) = labelled(branch, "LP")
+    wrong = (*point.unknowns[:-1], point.unknowns[-1] - 1e-9)
+    found = checked(system, branch, replace(point, unknowns=wrong, error=1e-12))
+    assert found.verdict == DIFFERS
+    assert found.failed
+    assert "errors" in found.reason
+    assert found.difference == pytest.approx(1e-9, rel=0.05)  # the stored one was off by its own error too
+
+
+def test_a_value_beyond_the_accuracy_disagrees(folded):
+    system, branch = folded
+    (point,) = labelled(branch, "LP")
+    wrong = (*point.unknowns[:-1], point.unknowns[-1] - 1e-6)
+    found = checked(system, branch, replace(point, unknowns=wrong, error=1e-3))
+    assert found.verdict == DIFFERS
+    assert "accuracy" in found.reason
+
+
+def test_a_point_that_is_none_is_not_found_again(folded):
+    system, branch = folded
+    (fold,) = labelled(branch, "LP")
+    row = int(np.argmax(branch["mu"]))  # a point far from any fold
+    z = branch.unknowns(row)
+    moved = replace(
+        fold, unknowns=tuple(z), tangent=tuple(branch.points["tangent"][row][: len(z)]), index=row
+    )
+    found = checked(system, branch, moved)
+    assert found.verdict in (LOST, DIFFERS)
+    assert found.failed
+
+
+def test_what_was_not_located_is_skipped(folded):
+    system, branch = folded
+    found = checked(system, branch, replace(labelled(branch, "LP")[0], status="unlocated"))
+    assert found.verdict == SKIPPED
+    assert not found.failed
+
+
+def test_marked_values_are_solved_again(folded):
+    system, _ = folded
+    radius = np.sqrt(0.5 + np.sqrt(0.25 - 0.2))
+    problem = cw.PeriodicOrbit(system, system.defaults(), "mu", discretization=STEPS)
+    marked = cw.continue_branch(
+        problem,
+        [radius, 0.0],
+        range=(-0.21, 0.1),
+        period=2.0 * np.pi,
+        marks={"mu": [-0.1], "max_abs": [0.01]},
+        direction="forward",
+    )
+    by_kind = {point.kind: point for point in labelled(marked, "UZ")}
+    found = checked(system, marked, by_kind["parameter"])
+    assert (found.verdict, found.quantity != "mu") == (AGREES, True)
+    assert checked(system, marked, by_kind["observable"], marks={"max_abs": [0.01]}).verdict == AGREES
+    unknown = checked(system, marked, by_kind["observable"], marks={})
+    assert unknown.verdict == LOST
+    assert "does not tell what is marked" in unknown.reason
+
+
+def test_period_doubling_has_its_multiplier_at_minus_one():
+    system = small_system(roessler, ("x", "y", "z"), {"c": 2.5})
+    problem = cw.PeriodicOrbit(system, system.defaults(), "c", discretization=STEPS)
+    branch = cw.continue_branch(
+        problem, [2.0, 0.0, 0.1], range=(2.4, 3.2), until="settled", direction="forward"
+    )
+    (point,) = labelled(branch, "PD")
+    found = checked(system, branch, point)
+    assert found.verdict == AGREES
+    assert found.spectral < STEPS.accuracy * abs(found.stored)
+
+
+def test_orbits_reopened_close_as_they_did():
+    mirror = Symmetry("mirror", "spatial", mirrored)
+    system = small_system(van_der_pol, ("x", "v"), {"mu": 1.0}, symmetries=(mirror,))
+    problem = cw.PeriodicOrbit(system, system.defaults(), "mu", discretization=STEPS)
+    branch = cw.continue_branch(problem, [2.0, 0.0], range=(0.5, 1.5), until="settled")
+    for row in (0, len(branch) // 2, len(branch) - 1):
+        there, sample = reopened(system, branch, row, STEPS)
+        assert (there.closure.name, there.closure.fold) == ("mirror", 2)
+        assert there.duration(sample.z) == pytest.approx(branch["period"][row], rel=1e-12)
+        stored = branch.points[row]
+        # the same orbit on steps made for it: its multipliers are those stored, to the stored error
+        gap = np.abs(sample.eigenvalues - stored["spectrum"]).max()
+        assert gap <= 10.0 * max(stored["spectrum_error"], STEPS.accuracy)
+
+
+def test_equilibria_and_their_marks():
+    def brusselator(t, x, p, dx):
+        dx[0] = 1.0 - (p.b + 1.0) * x[0] + x[0] ** 2 * x[1]
+        dx[1] = p.b * x[0] - x[0] ** 2 * x[1]
+
+    system = small_system(brusselator, ("x", "y"), {"b": 1.0})
+    problem = cw.Equilibrium(system, system.defaults(), "b")
+    marks = {"b": [1.5], "max_re": [-0.1, "extremum"]}
+    branch = cw.continue_branch(problem, [1.0, 1.0], range=(0.5, 3.0), marks=marks)
+    points = [point for point in branch.special_points if point.label != "EP"]
+    assert "HB" in [point.label for point in points]
+    for point in points:
+        assert checked(system, branch, point, marks=marks).verdict == AGREES, point
+
+
+def test_branch_points_on_a_path():
+    def fork(t, x, p, dx):
+        dx[0] = (p.a + p.b - 1.0) * x[0] - x[0] ** 3
+
+    system = small_system(fork, ("x",), {"a": 0.0, "b": 0.0})
+    ends = ({"a": 0.0, "b": 0.0}, {"a": 1.0, "b": 2.0})
+    problem = cw.Equilibrium(system, ends[0], "path", ends)
+    branch = cw.continue_branch(problem, [0.0], range=(0.0, 1.0))
+    (point,) = labelled(branch, "BP")
+    again = problem_of(system, branch.info, np.zeros(1))
+    assert again.path == ends
+    found = checked(system, branch, point)
+    assert found.verdict == AGREES
+    assert found.recomputed == pytest.approx(1.0 / 3.0, rel=1e-15)  # a + b = 3 path, to an ulp
+
+
+def drifting(t, x, p, dx):
+    # the position s matters to nobody
+    dx[0] = p.r * x[0] - x[0] ** 3
+    dx[1] = x[0]
+
+
+@pytest.mark.parametrize("declared", [True, False])
+def test_pinned_directions_are_pinned_again(declared):
+    def along(t, x, p, v):
+        v[1] = 1.0
+        v[0] = 0.0
+
+    rest = {"neutral": (Neutral("shift", along, pin="s"),)} if declared else {}
+    system = small_system(drifting, (State("x"), State("s")), {"r": -1.0}, **rest)
+    problem = cw.Equilibrium(system, system.defaults(), "r")
+    branch = cw.continue_branch(problem, [0.0, 0.3], range=(-1.0, 1.0))
+    assert len(branch.info.settings["pins"]) == 1
+    _, sample = reopened(system, branch, 3)
+    stored = branch.points["spectrum"][3]
+    assert np.allclose(sample.eigenvalues, stored, rtol=1e-14, atol=0.0)
+
+
+def test_another_system_is_refused(folded):
+    _, branch = folded
+    other = small_system(roessler, ("x", "y", "z"), {"c": 2.5})
+    with pytest.raises(DatabaseError, match="another system"):
+        reopened(other, branch, 0)

@@ -1,0 +1,74 @@
+"""Multipliers of given factors: the quotient by neutral directions, order, units and unstable counts."""
+
+import numpy as np
+import pytest
+
+from contwalk.problems.orbit.multipliers import Multipliers, multipliers
+
+ONE = np.ones(3)
+NOTHING = np.zeros((3, 0))
+
+
+def similar(values, seed):
+    random = np.random.default_rng(seed)
+    v = random.standard_normal((len(values), len(values)))
+    return v @ np.diag(values) @ np.linalg.inv(v), v
+
+
+def test_all_of_a_forced_system_by_descending_modulus():
+    matrix, _ = similar([0.5, -3.0, 1.25], 1)
+    found = multipliers([matrix], [NOTHING], ONE, 1e-10)
+    np.testing.assert_allclose(found.values, [-3.0, 1.25, 0.5], rtol=1e-12)
+    np.testing.assert_allclose(found.measures, [2.0, 0.25, -0.5], rtol=1e-12)
+    assert found.unstable(None) == 2
+
+
+@pytest.mark.parametrize("segments", [1, 2, 5])
+def test_the_flows_own_multiplier_is_left_out_and_never_another_one(segments):
+    """Also where another one is nearly one, and where the velocity is not at a right angle to the others."""
+    random = np.random.default_rng(segments)
+    values = np.array([1.0, 1.0 + 1e-7, 0.3])
+    frames = [random.standard_normal((3, 3)) for _ in range(segments)]
+    parts = [np.array([1.0, 1.0, 1.0])] * (segments - 1) + [values]
+    factors = [
+        frames[(i + 1) % segments] @ np.diag(parts[i]) @ np.linalg.inv(frames[i]) for i in range(segments)
+    ]
+    neutral = [frame[:, :1] for frame in frames]
+    found = multipliers(factors, neutral, ONE, 1e-12)
+    # Roundings of the products, times the conditions of random frames.
+    np.testing.assert_allclose(found.values, [1.0 + 1e-7, 0.3], rtol=0, atol=1e-10)
+
+
+def test_units_do_not_matter():
+    matrix, v = similar([1.0, -0.9, 0.2], 3)
+    units = np.array([1e-8, 1.0, 1e9])
+    there = matrix * units[:, None] / units
+    plain = multipliers([matrix], [v[:, :1]], ONE, 1e-10)
+    scaled = multipliers([there], [units[:, None] * v[:, :1]], units, 1e-10)
+    np.testing.assert_allclose(scaled.values, plain.values, rtol=1e-12)
+    np.testing.assert_allclose(scaled.errors, plain.errors, rtol=1e-6)
+
+
+@pytest.mark.parametrize("segments", [1, 3])
+def test_complex_pairs_are_exact_and_the_upper_one_comes_first(segments):
+    turn = np.array([[0.8, -0.7, 0.0], [0.7, 0.8, 0.0], [0.3, 0.1, 0.5]])
+    random = np.random.default_rng(segments)
+    frames = [random.standard_normal((3, 3)) for _ in range(segments)]
+    factors = [frames[(i + 1) % segments] @ turn @ np.linalg.inv(frames[i]) for i in range(segments)]
+    found = multipliers(factors, [NOTHING] * segments, ONE, 1e-10)
+    np.testing.assert_allclose(found.values[0], (0.8 + 0.7j) ** segments, rtol=1e-12)
+    assert found.values[1] == np.conj(found.values[0])
+
+
+def test_nothing_is_left_of_one_state():
+    found = multipliers([np.eye(1)], [np.ones((1, 1))], np.ones(1), 1e-10)
+    assert found.values.shape == (0,)
+    assert found.unstable(None) == 0
+
+
+def test_doubtful_ones_count_as_at_the_neighbour():
+    values = np.array([1.5, 1.0 + 1e-12, 0.5], dtype=complex)
+    found = Multipliers(values, np.full(3, 1e-9), 1e-9)
+    assert found.unstable(2) == 2
+    assert found.unstable(1) == 1
+    assert found.unstable(None) == 1

@@ -1,0 +1,97 @@
+"""Eigenvalues of products that are never formed, against products known in closed form or in 200 digits."""
+
+import mpmath
+import numpy as np
+import pytest
+
+from contwalk.problems.orbit.schur import product_eigenvalues
+
+
+def exactly(factors):
+    """Eigenvalues of the formed product in 200 digits, by descending modulus."""
+    with mpmath.workdps(200):
+        whole = mpmath.eye(len(factors[0]))
+        for factor in factors:
+            whole = mpmath.matrix(factor.tolist()) * whole
+        values = mpmath.eig(whole, left=False, right=False)
+        return sorted((complex(v) for v in values), key=lambda v: (-abs(v), -v.imag))
+
+
+def ordered(values):
+    return sorted((complex(v) for v in values), key=lambda v: (-abs(v), -v.imag))
+
+
+@pytest.mark.parametrize("size", [1, 2, 3, 5, 8])
+@pytest.mark.parametrize("number", [1, 2, 3, 7])
+def test_random_products(size, number):
+    random = np.random.default_rng(100 * size + number)
+    factors = [random.standard_normal((size, size)) for _ in range(number)]
+    found, wanted = ordered(product_eigenvalues(factors)), exactly(factors)
+    # Backward stable: each factor is perturbed by some roundings; the product's condition is modest here.
+    norm = float(np.prod([np.linalg.norm(f, 2) for f in factors]))
+    for a, b in zip(sorted(found, key=abs), sorted(wanted, key=abs), strict=True):
+        assert min(abs(a - b), abs(a - b.conjugate())) <= 1e-12 * norm
+
+
+@pytest.mark.parametrize("number", [4, 12, 24])
+def test_twelve_decades_up_and_down_each_with_its_own_accuracy(number):
+    """Each factor is V_i+1 D V_i^-1 with 10^(+-12/number) in D: the product is similar to D^number."""
+    random = np.random.default_rng(number)
+    bases = [
+        np.linalg.qr(random.standard_normal((3, 3)))[0] @ np.diag([1.0, 1.5, 0.7]) for _ in range(number)
+    ]
+    d = np.diag([10.0 ** (12.0 / number), 1.0, 10.0 ** (-12.0 / number)])
+    factors = [bases[(i + 1) % number] @ d @ np.linalg.inv(bases[i]) for i in range(number)]
+    found = ordered(product_eigenvalues(factors))
+    # Rounding of each factor, 2e-16 of its norm, reaches its smallest share multiplied by the ratio in one
+    # factor.
+    tolerance = 1e-14 * number * 10.0 ** (24.0 / number)
+    np.testing.assert_allclose(found, [1e12, 1.0, 1e-12], rtol=tolerance)
+    if number >= 12:
+        assert tolerance < 1e-10
+
+
+def test_the_formed_product_would_have_lost_them():
+    """What this is for: numpy's eigenvalues of the formed product have not one right digit of the
+    smallest.
+    """
+    random = np.random.default_rng(24)
+    bases = [np.linalg.qr(random.standard_normal((3, 3)))[0] for _ in range(12)]
+    d = np.diag([10.0, 1.0, 0.1])
+    factors = [bases[(i + 1) % 12] @ d @ bases[i].T for i in range(12)]
+    whole = np.linalg.multi_dot(factors[::-1])
+    smallest = min(abs(np.linalg.eigvals(whole)))
+    assert abs(smallest - 1e-12) > 1e-12
+    assert min(abs(product_eigenvalues(factors))) == pytest.approx(1e-12, rel=1e-12)
+
+
+def test_complex_pairs_and_signs():
+    turn = np.array([[0.0, -2.0, 0.0], [2.0, 0.0, 0.0], [0.0, 0.0, -3.0]])
+    # Three quarter turns of growth 8, and (-3)^3.
+    found = ordered(product_eigenvalues([turn, turn, turn]))
+    np.testing.assert_allclose(found, [-27.0, 8.0j, -8.0j], rtol=0, atol=1e-13)
+
+
+def test_singular_factors():
+    """A direction that is lost entirely has the multiplier zero; the others do not feel it."""
+    a = np.diag([2.0, 3.0, 0.0])
+    b = np.diag([5.0, 0.5, 1.0])
+    found = ordered(product_eigenvalues([a, b]))
+    np.testing.assert_allclose(found, [10.0, 1.5, 0.0], rtol=1e-14, atol=1e-15)
+
+
+def test_the_identity_and_defective_products():
+    np.testing.assert_allclose(product_eigenvalues([np.eye(3)] * 4), np.ones(3), rtol=1e-15)
+    jordan = np.array([[1.0, 1.0], [0.0, 1.0]])
+    found = product_eigenvalues([jordan, jordan, jordan])
+    # A double eigenvalue moves by the root of the rounding.
+    np.testing.assert_allclose(found, [1.0, 1.0], rtol=0, atol=1e-7)
+
+
+def test_factors_are_left_as_they_are():
+    random = np.random.default_rng(5)
+    factors = [random.standard_normal((3, 3)) for _ in range(4)]
+    copies = [factor.copy() for factor in factors]
+    product_eigenvalues(factors)
+    for factor, copy in zip(factors, copies, strict=True):
+        assert np.array_equal(factor, copy)
