@@ -60,7 +60,8 @@ def problem_of(
     turns = np.array(stored.get("turns") or np.zeros(len(info.states)), dtype=float)
     if symmetry is None and not np.any(turns):
         return orbit
-    return orbit.closing(turns, symmetry, int(stored.get("power", 1)), int(stored.get("fold", 1)))
+    closed = orbit.closing(turns, symmetry, int(stored.get("power", 1)), int(stored.get("fold", 1)))
+    return closed.alike(int(stored.get("parts", 1)))
 
 
 def reopened(

@@ -95,8 +95,9 @@ def choose(
 ) -> Choice:
     """The method that does least work on the path from (t0, x0) to t1; arguments as for `adaptive`.
 
-    `carried` are the tangents that are to be computed on the steps of the path, from neighbouring starts. Explicit
-    steps at the limit of stability, taken again, go beyond it; the implicit method is then taken whatever it costs.
+    `carried` are the tangents that are to be computed on the steps of the path, from neighbouring starts.
+    Explicit steps at the limit of stability, taken again, go beyond it: the implicit method is then taken
+    whatever it costs.
     """
 
     def run(method: str, most: float) -> Path:
@@ -148,8 +149,8 @@ def explicit_work(field: Field, path: Path, carried: Carried | None = None) -> f
 def implicit_work(field: Field, path: Path, carried: Carried | None = None) -> float:
     """Work of an implicit path and of tangents on its steps, in units of a right-hand side of `field`.
 
-    Tangents of a step need the Jacobians of five stages, 125 n^3 / 3 products for the factors, and 25 n^2 a column
-    for the solution; some of them are zero.
+    Tangents of a step need the Jacobians of five stages, 125 n^3 / 3 products for the factors, and 25 n^2 a
+    column for the solution; some of them are zero.
     """
     work = _newton(field, path)
     if carried is not None:

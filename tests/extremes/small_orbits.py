@@ -61,7 +61,8 @@ def moebius(apart: float, steep: float = 1.0, centre: float = 0.3) -> Callable[.
     """A cycle of period 2 pi with a transverse plane that turns half round, as a Moebius strip does.
 
     Its multipliers are exp(-4 pi), -exp(2 pi g) and -exp(-2 pi), where
-    g = steep ((lam - centre)^2 - (apart / 2)^2): period doublings at lam = centre -+ apart / 2, where the doubled orbit is stable.
+    g = steep ((lam - centre)^2 - (apart / 2)^2): supercritical period doublings at
+    lam = centre -+ apart / 2.
     """
     half = 0.5 * apart
 

@@ -1,4 +1,4 @@
-"""Orbits of stiff fields, of fields that end, of rotors that wind, and of machines that are all but neutral."""
+"""Orbits of stiff fields, of fields that end, of rotors that wind, and of all but neutral machines."""
 
 import math
 

@@ -63,7 +63,7 @@ def chain(bodies: int) -> Field:
 
 @pytest.mark.parametrize(("damping", "end", "method"), [(0.1, 40.0, "dop853"), (3e5, 40.0, "radau9")])
 def test_a_chain_of_28_states(damping: float, end: float, method: str) -> None:
-    """Dampers of 3e5 have rates up to 1.2e6: explicit steps of 5e-6, against some tens of long implicit ones."""
+    """Dampers of 3e5 have rates up to 1.2e6: explicit steps of 5e-6, against some tens of implicit ones."""
     field, n = chain(14), 28
     c, start = field.constants([5.0, damping, 1.0]), np.zeros(28)
     start[:14] = np.sin(np.arange(14.0))
@@ -85,7 +85,7 @@ def test_tangents_count() -> None:
 
 
 def test_steps_to_be_taken_again_are_not_at_the_limit_of_stability() -> None:
-    """At mu = 20 the explicit pair is cheaper, but on its steps a neighbouring motion would grow without bound."""
+    """At mu = 20 the explicit pair is cheaper, but on its steps a neighbouring motion may grow."""
     field = field_of(lambda t, x, p: [x[1], p[0] * (1.0 - x[0] ** 2) * x[1] - x[0]], 2, 1)
     arguments = (field, field.constants([20.0]), 0.0, [2.0, 0.0], 40.0, 1e-6, [2.0, 30.0])
     assert choose(*arguments).method == "dop853"

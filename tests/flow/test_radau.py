@@ -71,7 +71,10 @@ def test_numbers_follow_from_the_definition(tableau: Collocation) -> None:
 
 @pytest.mark.parametrize("tableau", [RADAU5, RADAU9])
 def test_ratio_of_error_and_estimate_for_small_steps(tableau: Collocation) -> None:
-    """On the motion t^(s+1) of x' = z x + g(t), stages have the errors (1 - z A)^-1 e, e = c^(s+1) - (s+1) A c^s."""
+    """On the motion t^(s+1) of x' = z x + g(t).
+
+    Its stages have the errors (1 - z A)^-1 e with e = c^(s+1) - (s + 1) A c^s.
+    """
     c, a, s = np.array(tableau.nodes), np.array(tableau.matrix), tableau.stages
     stages = c ** (s + 1) - (s + 1) * a @ c**s
     end = np.linalg.matrix_power(a, s - 1)[-1] @ stages
@@ -223,7 +226,7 @@ def test_steps_of_a_path_are_taken_again_bitwise(method: str) -> None:
 
 @pytest.mark.parametrize("method", METHODS)
 def test_backwards_leads_back(method: str) -> None:
-    """On a conservative flow, in which neither direction is stiff; the last step ends on the last bit of t1."""
+    """On a conservative flow, stiff in neither direction; the last step ends on the last bit of t1."""
     field, start = kepler(), np.array([0.6, 0.0, 0.0, np.sqrt(1.4 / 0.6)])
     c = field.constants([1.0])
     there = adaptive(field, c, 0.0, start, 7.0, 1e-11, np.ones(4), method)

@@ -1,4 +1,4 @@
-"""Figs 18 to 21: borders of stability of the rotor on an anisotropic suspension, by continuation of the orbit.
+"""Figs 18 to 21: borders of stability of the anisotropic rotor, by continuation of the orbit.
 
 Numbers are verified values. tests/systems/test_autobalancer_anisotropic.py checks them by collocation.
 """

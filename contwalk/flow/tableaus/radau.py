@@ -59,9 +59,9 @@ class Collocation:
 
     @property
     def linear(self) -> float:
-        """Error of a step for h J = z in units of the embedded estimate and of z^2 / |mu - z|^2 (product over pairs).
+        """Error of a step for h J = z, in units of the embedded estimate and of z^2 / |mu - z|^2.
 
-        It is s / (s + 1), as the motion t^(s+1) shows.
+        (The product of these over the pairs.) It is s / (s + 1), as the motion t^(s+1) shows.
         """
         return self.stages / (self.stages + 1)
 

@@ -81,7 +81,9 @@ def _once_round(problem: PeriodicOrbit, x: np.ndarray, values: np.ndarray) -> tu
     declared = np.array([s.scale or np.nan for s in problem.system.states])
     shares = ranges / np.maximum(sizes, 1e-9 * sizes.max())
     still = (shares <= CONSTANT * shares.max()) | (shares <= 10.0 * ROUGH)
-    at_rest = np.where(np.isfinite(declared), declared, np.where(sizes > max(1e-9 * sizes.max(), 1e-250), sizes, 1.0))
+    at_rest = np.where(
+        np.isfinite(declared), declared, np.where(sizes > max(1e-9 * sizes.max(), 1e-250), sizes, 1.0)
+    )
     ranges = np.where(still, at_rest, ranges)
     return turns * own, ranges
 

@@ -99,6 +99,7 @@ class PeriodicOrbit:
         self._direction = np.array([float(end[name]) - float(begin[name]) for name in names])
         self.fixed = np.concatenate([self._base, self._direction])
         self.closure = self._closed(np.zeros(self.states))
+        self.parts = 1  # of the closure in which the steps are alike
         self.section: Section | None = None
         self._reference: Reference | None = None
         self._mesh: Mesh | None = None
@@ -361,6 +362,7 @@ class PeriodicOrbit:
                 **neutrals.kept(self.pins, self.parameters, self.states, self.path),
                 "segments": self.segments,
                 "fold": self.closure.fold,
+                "parts": self.parts,
                 "power": self.closure.power,
                 "turns": self.closure.turns.tolist(),
             },
@@ -570,7 +572,7 @@ class PeriodicOrbit:
         tolerance = tolerance or self.discretization.walking
         method = self.discretization.method
         values = np.concatenate([scalars, self.fixed])
-        mesh = meshed(self.motion, starts, values, magnitudes, tolerance, method)
+        mesh = meshed(self.motion, starts, values, magnitudes, tolerance, method, self.parts)
         self._tally[0] += 2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps)
         problem = self.on(mesh, self._section_at(starts[0], values, magnitudes))
         if self.discretization.phase == "integral" and not self.forced:
@@ -600,15 +602,19 @@ class PeriodicOrbit:
         turns = 2.0 * closure.turns
         if closure.fold == 1:
             other = self._varied(subharmonic=2 * self.subharmonic) if self.forced else self
-            return other.closing(turns)
+            return other.closing(turns).alike(2)
         fold = closure.fold // 2 if closure.fold % 2 == 0 else closure.fold
         if fold == 1:
-            return self.closing(turns)
-        return self.closing(turns, closure.symmetry, 2 * closure.power % closure.fold, fold)
+            return self.closing(turns).alike(2)
+        return self.closing(turns, closure.symmetry, 2 * closure.power % closure.fold, fold).alike(2)
+
+    def alike(self, parts: int) -> PeriodicOrbit:
+        """The same problem on steps that are alike in so many parts of the closure."""
+        return self._varied(parts=parts)
 
     def without_symmetry(self) -> PeriodicOrbit:
         """The problem of the whole orbits."""
-        return self.closing(self.closure.fold * self.closure.turns)
+        return self.closing(self.closure.fold * self.closure.turns).alike(self.closure.fold)
 
     def _with_phase_of(self, other: PeriodicOrbit) -> PeriodicOrbit:
         """The same problem with the section of another one; an integral condition is its own on each mesh."""

@@ -54,7 +54,7 @@ class Simulation:
         return np.concatenate([scalars, [fixed[0]], fixed, np.zeros(len(names))])
 
     def run(self, t: float, x: np.ndarray, end: float, weights: np.ndarray) -> Choice:
-        """The motion from t to `end`, by the method that works least; `path.status` tells what became of it."""
+        """The motion from t to `end` by the method that works least; `path.status`: what became of it."""
         motion = motion_of(self.system, self.system.parameter_names[0], (), (), 1.0)
         field = motion.field(PLAIN)
         c = field.constants(self.constants())

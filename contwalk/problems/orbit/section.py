@@ -1,10 +1,11 @@
 """What fixes the phase of an orbit of an autonomous system.
 
 A *section* is a hyperplane through a point of the orbit, at a right angle to the flow in the metric. It is
-anchored anew at every point of a branch, so that the flow always crosses it well. Where the orbit has become slow
-there it moves to where the orbit is fast: near an equilibrium the flow hardly crosses anything. Where it has
-become a jump it moves to where the orbit is slow: the state in a jump depends on the instant by far too much. The *integral* condition asks for the phase nearest to that of the
-last orbit, over the whole period (E. J. Doedel, 1981).
+anchored anew at every point of a branch, so that the flow always crosses it well. Where the orbit has become
+slow there it moves to where the orbit is fast: near an equilibrium the flow hardly crosses anything. An orbit
+that jumps has its section where it is slow: in a jump the state depends on the instant by far too much. The
+*integral* condition asks for the phase nearest to that of the last orbit, over the whole period (Doedel,
+1981).
 """
 
 from __future__ import annotations
@@ -14,8 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-
-# Parts of the mean speed of an orbit, in the metric: below the first it is slow, above the second it jumps.
+# Parts of the mean speed of an orbit, in the metric. One that is faster than the second somewhere, and for
+# half its time not slower than the first, has jumps; of others the fastest speed counts.
 SLOW, JUMPING = 0.05, 20.0
 
 
@@ -43,16 +44,14 @@ def better_phase(times: np.ndarray, speeds: np.ndarray, lengths: np.ndarray) -> 
     Parameters
     ----------
     times, speeds, lengths : ndarray, shape (s,)
-        Middles of the orbit's steps, its speed there, and how long they are. The first is where the section is.
+        Middles of the orbit's steps, its speed there, and how long they are. The section is at the first.
     """
     mean = float(speeds @ lengths / lengths.sum())
-    if speeds[0] < SLOW * mean:
-        return float(times[int(np.argmax(speeds))])
     order = np.argsort(speeds)
     median = order[int(np.searchsorted(np.cumsum(lengths[order]), 0.5 * lengths.sum()))]
-    if speeds[0] > JUMPING * mean and speeds[median] > SLOW * mean:
-        return float(times[median])
-    return None
+    if speeds.max() > JUMPING * mean and speeds[median] > SLOW * mean:
+        return float(times[median]) if not SLOW * mean <= speeds[0] <= JUMPING * mean else None
+    return float(times[int(np.argmax(speeds))]) if speeds[0] < SLOW * speeds.max() else None
 
 
 @dataclass(frozen=True, eq=False)

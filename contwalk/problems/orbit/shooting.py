@@ -16,6 +16,7 @@ from contwalk.errors import NotFinite
 from contwalk.flow.method import Carried, choose
 from contwalk.problems.orbit.closure import Closure
 from contwalk.problems.orbit.motion import PLAIN, TANGENT, Motion
+from contwalk.problems.orbit.repeating import repeating
 
 # An orbit that would go a smaller part of its magnitudes in one period is a point.
 STILL = 1e-11
@@ -155,6 +156,7 @@ def meshed(
     magnitudes: np.ndarray,
     tolerance: float,
     method: str,
+    parts: int = 1,
 ) -> Mesh:
     """Steps on which a motion, and a generic neighbour of it, are integrated to a tolerance.
 
@@ -169,6 +171,8 @@ def meshed(
         Scalars and fixed parameters.
     magnitudes : ndarray, shape (n,)
         Typical magnitudes of the states. Where a state varies less along the orbit, its variation counts.
+    parts : int
+        The steps are made alike in so many parts of the closure.
 
     Raises
     ------
@@ -185,7 +189,10 @@ def meshed(
             variation = smaller
             paths, chosen, reason = finer
     growth = max(_growth(path.states[:, len(variation) :] / variation) for path in paths)
-    return Mesh(tuple(path.times for path in paths), chosen, tolerance, variation, magnitudes, growth, reason)
+    steps = tuple(path.times for path in paths)
+    if parts > 1:
+        steps = repeating(steps, parts)
+    return Mesh(steps, chosen, tolerance, variation, magnitudes, growth, reason)
 
 
 def _variation(
@@ -204,9 +211,7 @@ def _variation(
     return magnitudes * np.clip(shares, LEAST_SHARE * largest, 1.0)
 
 
-def _still(
-    motion: Motion, values: np.ndarray, paths: Sequence[flow.Path], magnitudes: np.ndarray
-) -> bool:
+def _still(motion: Motion, values: np.ndarray, paths: Sequence[flow.Path], magnitudes: np.ndarray) -> bool:
     """Whether the field vanishes all along, to rounding."""
     n, field = len(magnitudes), motion.field(PLAIN)
     c = field.constants(values)

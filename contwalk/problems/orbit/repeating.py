@@ -1,0 +1,52 @@
+"""Steps that repeat themselves over a closure.
+
+An orbit that was born at a period doubling meets itself half a period later at its birth, and one that lost a
+symmetry meets its image. On steps that are the same in both halves the equations keep that symmetry to rounding, and
+the pitchfork at which the orbit was born, or falls back onto its parent, stays one. On other steps their errors
+unfold it, and a walk would turn off onto the wrong branch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+
+def repeating(steps: Sequence[np.ndarray], parts: int) -> tuple[np.ndarray, ...]:
+    """Steps that are alike in all parts of the closure, nowhere longer than those given.
+
+    Parameters
+    ----------
+    steps : sequence of ndarray
+        Times in 0..1 of each segment's steps, its ends included; segments are of equal length.
+    parts : int
+    """
+    times = np.unique(np.concatenate(steps))
+    density = 1.0 / np.diff(times)
+    m = len(steps)
+    ends = np.unique(np.round(np.concatenate([np.arange(m + 1) / m * parts % 1.0, [0.0, 1.0]]), 12)) / parts
+    part = np.concatenate(
+        [_even(times, density, low, high, parts) for low, high in zip(ends[:-1], ends[1:], strict=True)]
+    )
+    part = np.unique(np.append(part, 1.0 / parts))
+    whole = np.concatenate([part[:-1] + p / parts for p in range(parts)])
+    result = []
+    for i in range(m):
+        inside = whole[(whole > i / m + 1e-12) & (whole < (i + 1) / m - 1e-12)]
+        result.append(np.concatenate([[i / m], inside, [(i + 1) / m]]))
+    return tuple(result)
+
+
+def _even(times: np.ndarray, density: np.ndarray, low: float, high: float, parts: int) -> np.ndarray:
+    """Times between two ends of the first part, as dense as the densest of all parts, without the last one."""
+    places = np.concatenate([times - p / parts for p in range(parts)])
+    knots = np.unique(np.concatenate([[low, high], places[(places > low) & (places < high)]]))
+    middle = 0.5 * (knots[1:] + knots[:-1])
+    every = [
+        density[np.clip(np.searchsorted(times, middle + p / parts) - 1, 0, len(density) - 1)]
+        for p in range(parts)
+    ]
+    count = np.concatenate([[0.0], np.cumsum(np.max(every, axis=0) * np.diff(knots))])
+    number = max(int(np.ceil(count[-1] - 1e-9)), 1)
+    return np.interp(np.arange(number) * count[-1] / number, count, knots)
