@@ -52,7 +52,7 @@ def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | Non
     has no steps.
     """
     here = segment.at(theta)
-    ends = min(abs(segment.a.measures[which]), abs(segment.b.measures[which]))
+    ends = max(abs(segment.a.measures[which]), abs(segment.b.measures[which]))
     if abs(here.measures[which]) > CLOSE * ends:
         return None
     finest = segment.problem.finest(here.z, segment.weights)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from contwalk.errors import called
+from contwalk.errors import StartError, called
 from contwalk.flow.method import choose
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.discretization import Discretization
@@ -61,11 +61,27 @@ def orbit_at(
     )
     scalars = np.array([value]) if system.period is not None else np.array([float(period or 0.0), value])
     values = np.concatenate([scalars, problem.fixed])
+    _check_moves(problem, np.asarray(state, dtype=float), values)
     turns, ranges = _once_round(problem, np.asarray(state, dtype=float), values)
     problem = problem.closing(turns)
     z = np.concatenate([np.asarray(state, dtype=float), scalars])
     weights = np.concatenate([ranges, np.abs(scalars)])
     return cut(problem.adapted_to(z, weights, segments=1), z, weights)
+
+
+def _check_moves(problem: PeriodicOrbit, x: np.ndarray, values: np.ndarray) -> None:
+    """An autonomous system's orbit does not begin at an equilibrium.
+
+    Raises
+    ------
+    StartError
+        If the field vanishes at the state.
+    """
+    if not problem.forced and not np.any(velocity(problem.motion, x, 0.0, values)):
+        raise StartError(
+            "The field is zero at the start: an equilibrium, which is no periodic orbit.",
+            "Start at another state, or continue the equilibrium with start: {state: {...}}.",
+        )
 
 
 def _once_round(problem: PeriodicOrbit, x: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

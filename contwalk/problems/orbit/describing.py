@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 # Where theta is this near to 2 pi k / q, q = 1..4, the point is a strong resonance.
 RESONANT = 1e-6
+# A coefficient this small is zero: deviations as large as the orbit would do nothing.
+VANISHES = 1e-9
 
 Form = tuple[str | None, str | None, dict[str, Any], str | None]
 
@@ -61,16 +63,24 @@ def _normal_form(problem: PeriodicOrbit, label: str, located: Located, sample: S
         return None, None, normal_forms.fold(problem, z), None
     if label in ("PD", "SB"):
         coefficients = normal_forms.flip(problem, z)
-        criticality = "supercritical" if coefficients["c"] > 0 else "subcritical"
+        criticality, vanishes = _criticality(-coefficients["c"])
         if label == "PD":
-            return None, criticality, coefficients, None
+            return None, criticality, coefficients, vanishes
         name = problem.closure.name
-        return "symmetry-breaking", criticality, coefficients, f"the orbits that leave have lost '{name}'"
+        note = vanishes or f"the orbits that leave have lost '{name}'"
+        return "symmetry-breaking", criticality, coefficients, note
     if label == "NS":
         return _torus(problem, z, located)
     if label == "BP":
         return _branch_point(problem, z, located, sample)
     return None, None, {}, None
+
+
+def _criticality(coefficient: float) -> tuple[str | None, str | None]:
+    """Criticality by the sign of a coefficient, and a note where it vanishes."""
+    if abs(coefficient) < VANISHES:
+        return None, "degenerate: the cubic coefficient is zero, as of a linear system"
+    return "supercritical" if coefficient < 0 else "subcritical", None
 
 
 def _torus(problem: PeriodicOrbit, z: np.ndarray, located: Located) -> Form:
@@ -83,8 +93,8 @@ def _torus(problem: PeriodicOrbit, z: np.ndarray, located: Located) -> Form:
     fold = problem.closure.fold
     if fold > 1:
         coefficients["theta_full"] = float(abs(np.angle(np.exp(1j * fold * theta))))
-    criticality = "supercritical" if coefficients["d"] < 0 else "subcritical"
-    return None, criticality, coefficients, None
+    criticality, vanishes = _criticality(coefficients["d"])
+    return None, criticality, coefficients, vanishes
 
 
 def _resonance(theta: float) -> str | None:
@@ -102,4 +112,5 @@ def _branch_point(problem: PeriodicOrbit, z: np.ndarray, located: Located, sampl
     c = normal_forms.branch_point(problem, z, float(sample.weights[-1]))
     if c["c11"] != 0.0:
         return "transcritical", None, c, None
-    return "pitchfork", "supercritical" if c["c"] < 0 else "subcritical", c, None
+    criticality, vanishes = _criticality(c["c"])
+    return "pitchfork", criticality, c, vanishes

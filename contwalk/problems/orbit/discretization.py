@@ -10,7 +10,7 @@ LOOSEST, TIGHTEST = 1e-5, 3e-15
 FINEST = 1e-13
 # Local errors of a walk, and of the first attempt at a located point, in units of the wish: estimates of the
 # 8th-order pair are two digits on the safe side, and located points are checked on finer steps anyway.
-WALKING, LOCATING = 100.0, 1.0
+WALKING, LOCATING, MARKING = 100.0, 1.0, 0.03
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,11 @@ class Discretization:
     def walking(self) -> float:
         """Tolerance along a branch."""
         return _clipped(self.tolerance if self.tolerance is not None else WALKING * self.accuracy)
+
+    @property
+    def marking(self) -> float:
+        """Tolerance at marked points, which are not checked on finer steps."""
+        return _clipped(min(self.walking, MARKING * self.accuracy))
 
     @property
     def locating(self) -> float:

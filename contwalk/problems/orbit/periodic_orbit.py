@@ -25,6 +25,8 @@ from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, S
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 
+# Halves: pitchforks of orbits with a symmetry that nobody declared stay pitchforks as well.
+PARTS = 2
 # Segments that a branch has room for, if it does not begin with more.
 ROOM = 8
 # Samples of an orbit that observables are computed from, beside the integrator's own steps.
@@ -99,7 +101,7 @@ class PeriodicOrbit:
         self._direction = np.array([float(end[name]) - float(begin[name]) for name in names])
         self.fixed = np.concatenate([self._base, self._direction])
         self.closure = self._closed(np.zeros(self.states))
-        self.parts = 1  # of the closure in which the steps are alike
+        self.parts = PARTS  # of the closure in which the steps are alike
         self.section: Section | None = None
         self._reference: Reference | None = None
         self._mesh: Mesh | None = None
@@ -306,7 +308,11 @@ class PeriodicOrbit:
         """What of each residual is rounding, or error of the steps."""
         n, m = self.states, self.segments
         variation = self.mesh.variation
-        rounding = 8.0 * EPSILON * (np.abs(jacobian) @ np.abs(z))
+        steps = sum(len(times) for times in self.mesh.steps)
+        terms = np.abs(jacobian) @ np.abs(z)
+        # In the Jacobian of a single segment, derivative and identity have cancelled.
+        terms[: m * n] += np.abs(z[: m * n])
+        rounding = (8.0 + steps) * EPSILON * terms
         level = np.concatenate(
             [np.tile(SOLVED * self.mesh.tolerance * variation, m), np.zeros(self.size - m * n)]
         )
@@ -386,6 +392,7 @@ class PeriodicOrbit:
         length = float(np.linalg.norm(tangent / weights))
         unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
         found = self.multipliers(z, linearization.jacobian)
+        trivial = self.trivial_error(z, linearization.jacobian)
         bordered = np.vstack([linearization.jacobian, unit / weights**2])
         return Sample(
             z=z,
@@ -402,10 +409,11 @@ class PeriodicOrbit:
             excess=linearization.excess_in(weights),
             error=solution_error(bordered, self._errors(linearization), weights),
             critical=1.0,
-            spectrum_error=found.accuracy,
+            # The flow's own multiplier is one exactly: what it misses by, the others may.
+            spectrum_error=max(found.accuracy, 2.0 * float(np.nan_to_num(trivial))),
             sizes=np.nan_to_num(linearization.magnitudes),
             period=self.duration(z),
-            trivial_error=self.trivial_error(z, linearization.jacobian),
+            trivial_error=trivial,
         )
 
     def factors(self, jacobian: np.ndarray) -> list[np.ndarray]:
@@ -589,7 +597,7 @@ class PeriodicOrbit:
 
     def refined(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> PeriodicOrbit:
         """The same problem, section included, on steps for located points."""
-        tolerance = tolerance or self.discretization.locating
+        tolerance = tolerance or self.discretization.marking
         return self.adapted_to(z, weights, tolerance)._with_phase_of(self)
 
     def finest(self, z: np.ndarray, weights: np.ndarray) -> PeriodicOrbit:

@@ -16,8 +16,9 @@ if TYPE_CHECKING:
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
     from contwalk.problems.problem import Sample
 
-# Rates are computed of multipliers this near to the unit circle: only there a pair of crossings may hide.
-NEAR = 0.25
+# Rates are computed of the leading multipliers whose moduli lie between these: a pair of crossings may hide between
+# two points far from the unit circle.
+LEADING, LEAST, MOST = 3, 0.2, 1e8
 # Displacement along the branch, in the metric, for the rate of an observable.
 BESIDE = 1e-4
 
@@ -29,7 +30,7 @@ def of_moduli(problem: PeriodicOrbit, z: np.ndarray, tangent: np.ndarray, found:
     """
     rates = np.full(len(found.values), np.nan)
     for k, value in enumerate(found.values):
-        if abs(abs(value) - 1.0) > NEAR or (value.imag == 0.0 and value.real > 0.0):
+        if not LEAST < abs(value) < MOST or k >= LEADING or (value.imag == 0.0 and value.real > 0.0):
             continue
         paired = k > 0 and value.imag != 0.0 and value == np.conj(found.values[k - 1])
         rates[k] = rates[k - 1] if paired else of_modulus(problem, z, tangent, complex(value))

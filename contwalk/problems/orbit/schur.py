@@ -71,7 +71,10 @@ def _sweeps(chain: list[np.ndarray]) -> None:
     while high > 0:
         sizes = np.abs(np.diag(last))
         below = np.abs(np.diag(last, -1))
-        below_is_nothing = below <= EPSILON * (sizes[:-1] + sizes[1:])
+        near = sizes[:-1] + sizes[1:]
+        # Where both neighbours vanish, the whole factor is the measure.
+        near = np.where(near > 0.0, near, np.linalg.norm(last))
+        below_is_nothing = below <= EPSILON * near
         for k in np.flatnonzero(below_is_nothing):
             last[k + 1, k] = 0.0
         if last[high, high - 1] == 0.0:

@@ -24,6 +24,8 @@ STILL = 1e-11
 LEAST_SHARE = 1e-3
 # Local errors this small, in units of the magnitudes, are below rounding.
 ROUNDED = 3e-15
+# A motion that has grown so much when its steps vanish grows without bound.
+BURST = 1e3
 # What moves this much less on finer steps did not move.
 SHRINKS = 0.3
 
@@ -266,7 +268,10 @@ def arrived(path: flow.Path) -> flow.Path:
         With what became of the motion.
     """
     if path.status != "ok":
-        raise NotFinite(_SENTENCES[path.status], "Start elsewhere, or keep the run away from there.")
+        status = path.status
+        if status == "step_too_small" and np.abs(path.states[-1]).max() > BURST * np.abs(path.states[0]).max():
+            status = "not_finite"
+        raise NotFinite(_SENTENCES[status], "Start elsewhere, or keep the run away from there.")
     return path
 
 

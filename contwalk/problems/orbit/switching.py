@@ -63,7 +63,7 @@ def from_hopf(equilibrium: Equilibrium, point: SpecialPoint) -> Sequence[Seed]:
     method = orbit.discretization.method
 
     def cut(m: int) -> tuple[PeriodicOrbit, np.ndarray, np.ndarray]:
-        mesh = meshed(orbit.motion, np.tile(x, (m, 1)), values, magnitudes, tolerance, method)
+        mesh = meshed(orbit.motion, np.tile(x, (m, 1)), values, magnitudes, tolerance, method, orbit.parts)
         turns = np.exp(1j * omega * period * np.arange(m) / m)
         tangent = np.concatenate([*[(q * turn).real for turn in turns], np.zeros(len(scalars))])
         return orbit.on(mesh, section), np.concatenate([np.tile(x, m), scalars]), tangent
