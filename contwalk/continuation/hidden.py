@@ -53,7 +53,7 @@ def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | Non
     """
     here = segment.at(theta)
     ends = max(abs(segment.a.measures[which]), abs(segment.b.measures[which]))
-    if abs(here.measures[which]) > CLOSE * ends:
+    if abs(here.measures[which]) > max(CLOSE * ends, here.spectrum_error or 0.0):
         return None
     finest = segment.problem.finest(here.z, segment.weights)
     if finest is None:

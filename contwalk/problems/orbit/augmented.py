@@ -95,7 +95,7 @@ def _refined(problem: PeriodicOrbit, system: Augmented, rough: np.ndarray, sampl
         correction = _correction(check, system, found)
         if correction is None:
             break
-        error = 2.0 * abs(float(correction[size])) + _rounding(check, system, found)
+        error = 4.0 * abs(float(correction[size])) + _rounding(check, system, found)
         found, finer = found - correction, check
         if best is None or error < best[0]:
             best = (error, found, finer)

@@ -12,7 +12,7 @@ from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.motion import PLAIN
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
-from contwalk.problems.orbit.shooting import arrived, velocity
+from contwalk.problems.orbit.shooting import Mesh, arrived, velocity
 from contwalk.problems.orbit.transport import carried_to, segments_for
 from contwalk.system import System
 from contwalk.system.declarations import ParameterValues
@@ -62,11 +62,9 @@ def orbit_at(
     scalars = np.array([value]) if system.period is not None else np.array([float(period or 0.0), value])
     values = np.concatenate([scalars, problem.fixed])
     _check_moves(problem, np.asarray(state, dtype=float), values)
-    turns, ranges = _once_round(problem, np.asarray(state, dtype=float), values)
-    problem = problem.closing(turns)
+    turns, mesh = _once_round(problem, np.asarray(state, dtype=float), values)
     z = np.concatenate([np.asarray(state, dtype=float), scalars])
-    weights = np.concatenate([ranges, np.abs(scalars)])
-    return cut(problem.adapted_to(z, weights, segments=1), z, weights)
+    return cut(problem.closing(turns).on(mesh, None), z, mesh.magnitudes)
 
 
 def _check_moves(problem: PeriodicOrbit, x: np.ndarray, values: np.ndarray) -> None:
@@ -84,12 +82,13 @@ def _check_moves(problem: PeriodicOrbit, x: np.ndarray, values: np.ndarray) -> N
         )
 
 
-def _once_round(problem: PeriodicOrbit, x: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """By how much angles grow in one period, in whole turns, and half the range of each state."""
+def _once_round(problem: PeriodicOrbit, x: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, Mesh]:
+    """By how much angles grow in one period, in whole turns, and the steps of a first look at the motion."""
     field = problem.motion.field(PLAIN)
     largest = float(np.abs(x).max())
     size = np.maximum(np.abs(x), 1e-3 * largest if largest > 0.0 else 1.0)
-    path = arrived(choose(field, field.constants(values), 0.0, x, 1.0, ROUGH, size).path)
+    choice = choose(field, field.constants(values), 0.0, x, 1.0, ROUGH, size)
+    path = arrived(choice.path)
     own = np.array([s.period or 0.0 for s in problem.system.states])
     grown = path.states[-1] - path.states[0]
     turns = np.where(own > 0.0, np.round(np.divide(grown, own, out=np.zeros_like(grown), where=own > 0)), 0.0)
@@ -101,19 +100,17 @@ def _once_round(problem: PeriodicOrbit, x: np.ndarray, values: np.ndarray) -> tu
         np.isfinite(declared), declared, np.where(sizes > max(1e-9 * sizes.max(), 1e-250), sizes, 1.0)
     )
     ranges = np.where(still, at_rest, ranges)
-    return turns * own, ranges
+    return turns * own, Mesh((path.times,), choice.method, ROUGH, ranges, ranges)
 
 
-def cut(problem: PeriodicOrbit, z: np.ndarray, weights: np.ndarray) -> tuple[PeriodicOrbit, np.ndarray]:
+def cut(problem: PeriodicOrbit, z: np.ndarray, magnitudes: np.ndarray) -> tuple[PeriodicOrbit, np.ndarray]:
     """The same orbit in as many segments as the growth of deviations asks for; `problem` has one."""
     m, n = segments_for(problem, z), problem.states
-    if m == 1:
-        return problem, z
-    still = np.zeros(len(z))
-    starts = [carried_to(problem, z, still, j / m)[0] for j in range(m)]
-    there = np.concatenate([*starts, z[n:]])
-    magnitudes = np.concatenate([np.tile(weights[:n] * np.sqrt(m), m), weights[n:]])
-    return problem.adapted_to(there, magnitudes, segments=m), there
+    # On the problem's own steps: where deviations grow that much, other steps lead elsewhere.
+    starts = problem.shooting.at(problem.starts(z), problem.scalars(z), np.arange(m) / m)
+    there = np.concatenate([starts.ravel(), z[n:]])
+    weights = np.concatenate([np.tile(magnitudes * np.sqrt(m), m), np.abs(z[n:])])
+    return problem.adapted_to(there, weights, segments=m), there
 
 
 def symmetric(
@@ -142,7 +139,7 @@ def symmetric(
                 scalars[0] /= order
             part = np.concatenate([x, scalars])
             single = np.concatenate([weights[:n] / np.sqrt(problem.segments), np.abs(scalars)])
-            return cut(other.adapted_to(part, single, segments=1), part, single)
+            return cut(other.adapted_to(part, single, segments=1), part, single[:n])
     return None
 
 

@@ -13,6 +13,8 @@ from collections.abc import Sequence
 import numpy as np
 
 MOST_SWEEPS = 60
+# An eigenvalue this small against the block that it is in is not known from it.
+GRADED = 1e-6
 EPSILON = float(np.finfo(float).eps)
 
 
@@ -60,6 +62,9 @@ def _triangular(chain: list[np.ndarray], first: int = 0) -> None:
     """Restore the triangular form of rows and columns from `first` on, passing the changes on to the last."""
     for i in range(len(chain) - 1):
         q, r = np.linalg.qr(chain[i][first:, first:], mode="complete")
+        lost = np.flatnonzero(np.diag(r) == 0.0)
+        # A factor that is singular to rounding: which rounding it was makes no difference, but zero stops the sweeps.
+        r[lost, lost] = 0.1 * EPSILON * np.linalg.norm(r)
         chain[i][first:, first:] = r
         chain[i + 1][:, first:] = chain[i + 1][:, first:] @ q
 
@@ -98,7 +103,10 @@ def _shift(chain: list[np.ndarray], high: int, sweeps: int) -> complex:
     if sweeps % 11 == 10:  # an exceptional shift, against cycles
         return complex(abs(block[1, 0]) + abs(block[1, 1]))
     values = np.linalg.eigvals(block)
-    return complex(values[np.argmin(np.abs(values - block[1, 1]))])
+    shift = complex(values[np.argmin(np.abs(values - block[1, 1]))])
+    # A small eigenvalue of a formed product is mostly rounding; without a shift it separates by itself, as fast as
+    # it is small.
+    return shift if abs(shift) > GRADED * float(np.abs(block).max()) else 0.0
 
 
 def _sweep(chain: list[np.ndarray], low: int, high: int, shift: complex) -> None:

@@ -22,6 +22,7 @@ from contwalk.problems.orbit.repeating import repeating
 STILL = 1e-11
 # What a state is taken to move at least, in parts of what the one that moves most does.
 LEAST_SHARE = 1e-3
+CONSTANT = 1e-5
 # Local errors this small, in units of the magnitudes, are below rounding.
 ROUNDED = 3e-15
 # A motion that has grown so much when its steps vanish grows without bound.
@@ -130,6 +131,17 @@ class Shooting:
             for steps, x in zip(self.mesh.steps, starts, strict=True)
         ]
 
+    def at(self, starts: np.ndarray, scalars: np.ndarray, times: np.ndarray) -> np.ndarray:
+        """States at times in 0..1, in growing order, shape (k, n)."""
+        field = self.motion.field(PLAIN)
+        c = field.constants(self.values(scalars, ()))
+        found = []
+        for i, (steps, x) in enumerate(zip(self.mesh.steps, self.states(starts, scalars), strict=True)):
+            last = i == self.mesh.segments - 1
+            inside = times[(times >= steps[0]) & ((times < steps[-1]) | (last & (times == steps[-1])))]
+            found.append(flow.dense(field, c, steps, x, inside, self.mesh.method))
+        return np.concatenate(found)
+
     def sampled(self, starts: np.ndarray, scalars: np.ndarray, number: int) -> tuple[np.ndarray, np.ndarray]:
         """Times 0..1 and states, shape (k, n), at least `number` of them evenly spread, and the steps' own."""
         field = self.motion.field(PLAIN)
@@ -202,14 +214,15 @@ def _variation(
 ) -> np.ndarray:
     """Half the range of each state, not above its magnitude; the magnitudes themselves of an orbit that is a point.
 
-    A state that moves far less than the others is taken as moving a thousandth of what they do: what it seems
-    to move may be the error of the steps.
+    A state that moves far less than the others is taken as moving a thousandth of what they do, and one that does
+    not move as moving as they do: what it seems to move is the error of the steps.
     """
     n = len(magnitudes)
     shares = 0.5 * np.ptp(np.concatenate([path.states for path in paths])[:, :n], axis=0) / magnitudes
     largest = float(shares.max())
     if largest < tolerance and (largest * tolerance < ROUNDED or _still(motion, values, paths, magnitudes)):
         return magnitudes
+    shares = np.where(shares < CONSTANT * largest, largest, shares)
     return magnitudes * np.clip(shares, LEAST_SHARE * largest, 1.0)
 
 
@@ -269,7 +282,10 @@ def arrived(path: flow.Path) -> flow.Path:
     """
     if path.status != "ok":
         status = path.status
-        if status == "step_too_small" and np.abs(path.states[-1]).max() > BURST * np.abs(path.states[0]).max():
+        if (
+            status == "step_too_small"
+            and np.abs(path.states[-1]).max() > BURST * np.abs(path.states[0]).max()
+        ):
             status = "not_finite"
         raise NotFinite(_SENTENCES[status], "Start elsewhere, or keep the run away from there.")
     return path

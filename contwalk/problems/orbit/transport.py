@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contwalk import flow
-from contwalk.errors import NotFinite
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.motion import PLAIN, TANGENT
+from contwalk.problems.orbit.shooting import arrived
 from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
@@ -33,20 +33,27 @@ def carried_to(
     x, v = problem.starts(z)[segment], tangent[segment * n : (segment + 1) * n]
     if time - begin < 1e-12:
         return x.copy(), v.copy()
-    field = problem.motion.field(TANGENT)
-    values = np.concatenate([problem.scalars(z), problem.fixed, tangent[m * n :]])
-    size = max(float(np.linalg.norm(v / problem.mesh.variation)), 1e-12)
-    weights = np.concatenate([problem.mesh.variation, size * problem.mesh.variation])
-    c, y = field.constants(values), np.concatenate([x, v])
     mesh = problem.mesh
-    path = flow.adaptive(field, c, begin, y, time, mesh.tolerance, weights, mesh.method)
-    if path.status != "ok":
-        raise NotFinite("The motion along the orbit is not finite.", "Start elsewhere.")
-    return path.states[-1, :n], path.states[-1, n:]
+    values = np.concatenate([problem.scalars(z), problem.fixed])
+    if not np.any(tangent):
+        field, y, weights = problem.motion.field(PLAIN), x, mesh.variation
+    else:
+        field, y = problem.motion.field(TANGENT), np.concatenate([x, v])
+        values = np.concatenate([values, tangent[m * n :]])
+        size = max(float(np.linalg.norm(v / mesh.variation)), 1e-12)
+        weights = np.concatenate([mesh.variation, size * mesh.variation])
+    path = arrived(
+        flow.adaptive(field, field.constants(values), begin, y, time, mesh.tolerance, weights, mesh.method)
+    )
+    end = path.states[-1]
+    return end[:n].copy(), end[n:].copy() if len(end) > n else np.zeros(n)
 
 
 def growth(problem: PeriodicOrbit, z: np.ndarray) -> float:
-    """The largest factor by which a small deviation grows over any part of the closure, in the metric."""
+    """The largest factor by which a deviation grows from the start on, or up to the end, in the metric.
+
+    What grows in between and is forgotten again, as at the jumps of a relaxation oscillation, does no harm.
+    """
     n, m = problem.states, problem.segments
     field = problem.motion.field(PLAIN)
     c = field.constants(np.concatenate([problem.scalars(z), problem.fixed]))
@@ -59,12 +66,14 @@ def growth(problem: PeriodicOrbit, z: np.ndarray) -> float:
             part = steps[low : high + 1]
             x, moved = flow.tangents(field, c, part, x, np.eye(n), sources, problem.mesh.method)
             factors.append(moved / variation[:, None] * variation)
-    largest = 1.0
-    for i in range(len(factors)):
-        product = np.eye(n)
-        for factor in factors[i:]:
-            product = factor @ product
-            largest = max(largest, float(np.linalg.norm(product, 2)))
+    largest, since = 1.0, np.eye(n)
+    for factor in factors:
+        since = factor @ since
+        largest = max(largest, float(np.linalg.norm(since, 2)))
+    until = np.eye(n)
+    for factor in reversed(factors):
+        until = until @ factor
+        largest = max(largest, float(np.linalg.norm(until, 2)))
     return largest
 
 
