@@ -59,9 +59,11 @@ format: install-dev
 bench: install-bench
 	$(BIN)/python benchmarks/equilibria.py
 
-# The picture of the README.
+# The pictures of the README.
 docs-image: demo
+	$(BIN)/contwalk continue runs/autobalancer_cascade.yaml --set mark=null --output $(DEMO)/autobalancer_cascade.h5 --force
 	cp $(DEMO)/autobalancer_load_bifurcation_diagram.png docs/images/autobalancer_load.png
+	cp $(DEMO)/autobalancer_cascade_bifurcation_diagram.png docs/images/autobalancer_cascade.png
 
 clean:
 	rm -rf $(VENV) $(DEMO) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

@@ -57,8 +57,6 @@ def walk(
         if isinstance(step, Outcome):
             outcome = step
             break
-        if outcome := problem.ended(step.segment.a, step.there):
-            break
         for place, found in _on_the_way(step, here, sign):
             yield Point(place, found_record(problem, found, place.s, sign))
             number += 1

@@ -176,7 +176,9 @@ class Diagram:
             if stored is None:
                 yield Began(work.info)
                 if problem.method:
-                    yield Noted(f"method {work.info.name}", f"{work.info.name}: integrated by {problem.method}.")
+                    yield Noted(
+                        f"method {work.info.name}", f"{work.info.name}: integrated by {problem.method}."
+                    )
             work.rows = [to_row(work.info, problem, opening.here, 1.0, special=False)]
             yield Found(work.info, work.rows[0], None)
             # The walk sets out from what the row tells, as it would when taken up again.

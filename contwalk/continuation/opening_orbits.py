@@ -44,6 +44,13 @@ def opened_orbit(
     until : float or "settled", optional
         Simulate from the state so long first, and take the orbit that the motion settles on.
     """
+    acting = [t.name for t in system.transitions if t.role != "watched"]
+    if acting:
+        return outcomes.no_start(
+            "no_convergence",
+            f"The system has transitions that act ({', '.join(acting)}); orbits through them are not computed yet.",
+            "an equilibrium of its first mode",
+        )
     try:
         if until is not None:
             found = recurrent(system, _at_start(parameters, path, at), state, until)
@@ -54,7 +61,9 @@ def opened_orbit(
             return outcomes.no_start(here.reason, here.sentence, "a periodic orbit")
         if not problem.moves(here.sample.z):
             return outcomes.no_start(
-                "no_convergence", "The correction ends at an equilibrium, which is no orbit.", "a periodic orbit"
+                "no_convergence",
+                "The correction ends at an equilibrium, which is no orbit.",
+                "a periodic orbit",
             )
         return _closed(problem, here, settings)
     except PluginError as error:

@@ -99,6 +99,8 @@ def take_step(problem: Problem, here: Here, settings: Settings, observer: Observ
         if correction.ok:
             try:
                 segment = _segment(problem, here, prediction, correction, settings, smallest)
+                if outcome := problem.ended(segment.a, segment.b):
+                    return outcome
                 found = _special(segment, settings, observer, smallest)
                 if prediction.to_bound and not any(f.theta > 1.0 - COINCIDE for f in found):
                     found += at_the_end(segment)

@@ -94,7 +94,9 @@ def switch_branch(
     """
     special = branch.special(point) if isinstance(point, str) else point
     chosen = _settings(problem, range, marks, settings, float(special.unknowns[-1]))
-    if branch.info.problem == "periodic_orbit":  # its orbits may close up to a symmetry, the given problem's fully
+    if (
+        branch.info.problem == "periodic_orbit"
+    ):  # its orbits may close up to a symmetry, the given problem's fully
         state = np.array(list(special.state.values()))
         problem = problem_of(problem.system, branch.info, state, problem.discretization)
     seeds = problem.seeds(special)

@@ -28,6 +28,8 @@ TRIAL_STEPS = 2000
 
 # A share of stability-limited steps that is worth a trial of the implicit method.
 NOTABLE = 0.02
+# A step or two may be limited by the way a motion begins.
+FEW = 2.5
 
 # A share of stability-limited steps that is still harmless if the steps are taken again from elsewhere.
 STEADY = 0.1
@@ -109,7 +111,7 @@ def choose(
     pair = explicit_pair(tolerance)
     explicit = run(pair, TRIAL_STEPS)
     spent = explicitly(explicit)
-    if explicit.status == "ok" and explicit.stiff_fraction <= NOTABLE:
+    if explicit.status == "ok" and not _notable(explicit):
         return _chosen(pair, _limited(pair, explicit), explicit, explicit, spent)
     implicit = run(IMPLICIT, max_steps)
     if implicit.status != "ok":
@@ -165,6 +167,12 @@ def _newton(field: Field, path: Path) -> float:
     n, rhs, steps = field.n, _rhs(field), _steps(path)
     stages = path.evaluations - steps
     return stages * (rhs + 12.0 * n + 1.2 * n**2) + steps * (4.0 * rhs + 0.3 * n**3)
+
+
+def _notable(explicit: Path) -> bool:
+    """Whether stability limited enough steps that a trial of the implicit method is worth its price."""
+    limited = explicit.stiff_fraction * _steps(explicit)
+    return explicit.stiff_fraction > NOTABLE and limited > FEW
 
 
 def _steps(path: Path) -> int:

@@ -131,7 +131,16 @@ _OF_ORBITS = ("method", "tolerance", "segments", "phase")
 def discretization_of(run_file: RunFile) -> Discretization:
     """How finely a run's orbits are computed."""
     given: dict[str, Any] = {k: v for k, v in run_file.engine.items() if k in _OF_ORBITS}
-    return Discretization(accuracy=run_file.accuracy, **given)
+    return Discretization(accuracy=run_file.accuracy, report_at=_report_at(run_file), **given)
+
+
+def _report_at(run_file: RunFile) -> tuple[int, float, float] | None:
+    """State, value and direction at which orbits are reported."""
+    place = run_file.report_at
+    if place is None or place.section is None:
+        return None
+    name, value = place.section
+    return run_file.system.state_names.index(name), value, 1.0 if place.direction == "rising" else -1.0
 
 
 def settings_of(run_file: RunFile) -> Settings:

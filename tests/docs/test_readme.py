@@ -22,6 +22,8 @@ def test_plugin_example_finds_the_hopf_point_it_names(tmp_path):
     assert "supercritical" in outputs[-1]
     shown = json.loads(run_command("contwalk show my_run.h5 --json", tmp_path))
     (point,) = [p for p in shown["branches"][0]["special_points"] if p["label"] == "HB"]
+    assert [b["problem"] for b in shown["branches"]] == ["equilibrium", "periodic_orbit"]
+    assert shown["branches"][1]["parent"] == "b1/HB1"
     # closed form: B = 1 + A^2; refined points are right to the last bit or two of a double
     assert abs(point["parameters"]["B"] - 2.0) <= 4.5e-16
     assert (tmp_path / "my_run_bifurcation_diagram.png").stat().st_size > 0
@@ -35,8 +37,17 @@ def test_python_example(tmp_path):
     assert (tmp_path / "autobalancer.png").stat().st_size > 0
 
 
-def test_picture_is_small_enough_to_keep_in_the_repository():
-    assert (ROOT / "docs/images/autobalancer_load.png").stat().st_size < 150_000
+@pytest.mark.parametrize("picture", ["autobalancer_load", "autobalancer_cascade"])
+def test_pictures_are_shown_and_small_enough_to_keep_in_the_repository(picture):
+    path = f"docs/images/{picture}.png"
+    assert f"]({path})" in (ROOT / README).read_text(encoding="utf-8")
+    assert (ROOT / path).stat().st_size < 150_000
+
+
+def test_run_files_that_the_readme_names_exist():
+    named = re.findall(r"runs/\w+\.yaml", (ROOT / README).read_text(encoding="utf-8"))
+    assert len(named) >= 3
+    assert [name for name in named if not (ROOT / name).exists()] == []
 
 
 @pytest.mark.parametrize("target", ["demo", "test"])

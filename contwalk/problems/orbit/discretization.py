@@ -29,6 +29,9 @@ class Discretization:
         Segments of multiple shooting; by default from the growth of the flow.
     phase : str
         `section` or `integral`: which condition fixes the phase of an autonomous orbit.
+    report_at : tuple of (int, float, float), optional
+        The state that stands for an orbit is that where state number i passes a value, rising (1) or falling
+        (-1); by default the phase condition's point.
     """
 
     accuracy: float = 1e-8
@@ -36,6 +39,7 @@ class Discretization:
     tolerance: float | None = None
     segments: int | None = None
     phase: str = "section"
+    report_at: tuple[int, float, float] | None = None
 
     @property
     def walking(self) -> float:

@@ -35,7 +35,7 @@ def _at_a_point(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:
         return None
     normal = problem.section.normal
     before, after = float(normal @ problem.velocity(a.z)), float(normal @ problem.velocity(b.z))
-    if not (before > 0.0 > after) or -after > 2.0 * before:
+    if not before > 0.0 > after:
         return None
     share = before / (before - after)
     value = float(a.z[-1] + share * (b.z[-1] - a.z[-1]))

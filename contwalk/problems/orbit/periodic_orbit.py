@@ -19,6 +19,7 @@ from contwalk.problems.orbit.discretization import FINEST, Discretization
 from contwalk.problems.orbit.motion import PLAIN, Motion, motion_of
 from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers, multipliers
 from contwalk.problems.orbit.section import Reference, Section, better_phase, reference_of, section_at
+from contwalk.problems.orbit.sampling import crossing, with_extrema
 from contwalk.problems.orbit.shooting import Mesh, Shooting, meshed, velocity
 from contwalk.problems.orbit.transport import moved, recut
 from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed
@@ -75,7 +76,7 @@ class PeriodicOrbit:
 
     kind = "periodic_orbit"
     blur = 1e-3  # solutions are solved for to a part of the tolerance only
-    beside = 0.1  # stability grows with the square of the amplitude, and drowns in rounding nearer by
+    beside = 1.0  # stability grows with the square of the amplitude, and drowns in the error of the steps nearer by
 
     def __init__(
         self,
@@ -340,8 +341,12 @@ class PeriodicOrbit:
         return np.concatenate([np.tile(half, m) * np.sqrt(m), scalars])
 
     def reported(self, z: np.ndarray) -> np.ndarray:
-        """The state at the phase condition's point, shape (n,)."""
-        return z[: self.states]
+        """The state at the phase condition's point, or where the run asks for it, shape (n,); NaN if it never is."""
+        place = self.discretization.report_at
+        if place is None:
+            return z[: self.states]
+        t, x = self.motion_of(z)
+        return crossing(self, z, t, x, *place)
 
     @property
     def _most_unknowns(self) -> int:
@@ -387,8 +392,9 @@ class PeriodicOrbit:
         weights: np.ndarray,
         linearization: Linearization,
         before: int | None,
+        known: np.ndarray | None = None,
     ) -> Sample:
-        """Everything that is watched at a solution."""
+        """Everything that is watched at a solution; `known` are its observables if they need not be computed."""
         length = float(np.linalg.norm(tangent / weights))
         unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
         found = self.multipliers(z, linearization.jacobian)
@@ -404,7 +410,7 @@ class PeriodicOrbit:
             rates=rates.of_moduli(self, z, unit, found),
             measures=found.measures,
             unstable=found.unstable(before),
-            observables=self.observables(z, found),
+            observables=self.observables(z, found) if known is None else known,
             magnitudes=linearization.magnitudes,
             excess=linearization.excess_in(weights),
             error=solution_error(bordered, self._errors(linearization), weights),
@@ -480,6 +486,8 @@ class PeriodicOrbit:
     def motion_of(self, z: np.ndarray, number: int = SAMPLES) -> tuple[np.ndarray, np.ndarray]:
         """The whole motion: times in seconds, shape (k,), and states, shape (k, n)."""
         times, states = self.shooting.sampled(self.starts(z), self.scalars(z), number)
+        if self.system.observables:
+            times, states = with_extrema(self.shooting, self.starts(z), self.scalars(z), times, states)
         duration, parameters = self.duration(z), ParameterValues(**self.values_of(z))
         pieces = self.closure.images(states, parameters)
         starts = np.arange(len(pieces)) * duration
@@ -515,7 +523,7 @@ class PeriodicOrbit:
         The tangent moves along the flow into the new section; the branch stays where it is.
         """
         problem = self.adapted_to(sample.z, sample.weights)
-        if not self.forced:
+        if not self.forced and problem.moves(sample.z):
             times, speeds = ending.speeds_of(problem, sample.z)
             lengths = np.concatenate([np.diff(steps) for steps in problem.mesh.steps])
             better = better_phase(times, speeds, lengths)
@@ -526,7 +534,9 @@ class PeriodicOrbit:
         tangent = problem.into_section(sample.z, sample.tangent)
         # Both ends of the next step are seen on the same steps: what they tell differs by the branch alone.
         linearization = problem.linearize(sample.z)
-        again = problem.examine(sample.z, tangent, sample.weights, linearization, sample.unstable)
+        again = problem.examine(
+            sample.z, tangent, sample.weights, linearization, sample.unstable, sample.observables
+        )
         orientation = 0.0 if sample.orientation == 0.0 else again.orientation
         return problem, replace(again, orientation=orientation)
 

@@ -240,6 +240,7 @@ def _amplitude(problem: PeriodicOrbit, z: np.ndarray, tangent: np.ndarray):  # t
 
     def reach(change: float) -> np.ndarray:
         moved = np.abs(tangent) / max(float(np.abs(tangent).max()), 1e-300)
+        moved[moved < FAINT] = 0.0  # rounding of a component that the deviation has not
         moved[-1] = change
         return moved
 
