@@ -129,6 +129,10 @@ class Diagram:
         problem, here = start.opening.problem, start.opening.here
         if start.parent is None:
             return known_branch(problem, here.sample, self.branches)
+        if start.origin.rpartition("/")[2].startswith("HB"):
+            ending = next((b.name for b in self.branches if _ends_at_point(b, here)), None)
+            if ending is not None:
+                return ending
         # A branch point lies on the parent anyway: look at the first points away from it.
         names: list[str | None] = []
         observer = observer_of(problem)
@@ -232,3 +236,27 @@ class Diagram:
                         parent=(branch.name, point.s),
                         depth=start.depth + 1,
                     )
+
+
+# How near the last orbit of a family is to the Hopf point that it ends at, in parameter, period and state.
+NEAR_PARAMETER, NEAR_PERIOD, NEAR_STATE = 0.05, 0.1, 0.5
+
+
+def _ends_at_point(branch: Branch, here: Here) -> bool:
+    """Whether a family of orbits ends at the Hopf point that another one is to begin at."""
+    if branch.info.problem != "periodic_orbit" or here.sample.sizes is None:
+        return False
+    sample, n = here.sample, len(branch.info.states)
+    for point in branch.special_points:
+        if point.label != "EP" or "shrinks onto an equilibrium" not in (point.note or ""):
+            continue
+        row = branch.points[point.index]
+        weights = row["weights"]
+        apart = np.abs(row["state"] - sample.z[:n]) / weights[:n]
+        if (
+            abs(float(row["free"][0]) - sample.parameter) < NEAR_PARAMETER * sample.weights[-1]
+            and abs(float(row["period"]) - sample.period) < NEAR_PERIOD * sample.period
+            and float(apart.max()) < NEAR_STATE
+        ):
+            return True
+    return False

@@ -144,12 +144,12 @@ class Engine(Section):
     max_step: Positive | None = Field(default=None, description="a positive number")
     max_angle: Angle | None = Field(default=None, description="degrees above 0, up to 90")
     newton_iterations: int | None = Field(default=None, ge=1, description="a whole number from 1 up")
-    method: Literal["auto", "dop853", "verner98", "radau5", "radau9"] = Field(
-        default="auto", description="auto, dop853, verner98, radau5 or radau9"
+    method: Literal["auto", "dop853", "verner98", "radau5", "radau9"] | None = Field(
+        default=None, description="auto, dop853, verner98, radau5 or radau9"
     )
     tolerance: Positive | None = Field(default=None, description="a positive number: local error of the flow")
     segments: int | None = Field(default=None, ge=1, le=200, description="a whole number from 1 to 200")
-    phase: Literal["section", "integral"] = Field(default="section", description="section or integral")
+    phase: Literal["section", "integral"] | None = Field(default=None, description="section or integral")
 
     @validator_of_model(mode="after")
     def _ordered(self) -> Engine:

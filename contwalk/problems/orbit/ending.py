@@ -22,6 +22,8 @@ CREEPING = 1e-2
 MEETS = 1e-6
 # A parameter this near to its limit, relative to itself, is at it.
 LEAST_REST = 1e-10
+# The extrapolated limit is better than the last value by more than this.
+REST = 10.0
 
 
 def ended(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:
@@ -37,7 +39,8 @@ def _at_a_point(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:
     before, after = float(normal @ problem.velocity(a.z)), float(normal @ problem.velocity(b.z))
     if not before > 0.0 > after:
         return None
-    share = before / (before - after)
+    # The parameter changes with the square of the amplitude, and so of the velocity.
+    share = before**2 / (before**2 - after**2) if abs(before + after) > 1e-3 * before else 0.5
     value = float(a.z[-1] + share * (b.z[-1] - a.z[-1]))
     return Outcome(
         "complete",
@@ -60,7 +63,7 @@ def _homoclinic(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:
     kappa = float(np.log(slopes[0] / slopes[1]) / (b.period - a.period))
     rest = float(slopes[1] / kappa)
     value = float(b.z[-1])
-    wanted = max(problem.discretization.accuracy, LEAST_REST) * max(abs(value), 1e-300)
+    wanted = max(REST * problem.discretization.accuracy, LEAST_REST) * max(abs(value), 1e-300)
     if abs(rest) > wanted or slowness(problem, b.z) > CREEPING:
         return None
     return Outcome(
