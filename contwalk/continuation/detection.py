@@ -220,7 +220,9 @@ def _measure_crossings(segment: Segment, low: float, high: float, known: list[Fo
 
 
 def _doubt(p: Sample, q: Sample, which: int) -> float:
-    """How far from its point a real eigenvalue may seem to pass its critical value, in parts of the segment."""
+    """How far from its point a real eigenvalue may seem to pass its critical value, in parts of the
+    segment.
+    """
     known = max((s.spectrum_error or 0.0) + np.nan_to_num(s.trivial_error) for s in (p, q))
     change = abs(float(p.measures[which] - q.measures[which]))
     return 1e-3 + 10.0 * known / max(change, 1e-300)

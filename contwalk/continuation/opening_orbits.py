@@ -48,7 +48,8 @@ def opened_orbit(
     if acting:
         return outcomes.no_start(
             "no_convergence",
-            f"The system has transitions that act ({', '.join(acting)}); orbits through them are not computed yet.",
+            f"The system has transitions that act ({', '.join(acting)}); orbits through them are not "
+            f"computed yet.",
             "an equilibrium of its first mode",
         )
     try:

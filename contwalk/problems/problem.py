@@ -135,7 +135,9 @@ class Sample:
     error: float = float("nan")
 
     def facing(self, tangent: np.ndarray, factor: float = 1.0) -> Sample:
-        """The same solution with another unit tangent along its branch, whose length is `factor` of the old one's."""
+        """The same solution with another unit tangent along its branch, whose length is `factor` of the
+        old one's.
+        """
         return replace(self, tangent=tangent, rates=self.rates * factor)
 
     @property

@@ -71,7 +71,8 @@ def test_period_amplitude_and_multiplier(mu):
     # zero.
     true = abs(mark.spectrum[0] - math.exp(log))
     assert true <= branch.points[mark.index]["spectrum_error"]
-    # What lies across the flow becomes a shift of phase, some ten times larger in units of the cycle at mu = 10.
+    # What lies across the flow becomes a shift of phase, some ten times larger in units of the cycle at mu
+    # = 10.
     assert true <= 1e2 * ACCURACY
 
 
@@ -111,7 +112,8 @@ def test_relaxation_oscillations(mu):
 def test_a_stiff_relaxation_oscillation():
     """mu = 1000: the fast parts are a million times as fast as the slow ones.
 
-    The orbit is found by simulation: on a cycle with jumps a guess of state and period is hardly ever good enough.
+    The orbit is found by simulation: on a cycle with jumps a guess of state and period is hardly ever good
+    enough.
     """
     system = van_der_pol(1000.0)
     problem = cw.PeriodicOrbit(

@@ -50,7 +50,10 @@ APPENDED = [
     ("output: [a.h5]", ["line 8", "key output", "not a text"]),
     ("figures: [bifurcation]", ["line 8", "key figures.0", "Did you mean 'bifurcation_diagram'?"]),
     ("figures: [{machine: {}, eigenvalues: {}}]", ["line 8", "key figures.0", "2 names"]),
-    ("figures: [{machine: {w: m}}]", ["line 8", "key figures.0.machine.w", "unknown key", "x, y, z, xlim, ylim, file"]),
+    (
+        "figures: [{machine: {w: m}}]",
+        ["line 8", "key figures.0.machine.w", "unknown key", "x, y, z, xlim, ylim, file"],
+    ),
     ("figures: [{machine: {z: load}}]", ["line 8", "key figures.0.machine.z", "has no third axis"]),
     ("figures: [{machine: {x: dampin}}]", ["line 8", "figures.0.machine.x", "Did you mean 'damping'?"]),
     ("sweep: {stiffness: [1, 2]}", ["line 8", "key sweep.stiffness", "changes already"]),

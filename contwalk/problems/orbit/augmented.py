@@ -1,8 +1,8 @@
 """Special points of orbits as regular solutions of minimally augmented systems.
 
 Beside F(u, lambda) = 0 stands a scalar g that vanishes where a matrix L is singular: the corner of its
-bordered inverse, [L b; c* 0] [v; g] = [0; 1], with gradient g' = -psi* L' v and psi from the adjoint system (W.
-Govaerts, Numerical Methods for Bifurcations of Dynamical Equilibria, 2000, chapter 3).
+bordered inverse, [L b; c* 0] [v; g] = [0; 1], with gradient g' = -psi* L' v and psi from the adjoint
+system (W. Govaerts, Numerical Methods for Bifurcations of Dynamical Equilibria, 2000, chapter 3).
 
 | point | L | further unknowns |
 |---|---|---|
@@ -254,7 +254,9 @@ def _fold(problem: PeriodicOrbit, sample: Sample, which: int) -> Augmented:
 
 
 def equation_scales(problem: PeriodicOrbit) -> np.ndarray:
-    """Units of the equations. Their own rows would not do: one that vanishes at the point is the critical one."""
+    """Units of the equations. Their own rows would not do: one that vanishes at the point is the
+    critical one.
+    """
     scales = np.ones(problem.size)
     own = _scales(problem)
     scales[: len(own)] = own

@@ -20,7 +20,8 @@ from contwalk.system.declarations import ParameterValues
 # An orbit is its own image if it meets it this nearly, in units of its range: corrected orbits do to 1e-8.
 OWN_IMAGE = 1e-5
 
-# A state that moves less than this part of what others do, in units of its size, is constant but for the error of steps.
+# A state that moves less than this part of what others do, in units of its size, is constant but for the
+# error of steps.
 CONSTANT = 1e-5
 
 # Tolerance of the first look at a motion.

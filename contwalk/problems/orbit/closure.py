@@ -1,8 +1,9 @@
 """How an orbit closes: onto itself, or onto its image under a declared symmetry.
 
 An orbit x closes up to the symmetry S of order q after the q-th part of its period: S x(T) = x(0). Its
-motion over the whole period consists of q images of that piece, so that a q-th of it needs to be integrated (the thesis's
-equation 44 is the case q = 2). Angles may turn: `turns` says by how many of its own periods each state grows.
+motion over the whole period consists of q images of that piece, so that a q-th of it needs to be
+integrated (the thesis's equation 44 is the case q = 2). Angles may turn: `turns` says by how many of its
+own periods each state grows.
 """
 
 from __future__ import annotations

@@ -1,4 +1,6 @@
-"""Where a family of orbits ends without an end of the range: at a point, at another orbit, at infinite period."""
+"""Where a family of orbits ends without an end of the range: at a point, at another orbit, at infinite
+period.
+"""
 
 from __future__ import annotations
 
@@ -69,7 +71,8 @@ def _homoclinic(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:
     return Outcome(
         "stopped",
         "homoclinic",
-        f"The period runs off ({b.period:.4g} s here) while the orbit creeps past an equilibrium: a homoclinic or "
+        f"The period runs off ({b.period:.4g} s here) while the orbit creeps past an equilibrium: a "
+        f"homoclinic or "
         f"heteroclinic orbit at {problem.free} = {value + rest:.12g}, by extrapolation from {value:.12g}. "
         "Nothing to do; a finer accuracy follows it further.",
     )
@@ -92,11 +95,14 @@ def speeds_of(problem: PeriodicOrbit, z: np.ndarray) -> tuple[np.ndarray, np.nda
 
 
 def repeats(problem: PeriodicOrbit, z: np.ndarray) -> bool:
-    """Whether an orbit runs twice through the same states, or is its own mirror image, so that its parent is met."""
+    """Whether an orbit runs twice through the same states, or is its own mirror image, so that its
+    parent is met.
+    """
     try:
         x = problem.starts(z)[0]
         still = np.zeros(len(z))
-        # The force alone is the same again after one of its periods, not after a half: an orbit at rest is no parent's.
+        # The force alone is the same again after one of its periods, not after a half: an orbit at rest is
+        # no parent's.
         if not problem.forced or problem.subharmonic % 2 == 0:
             half = carried_to(problem, z, still, 0.5)[0] - 0.5 * problem.closure.turns
             if _meet(problem, half, x):

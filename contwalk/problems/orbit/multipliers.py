@@ -115,7 +115,9 @@ def _product(factors: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _paired(values: np.ndarray) -> np.ndarray:
-    """Complex eigenvalues of a real product as exact conjugates, which complex arithmetic leaves only nearly so."""
+    """Complex eigenvalues of a real product as exact conjugates, which complex arithmetic leaves only
+    nearly so.
+    """
     values = values.copy()
     upper = np.flatnonzero(values.imag > 0.0)
     lower = list(np.flatnonzero(values.imag < 0.0))

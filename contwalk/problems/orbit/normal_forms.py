@@ -6,8 +6,8 @@ that the end lies in the section and in the pins again: their own derivatives ar
 
 Notation (docs/theory.md): A the map's derivative, B and C its second and third; q right and p left critical
 vector with p.q = 1. |q| = 1 means that the deviation that starts as q has root mean square one over the
-closure, across the flow and in units of half the range of each state: so the numbers do not depend on where on the
-orbit the section lies. Formulas of Yu. A. Kuznetsov, Elements of Applied Bifurcation Theory,
+closure, across the flow and in units of half the range of each state: so the numbers do not depend on
+where on the orbit the section lies. Formulas of Yu. A. Kuznetsov, Elements of Applied Bifurcation Theory,
 2004, sections 5.4 and 8.7.
 """
 
@@ -82,7 +82,9 @@ class ReturnMap:
     def curve(
         self, x1: np.ndarray, x2: np.ndarray | None = None, lam: float = 0.0, order: int = 3
     ) -> list[np.ndarray]:
-        """First derivatives, up to `order`, of the image of the curve x_0 + s x1 + s^2 x2 / 2, lambda + s lam."""
+        """First derivatives, up to `order`, of the image of the curve x_0 + s x1 + s^2 x2 / 2, lambda +
+        s lam.
+        """
         problem, n = self.problem, self.problem.states
         k = len(problem.motion.columns)
         directions = [np.zeros(k) for _ in range(3)]
@@ -125,7 +127,9 @@ class ReturnMap:
         return self.coordinates @ (end + self._by_scalars[:, :-1] @ self._held(end))
 
     def critical(self, value: complex) -> tuple[np.ndarray, np.ndarray]:
-        """q and p of an eigenvalue of A, |q| = 1 over the orbit and p @ q = 1; the largest entry of q is positive."""
+        """q and p of an eigenvalue of A, |q| = 1 over the orbit and p @ q = 1; the largest entry of q is
+        positive.
+        """
         u, _, vh = np.linalg.svd(self.a - value * np.eye(len(self.a)))
         q, p = vh[-1].conj(), u[:, -1].conj()
         largest = q[np.argmax(np.abs(q))]
@@ -193,7 +197,8 @@ def flip(problem: PeriodicOrbit, z: np.ndarray) -> dict[str, Any]:
     h = np.linalg.solve(np.eye(len(q)) - map_.a, map_.b(q, q))
     return {
         "c": float(p @ map_.curve(q, h)[2]) / 6.0,
-        "convention": "return map xi -> -(1 + mu) xi + c xi^3, c = p.(C(q,q,q) + 3 B(q, (1 - A)^-1 B(q,q)))/6, "
+        "convention": "return map xi -> -(1 + mu) xi + c xi^3, c = p.(C(q,q,q) + 3 B(q, (1 - A)^-1 "
+        "B(q,q)))/6, "
         "|q| = 1 over the orbit, p.q = 1 (Kuznetsov 2004, section 5.4)",
     }
 
@@ -246,6 +251,7 @@ def branch_point(problem: PeriodicOrbit, z: np.ndarray, weight: float) -> dict[s
         "c12": c12,
         "c22": c22,
         "c": c,
-        "convention": "return map minus identity; c11 s^2 + 2 c12 s t + c22 t^2 = 0 for the directions s q + t h; "
+        "convention": "return map minus identity; c11 s^2 + 2 c12 s t + c22 t^2 = 0 for the directions "
+        "s q + t h; "
         "c = p.(C(q,q,q) - 3 B(q, (A-1)^-1 B(q,q)))/6, |q| = 1 over the orbit, p.q = 1",
     }

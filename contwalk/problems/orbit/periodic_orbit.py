@@ -18,8 +18,8 @@ from contwalk.problems.orbit.closure import Closure
 from contwalk.problems.orbit.discretization import FINEST, Discretization
 from contwalk.problems.orbit.motion import PLAIN, Motion, motion_of
 from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers, multipliers
-from contwalk.problems.orbit.section import Reference, Section, better_phase, reference_of, section_at
 from contwalk.problems.orbit.sampling import crossing, with_extrema
+from contwalk.problems.orbit.section import Reference, Section, better_phase, reference_of, section_at
 from contwalk.problems.orbit.shooting import Mesh, Shooting, meshed, velocity
 from contwalk.problems.orbit.transport import moved, recut
 from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed
@@ -76,7 +76,8 @@ class PeriodicOrbit:
 
     kind = "periodic_orbit"
     blur = 1e-3  # solutions are solved for to a part of the tolerance only
-    beside = 1.0  # stability grows with the square of the amplitude, and drowns in the error of the steps nearer by
+    # Stability grows with the square of the amplitude, and drowns in the error of the steps nearer by.
+    beside = 1.0
 
     def __init__(
         self,
@@ -328,7 +329,7 @@ class PeriodicOrbit:
 
     def magnitudes_near(self, z: np.ndarray) -> np.ndarray:
         """Half the range of each state over the orbit; declared scales where there are any."""
-        n, m = self.states, self.segments
+        m = self.segments
         nodes = np.concatenate(self.shooting.states(self.starts(z), self.scalars(z)))
         half = 0.5 * np.ptp(nodes, axis=0)
         shares = half / np.maximum(np.abs(nodes).max(axis=0), self.mesh.variation)
@@ -341,7 +342,9 @@ class PeriodicOrbit:
         return np.concatenate([np.tile(half, m) * np.sqrt(m), scalars])
 
     def reported(self, z: np.ndarray) -> np.ndarray:
-        """The state at the phase condition's point, or where the run asks for it, shape (n,); NaN if it never is."""
+        """The state at the phase condition's point, or where the run asks for it, shape (n,); NaN if it
+        never is.
+        """
         place = self.discretization.report_at
         if place is None:
             return z[: self.states]
@@ -394,7 +397,9 @@ class PeriodicOrbit:
         before: int | None,
         known: np.ndarray | None = None,
     ) -> Sample:
-        """Everything that is watched at a solution; `known` are its observables if they need not be computed."""
+        """Everything that is watched at a solution; `known` are its observables if they need not be
+        computed.
+        """
         length = float(np.linalg.norm(tangent / weights))
         unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
         found = self.multipliers(z, linearization.jacobian)

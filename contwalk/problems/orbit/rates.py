@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
     from contwalk.problems.problem import Sample
 
-# Rates are computed of the leading multipliers whose moduli lie between these: a pair of crossings may hide between
+# Rates are computed of the leading multipliers whose moduli lie between these: a pair of crossings may
+# hide between
 # two points far from the unit circle.
 LEADING, LEAST, MOST = 3, 0.2, 1e8
 # Displacement along the branch, in the metric, for the rate of an observable.

@@ -1,14 +1,15 @@
 """Steps that repeat themselves over a closure.
 
 An orbit that was born at a period doubling meets itself half a period later at its birth, and one that lost a
-symmetry meets its image. On steps that are the same in both halves the equations keep that symmetry to rounding, and
-the pitchfork at which the orbit was born, or falls back onto its parent, stays one. On other steps their errors
-unfold it, and a walk would turn off onto the wrong branch.
+symmetry meets its image. On steps that are the same in both halves the equations keep that symmetry to
+rounding, and the pitchfork at which the orbit was born, or falls back onto its parent, stays one. On other
+steps their errors unfold it, and a walk would turn off onto the wrong branch.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -26,9 +27,7 @@ def repeating(steps: Sequence[np.ndarray], parts: int) -> tuple[np.ndarray, ...]
     density = 1.0 / np.diff(times)
     m = len(steps)
     ends = np.unique(np.round(np.concatenate([np.arange(m + 1) / m * parts % 1.0, [0.0, 1.0]]), 12)) / parts
-    part = np.concatenate(
-        [_even(times, density, low, high, parts) for low, high in zip(ends[:-1], ends[1:], strict=True)]
-    )
+    part = np.concatenate([_even(times, density, low, high, parts) for low, high in pairwise(ends)])
     part = np.unique(np.append(part, 1.0 / parts))
     whole = np.concatenate([part[:-1] + p / parts for p in range(parts)])
     result = []
@@ -39,7 +38,9 @@ def repeating(steps: Sequence[np.ndarray], parts: int) -> tuple[np.ndarray, ...]
 
 
 def _even(times: np.ndarray, density: np.ndarray, low: float, high: float, parts: int) -> np.ndarray:
-    """Times between two ends of the first part, as dense as the densest of all parts, without the last one."""
+    """Times between two ends of the first part, as dense as the densest of all parts, without the last
+    one.
+    """
     places = np.concatenate([times - p / parts for p in range(parts)])
     knots = np.unique(np.concatenate([[low, high], places[(places > low) & (places < high)]]))
     middle = 0.5 * (knots[1:] + knots[:-1])

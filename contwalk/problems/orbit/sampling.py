@@ -21,8 +21,8 @@ def with_extrema(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Samples with the instants added at which each state is largest and smallest.
 
-    What observables make of a motion is most often a largest value: without these instants it would be that of
-    the nearest sample, and jump along a branch from one sample to the next.
+    What observables make of a motion is most often a largest value: without these instants it would be
+    that of the nearest sample, and jump along a branch from one sample to the next.
     """
     indices = np.concatenate([states.argmax(axis=0), states.argmin(axis=0)])
     which = np.tile(np.arange(states.shape[1]), 2)

@@ -1,9 +1,10 @@
 """Eigenvalues of a product of matrices that is never formed.
 
 A. Bojanczyk, G. Golub, P. Van Dooren, "The periodic Schur decomposition", Proc. SPIE 1770 (1992) 31: all
-factors are brought to triangular form by unitary transformations between neighbours, the last one by way of Hessenberg
-form and shifted QR sweeps. Each factor is perturbed by its own rounding only, so that multipliers of 1e12 and
-1e-12 in one product come out with their own relative accuracy, as long as each factor is well scaled.
+factors are brought to triangular form by unitary transformations between neighbours, the last one by way
+of Hessenberg form and shifted QR sweeps. Each factor is perturbed by its own rounding only, so that
+multipliers of 1e12 and 1e-12 in one product come out with their own relative accuracy, as long as each
+factor is well scaled.
 """
 
 from __future__ import annotations
@@ -63,7 +64,8 @@ def _triangular(chain: list[np.ndarray], first: int = 0) -> None:
     for i in range(len(chain) - 1):
         q, r = np.linalg.qr(chain[i][first:, first:], mode="complete")
         lost = np.flatnonzero(np.diag(r) == 0.0)
-        # A factor that is singular to rounding: which rounding it was makes no difference, but zero stops the sweeps.
+        # A factor that is singular to rounding: which rounding it was makes no difference, but zero stops
+        # the sweeps.
         r[lost, lost] = 0.1 * EPSILON * np.linalg.norm(r)
         chain[i][first:, first:] = r
         chain[i + 1][:, first:] = chain[i + 1][:, first:] @ q
@@ -104,7 +106,8 @@ def _shift(chain: list[np.ndarray], high: int, sweeps: int) -> complex:
         return complex(abs(block[1, 0]) + abs(block[1, 1]))
     values = np.linalg.eigvals(block)
     shift = complex(values[np.argmin(np.abs(values - block[1, 1]))])
-    # A small eigenvalue of a formed product is mostly rounding; without a shift it separates by itself, as fast as
+    # A small eigenvalue of a formed product is mostly rounding; without a shift it separates by itself, as
+    # fast as
     # it is small.
     return shift if abs(shift) > GRADED * float(np.abs(block).max()) else 0.0
 

@@ -143,7 +143,9 @@ class Shooting:
         return np.concatenate(found)
 
     def sampled(self, starts: np.ndarray, scalars: np.ndarray, number: int) -> tuple[np.ndarray, np.ndarray]:
-        """Times 0..1 and states, shape (k, n), at least `number` of them evenly spread, and the steps' own."""
+        """Times 0..1 and states, shape (k, n), at least `number` of them evenly spread, and the steps'
+        own.
+        """
         field = self.motion.field(PLAIN)
         c = field.constants(self.values(scalars, ()))
         times, states = [], []
@@ -212,10 +214,11 @@ def meshed(
 def _variation(
     motion: Motion, values: np.ndarray, paths: Sequence[flow.Path], magnitudes: np.ndarray, tolerance: float
 ) -> np.ndarray:
-    """Half the range of each state, not above its magnitude; the magnitudes themselves of an orbit that is a point.
+    """Half the range of each state, not above its magnitude; the magnitudes themselves of an orbit that is
+    a point.
 
-    A state that moves far less than the others is taken as moving a thousandth of what they do, and one that does
-    not move as moving as they do: what it seems to move is the error of the steps.
+    A state that moves far less than the others is taken as moving a thousandth of what they do, and one
+    that does not move as moving as they do: what it seems to move is the error of the steps.
     """
     n = len(magnitudes)
     shares = 0.5 * np.ptp(np.concatenate([path.states for path in paths])[:, :n], axis=0) / magnitudes
@@ -294,5 +297,6 @@ def arrived(path: flow.Path) -> flow.Path:
 _SENTENCES = {
     "not_finite": "The motion is not finite within one period: it ends, or grows without bound.",
     "too_many_steps": "One period of the motion takes more steps than are allowed.",
-    "step_too_small": "The integrator's step becomes too small within one period: the field is not smooth there.",
+    "step_too_small": "The integrator's step becomes too small within one period: the field is not "
+    "smooth there.",
 }

@@ -138,7 +138,9 @@ def seeds(problem: PeriodicOrbit, point: SpecialPoint) -> Sequence[Seed]:
 
 
 def _discretized(problem: PeriodicOrbit, z: np.ndarray) -> PeriodicOrbit:
-    """The problem on fine steps for a stored solution, which may have other segments than the branch began with."""
+    """The problem on fine steps for a stored solution, which may have other segments than the branch
+    began with.
+    """
     n, k = problem.states, len(problem.motion.columns)
     m = (len(z) - k) // n
     sizes = np.maximum(np.abs(z[: m * n].reshape(m, n)).max(axis=0), 1e-6)
@@ -147,7 +149,9 @@ def _discretized(problem: PeriodicOrbit, z: np.ndarray) -> PeriodicOrbit:
 
 
 def _weights(problem: PeriodicOrbit, z: np.ndarray) -> np.ndarray:
-    """Typical magnitudes for a discretisation at z, from the segments' own starts where nothing else tells."""
+    """Typical magnitudes for a discretisation at z, from the segments' own starts where nothing else
+    tells.
+    """
     magnitudes = problem.magnitudes_near(z)
     return np.where(np.isfinite(magnitudes) & (magnitudes > 0.0), magnitudes, 1.0)
 

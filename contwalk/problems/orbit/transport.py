@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -62,7 +63,7 @@ def growth(problem: PeriodicOrbit, z: np.ndarray) -> float:
     for steps, start in zip(problem.mesh.steps, problem.starts(z), strict=True):
         x = start
         cuts = np.unique(np.linspace(0, len(steps) - 1, max(PARTS // m, 1) + 1).astype(int))
-        for low, high in zip(cuts[:-1], cuts[1:], strict=True):
+        for low, high in pairwise(cuts):
             part = steps[low : high + 1]
             x, moved = flow.tangents(field, c, part, x, np.eye(n), sources, problem.mesh.method)
             factors.append(moved / variation[:, None] * variation)
