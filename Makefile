@@ -1,7 +1,7 @@
 # make demo   a first study: bifurcation diagram of the autobalancer, left in demo/
 # make test   all tests
 # make check  tests, lint, format, types and import directions
-# make bench  what continuing equilibria costs: docs/benchmarks.md
+# make bench  what continuing costs, beside peers: docs/benchmarks.md
 #
 # Everything goes into .venv, which is made when it is first needed. `make test PYTHON=python3.12` chooses the Python.
 
@@ -58,6 +58,8 @@ format: install-dev
 
 bench: install-bench
 	$(BIN)/python benchmarks/equilibria.py
+	$(BIN)/python benchmarks/orbit_and_monodromy.py
+	$(BIN)/python benchmarks/cascade.py
 
 # The pictures of the README.
 docs-image: demo

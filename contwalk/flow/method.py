@@ -28,8 +28,8 @@ TRIAL_STEPS = 2000
 
 # A share of stability-limited steps that is worth a trial of the implicit method.
 NOTABLE = 0.02
-# A step or two may be limited by the way a motion begins.
-FEW = 2.5
+# A few steps may be limited by the way a motion begins; compiling the implicit method costs more than they do.
+FEW = 10
 
 # A share of stability-limited steps that is still harmless if the steps are taken again from elsewhere.
 STEADY = 0.1

@@ -67,6 +67,7 @@ def test_the_pulsation_is_what_the_text_says(tutorial):
 def test_more_cooling_does_what_the_text_says(tutorial):
     where, _ = tutorial
     database = cw.open_database(where / "cooled.h5")
+    assert database.branch_names() == ["b1", "b2"]  # from the other Hopf point it would be the same family
     branch, cycle = database["b1"], database["b2"]
     found = [(p.label, round(p.parameters["Da"], 3), p.criticality) for p in branch.special_points]
     assert [f for f in found if f[0] != "EP"] == [
@@ -133,7 +134,9 @@ def test_hopf_points_of_the_yeast_are_those_of_the_table(orbits):
 
 def test_the_family_of_cycles_joins_both_hopf_points(orbits):
     where, _ = orbits
-    cycles = cw.open_database(where / "beats.h5")["b2"]
+    database = cw.open_database(where / "beats.h5")
+    assert database.branch_names() == ["b1", "b2"]  # from HB2 it would be the same family
+    cycles = database["b2"]
     assert [p.label for p in cycles.special_points if p.label != "EP"] == ["UZ"]
     assert cycles["stable"][~cycles["special"]].all()
     assert cycles.outcome.reason == "closed"
