@@ -82,7 +82,8 @@ def solved(problem: PeriodicOrbit, system: Augmented, sample: Sample) -> Located
 def _refined(problem: PeriodicOrbit, system: Augmented, rough: np.ndarray, sample: Sample) -> Located | None:
     """The point on steps fine enough for the accuracy that is asked for, with its estimated error."""
     size, wanted = problem.size, problem.discretization.accuracy
-    tolerance, found, error, finer = problem.discretization.locating, rough, np.inf, problem
+    tolerance = min(problem.discretization.locating, problem.mesh.tolerance)
+    found, error, finer = rough, np.inf, problem
     best: tuple[float, np.ndarray, PeriodicOrbit] | None = None
     for _ in range(MOST_REFINEMENTS):
         finer = problem.refined(found[: size + 1], sample.weights, tolerance)
