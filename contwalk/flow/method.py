@@ -28,7 +28,7 @@ TRIAL_STEPS = 2000
 
 # A share of stability-limited steps that is worth a trial of the implicit method.
 NOTABLE = 0.02
-# A few steps may be limited by the way a motion begins; compiling the implicit method costs more than they do.
+# A few steps may be limited by the way a motion begins: compiling another method costs more than they do.
 FEW = 10
 
 # A share of stability-limited steps that is still harmless if the steps are taken again from elsewhere.

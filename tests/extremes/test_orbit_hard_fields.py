@@ -34,8 +34,8 @@ class TestStiffness:
         tolerance = 10.0 * WALKING * ACCURACY  # local errors of some tens of steps add up
         assert branch["period"] == pytest.approx(2.0 * math.pi, rel=tolerance)
         multipliers = branch.points["spectrum"]
-        # A state that is off the slow manifold by a rounding has another velocity than the flow there. Where that
-        # spoils a multiplier, its stored error says so.
+        # A state that is off the slow manifold by a rounding has another velocity than the flow there. Where
+        # that spoils a multiplier, its stored error says so.
         known = np.maximum(tolerance, branch["spectrum_error"])
         assert np.all(np.abs(multipliers[:, 0] - np.exp(-4.0 * math.pi * branch["mu"])) <= known)
         assert np.all(np.abs(multipliers[:, 1]) <= known)  # exp(-6e7)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 # Rates are computed of the leading multipliers whose moduli lie between these: a pair of crossings may
 # hide between
 # two points far from the unit circle.
-LEADING, LEAST, MOST = 3, 0.2, 1e8
+LEADING, LEAST, MOST = 2, 0.4, 1e8
 # Displacement along the branch, in the metric, for the rate of an observable.
 BESIDE = 1e-4
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 
 # Parabolas through three instants, each nearer together than the last by the second number.
-PASSES, NARROWER = 3, 0.1
+PASSES, NARROWER = 2, 0.03
 MOST_BISECTIONS = 60
 
 
@@ -30,13 +30,14 @@ def with_extrema(
     indices, which = indices[inside], which[inside]
     if not len(indices):
         return times, states
+    nodes = shooting.states(starts, scalars)
     best, width = times[indices], 0.5 * (times[indices + 1] - times[indices - 1])
     for _ in range(PASSES):
         offsets = np.array([-1.0, 0.0, 1.0])
         instants = np.clip(best[:, None] + width[:, None] * offsets, times[0], times[-1])
         order = np.argsort(instants, axis=None, kind="stable")
         found = np.empty((instants.size, states.shape[1]))
-        found[order] = shooting.at(starts, scalars, instants.ravel()[order])
+        found[order] = shooting.at(starts, scalars, instants.ravel()[order], nodes)
         values = found.reshape(len(best), 3, -1)[np.arange(len(best)), :, which]
         bend = values[:, 0] - 2.0 * values[:, 1] + values[:, 2]
         slope = 0.5 * (values[:, 2] - values[:, 0])
@@ -46,7 +47,7 @@ def with_extrema(
     best = np.sort(best)
     every = np.concatenate([times, best])
     order = np.argsort(every, kind="stable")
-    return every[order], np.concatenate([states, shooting.at(starts, scalars, best)])[order]
+    return every[order], np.concatenate([states, shooting.at(starts, scalars, best, nodes)])[order]
 
 
 def crossing(

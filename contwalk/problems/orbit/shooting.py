@@ -131,12 +131,19 @@ class Shooting:
             for steps, x in zip(self.mesh.steps, starts, strict=True)
         ]
 
-    def at(self, starts: np.ndarray, scalars: np.ndarray, times: np.ndarray) -> np.ndarray:
-        """States at times in 0..1, in growing order, shape (k, n)."""
+    def at(
+        self,
+        starts: np.ndarray,
+        scalars: np.ndarray,
+        times: np.ndarray,
+        nodes: list[np.ndarray] | None = None,
+    ) -> np.ndarray:
+        """States at times in 0..1, in growing order, shape (k, n); `nodes` are those of `states`."""
         field = self.motion.field(PLAIN)
         c = field.constants(self.values(scalars, ()))
         found = []
-        for i, (steps, x) in enumerate(zip(self.mesh.steps, self.states(starts, scalars), strict=True)):
+        nodes = self.states(starts, scalars) if nodes is None else nodes
+        for i, (steps, x) in enumerate(zip(self.mesh.steps, nodes, strict=True)):
             last = i == self.mesh.segments - 1
             inside = times[(times >= steps[0]) & ((times < steps[-1]) | (last & (times == steps[-1])))]
             found.append(flow.dense(field, c, steps, x, inside, self.mesh.method))
