@@ -13,7 +13,8 @@ def exactly(factors):
         whole = mpmath.eye(len(factors[0]))
         for factor in factors:
             whole = mpmath.matrix(factor.tolist()) * whole
-        values = mpmath.eig(whole, left=False, right=False)
+        # mpmath 1.3 gives other things than eigenvalues for a single row.
+        values = [whole[0, 0]] if len(whole) == 1 else mpmath.eig(whole, left=False, right=False)
         return sorted((complex(v) for v in values), key=lambda v: (-abs(v), -v.imag))
 
 
