@@ -12,7 +12,6 @@ import numpy as np
 from contwalk.branch import Branch
 from contwalk.continuation.newton import correct
 from contwalk.problems.equilibrium import Equilibrium
-from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.problem import Problem, Sample
 from contwalk.system.declarations import ParameterValues
 
@@ -135,6 +134,8 @@ def _orbit_on(problem: PeriodicOrbit, sample: Sample, branch: Branch) -> bool:
         correction = correct(there, guess, normal, weights)
         if not correction.ok or abs(there.duration(correction.z) - period) > SAME * period:
             continue
+        from contwalk.problems.orbit.closure import imaged
+
         x, p = sample.z[: problem.states], ParameterValues(**problem.values_of(sample.z))
         images = [x, *[imaged(symmetry, x, p) for symmetry in problem.system.symmetries]]
         if there.passes(correction.z, images):
