@@ -22,6 +22,7 @@ from contwalk.fields.kernel import Kernel
 from contwalk.fields.rebind import rebound
 from contwalk.fields.rounding import error_bounds
 from contwalk.fields.trace import Program, Tracer, trace
+from contwalk.problems.tracing import parameter_symbols, state_symbols, written
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 
@@ -57,30 +58,16 @@ class Equations:
     # -- tracing -----------------------------------------------------------------------------------------
 
     def _parameters(self, tracer: Tracer) -> ParameterValues:
-        values: dict[str, Any] = {}
-        for k, name in enumerate(self.system.parameter_names):
-            if name == self._free:
-                values[name] = tracer.symbol("l", 0)
-            elif k in self._moving:
-                values[name] = tracer.symbol("b", k) + tracer.symbol("l", 0) * tracer.symbol("d", k)
-            else:
-                values[name] = tracer.symbol("b", k)
-        return ParameterValues(**values)
-
-    def _states(self, tracer: Tracer) -> np.ndarray:
-        x = np.empty(self.states, dtype=object)
-        for i in range(self.states):
-            x[i] = tracer.symbol("u", i)
-        return x
+        return parameter_symbols(tracer, self.system.parameter_names, self._free, self._moving)
 
     def _residual(self, tracer: Tracer) -> list[Any]:
         n, p = self.states, self._parameters(tracer)
-        x = self._states(tracer)
-        result = written(self._field, self.system.modes[0].name, x, p, n)
+        x = state_symbols(tracer, n)
+        result = written(self._field, self.system.modes[0].name, 0.0, x, p)
         pinned: list[Any] = []
         offset = 0  # position in the reference values `r`
         for j, pin in enumerate(self._pins):
-            v = written(self._generators[j], pin.name, x, p, n)
+            v = written(self._generators[j], pin.name, 0.0, x, p)
             drift = tracer.symbol("u", n + j)
             result = [r + drift * v[i] for i, r in enumerate(result)]
             if pin.pin is None:
@@ -241,7 +228,7 @@ class Equations:
         copy = rebound(function)
 
         def value(tracer: Tracer) -> list[Any]:
-            x = self._states(tracer).reshape(1, self.states)
+            x = state_symbols(tracer, self.states).reshape(1, self.states)
             # The numbers of unknowns agree with `program`, so that graphs have the same inputs.
             return [copy(np.zeros(1), x, self._parameters(tracer))]
 
@@ -270,21 +257,3 @@ def equations_of(
             del _KNOWN[next(iter(_KNOWN))]
         _KNOWN[key] = Equations(system, free, moving, pins)  # it keeps its system and pins, and so their ids
     return _KNOWN[key]
-
-
-def written(
-    function: Callable[..., Any], name: str, x: np.ndarray, p: ParameterValues, length: int
-) -> list[Any]:
-    """What a function of the form `f(t, x, p, out)` writes; every entry must be written.
-
-    Raises
-    ------
-    ValueError
-        Naming the first entry that is not written.
-    """
-    out = np.full(length, None, dtype=object)
-    function(0.0, x, p, out)
-    for i, entry in enumerate(out):
-        if entry is None:
-            raise ValueError(f"'{name}' does not write entry {i} of its last argument")
-    return list(out)

@@ -15,7 +15,7 @@ share of
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Protocol
 
@@ -133,12 +133,6 @@ class Sample:
     spectrum_error: float | None = None
     sizes: np.ndarray | None = None
     error: float = float("nan")
-
-    def facing(self, tangent: np.ndarray, factor: float = 1.0) -> Sample:
-        """The same solution with another unit tangent along its branch, whose length is `factor` of the
-        old one's.
-        """
-        return replace(self, tangent=tangent, rates=self.rates * factor)
 
     @property
     def parameter(self) -> float:

@@ -18,6 +18,7 @@ from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow import Field
 from contwalk.problems.orbit.motion import DIRECTIONS, STATES, Motion, lifted
+from contwalk.problems.tracing import state_symbols
 from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
 
@@ -57,7 +58,7 @@ class Closure:
 
         def image(tracer: Tracer) -> list:
             p = motion.parameters(tracer)
-            x = np.array([tracer.symbol("u", i) for i in range(motion.states)], dtype=object)
+            x = state_symbols(tracer, motion.states)
             for _ in range(power):
                 out = np.full(motion.states, 0.0, dtype=object)
                 copy(motion.duration(tracer, p), x, p, out)

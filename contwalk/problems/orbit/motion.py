@@ -20,7 +20,7 @@ what the integrator makes of the motion.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -30,6 +30,7 @@ from contwalk.fields.derivative import directional
 from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow import Field
+from contwalk.problems.tracing import parameter_symbols, state_symbols, written
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 
@@ -85,30 +86,20 @@ class Motion:
 
     def parameters(self, tracer: Tracer) -> ParameterValues:
         """Symbols of the parameters by name."""
-        values: dict[str, Any] = {}
-        for k, name in enumerate(self.system.parameter_names):
-            if name == self._free:
-                values[name] = tracer.symbol("l", 0)
-            elif k in self._moving:
-                values[name] = tracer.symbol("b", k) + tracer.symbol("l", 0) * tracer.symbol("d", k)
-            else:
-                values[name] = tracer.symbol("b", k)
-        return ParameterValues(**values)
+        return parameter_symbols(tracer, self.system.parameter_names, self._free, self._moving)
 
     def duration(self, tracer: Tracer, p: ParameterValues) -> Any:
         """Symbol of the closure's duration T."""
         return tracer.symbol("T", 0) if self._period is None else self._periods * self._period(p)
 
     def _right_side(self, tracer: Tracer) -> list[Any]:
-        n, p = self.states, self.parameters(tracer)
-        x = np.empty(n, dtype=object)
-        for i in range(n):
-            x[i] = tracer.symbol("u", i)
+        p = self.parameters(tracer)
+        x = state_symbols(tracer, self.states)
         duration = self.duration(tracer, p)
         t = duration * tracer.symbol("t", 0)
-        result = _written(self._field, self.system.modes[0].name, t, x, p)
+        result = written(self._field, self.system.modes[0].name, t, x, p)
         for j, pin in enumerate(self.pins):
-            v = _written(self._generators[j], pin.name, t, x, p)
+            v = written(self._generators[j], pin.name, t, x, p)
             result = [r + tracer.symbol("a", j) * v[i] for i, r in enumerate(result)]
         return [duration * r for r in result]
 
@@ -116,11 +107,6 @@ class Motion:
     def program(self) -> Program:
         """The field over one closure, n outputs."""
         return trace(self._right_side)
-
-    @cached_property
-    def lasting(self) -> Program:
-        """The duration of the closure, one output."""
-        return trace(lambda tracer: [self.duration(tracer, self.parameters(tracer))])
 
     # -- lifts -------------------------------------------------------------------------------------------
 
@@ -202,13 +188,3 @@ def motion_of(
             del _KNOWN[next(iter(_KNOWN))]
         _KNOWN[key] = Motion(system, free, moving, pins, periods)  # it keeps its system, and so its id
     return _KNOWN[key]
-
-
-def _written(function: Callable[..., Any], name: str, t: Any, x: np.ndarray, p: ParameterValues) -> list[Any]:
-    """What a function of the form `f(t, x, p, out)` writes; every entry must be written."""
-    out = np.full(len(x), None, dtype=object)
-    function(t, x, p, out)
-    for i, entry in enumerate(out):
-        if entry is None:
-            raise ValueError(f"'{name}' does not write entry {i} of its last argument")
-    return list(out)

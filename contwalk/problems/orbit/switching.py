@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -179,8 +179,7 @@ def _repeated(
     scalars = problem.scalars(z).copy()
     if not problem.forced:
         scalars[0] *= times
-    pieces = _pieces(problem, z, v, times)
-    first, start_v = pieces[0]
+    first, start_v = problem.starts(z)[0], v[:n]
     single = other.adapted_to(
         np.concatenate([first, scalars]), _single_weights(problem, z), problem.discretization.walking, 1
     )
@@ -199,24 +198,11 @@ def _repeated(
         )
     z2 = np.concatenate([start, scalars])
     tangent = there.into_section(z2, np.concatenate([tangent, np.zeros(len(scalars))]))
-    return (Seed(label, z2, tangent, _amplitude(problem, z, tangent), there, one_sided=label == "PD"),)
+    return (Seed(label, z2, tangent, _amplitude(tangent), there, one_sided=label == "PD"),)
 
 
 def _single_weights(problem: PeriodicOrbit, z: np.ndarray) -> np.ndarray:
     return np.concatenate([problem.mesh.variation, np.abs(problem.scalars(z))])
-
-
-def _pieces(
-    problem: PeriodicOrbit, z: np.ndarray, v: np.ndarray, times: int
-) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Start and deviation at the beginning of each repetition."""
-    n, p = problem.states, ParameterValues(**problem.values_of(z))
-    x, w = problem.starts(z)[0], v[:n]
-    result = [(x, w)]
-    for _ in range(1, times):
-        x, w = _next(problem, x, w, p)
-        result.append((x, w))
-    return result
 
 
 def _next(
@@ -239,7 +225,7 @@ def _at(
     return x, v
 
 
-def _amplitude(problem: PeriodicOrbit, z: np.ndarray, tangent: np.ndarray):  # type: ignore[no-untyped-def]
+def _amplitude(tangent: np.ndarray) -> Callable[[float], np.ndarray]:
     """How far unknowns move along a branch that begins at a right angle: the orbit's own size bounds it."""
 
     def reach(change: float) -> np.ndarray:
@@ -301,7 +287,7 @@ def _crossing(problem: PeriodicOrbit, z: np.ndarray, point: SpecialPoint) -> Seq
     share = other[-1] / weights[-1]
     lead = share if abs(share) > 1e-6 else other[int(np.argmax(np.abs(other / weights)))]
     tangent = other * np.sign(lead)
-    return (Seed("BP", z, tangent, _amplitude(problem, z, tangent), problem),)
+    return (Seed("BP", z, tangent, _amplitude(tangent), problem),)
 
 
 def second_direction(problem: PeriodicOrbit, z: np.ndarray) -> np.ndarray | None:
