@@ -17,14 +17,14 @@ TIME, STATE, PARAMETER = "t", "x", "p"
 
 
 def field_of(system: System, mode: str | None = None) -> Field:
-    """The compiled field of a mode, the first one by default; states and parameters in the system's order."""
-    states = [(STATE, i) for i in range(len(system.states))]
+    """The compiled field of a mode, the first one by default, in the states that exist there."""
+    states = [(STATE, i) for i in system.states_of(mode or system.modes[0].name)]
     groups = {PARAMETER: len(system.parameters)}
     return Field(field_program(system, mode), states, groups, time=(TIME, 0))
 
 
 def field_program(system: System, mode: str | None = None) -> Program:
-    """dx/dt of a mode, an output for each state."""
+    """dx/dt of a mode, an output for each state that exists in it."""
     chosen = next(m for m in system.modes if mode in (None, m.name))
     copy = rebound(chosen.field)
     return trace(lambda tracer: _rates(tracer, system, copy, chosen.name))
@@ -38,23 +38,25 @@ def scalar_program(
     copies = rebound(function), rebound(chosen.field)
 
     def both(tracer: Tracer) -> list[Any]:
-        value = copies[0](*arguments(tracer, system))
+        value = copies[0](*arguments(tracer, system, chosen.name))
         return [value, *_rates(tracer, system, copies[1], chosen.name)]
 
     return trace(both)
 
 
-def arguments(tracer: Tracer, system: System) -> tuple[Any, np.ndarray, ParameterValues]:
-    """Symbols for t, x and p."""
-    x = np.array([tracer.symbol(STATE, i) for i in range(len(system.states))], dtype=object)
+def arguments(tracer: Tracer, system: System, mode: str) -> tuple[Any, np.ndarray, ParameterValues]:
+    """Symbols for t, x and p; states that do not exist in the mode are zero."""
+    x = np.full(len(system.states), 0.0, dtype=object)
+    for i in system.states_of(mode):
+        x[i] = tracer.symbol(STATE, i)
     p = {name: tracer.symbol(PARAMETER, k) for k, name in enumerate(system.parameter_names)}
     return tracer.symbol(TIME, 0), x, ParameterValues(**p)
 
 
 def _rates(tracer: Tracer, system: System, field: Callable[..., Any], name: str) -> list[Any]:
     dx = np.full(len(system.states), None, dtype=object)
-    field(*arguments(tracer, system), dx)
-    for i, entry in enumerate(dx):
-        if entry is None:
+    field(*arguments(tracer, system, name), dx)
+    for i in system.states_of(name):
+        if dx[i] is None:
             raise ValueError(f"'{name}' does not write entry {i} of its last argument")
-    return list(dx)
+    return [dx[i] for i in system.states_of(name)]

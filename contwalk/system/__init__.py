@@ -5,6 +5,7 @@ last argument; everything else is a declaration around them. See `docs/reference
 """
 
 from contwalk.system.declarations import (
+    Condition,
     Mode,
     Neutral,
     Observable,
@@ -20,6 +21,7 @@ from contwalk.system.loading import list_systems, load_system
 
 __all__ = [
     "Choice",
+    "Condition",
     "Family",
     "Mode",
     "Neutral",

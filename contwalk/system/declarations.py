@@ -26,6 +26,7 @@ from contwalk.errors import StartError, SystemDefinitionError, called
 ROLES_OF_TRANSITIONS = ("hard", "soft", "watched")
 ROLES_OF_SYMMETRIES = ("relabel", "spatial")
 DIRECTIONS = ("falling", "rising", "both")
+SIDES = ("before", "after")
 
 
 def nearest(name: str, known: Sequence[str]) -> str:
@@ -53,6 +54,11 @@ def _require_name(what: str, name: Any) -> None:
 def _require_callable(what: str, function: Any) -> None:
     if not callable(function):
         raise SystemDefinitionError(f"{what} is {function!r}.", "It must be a function.")
+
+
+def _require_side(what: str, side: Any) -> None:
+    if side not in SIDES:
+        raise SystemDefinitionError(f"{what} has side {side!r}.", f"Allowed: {', '.join(SIDES)}.")
 
 
 @dataclass(frozen=True)
@@ -129,11 +135,17 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Mode:
-    """A smooth phase of motion with its vector field `field(t, x, p, dx)`."""
+    """A smooth phase of motion with its vector field `field(t, x, p, dx)`.
+
+    `states` names the states that exist in it; without it all do. One that does not exist is zero while the
+    mode lasts: it is not integrated, the field need not write its rate, and a reset into the mode need not
+    write its value.
+    """
 
     name: str
     field: Callable[..., None]
     about: str = ""
+    states: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
         _require_name("A mode", self.name)
@@ -146,7 +158,8 @@ class Transition:
 
     It happens where `guard(t, x, p)` passes zero in `direction` (`falling`, `rising`, `both`); then
     `reset(t, x, p, x_plus)` gives the state after it (without one the state is kept). `role` is `hard`,
-    `soft` (the field switches continuously) or `watched` (reported, not acted on).
+    `soft` (the field switches continuously) or `watched` (reported, not acted on). `relabel` names a symmetry
+    of role `relabel` that is applied after the reset: what was called leg 1 is called leg 2 from there on.
     """
 
     name: str
@@ -157,6 +170,7 @@ class Transition:
     reset: Callable[..., None] | None = None
     role: str = "hard"
     about: str = ""
+    relabel: str | None = None
 
     def __post_init__(self) -> None:
         _require_name("A transition", self.name)
@@ -222,20 +236,47 @@ class Neutral:
 
 
 @dataclass(frozen=True)
+class Condition:
+    """What must be positive at an event for the motion to be the machine's: `function(t, x, p)`.
+
+    It is evaluated at transition `at`, with the state before it or after it (`side`). A contact that must
+    push, a friction that must suffice, a speed that must point away from the ground are conditions; a
+    clearance that must stay positive between events is a `watched` transition.
+    """
+
+    name: str
+    function: Callable[..., float]
+    at: str
+    side: str = "before"
+    unit: str = "1"
+    about: str = ""
+
+    def __post_init__(self) -> None:
+        _require_name("A condition", self.name)
+        _require_callable(f"The function of condition '{self.name}'", self.function)
+        _require_side(f"Condition '{self.name}'", self.side)
+
+
+@dataclass(frozen=True)
 class Observable:
     """A number computed from a motion: `function(t, x, p)` with `t` of shape (k,) and `x` of shape (k, n).
 
-    An equilibrium is handed over as a motion of one instant (k = 1).
+    An equilibrium is handed over as a motion of one instant (k = 1). A motion through events has two
+    instants at each: before and after. With `at` the number belongs to an event instead: `t` is its time and
+    `x`, shape (n,), the state before or after it (`side`), where it happens for the first time in a period.
     """
 
     name: str
     function: Callable[..., float]
     unit: str = "1"
     about: str = ""
+    at: str | None = None
+    side: str = "before"
 
     def __post_init__(self) -> None:
         _require_name("An observable", self.name)
         _require_callable(f"The function of observable '{self.name}'", self.function)
+        _require_side(f"Observable '{self.name}'", self.side)
 
 
 @dataclass(frozen=True)
@@ -263,7 +304,7 @@ class System:
     Parameters
     ----------
     name : str
-    states, parameters, modes, transitions, symmetries, neutral, observables, starts : tuple
+    states, parameters, modes, transitions, symmetries, neutral, observables, starts, conditions : tuple
         The declarations of this module.
     period : callable, optional
         `period(p)`, in seconds, of the forcing of a time-periodic system.
@@ -291,6 +332,7 @@ class System:
     about: str = ""
     model: Mapping[str, Any] = field(default_factory=dict)
     source: str = ""
+    conditions: tuple[Condition, ...] = ()
 
     def __post_init__(self) -> None:
         _require_name("A system", self.name)
@@ -331,6 +373,23 @@ class System:
                         f"Transition '{transition.name}' refers to mode '{end}', which is not declared.",
                         f"Declared modes: {', '.join(modes)}.",
                     )
+            self._check_relabel(transition)
+        for mode in self.modes:
+            for name in mode.states or ():
+                if name not in state_names:
+                    raise SystemDefinitionError(
+                        f"Mode '{mode.name}' has the state '{name}', which is not declared.",
+                        f"Declared states: {', '.join(state_names)}. {nearest(name, state_names)}".strip(),
+                    )
+        happening = [transition.name for transition in self.transitions]
+        places = {entry.name: entry.at for entry in self.conditions}
+        places |= {entry.name: entry.at for entry in self.observables if entry.at is not None}
+        for name, place in places.items():
+            if place not in happening:
+                raise SystemDefinitionError(
+                    f"'{name}' is taken at '{place}', which is no transition.",
+                    f"Declared transitions: {', '.join(happening) or 'none'}.",
+                )
         for neutral in self.neutral:
             if neutral.pin is not None and neutral.pin not in state_names:
                 raise SystemDefinitionError(
@@ -351,6 +410,15 @@ class System:
                         nearest(name, parameter_names),
                     )
 
+    def _check_relabel(self, transition: Transition) -> None:
+        known = [symmetry.name for symmetry in self.symmetries if symmetry.role == "relabel"]
+        if transition.relabel is not None and transition.relabel not in known:
+            raise SystemDefinitionError(
+                f"Transition '{transition.name}' relabels by '{transition.relabel}', which is no symmetry of "
+                "role 'relabel'.",
+                f"Declared: {', '.join(known) or 'none'}.",
+            )
+
     @property
     def state_names(self) -> tuple[str, ...]:
         """Names of the states in their order."""
@@ -364,6 +432,24 @@ class System:
     def defaults(self) -> dict[str, float]:
         """Default values of all parameters."""
         return {parameter.name: float(parameter.default) for parameter in self.parameters}
+
+    def mode(self, name: str) -> Mode:
+        """The mode of this name."""
+        return next(mode for mode in self.modes if mode.name == name)
+
+    def states_of(self, mode: str) -> tuple[int, ...]:
+        """Positions of the states that exist in a mode, in the order of the states."""
+        names = self.mode(mode).states
+        return tuple(i for i, name in enumerate(self.state_names) if names is None or name in names)
+
+    def leaving(self, mode: str) -> tuple[Transition, ...]:
+        """The transitions out of a mode, watched ones included, in their order."""
+        return tuple(transition for transition in self.transitions if transition.source == mode)
+
+    @property
+    def acting(self) -> tuple[Transition, ...]:
+        """The transitions that do something: all but the watched ones."""
+        return tuple(transition for transition in self.transitions if transition.role != "watched")
 
     def start(self, name: str) -> Start:
         """The named start; `StartError` with the known names otherwise."""
@@ -413,4 +499,5 @@ _TUPLES: dict[str, type] = {
     "neutral": Neutral,
     "observables": Observable,
     "starts": Start,
+    "conditions": Condition,
 }
