@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from contwalk.branch import Outcome, SpecialPoint
-from contwalk.continuation import outcomes
+from contwalk.continuation import limits, outcomes
 from contwalk.continuation.here import Here, grown
 from contwalk.continuation.locating import Found
 from contwalk.continuation.marks import Observer
@@ -60,7 +60,7 @@ def walk(
         for place, found in _on_the_way(step, here, sign):
             yield Point(place, found_record(problem, found, place.s, sign))
             number += 1
-            if outcome := _stop(found, settings, observer):
+            if outcome := _stop(problem, found, settings, observer, sign):
                 place = replace(place, sample=replace(place.sample, unstable=found.after))
                 yield End(outcome, end_record(problem, place, outcome, sign))
                 return
@@ -106,8 +106,21 @@ def _arrived(
     return Here(sample, here.s + sign * step.segment.length, step.next_length)
 
 
-def _stop(found: Found, settings: Settings, observer: Observer) -> Outcome | None:
-    """The end of the branch, where it meets its parent, or a marked point has a value of `stop_at`."""
+def _stop(
+    problem: Problem, found: Found, settings: Settings, observer: Observer, sign: float
+) -> Outcome | None:
+    """The end of the branch: at a limit, where it meets its parent, or where a mark has a value of
+    `stop_at`.
+    """
+    if found.kind != "unlocated" and found.label in limits.LABELS:
+        asked = limits.policy(problem, found.located, settings.events)
+        if asked == "ignore":
+            return None
+        words = problem.stopped(found.label, found.located, found.sample)
+        if asked == "switch":
+            _, told = problem.neighbours(found_record(problem, found, 0.0, sign))
+            words = f"{words} {told}"
+        return outcomes.limit(found.label, asked, words)
     if found.located.vectors.get("fallen_back"):
         return outcomes.fallen_back()
     if found.label != "UZ":

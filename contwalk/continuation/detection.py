@@ -105,7 +105,7 @@ def _changes(segment: Segment, found: Found) -> tuple[int, ...]:
         return tuple(range(-many, many + 1))
     if found.label in PASSING:
         return (-PASSING[found.label], PASSING[found.label])
-    if segment.problem.kind != "equilibrium":  # on its steps, a multiplier passes one beside the point
+    if segment.problem.discretized:  # on its steps, a multiplier passes one beside the point
         return (-1, 1) if found.label == "LP" else (-1, 0, 1)
     if found.label == "LP" and not _has_zero(found.sample):
         return (0,)
@@ -276,7 +276,7 @@ def _locate_crossing(segment: Segment, low: float, high: float, which: int) -> F
 
 def _pair_label(segment: Segment) -> str:
     """What a complex pair that crosses makes: a Hopf point, of orbits a torus."""
-    return "HB" if segment.problem.kind == "equilibrium" else "NS"
+    return "NS" if segment.problem.discretized else "HB"
 
 
 def _with(located: Located, **vectors: object) -> Located:

@@ -219,10 +219,16 @@ class Diagram:
             work.special_points.append(record)
             yield Found(work.info, row, record)
 
+    def _followed(self, problem: Problem, point: SpecialPoint) -> bool:
+        """Whether the branches that leave a point are wanted."""
+        if point.label in ("GR", "OC"):
+            return self._plan.settings.events.get(point.label) == "switch"
+        return point.label in self._plan.follow
+
     def _grown(self, start: Start, problem: Problem, branch: Branch) -> Iterator[Start]:
         """Starts for the branches that leave a branch's special points."""
         for point in branch.special_points:
-            if point.label not in self._plan.follow or point.status != "located":
+            if not self._followed(problem, point) or point.status != "located":
                 continue
             if start.parent is not None and abs(point.s) < 1e-9:
                 continue  # the point that this branch itself was born at

@@ -29,6 +29,20 @@ def stop_at(what: str) -> Outcome:
     return Outcome("stopped", "stop_at", f"Stopped at {what}, as asked. Remove it from `stop_at` to go on.")
 
 
+def limit(label: str, asked: str, words: str) -> Outcome:
+    """The orbits beyond are not the machine's, or have another word."""
+    reason = {"GR": "grazing", "OC": "order_change", "AZ": "inadmissible"}[label]
+    if asked == "switch":
+        return Outcome("complete", reason, words)
+    return Outcome(
+        "stopped",
+        reason,
+        f"{words} To go on past it: events: {{{label}: ignore}}; to its neighbours: switch."
+        if label != "AZ"
+        else f"{words} To go on past it: events: {{AZ: ignore}}.",
+    )
+
+
 def max_points(number: int) -> Outcome:
     """The limit of points was reached."""
     return Outcome(
@@ -45,7 +59,8 @@ def interrupted() -> Outcome:
 
 def restored(reason: str, message: str) -> Outcome:
     """The outcome of an end that is stored."""
-    status = {"bound": "complete", "closed": "complete"}.get(reason, "stopped")
+    complete = ("bound", "closed", "grazing", "order_change")
+    status = "complete" if reason in complete and "To go on past it" not in message else "stopped"
     if reason in ("step_too_small", "no_convergence", "not_finite", "plugin_error"):
         status = "failed"
     return Outcome(status, reason, message or f"Ended with {reason}. Nothing more is known.")

@@ -16,6 +16,7 @@ from contwalk.problems.problem import Problem, Sample
 from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:  # compiled flows are imported only where orbits are computed
+    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 
 # Solutions nearer than this, in the metric, are the same one: far above the corrector's error, far below a
@@ -45,8 +46,8 @@ def images(problem: Equilibrium, z: np.ndarray, beyond: np.ndarray) -> Iterator[
 
 def known_branch(problem: Problem, sample: Sample, branches: list[Branch]) -> str | None:
     """Name of the branch that a solution and its tangent lie on, or their images; None if it is new."""
-    if problem.kind == "periodic_orbit":
-        return known_orbit(cast("PeriodicOrbit", problem), sample, branches)
+    if problem.discretized:
+        return known_orbit(cast("PeriodicOrbit | HybridOrbit", problem), sample, branches)
     assert isinstance(problem, Equilibrium)
     candidates = [b for b in branches if _comparable(problem, b)]
     beyond = sample.z + BESIDE * sample.tangent
@@ -56,7 +57,7 @@ def known_branch(problem: Problem, sample: Sample, branches: list[Branch]) -> st
     return None
 
 
-def _comparable(problem: Equilibrium | PeriodicOrbit, branch: Branch) -> bool:
+def _comparable(problem: Equilibrium | PeriodicOrbit | HybridOrbit, branch: Branch) -> bool:
     """Whether a branch belongs to the same equations at the same fixed parameters."""
     if branch.info.problem != problem.kind or branch.info.free != (problem.free,) or len(branch.points) < 2:
         return False
@@ -96,14 +97,16 @@ def _on(problem: Equilibrium, pair: Pair, weights: np.ndarray, branch: Branch) -
 NEAR_PERIOD = 0.05
 
 
-def known_orbit(problem: PeriodicOrbit, sample: Sample, branches: list[Branch]) -> str | None:
+def known_orbit(problem: PeriodicOrbit | HybridOrbit, sample: Sample, branches: list[Branch]) -> str | None:
     """Name of the branch that an orbit, or an image of it under a declared symmetry, lies on.
 
     An orbit begins anywhere on itself: candidates are recomputed at the same parameter, and compared as
     curves.
     """
     for branch in branches:
-        if not _comparable(problem, branch) or branch.info.closure != problem.closure.name:
+        if not _comparable(problem, branch) or branch.info.closure != problem.whole[0]:
+            continue
+        if sorted(branch.info.signature or ()) != sorted(problem.branch_facts().get("signature") or ()):
             continue
         if branch.info.subharmonic != problem.subharmonic:
             continue
@@ -112,7 +115,7 @@ def known_orbit(problem: PeriodicOrbit, sample: Sample, branches: list[Branch]) 
     return None
 
 
-def _orbit_on(problem: PeriodicOrbit, sample: Sample, branch: Branch) -> bool:
+def _orbit_on(problem: PeriodicOrbit | HybridOrbit, sample: Sample, branch: Branch) -> bool:
     value, period = sample.z[-1], sample.period
     for k, (ta, tb) in enumerate(pairwise(branch["period"])):
         a, b = branch.unknowns(k), branch.unknowns(k + 1)
@@ -136,8 +139,8 @@ def _orbit_on(problem: PeriodicOrbit, sample: Sample, branch: Branch) -> bool:
             continue
         from contwalk.problems.orbit.closure import imaged
 
-        x, p = sample.z[: problem.states], ParameterValues(**problem.values_of(sample.z))
-        images = [x, *[imaged(symmetry, x, p) for symmetry in problem.system.symmetries]]
-        if there.passes(correction.z, images):
+        x, p = problem.first_state(sample.z), ParameterValues(**problem.values_of(sample.z))
+        spatial = [s for s in problem.system.symmetries if s.role == "spatial"]
+        if there.passes(correction.z, [x, *[imaged(symmetry, x, p) for symmetry in spatial]]):
             return True
     return False

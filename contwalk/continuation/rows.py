@@ -28,7 +28,7 @@ def to_row(info: BranchInfo, problem: Problem, here: Here, sign: float, special:
     row["spectrum_error"] = own if sample.spectrum_error is None else sample.spectrum_error
     row["unstable"] = sample.unstable
     row["stable"] = sample.unstable == 0
-    row["admissible"] = True
+    row["admissible"] = sample.admissible
     row["special"] = special
     for column, values in (
         ("unknowns", sample.z[:-1]),

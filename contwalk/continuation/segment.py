@@ -89,6 +89,10 @@ class Segment:
         tangent = self.tangent(correction.linearization.jacobian)
         return problem.examine(correction.z, tangent, self.weights, correction.linearization, None)
 
+    def until(self, theta: float) -> Segment:
+        """The part of the segment before theta."""
+        return Segment(self.problem, self.a, self.at(theta))
+
     def distance(self, z: np.ndarray, theta: float) -> float:
         """Distance of z from the solution at theta, relative to the length of the segment."""
         return float(np.linalg.norm((self.at(theta).z - z) / self.weights)) / max(self.length, 1e-300)

@@ -35,6 +35,8 @@ class Settings:
     marks : tuple of Mark
     stop_at : mapping of str to tuple of float
         Values of the free parameter or of observables that end the branch.
+    events : mapping of str to str
+        What is done at a limit of each label: `stop`, `ignore` or `switch`.
     """
 
     range: tuple[float, float] = (-math.inf, math.inf)
@@ -46,6 +48,7 @@ class Settings:
     newton_iterations: int = 8
     marks: tuple[Mark, ...] = ()
     stop_at: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    events: Mapping[str, str] = field(default_factory=lambda: {"GR": "stop", "OC": "switch", "AZ": "ignore"})
 
     @property
     def width(self) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.continuation import control, outcomes
+from contwalk.continuation import control, limits, outcomes
 from contwalk.continuation.detection import at_the_end, bifurcations
 from contwalk.continuation.here import Here
 from contwalk.continuation.locating import Disagreement, Found, passes_through
@@ -21,6 +21,8 @@ from contwalk.problems.problem import Linearization, Located, Problem, Sample
 
 # A mark this near to a bifurcation, in parts of the step, is at the same place.
 COINCIDE = 1e-9
+# What lies this near before the end of the admissible orbits, in parts of the step, is not told from it.
+BEFORE_LIMIT = 1e-4
 # The field's domain ends where a step this short still leaves it.
 EDGE = 1e-7
 
@@ -37,7 +39,7 @@ class Step:
     def closes(self, origin: Here) -> bool:
         """Whether the step passed a walk's beginning, the same way round."""
         segment, tangent = self.segment, origin.sample.tangent
-        if segment.problem.kind != "equilibrium":
+        if segment.problem.discretized:
             return _comes_back(segment, origin.sample)
         z = segment.problem.nearest_turn(origin.sample.z, segment.a.z)
         theta = segment.position(z)
@@ -220,7 +222,16 @@ def _beside(segment: Segment) -> Sample:
 def _special(segment: Segment, settings: Settings, observer: Observer, smallest: bool) -> list[Found]:
     """Everything special on a segment, in its order; at the smallest step, what cannot be located as well."""
     try:
-        found = bifurcations(segment)
+        reached = limits.passed(segment)
+        end = limits.stopping(segment.problem, reached, settings.events)
+        if end is None:
+            found = [*_smooth(segment, settings, observer), *reached]
+        else:  # what lies beyond is not the machine's motion, and its tests tell nothing
+            share = end.theta * (1.0 - BEFORE_LIMIT)
+            part = segment.until(share) if share > 0.0 else None
+            found = [] if part is None else _smooth(part, settings, observer)
+            found = [replace(f, theta=share * f.theta) for f in found]
+            found += [f for f in reached if f.theta <= end.theta]
     except Disagreement as disagreement:
         if not smallest:
             raise
@@ -228,19 +239,26 @@ def _special(segment: Segment, settings: Settings, observer: Observer, smallest:
     low, high = settings.range
     if any(not low <= f.located.z[-1] <= high for f in found):
         raise Disagreement("EP", "The step passes the end of the range and comes back.")
+    return _with_counts(sorted(found, key=lambda f: f.theta), segment.a.unstable)
+
+
+def _smooth(segment: Segment, settings: Settings, observer: Observer) -> list[Found]:
+    """Bifurcations and marks on a segment."""
+    found = bifurcations(segment)
     stops = tuple(Mark(name, values) for name, values in settings.stop_at.items())
     turns = [f.theta for f in found if f.label in ("LP", "BP")]
     for mark in marked(segment, (*settings.marks, *stops), observer, turns):
         at = [f.theta for f in found if f.label != "UZ" and abs(f.theta - mark.theta) < COINCIDE]
         found.append(replace(mark, theta=at[0]) if at else mark)
-    return _with_counts(sorted(found, key=lambda f: f.theta), segment.a.unstable)
+    return found
 
 
 def _with_counts(found: list[Found], count: int) -> list[Found]:
     """Marks take their unstable counts from the bifurcations before them, or at the same place."""
     result = []
     for point in found:
-        result.append(replace(point, before=count, after=count) if point.label == "UZ" else point)
+        uncounted = point.label in ("UZ", *limits.LABELS)
+        result.append(replace(point, before=count, after=count) if uncounted else point)
         count = result[-1].after
     return result
 

@@ -26,7 +26,7 @@ class Field:
     Parameters
     ----------
     program : Program
-        f, with as many outputs as there are states.
+        f, with as many outputs as there are states, or as many as `outputs` says.
     states : sequence of (group, index)
         Inputs of the program that are the states, in the order of x.
     parameters : mapping
@@ -37,11 +37,13 @@ class Field:
         The input that is the time, if f depends on it.
     differentiable : bool
         Whether its Jacobian may be asked for: what is prepared for it has a price.
+    outputs : int, optional
+        Of a map of the state that is no vector field: a reset with its guard, a condition.
 
     Attributes
     ----------
-    n, k : int
-        Numbers of states and of columns.
+    n, k, m : int
+        Numbers of states, of columns, and of outputs.
     row_ptr, col : ndarray of int64
         Entries of the Jacobian that can be nonzero, row by row: those of row i are in columns
         ``col[row_ptr[i]:row_ptr[i + 1]]`` of the n + k.
@@ -61,8 +63,10 @@ class Field:
         columns: Sequence[Input] = (),
         time: Input | None = None,
         differentiable: bool = True,
+        outputs: int | None = None,
     ) -> None:
         self.n, self.k = len(states), len(columns)
+        self.m = self.n if outputs is None else outputs
         self.parameter_count = sum(parameters.values())
         self._program = program
         graph = program.graph
@@ -79,8 +83,8 @@ class Field:
         known = {*self._states, *self._parameters, *self._time}
         graph = self._program.graph
         lengths = {len(leaf.nodes) for leaf in self._program.leaves() if isinstance(leaf, Outputs)}
-        if lengths - {self.n}:
-            raise ValueError(f"a program of {max(lengths)} outputs for {self.n} states")
+        if lengths - {self.m}:
+            raise ValueError(f"a program of {max(lengths)} outputs where {self.m} are wanted")
         for column in columns:
             if column not in places:
                 raise ValueError(f"the column {column} is no parameter")
@@ -101,7 +105,7 @@ class Field:
     @cached_property
     def _rows(self) -> list[list[int]]:
         """For each row the columns of the entries that are nonzero on some path."""
-        rows = [set[int]() for _ in range(self.n)]
+        rows = [set[int]() for _ in range(self.m)]
         for leaf in self._program.leaves():
             if isinstance(leaf, Outputs):
                 for row, entries in zip(rows, self._derivatives(leaf.nodes), strict=True):
@@ -113,7 +117,7 @@ class Field:
 
     @cached_property
     def row_ptr(self) -> np.ndarray:
-        """Positions of the rows' first entries in `col`, and their number; (n + 1,)."""
+        """Positions of the rows' first entries in `col`, and their number; (m + 1,)."""
         return np.cumsum([0, *(len(row) for row in self._rows)], dtype=np.int64)
 
     @cached_property
@@ -209,14 +213,14 @@ class Field:
         return c
 
     def __call__(self, t: float, x: Sequence[float] | np.ndarray, c: np.ndarray) -> np.ndarray:
-        """f, shape (n,); NaN throughout where one entry does not exist."""
-        return self._called(self._rhs_function, t, x, c, self.n)
+        """f, shape (m,); NaN throughout where one entry does not exist."""
+        return self._called(self._rhs_function, t, x, c, self.m)
 
     def jacobian(self, t: float, x: Sequence[float] | np.ndarray, c: np.ndarray) -> np.ndarray:
-        """Exact derivatives by the states and the columns, shape (n, n + k); NaN where they do not exist."""
-        out = self._called(self._rhs_jac_function, t, x, c, self.n + len(self.col))
-        dense = np.zeros((self.n, self.n + self.k))
-        dense[np.repeat(np.arange(self.n), np.diff(self.row_ptr)), self.col] = out[self.n :]
+        """Exact derivatives by the states and the columns, shape (m, n + k); NaN where they do not exist."""
+        out = self._called(self._rhs_jac_function, t, x, c, self.m + len(self.col))
+        dense = np.zeros((self.m, self.n + self.k))
+        dense[np.repeat(np.arange(self.m), np.diff(self.row_ptr)), self.col] = out[self.m :]
         return dense if np.isfinite(out[0]) else np.full_like(dense, np.nan)
 
     @cached_property

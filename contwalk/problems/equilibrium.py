@@ -46,6 +46,7 @@ class Equilibrium:
     """
 
     kind = "equilibrium"
+    discretized = False
     beside = 1e-4
     blur = 1e-6
     method = ""
@@ -356,6 +357,16 @@ class Equilibrium:
     def special_point(self, label: str, located: Located, sample: Sample, s: float) -> SpecialPoint:
         """The record of a located point, with its normal form."""
         return described(self, label, located, sample, s)
+
+    limits = ()
+
+    def stopped(self, label: str, located: Located, sample: Sample) -> str:
+        """There is no limit."""
+        raise ValueError("a smooth problem has no limits")
+
+    def neighbours(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
+        """There is no limit."""
+        raise ValueError("a smooth problem has no limits")
 
     def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
         """The same solution with its angles turned as near as possible to those of another one."""

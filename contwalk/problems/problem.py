@@ -27,6 +27,8 @@ from contwalk.problems.linear import EPSILON
 # Observables that every problem has: the largest real part of an equilibrium, the largest modulus of an
 # orbit.
 MAX_RE, MAX_ABS = "max_re", "max_abs"
+# A relative margin this far below zero is zero still.
+NO_MARGIN = 1e-9
 
 
 class Linearization:
@@ -108,6 +110,8 @@ class Sample:
         What the weights of the metric grow with along the branch; |z| if not given.
     error : float
         Estimated error of z in the metric, from the errors of the equations.
+    margins : ndarray
+        What must stay positive for the motion to be the machine's, relative; those of `Problem.limits`.
     period, trivial_error : float
         Of orbits: duration of the closure in seconds, and |M f - f| / |f|.
     """
@@ -133,11 +137,17 @@ class Sample:
     spectrum_error: float | None = None
     sizes: np.ndarray | None = None
     error: float = float("nan")
+    margins: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     @property
     def parameter(self) -> float:
         """Value of the free parameter."""
         return float(self.z[-1])
+
+    @property
+    def admissible(self) -> bool:
+        """Whether no margin is negative beyond rounding."""
+        return bool(np.all(self.margins >= -NO_MARGIN))
 
 
 @dataclass(frozen=True)
@@ -188,10 +198,25 @@ class Seed:
     one_sided: bool = False
 
 
+class Limit(Protocol):
+    """Something that must stay positive along a branch for its solutions to be what the machine does.
+
+    `label` and `kind` are those of the special point where it passes zero; `name` says what it is; `acts`
+    whether something happens there.
+    """
+
+    label: str
+    kind: str | None
+    name: str
+    acts: bool
+
+
 class Problem(Protocol):
     """Equations F(u, lambda) = 0 with what is special about them."""
 
     kind: str
+    # Whether solutions are discretised, so that what they tell has errors of steps.
+    discretized: bool
     free: str
     path: tuple[Mapping[str, float], Mapping[str, float]] | None
     # How far from a branch point that a walk begins at its side is looked at, in parts of the first step.
@@ -217,6 +242,19 @@ class Problem(Protocol):
     @property
     def evaluations(self) -> int:
         """Right-hand sides evaluated so far."""
+        ...
+
+    @property
+    def limits(self) -> Sequence[Any]:
+        """The limits whose margins samples tell, each a `Limit`."""
+        ...
+
+    def stopped(self, label: str, located: Located, sample: Sample) -> str:
+        """In words, why solutions beyond a limit are not the machine's, and what is nearest to it."""
+        ...
+
+    def neighbours(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
+        """The branches beyond a limit, and in words what was found, or tried."""
         ...
 
     def linearize(self, z: np.ndarray) -> Linearization:

@@ -26,13 +26,11 @@ import numpy as np
 
 from contwalk.errors import NotFinite
 from contwalk.problems.linear import EPSILON, Factored
-from contwalk.problems.orbit import ending
 from contwalk.problems.orbit.discretization import TIGHTEST
-from contwalk.problems.orbit.motion import TANGENT
 from contwalk.problems.problem import Located, Sample
 
 if TYPE_CHECKING:
-    from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
+    from contwalk.problems.orbit.protocol import Orbit
 
 ITERATIONS = 14
 # A correction this small, in the metric, ends the iteration at once; one that no longer shrinks below the
@@ -43,7 +41,7 @@ CHECK = 0.03
 MOST_REFINEMENTS = 4
 
 # residual (N + r,) and Jacobian (N + r, N + 1 + r') of an augmented system at its unknowns
-Evaluate = Callable[["PeriodicOrbit", np.ndarray], tuple[np.ndarray, np.ndarray]]
+Evaluate = Callable[["Orbit", np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
 @dataclass(frozen=True)
@@ -53,10 +51,10 @@ class Augmented:
     evaluate: Evaluate
     start: np.ndarray
     scale: np.ndarray
-    vectors: Callable[[PeriodicOrbit, np.ndarray], dict]
+    vectors: Callable[[Orbit, np.ndarray], dict]
 
 
-def located(problem: PeriodicOrbit, label: str, sample: Sample, which: int) -> Located | None:
+def located(problem: Orbit, label: str, sample: Sample, which: int) -> Located | None:
     """The point near a sample, found on its own steps; `refine` finds it on finer ones."""
     builders = {"LP": _fold, "PD": _flip, "SB": _flip, "NS": _torus, "BP": _crossing}
     if label not in builders:
@@ -68,7 +66,7 @@ def located(problem: PeriodicOrbit, label: str, sample: Sample, which: int) -> L
         return None
 
 
-def solved(problem: PeriodicOrbit, system: Augmented, sample: Sample) -> Located | None:
+def solved(problem: Orbit, system: Augmented, sample: Sample) -> Located | None:
     """The solution of an augmented system with its refinement."""
     rough = _newton(problem, system, system.start)
     if rough is None:
@@ -79,12 +77,12 @@ def solved(problem: PeriodicOrbit, system: Augmented, sample: Sample) -> Located
     return replace(located, refine=lambda: _refined(problem, system, rough, sample))
 
 
-def _refined(problem: PeriodicOrbit, system: Augmented, rough: np.ndarray, sample: Sample) -> Located | None:
+def _refined(problem: Orbit, system: Augmented, rough: np.ndarray, sample: Sample) -> Located | None:
     """The point on steps fine enough for the accuracy that is asked for, with its estimated error."""
     size, wanted = problem.size, problem.discretization.accuracy
     tolerance = min(problem.discretization.locating, problem.mesh.tolerance)
     found, error, finer = rough, np.inf, problem
-    best: tuple[float, np.ndarray, PeriodicOrbit] | None = None
+    best: tuple[float, np.ndarray, Orbit] | None = None
     for _ in range(MOST_REFINEMENTS):
         finer = problem.refined(found[: size + 1], sample.weights, tolerance)
         solution = _newton(finer, system, found)
@@ -111,11 +109,11 @@ def _refined(problem: PeriodicOrbit, system: Augmented, rough: np.ndarray, sampl
         return None  # refinement has left the neighbourhood
     vectors = system.vectors(finer, found)
     if "plane" in vectors:
-        vectors["fallen_back"] = ending.repeats(finer, found[: size + 1])
+        vectors["fallen_back"] = finer.fallen_back(found[: size + 1])
     return Located(found[: size + 1], error, vectors, refined=True, problem=finer)
 
 
-def _rounding(problem: PeriodicOrbit, system: Augmented, y: np.ndarray) -> float:
+def _rounding(problem: Orbit, system: Augmented, y: np.ndarray) -> float:
     """What rounding of the equations does to the free parameter."""
     size = problem.size
     level, _ = problem.linearize(y[: size + 1]).levels
@@ -129,7 +127,7 @@ def _rounding(problem: PeriodicOrbit, system: Augmented, y: np.ndarray) -> float
     return float(np.abs(row) @ noise) + EPSILON * abs(float(y[size]))
 
 
-def _newton(problem: PeriodicOrbit, system: Augmented, start: np.ndarray) -> np.ndarray | None:
+def _newton(problem: Orbit, system: Augmented, start: np.ndarray) -> np.ndarray | None:
     """Newton's method to the rounding of the equations; None where it does not get there."""
     y, before = start.copy(), np.inf
     for iteration in range(ITERATIONS):
@@ -148,7 +146,7 @@ def _newton(problem: PeriodicOrbit, system: Augmented, start: np.ndarray) -> np.
     return None
 
 
-def _correction(problem: PeriodicOrbit, system: Augmented, y: np.ndarray) -> np.ndarray | None:
+def _correction(problem: Orbit, system: Augmented, y: np.ndarray) -> np.ndarray | None:
     try:
         residual, jacobian = system.evaluate(problem, y)
         if not (np.all(np.isfinite(residual)) and np.all(np.isfinite(jacobian))):
@@ -158,56 +156,14 @@ def _correction(problem: PeriodicOrbit, system: Augmented, y: np.ndarray) -> np.
         return None
 
 
-# -- second derivatives ------------------------------------------------------------------------------------
+def null_vectors(matrix: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Right and left null vectors of a nearly singular matrix from its scaled form, L v = 0 and psi* L = 0.
 
-
-def second(
-    problem: PeriodicOrbit, z: np.ndarray, vectors: np.ndarray, scalars: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """The segments' derivative in one direction, shape (m n,), and its own derivative by z, shape (m n, N +
-    1).
-
-    `vectors`, shape (m, n), and `scalars`, shape (k,), are the direction.
+    `rows` and `columns` are the units of its equations and of its unknowns; both vectors are units in the
+    scaled norm.
     """
-    n, m, k = problem.states, problem.segments, len(problem.motion.columns)
-    shooting, starts, own = problem.shooting, problem.starts(z), problem.scalars(z)
-    columns = np.zeros((2 * n, n + k))
-    columns[:n, :n] = np.eye(n)
-    sources = np.array([-1] * n + list(range(k)))
-    product, derivative = np.zeros(m * n), np.zeros((m * n, len(z)))
-    for i in range(m):
-        y = np.concatenate([starts[i], vectors[i]])
-        end, moved = shooting.differentiated(TANGENT, i, y, columns, sources, own, scalars)
-        rows = slice(i * n, (i + 1) * n)
-        product[rows] = end[n:]
-        derivative[rows, rows] = moved[n:, :n]
-        derivative[rows, m * n :] = moved[n:, n:]
-    return product, derivative
-
-
-def of_vector(problem: PeriodicOrbit, z: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Derivative by z of DF(z) v for a real v of length N + 1, shape (N, N + 1)."""
-    m, n = problem.segments, problem.states
-    result = np.zeros((problem.size, problem.size + 1))
-    result[: m * n] = second(problem, z, v[: m * n].reshape(m, n), v[m * n :])[1]
-    return result
-
-
-def cycle_matrix(problem: PeriodicOrbit, jacobian: np.ndarray, multiplier: complex) -> np.ndarray:
-    """L(mu), shape (m n, m n): singular where mu is a multiplier, v_i+1 = A_i v_i, mu v_0 = A_m-1 v_m-1."""
-    size, n = problem.segments * problem.states, problem.states
-    matrix = jacobian[:size, :size].astype(complex if np.imag(multiplier) else float)
-    matrix[size - n :, :n] += (1.0 - multiplier) * np.eye(n)
-    return matrix
-
-
-def null_vectors(matrix: np.ndarray, scale: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Right and left null vectors of a nearly singular matrix in state units, from its scaled form.
-
-    The right one satisfies L v = 0, the left one psi* L = 0; both are units in the scaled norm.
-    """
-    u, _, vh = np.linalg.svd(matrix / scale[:, None] * scale)
-    return vh[-1].conj() * scale, u[:, -1] / scale
+    u, _, vh = np.linalg.svd(matrix / rows[:, None] * columns)
+    return vh[-1].conj() * columns, u[:, -1] / rows
 
 
 # -- the systems -------------------------------------------------------------------------------------------
@@ -225,117 +181,97 @@ def _bordered(matrix: np.ndarray, b: np.ndarray, c: np.ndarray) -> tuple[np.ndar
     return right[:size], left[:size], right[size]
 
 
-def _scales(problem: PeriodicOrbit) -> np.ndarray:
-    return np.tile(problem.mesh.variation, problem.segments)
-
-
-def _fold(problem: PeriodicOrbit, sample: Sample, which: int) -> Augmented:
+def _fold(problem: Orbit, sample: Sample, which: int) -> Augmented:
     """F_u singular."""
     size = problem.size
-    rows, columns = equation_scales(problem), sample.weights[:size]
+    rows, columns = problem.equation_scales, sample.weights[:size]
     u, _, vh = np.linalg.svd(problem.jacobian(sample.z)[:, :size] / rows[:, None] * columns)
     b, c = u[:, -1], vh[-1]
 
-    def scaled(there: PeriodicOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
+    def scaled(there: Orbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
         jacobian = there.linearize(z).jacobian
         v, psi, g = _bordered(jacobian[:, :size] / rows[:, None] * columns, b, c)
         return v * columns, psi / rows, float(g.real), jacobian
 
-    def evaluate(there: PeriodicOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def evaluate(there: Orbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         v, psi, g, jacobian = scaled(there, z)
-        gradient = -psi @ of_vector(there, z, np.append(v, 0.0))
+        gradient = -psi @ there.derivative_along(z, np.append(v, 0.0))
         residual = np.append(there.linearize(z).residual, g)
         return residual, np.vstack([jacobian, gradient])
 
-    def vectors(there: PeriodicOrbit, z: np.ndarray) -> dict:
+    def vectors(there: Orbit, z: np.ndarray) -> dict:
         v, psi, _, _ = scaled(there, z)
         return {"right": v, "left": psi}
 
     return Augmented(evaluate, sample.z, sample.weights, vectors)
 
 
-def equation_scales(problem: PeriodicOrbit) -> np.ndarray:
-    """Units of the equations. Their own rows would not do: one that vanishes at the point is the
-    critical one.
-    """
-    scales = np.ones(problem.size)
-    own = _scales(problem)
-    scales[: len(own)] = own
-    return scales
-
-
-def _flip(problem: PeriodicOrbit, sample: Sample, which: int) -> Augmented:
+def _flip(problem: Orbit, sample: Sample, which: int) -> Augmented:
     """A multiplier at -1."""
-    size, scale = problem.size, _scales(problem)
-    start = cycle_matrix(problem, problem.jacobian(sample.z), -1.0)
-    c, b = null_vectors(start, scale)
-    c, b = c / scale, b * scale
+    size, (rows, columns) = problem.size, problem.cycle_scales
+    u, _, vh = np.linalg.svd(problem.cycle_matrix(problem.jacobian(sample.z), -1.0) / rows[:, None] * columns)
+    b, c = u[:, -1], vh[-1]
 
-    def scaled(there: PeriodicOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
+    def scaled(there: Orbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
         jacobian = there.linearize(z).jacobian
-        matrix = cycle_matrix(there, jacobian, -1.0)
-        v, psi, g = _bordered(matrix / scale[:, None] * scale, b, c)
-        return v * scale, psi / scale, float(g.real), jacobian
+        matrix = there.cycle_matrix(jacobian, -1.0)
+        v, psi, g = _bordered(matrix / rows[:, None] * columns, b, c)
+        return v * columns, psi / rows, float(g.real), jacobian
 
-    def evaluate(there: PeriodicOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def evaluate(there: Orbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         v, psi, g, jacobian = scaled(there, z)
-        m, n = there.segments, there.states
-        _, derivative = second(there, z, v.reshape(m, n), np.zeros(len(there.motion.columns)))
         residual = np.append(there.linearize(z).residual, g)
-        return residual, np.vstack([jacobian, -psi @ derivative])
+        return residual, np.vstack([jacobian, -psi @ there.cycle_derivative(z, v)])
 
-    def vectors(there: PeriodicOrbit, z: np.ndarray) -> dict:
+    def vectors(there: Orbit, z: np.ndarray) -> dict:
         v, psi, _, _ = scaled(there, z[: size + 1])
         return {"right": v, "left": psi, "multiplier": -1.0}
 
     return Augmented(evaluate, sample.z, sample.weights, vectors)
 
 
-def _torus(problem: PeriodicOrbit, sample: Sample, which: int, modulus: float = 1.0) -> Augmented:
+def _torus(problem: Orbit, sample: Sample, which: int, modulus: float = 1.0) -> Augmented:
     """A pair of multipliers at modulus exp(+-i theta)."""
-    size, scale = problem.size, _scales(problem)
+    size, (rows, columns) = problem.size, problem.cycle_scales
     value = sample.eigenvalues[which]
     theta = abs(float(np.angle(value)))
-    start = cycle_matrix(problem, problem.jacobian(sample.z), complex(value.real, abs(value.imag)))
-    c, b = null_vectors(start, scale)
-    c, b = c / scale, b * scale
+    start = problem.cycle_matrix(problem.jacobian(sample.z), complex(value.real, abs(value.imag)))
+    u, _, vh = np.linalg.svd(start / rows[:, None] * columns)
+    b, c = u[:, -1], vh[-1].conj()
 
-    def scaled(there: PeriodicOrbit, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, complex, np.ndarray]:
+    def scaled(there: Orbit, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, complex, np.ndarray]:
         jacobian = there.linearize(y[: size + 1]).jacobian
-        matrix = cycle_matrix(there, jacobian, modulus * np.exp(1j * y[-1]))
-        v, psi, g = _bordered(matrix / scale[:, None] * scale, b, c)
-        return v * scale, psi / scale, complex(g), jacobian
+        matrix = there.cycle_matrix(jacobian, modulus * np.exp(1j * y[-1]))
+        v, psi, g = _bordered(matrix / rows[:, None] * columns, b, c)
+        return v * columns, psi / rows, complex(g), jacobian
 
-    def evaluate(there: PeriodicOrbit, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def evaluate(there: Orbit, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         z = y[: size + 1]
         v, psi, g, jacobian = scaled(there, y)
-        m, n = there.segments, there.states
-        still = np.zeros(len(there.motion.columns))
-        derivative = second(there, z, v.real.reshape(m, n), still)[1]
-        derivative = derivative + 1j * second(there, z, v.imag.reshape(m, n), still)[1]
+        derivative = there.cycle_derivative(z, v.real) + 1j * there.cycle_derivative(z, v.imag)
         gradient = -psi.conj() @ derivative
-        turning = 1j * modulus * np.exp(1j * y[-1]) * (psi[-n:].conj() @ v[:n])
+        turning = 1j * modulus * np.exp(1j * y[-1]) * there.cycle_return(psi, v)
         matrix = np.zeros((size + 2, size + 2))
         matrix[:size, : size + 1] = jacobian
         matrix[size, : size + 1], matrix[size + 1, : size + 1] = gradient.real, gradient.imag
         matrix[size, -1], matrix[size + 1, -1] = turning.real, turning.imag
         return np.concatenate([there.linearize(z).residual, [g.real, g.imag]]), matrix
 
-    def vectors(there: PeriodicOrbit, y: np.ndarray) -> dict:
+    def vectors(there: Orbit, y: np.ndarray) -> dict:
         v, psi, _, _ = scaled(there, y)
         return {"right": v, "left": psi, "multiplier": modulus * np.exp(1j * y[-1]), "theta": float(y[-1])}
 
     return Augmented(evaluate, np.append(sample.z, theta), np.append(sample.weights, 1.0), vectors)
 
 
-def _crossing(problem: PeriodicOrbit, sample: Sample, which: int) -> Augmented:
+def _crossing(problem: Orbit, sample: Sample, which: int) -> Augmented:
     """[F_u F_lambda] of deficient rank: another branch passes."""
     size = problem.size
-    rows, columns = equation_scales(problem), sample.weights
+    rows, columns = problem.equation_scales, sample.weights
     u, _, vh = np.linalg.svd(problem.jacobian(sample.z) / rows[:, None] * columns)
     b, c = u[:, -1], vh[-2:]
 
-    def scaled(there: PeriodicOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    def scaled(there: Orbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         jacobian = there.linearize(z).jacobian
         whole = np.zeros((size + 2, size + 2))
         whole[:size, : size + 1] = jacobian / rows[:, None] * columns
@@ -344,17 +280,17 @@ def _crossing(problem: PeriodicOrbit, sample: Sample, which: int) -> Augmented:
         left = np.linalg.solve(whole.T, np.eye(size + 2)[:, -1])
         return (right[: size + 1] * columns[:, None]).T, left[:size] / rows, left[size:], jacobian
 
-    def evaluate(there: PeriodicOrbit, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def evaluate(there: Orbit, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         z, mu = y[: size + 1], y[-1]
         vs, psi, g, jacobian = scaled(there, z)
         matrix = np.zeros((size + 2, size + 2))
         matrix[:size, : size + 1], matrix[:size, -1] = jacobian, b * rows
         for k in range(2):
-            matrix[size + k, : size + 1] = psi @ of_vector(there, z, vs[k])
+            matrix[size + k, : size + 1] = psi @ there.derivative_along(z, vs[k])
         residual = there.linearize(z).residual + mu * b * rows
         return np.concatenate([residual, -g]), matrix
 
-    def vectors(there: PeriodicOrbit, y: np.ndarray) -> dict:
+    def vectors(there: Orbit, y: np.ndarray) -> dict:
         vs, psi, _, _ = scaled(there, y[: size + 1])
         return {"plane": vs, "left": psi, "unfolding": float(y[-1])}
 
@@ -364,11 +300,11 @@ def _crossing(problem: PeriodicOrbit, sample: Sample, which: int) -> Augmented:
 # -- marks -------------------------------------------------------------------------------------------------
 
 
-def observed(problem: PeriodicOrbit, name: str, level: float, sample: Sample) -> Located | None:
+def observed(problem: Orbit, name: str, level: float, sample: Sample) -> Located | None:
     """The point near a sample at which an observable has a value: Newton's method along the branch."""
     from contwalk.problems.orbit import rates
 
-    def value(there: PeriodicOrbit, z: np.ndarray) -> float:
+    def value(there: Orbit, z: np.ndarray) -> float:
         found = there.multipliers(z, there.linearize(z).jacobian)
         return float(there.observables(z, found)[there.observable_names.index(name)])
 
@@ -378,7 +314,7 @@ def observed(problem: PeriodicOrbit, name: str, level: float, sample: Sample) ->
     size = problem.size
     gradient = slope * sample.tangent / sample.weights**2
 
-    def evaluate(there: PeriodicOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def evaluate(there: Orbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         linearization = there.linearize(z)
         residual = np.append(linearization.residual, value(there, z) - level)
         return residual, np.vstack([linearization.jacobian, gradient])

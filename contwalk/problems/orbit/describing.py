@@ -11,7 +11,7 @@ from contwalk.problems.orbit import normal_forms
 from contwalk.problems.problem import Located, Sample
 
 if TYPE_CHECKING:
-    from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
+    from contwalk.problems.orbit.protocol import Orbit
 
 # Where theta is this near to 2 pi k / q, q = 1..4, the point is a strong resonance.
 RESONANT = 1e-6
@@ -21,7 +21,7 @@ VANISHES = 1e-9
 Form = tuple[str | None, str | None, dict[str, Any], str | None]
 
 
-def described(problem: PeriodicOrbit, label: str, located: Located, sample: Sample, s: float) -> SpecialPoint:
+def described(problem: Orbit, label: str, located: Located, sample: Sample, s: float) -> SpecialPoint:
     """The record of a located point, with its normal form."""
     there = located.problem if located.problem is not None else problem
     z = located.z
@@ -34,7 +34,7 @@ def described(problem: PeriodicOrbit, label: str, located: Located, sample: Samp
         limit = f"known to {located.error:.1e} only: rounding does not allow the accuracy that was asked for"
         note = limit if note is None else f"{note}; {limit}"
     values = problem.values_of(z)
-    duration, fold = problem.duration(z), problem.closure.fold
+    duration, (_, fold) = problem.duration(z), problem.whole
     spectrum = tuple(complex(v) for v in sample.eigenvalues)
     return SpecialPoint(
         label="BP" if label == "SB" else label,
@@ -56,17 +56,17 @@ def described(problem: PeriodicOrbit, label: str, located: Located, sample: Samp
     )
 
 
-def _normal_form(problem: PeriodicOrbit, label: str, located: Located, sample: Sample) -> Form:
+def _normal_form(problem: Orbit, label: str, located: Located, sample: Sample) -> Form:
     """Kind, criticality, coefficients and note of a located point."""
     z = located.z
     if label == "LP":
-        return None, None, normal_forms.fold(problem, z), None
+        return None, None, normal_forms.fold(problem.return_map(z)), None
     if label in ("PD", "SB"):
-        coefficients = normal_forms.flip(problem, z)
+        coefficients = normal_forms.flip(problem.return_map(z))
         criticality, vanishes = _criticality(-coefficients["c"])
         if label == "PD":
             return None, criticality, coefficients, vanishes
-        name = problem.closure.name
+        name, _ = problem.whole
         note = vanishes or f"the orbits that leave have lost '{name}'"
         return "symmetry-breaking", criticality, coefficients, note
     if label == "NS":
@@ -83,14 +83,14 @@ def _criticality(coefficient: float) -> tuple[str | None, str | None]:
     return "supercritical" if coefficient < 0 else "subcritical", None
 
 
-def _torus(problem: PeriodicOrbit, z: np.ndarray, located: Located) -> Form:
+def _torus(problem: Orbit, z: np.ndarray, located: Located) -> Form:
     theta = float(located.vectors["theta"])
     resonance = _resonance(theta)
     if resonance is not None:
         note = f"strong resonance {resonance}: the normal form is another one"
         return None, None, {"theta": theta, "rotation_number": theta / (2.0 * np.pi)}, note
-    coefficients = normal_forms.torus(problem, z, theta)
-    fold = problem.closure.fold
+    coefficients = normal_forms.torus(problem.return_map(z), theta)
+    _, fold = problem.whole
     if fold > 1:
         coefficients["theta_full"] = float(abs(np.angle(np.exp(1j * fold * theta))))
     criticality, vanishes = _criticality(coefficients["d"])
@@ -106,10 +106,10 @@ def _resonance(theta: float) -> str | None:
     return None
 
 
-def _branch_point(problem: PeriodicOrbit, z: np.ndarray, located: Located, sample: Sample) -> Form:
+def _branch_point(problem: Orbit, z: np.ndarray, located: Located, sample: Sample) -> Form:
     if located.vectors.get("fallen_back"):
         return "pitchfork", None, {}, "the orbit is its parent again here: the branch ends on it"
-    c = normal_forms.branch_point(problem, z, float(sample.weights[-1]))
+    c = normal_forms.branch_point(problem.return_map(z), float(sample.weights[-1]))
     if c["c11"] != 0.0:
         return "transcritical", None, c, None
     criticality, vanishes = _criticality(c["c"])

@@ -32,6 +32,8 @@ class Discretization:
     report_at : tuple of (int, float, float), optional
         The state that stands for an orbit is that where state number i passes a value, rising (1) or falling
         (-1); by default the phase condition's point.
+    report_event : tuple of (str, str), optional
+        Or that before or after an event: its name, and `before` or `after`.
     """
 
     accuracy: float = 1e-8
@@ -40,6 +42,7 @@ class Discretization:
     segments: int | None = None
     phase: str = "section"
     report_at: tuple[int, float, float] | None = None
+    report_event: tuple[str, str] | None = None
 
     @property
     def walking(self) -> float:

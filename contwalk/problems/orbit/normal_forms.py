@@ -13,6 +13,7 @@ where on the orbit the section lies. Formulas of Yu. A. Kuznetsov, Elements of A
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -35,7 +36,58 @@ MOVES = 1e-5
 SAMPLES = 256
 
 
-class ReturnMap:
+class SectionMap(ABC):
+    """The map of a section once round a closed orbit, with its derivatives along curves.
+
+    Vectors are coordinates xi of shape (r,).
+    """
+
+    @property
+    @abstractmethod
+    def a(self) -> np.ndarray:
+        """A, shape (r, r)."""
+
+    @property
+    @abstractmethod
+    def by_parameter(self) -> np.ndarray:
+        """Derivative of the map by the free parameter, shape (r,)."""
+
+    @abstractmethod
+    def curve(
+        self, x1: np.ndarray, x2: np.ndarray | None = None, lam: float = 0.0, order: int = 3
+    ) -> list[np.ndarray]:
+        """First derivatives, up to `order`, of the image of the curve xi = s x1 + s^2 x2 / 2, lambda
+        + s lam.
+        """
+
+    @abstractmethod
+    def size(self, q: np.ndarray) -> float:
+        """Root mean square over the closure of the deviation that starts as q, across the flow."""
+
+    def critical(self, value: complex) -> tuple[np.ndarray, np.ndarray]:
+        """q and p of an eigenvalue of A, |q| = 1 over the orbit and p @ q = 1; the largest entry of q is
+        positive.
+        """
+        u, _, vh = np.linalg.svd(self.a - value * np.eye(len(self.a)))
+        q, p = vh[-1].conj(), u[:, -1].conj()
+        largest = q[np.argmax(np.abs(q))]
+        q = q * np.conj(largest) / abs(largest) / self.size(q)
+        return q, p / (p @ q)
+
+    def b(self, v: np.ndarray, w: np.ndarray, lv: float = 0.0, lw: float = 0.0) -> np.ndarray:
+        """B(v, w) of real vectors, with components along the free parameter."""
+        if v is w and lv == lw:
+            return self.curve(v, None, lv, 2)[1]
+        plus = self.curve(v + w, None, lv + lw, 2)[1]
+        return 0.25 * (plus - self.curve(v - w, None, lv - lw, 2)[1])
+
+    def b_complex(self, v: np.ndarray, w: np.ndarray) -> np.ndarray:
+        """B(v, w) of complex vectors."""
+        real = self.b(v.real, w.real) - self.b(v.imag, w.imag)
+        return real + 1j * (self.b(v.real, w.imag) + self.b(v.imag, w.real))
+
+
+class ReturnMap(SectionMap):
     """The map of the section (of the whole state space, for a forced system) once round a closed orbit.
 
     Vectors are coordinates xi of shape (r,): x = x_0 + basis xi.
@@ -126,17 +178,7 @@ class ReturnMap:
         end = self._by_scalars[:, -1]
         return self.coordinates @ (end + self._by_scalars[:, :-1] @ self._held(end))
 
-    def critical(self, value: complex) -> tuple[np.ndarray, np.ndarray]:
-        """q and p of an eigenvalue of A, |q| = 1 over the orbit and p @ q = 1; the largest entry of q is
-        positive.
-        """
-        u, _, vh = np.linalg.svd(self.a - value * np.eye(len(self.a)))
-        q, p = vh[-1].conj(), u[:, -1].conj()
-        largest = q[np.argmax(np.abs(q))]
-        q = q * np.conj(largest) / abs(largest) / self._size(q)
-        return q, p / (p @ q)
-
-    def _size(self, q: np.ndarray) -> float:
+    def size(self, q: np.ndarray) -> float:
         """Root mean square over the closure of the deviation that starts as q, across the flow."""
         parts = [q.real, q.imag] if np.iscomplexobj(q) else [q]
         return float(np.sqrt(sum(self._mean_square(self.basis @ part) for part in parts)))
@@ -165,22 +207,9 @@ class ReturnMap:
             deviations -= np.sum(deviations * along, axis=1, keepdims=True) * along
         return float(np.mean(np.sum(deviations**2, axis=1)))
 
-    def b(self, v: np.ndarray, w: np.ndarray, lv: float = 0.0, lw: float = 0.0) -> np.ndarray:
-        """B(v, w) of real vectors, with components along the free parameter."""
-        if v is w and lv == lw:
-            return self.curve(v, None, lv, 2)[1]
-        plus = self.curve(v + w, None, lv + lw, 2)[1]
-        return 0.25 * (plus - self.curve(v - w, None, lv - lw, 2)[1])
 
-    def b_complex(self, v: np.ndarray, w: np.ndarray) -> np.ndarray:
-        """B(v, w) of complex vectors."""
-        real = self.b(v.real, w.real) - self.b(v.imag, w.imag)
-        return real + 1j * (self.b(v.real, w.imag) + self.b(v.imag, w.real))
-
-
-def fold(problem: PeriodicOrbit, z: np.ndarray) -> dict[str, Any]:
+def fold(map_: SectionMap) -> dict[str, Any]:
     """a = p.B(q,q) / 2 and b = p.P_lambda of xi -> xi + b mu + a xi^2."""
-    map_ = ReturnMap(problem, z)
     q, p = map_.critical(1.0)
     return {
         "a": 0.5 * float(p @ map_.b(q, q)),
@@ -190,9 +219,8 @@ def fold(problem: PeriodicOrbit, z: np.ndarray) -> dict[str, Any]:
     }
 
 
-def flip(problem: PeriodicOrbit, z: np.ndarray) -> dict[str, Any]:
+def flip(map_: SectionMap) -> dict[str, Any]:
     """c of xi -> -(1 + mu) xi + c xi^3: positive where the doubled orbit is stable beside a stable one."""
-    map_ = ReturnMap(problem, z)
     q, p = map_.critical(-1.0)
     h = np.linalg.solve(np.eye(len(q)) - map_.a, map_.b(q, q))
     return {
@@ -203,9 +231,8 @@ def flip(problem: PeriodicOrbit, z: np.ndarray) -> dict[str, Any]:
     }
 
 
-def torus(problem: PeriodicOrbit, z: np.ndarray, theta: float) -> dict[str, Any]:
+def torus(map_: SectionMap, theta: float) -> dict[str, Any]:
     """Re d of the normal form of a Neimark-Sacker point: negative where a stable torus surrounds."""
-    map_ = ReturnMap(problem, z)
     a, turn = map_.a, np.exp(1j * theta)
     q, p = map_.critical(turn)
     one = np.eye(len(q))
@@ -228,12 +255,11 @@ def torus(problem: PeriodicOrbit, z: np.ndarray, theta: float) -> dict[str, Any]
     }
 
 
-def branch_point(problem: PeriodicOrbit, z: np.ndarray, weight: float) -> dict[str, Any]:
+def branch_point(map_: SectionMap, weight: float) -> dict[str, Any]:
     """Coefficients of the branching equation c11 s^2 + 2 c12 s t + c22 t^2 = 0 and of the cubic term.
 
     `weight` is the typical magnitude of the free parameter.
     """
-    map_ = ReturnMap(problem, z)
     q, p = map_.critical(1.0)
     shifted = map_.a - np.eye(len(q))
     bordered = Factored(np.block([[shifted, p[:, None]], [q[None, :], np.zeros((1, 1))]]))

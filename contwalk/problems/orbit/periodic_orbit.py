@@ -13,11 +13,12 @@ from contwalk.branch import Outcome, SpecialPoint
 from contwalk.errors import called
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.linear import EPSILON, Factored, solution_error
-from contwalk.problems.orbit import augmented, describing, ending, rates, switching
+from contwalk.problems.orbit import augmented, branching, describing, ending, rates, switching
 from contwalk.problems.orbit.closure import Closure
 from contwalk.problems.orbit.discretization import FINEST, Discretization
-from contwalk.problems.orbit.motion import PLAIN, Motion, motion_of
+from contwalk.problems.orbit.motion import MIXED, PLAIN, TANGENT, Motion, motion_of
 from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers, multipliers
+from contwalk.problems.orbit.normal_forms import ReturnMap
 from contwalk.problems.orbit.sampling import crossing, with_extrema
 from contwalk.problems.orbit.section import Reference, Section, better_phase, reference_of, section_at
 from contwalk.problems.orbit.shooting import Mesh, Shooting, meshed, velocity
@@ -75,6 +76,7 @@ class PeriodicOrbit:
     """
 
     kind = "periodic_orbit"
+    discretized = True
     blur = 1e-3  # solutions are solved for to a part of the tolerance only
     # Stability grows with the square of the amplitude, and drowns in the error of the steps nearer by.
     beside = 1.0
@@ -512,6 +514,11 @@ class PeriodicOrbit:
         return np.array([*values, largest**self.rounds])
 
     @property
+    def whole(self) -> tuple[str, int]:
+        """How the orbit closes (`full`, or the name of a symmetry), and how many closures its period has."""
+        return self.closure.name, self.closure.fold
+
+    @property
     def rounds(self) -> int:
         """Closures of the motion that `max_abs` is of: the whole, if the orbit closes up to a mirror image.
 
@@ -643,6 +650,82 @@ class PeriodicOrbit:
         """The same problem with the section of another one; an integral condition is its own on each mesh."""
         return self._varied(section=other.section)
 
+    # -- second derivatives ------------------------------------------------------------------------------
+
+    @property
+    def equation_scales(self) -> np.ndarray:
+        """Units of the equations, shape (N,). Their own rows would not do: one that vanishes at a special
+        point is the critical one.
+        """
+        scales = np.ones(self.size)
+        scales[: self.segments * self.states] = np.tile(self.mesh.variation, self.segments)
+        return scales
+
+    @property
+    def cycle_scales(self) -> tuple[np.ndarray, np.ndarray]:
+        """Units of the rows and of the columns of `cycle_matrix`."""
+        own = np.tile(self.mesh.variation, self.segments)
+        return own, own
+
+    def cycle_matrix(self, jacobian: np.ndarray, multiplier: complex) -> np.ndarray:
+        """L(mu), shape (m n, m n): singular where mu is a multiplier, v_i+1 = A_i v_i, mu v_0 =
+        A_m-1 v_m-1.
+        """
+        size, n = self.segments * self.states, self.states
+        matrix = jacobian[:size, :size].astype(complex if np.imag(multiplier) else float)
+        matrix[size - n :, :n] += (1.0 - multiplier) * np.eye(n)
+        return matrix
+
+    def cycle_return(self, psi: np.ndarray, v: np.ndarray) -> complex:
+        """-psi* L' v, where L' is the derivative of `cycle_matrix` by the multiplier."""
+        return complex(psi[-self.states :].conj() @ v[: self.states])
+
+    def cycle_derivative(self, z: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Derivative by z of L v for a real v, shape (m n, N + 1)."""
+        return self._second(z, v.reshape(self.segments, self.states), np.zeros(len(self.motion.columns)))
+
+    def derivative_along(self, z: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Derivative by z of DF(z) v for a real v of length N + 1, shape (N, N + 1)."""
+        size = self.segments * self.states
+        result = np.zeros((self.size, self.size + 1))
+        result[:size] = self._second(z, v[:size].reshape(self.segments, self.states), v[size:])
+        return result
+
+    def _second(self, z: np.ndarray, vectors: np.ndarray, scalars: np.ndarray) -> np.ndarray:
+        """Derivative by z of the segments' derivative in one direction, shape (m n, N + 1)."""
+        n, m, k = self.states, self.segments, len(self.motion.columns)
+        starts, own = self.starts(z), self.scalars(z)
+        columns = np.zeros((2 * n, n + k))
+        columns[:n, :n] = np.eye(n)
+        sources = np.array([-1] * n + list(range(k)))
+        derivative = np.zeros((m * n, len(z)))
+        for i in range(m):
+            y = np.concatenate([starts[i], vectors[i]])
+            _, moved = self.shooting.differentiated(TANGENT, i, y, columns, sources, own, scalars)
+            rows = slice(i * n, (i + 1) * n)
+            derivative[rows, rows] = moved[n:, :n]
+            derivative[rows, m * n :] = moved[n:, n:]
+        return derivative
+
+    def cycle_rate(self, z: np.ndarray, v: np.ndarray, tangent: np.ndarray) -> np.ndarray:
+        """Derivative of L v along a direction, for a real v, shape (m n,)."""
+        n, m, k = self.states, self.segments, len(self.motion.columns)
+        along, starts, still = tangent[: m * n].reshape(m, n), self.starts(z), np.zeros(k)
+        moved = np.zeros(m * n)
+        for i, vector in enumerate(v.reshape(m, n)):
+            y = np.concatenate([starts[i], vector, along[i], np.zeros(n)])
+            end = self.shooting.carried(MIXED, i, y, self.scalars(z), still, tangent[m * n :])
+            moved[i * n : (i + 1) * n] = end[3 * n :]
+        return moved
+
+    def return_map(self, z: np.ndarray) -> ReturnMap:
+        """The map that takes the section once round the orbit, for normal forms."""
+        return ReturnMap(self, z)
+
+    def fallen_back(self, z: np.ndarray) -> bool:
+        """Whether the orbit has become its parent again."""
+        return ending.repeats(self, z)
+
     # -- special points ----------------------------------------------------------------------------------
 
     def locate(self, label: str, sample: Sample, which: int) -> Located | None:
@@ -659,11 +742,11 @@ class PeriodicOrbit:
 
     def tangent_at(self, label: str, located: Located, near: Sample) -> np.ndarray | None:
         """At a branch point, the tangent of the branch that `near` is on."""
-        return switching.tangent_through(self, located, near) if label == "BP" else None
+        return branching.tangent_through(self, located, near) if label == "BP" else None
 
     def many_branches(self, z: np.ndarray) -> bool:
         """Whether more than one branch passes through a solution, to rounding."""
-        return switching.second_direction(self, z) is not None
+        return branching.second_direction(self, z) is not None
 
     def label_of(self, sample: Sample, which: int) -> str | None:
         """PD or NS; a real multiplier at one is the business of the fold and branch point tests."""
@@ -677,6 +760,16 @@ class PeriodicOrbit:
     def special_point(self, label: str, located: Located, sample: Sample, s: float) -> SpecialPoint:
         """The record of a located point, with its normal form."""
         return describing.described(self, label, located, sample, s)
+
+    limits = ()
+
+    def stopped(self, label: str, located: Located, sample: Sample) -> str:
+        """There is no limit."""
+        raise ValueError("a smooth problem has no limits")
+
+    def neighbours(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
+        """There is no limit."""
+        raise ValueError("a smooth problem has no limits")
 
     def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
         """The same solution with its angles turned as near as possible to those of another one."""
@@ -693,6 +786,10 @@ class PeriodicOrbit:
     def same(self, a: Sample, b: Sample) -> bool:
         """Whether two solutions at the same parameter are one orbit; `b` is on this discretisation."""
         return abs(a.period - b.period) <= ALIKE * a.period and self.passes(b.z, [a.z[: self.states]])
+
+    def first_state(self, z: np.ndarray) -> np.ndarray:
+        """The state at the start, shape (n,)."""
+        return z[: self.states]
 
     def passes(self, z: np.ndarray, points: Sequence[np.ndarray]) -> bool:
         """Whether the orbit of z passes one of some states."""

@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contwalk.errors import called
-from contwalk.problems.orbit.augmented import cycle_matrix, null_vectors
-from contwalk.problems.orbit.motion import MIXED
+from contwalk.problems.orbit.augmented import null_vectors
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
-    from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
+    from contwalk.problems.orbit.protocol import Orbit
     from contwalk.problems.problem import Sample
 
 # Rates are computed of the leading multipliers whose moduli lie between these: a pair of crossings may
@@ -24,7 +23,7 @@ LEADING, LEAST, MOST = 2, 0.4, 1e8
 BESIDE = 1e-4
 
 
-def of_moduli(problem: PeriodicOrbit, z: np.ndarray, tangent: np.ndarray, found: Multipliers) -> np.ndarray:
+def of_moduli(problem: Orbit, z: np.ndarray, tangent: np.ndarray, found: Multipliers) -> np.ndarray:
     """Derivative of each modulus by arclength; NaN where it is far from one, or real and positive.
 
     A real multiplier passes one at a fold or a branch point, which other tests see.
@@ -38,28 +37,22 @@ def of_moduli(problem: PeriodicOrbit, z: np.ndarray, tangent: np.ndarray, found:
     return rates
 
 
-def of_modulus(problem: PeriodicOrbit, z: np.ndarray, tangent: np.ndarray, value: complex) -> float:
+def of_modulus(problem: Orbit, z: np.ndarray, tangent: np.ndarray, value: complex) -> float:
     """Derivative of |mu| along the branch, exact on the steps: mu' = psi* L_s v / psi* v."""
-    n, m, k = problem.states, problem.segments, len(problem.motion.columns)
     multiplier = value if value.imag else value.real
-    matrix = cycle_matrix(problem, problem.linearize(z).jacobian, multiplier)
-    v, psi = null_vectors(matrix, np.tile(problem.mesh.variation, m))
-    parts = [v.real, v.imag] if np.iscomplexobj(v) else [v]
-    along, starts, still = tangent[: m * n].reshape(m, n), problem.starts(z), np.zeros(k)
-    moved = np.zeros(m * n, dtype=complex)
-    for unit, part in zip((1.0, 1j), parts, strict=False):
-        for i, vector in enumerate(part.reshape(m, n)):
-            y = np.concatenate([starts[i], vector, along[i], np.zeros(n)])
-            end = problem.shooting.carried(MIXED, i, y, problem.scalars(z), still, tangent[m * n :])
-            moved[i * n : (i + 1) * n] += unit * end[3 * n :]
-    scale = complex(psi[-n:].conj() @ v[:n])
+    matrix = problem.cycle_matrix(problem.linearize(z).jacobian, multiplier)
+    v, psi = null_vectors(matrix, *problem.cycle_scales)
+    moved = problem.cycle_rate(z, v.real, tangent).astype(complex)
+    if np.iscomplexobj(v):
+        moved += 1j * problem.cycle_rate(z, v.imag, tangent)
+    scale = problem.cycle_return(psi, v)
     if scale == 0.0:
         return float("nan")
     rate = complex(psi.conj() @ moved) / scale
     return float((np.conj(value) * rate).real / abs(value))
 
 
-def of_observable(problem: PeriodicOrbit, name: str, sample: Sample) -> float:
+def of_observable(problem: Orbit, name: str, sample: Sample) -> float:
     """Derivative of an observable along the branch.
 
     An observable is any function of the motion, so it is compared for the motions displaced along the

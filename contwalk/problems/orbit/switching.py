@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,23 +10,19 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
 from contwalk.problems.linear import nearest_eigenpair
-from contwalk.problems.orbit.augmented import cycle_matrix, equation_scales, null_vectors, of_vector
+from contwalk.problems.orbit.augmented import null_vectors
+from contwalk.problems.orbit.branching import FAINT, amplitude, crossing, filled_magnitudes
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.section import section_at
 from contwalk.problems.orbit.shooting import meshed
 from contwalk.problems.orbit.transport import carried_to, following, segments_for
-from contwalk.problems.problem import Located, Sample, Seed
+from contwalk.problems.problem import Seed
 from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
     from contwalk.problems.equilibrium import Equilibrium
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
-
-# Components of a critical vector below this part of its largest set no scale.
-FAINT = 1e-6
-# A second direction of solutions is one where DF's second smallest singular value is rounding.
-SINGULAR = 1e-9
 
 
 # -- from a Hopf point -------------------------------------------------------------------------------------
@@ -131,7 +127,7 @@ def seeds(problem: PeriodicOrbit, point: SpecialPoint) -> Sequence[Seed]:
         if point.label == "BP" and point.kind == "symmetry-breaking":
             return _whole(there, z)
         if point.label == "BP" and point.coefficients:
-            return _crossing(there, z, point)
+            return crossing(there, z, point)
     except (NotFinite, np.linalg.LinAlgError):
         return ()
     return ()
@@ -145,15 +141,7 @@ def _discretized(problem: PeriodicOrbit, z: np.ndarray) -> PeriodicOrbit:
     m = (len(z) - k) // n
     sizes = np.maximum(np.abs(z[: m * n].reshape(m, n)).max(axis=0), 1e-6)
     rough = problem.adapted_to(z, np.concatenate([np.tile(sizes, m) * np.sqrt(m), np.abs(z[m * n :])]))
-    return rough.adapted_to(z, _weights(rough, z), problem.discretization.locating)
-
-
-def _weights(problem: PeriodicOrbit, z: np.ndarray) -> np.ndarray:
-    """Typical magnitudes for a discretisation at z, from the segments' own starts where nothing else
-    tells.
-    """
-    magnitudes = problem.magnitudes_near(z)
-    return np.where(np.isfinite(magnitudes) & (magnitudes > 0.0), magnitudes, 1.0)
+    return rough.adapted_to(z, filled_magnitudes(rough, z), problem.discretization.locating)
 
 
 def _doubled(problem: PeriodicOrbit, z: np.ndarray) -> Sequence[Seed]:
@@ -171,9 +159,7 @@ def _repeated(
 ) -> Sequence[Seed]:
     """A closure followed several times, the deviation changing its sign each time."""
     n, m = problem.states, problem.segments
-    v, _ = null_vectors(
-        cycle_matrix(problem, problem.linearize(z).jacobian, -1.0), np.tile(problem.mesh.variation, m)
-    )
+    v, _ = null_vectors(problem.cycle_matrix(problem.linearize(z).jacobian, -1.0), *problem.cycle_scales)
     v = v.real
     direction = np.concatenate([v, np.zeros(len(z) - m * n)])
     scalars = problem.scalars(z).copy()
@@ -198,7 +184,7 @@ def _repeated(
         )
     z2 = np.concatenate([start, scalars])
     tangent = there.into_section(z2, np.concatenate([tangent, np.zeros(len(scalars))]))
-    return (Seed(label, z2, tangent, _amplitude(tangent), there, one_sided=label == "PD"),)
+    return (Seed(label, z2, tangent, amplitude(tangent), there, one_sided=label == "PD"),)
 
 
 def _single_weights(problem: PeriodicOrbit, z: np.ndarray) -> np.ndarray:
@@ -223,77 +209,3 @@ def _at(
     for _ in range(whole):
         x, v = _next(problem, x, v, p)
     return x, v
-
-
-def _amplitude(tangent: np.ndarray) -> Callable[[float], np.ndarray]:
-    """How far unknowns move along a branch that begins at a right angle: the orbit's own size bounds it."""
-
-    def reach(change: float) -> np.ndarray:
-        moved = np.abs(tangent) / max(float(np.abs(tangent).max()), 1e-300)
-        moved[moved < FAINT] = 0.0  # rounding of a component that the deviation has not
-        moved[-1] = change
-        return moved
-
-    return reach
-
-
-# -- through a branch point --------------------------------------------------------------------------------
-
-
-def directions(problem: PeriodicOrbit, located: Located, weights: np.ndarray) -> list[np.ndarray]:
-    """Tangents of the two branches through a branch point, each a unit vector in the metric."""
-    there = located.problem if located.problem is not None else problem
-    vectors, z = located.vectors, located.z
-    if "plane" not in vectors:
-        return []
-    t1, t2 = (np.linalg.qr((vectors["plane"] / weights).T)[0] * weights[:, None]).T
-    psi = vectors["left"]
-    h1, h2 = psi @ of_vector(there, z, t1), psi @ of_vector(there, z, t2)
-    form = np.array([[h1 @ t1, h1 @ t2], [h1 @ t2, h2 @ t2]])
-    values, axes = np.linalg.eigh(form)
-    if not values[0] < 0.0 < values[1]:
-        return []
-    found = []
-    for sign in (1.0, -1.0):
-        xy = np.sqrt(values[1]) * axes[:, 0] + sign * np.sqrt(-values[0]) * axes[:, 1]
-        t = xy[0] * t1 + xy[1] * t2
-        found.append(t / np.linalg.norm(t / weights))
-    return found
-
-
-def tangent_through(problem: PeriodicOrbit, located: Located, near: Sample) -> np.ndarray | None:
-    """The tangent of a branch at its branch point: of the two, the one nearest to `near`, facing its way."""
-    found = directions(problem, located, near.weights)
-    if not found:
-        return None
-    products = [float((t / near.weights) @ (near.tangent / near.weights)) for t in found]
-    best = int(np.argmax(np.abs(products)))
-    return found[best] * np.sign(products[best])
-
-
-def _crossing(problem: PeriodicOrbit, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
-    """The branch that crosses, along the tangent that the parent does not have."""
-    weights = _weights(problem, z)
-    jacobian = problem.linearize(z).jacobian
-    rows = equation_scales(problem)
-    u, _, vh = np.linalg.svd(jacobian / rows[:, None] * weights)
-    located = Located(z, 0.0, {"plane": vh[-2:] * weights, "left": u[:, -1] / rows}, problem=problem)
-    found = directions(problem, located, weights)
-    if len(found) < 2:
-        return ()
-    parent = np.array(point.tangent)
-    products = [abs(float((t / weights) @ (parent / weights))) for t in found]
-    other = found[int(np.argmin(products))]
-    share = other[-1] / weights[-1]
-    lead = share if abs(share) > 1e-6 else other[int(np.argmax(np.abs(other / weights)))]
-    tangent = other * np.sign(lead)
-    return (Seed("BP", z, tangent, _amplitude(tangent), problem),)
-
-
-def second_direction(problem: PeriodicOrbit, z: np.ndarray) -> np.ndarray | None:
-    """A second direction of solutions, where there is one to rounding."""
-    jacobian = problem.linearize(z).jacobian
-    weights = _weights(problem, z)
-    rows = equation_scales(problem)
-    _, sizes, vh = np.linalg.svd(jacobian / rows[:, None] * weights)
-    return vh[-2] * weights if sizes[-1] < SINGULAR * sizes[0] else None

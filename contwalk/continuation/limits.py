@@ -1,0 +1,108 @@
+"""Limits on a segment: where an orbit stops being one that the machine can move on.
+
+A problem tells a margin for each of its limits; a sign change brackets the point, and the limit's own
+equations locate it. Margins may begin and cease to exist between two solutions (a guard gets another
+minimum); such a jump is no passage through zero, and no special point.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import pairwise
+
+from contwalk.continuation.locating import Disagreement, Found, accepted
+from contwalk.continuation.rootfinding import narrow
+from contwalk.continuation.segment import Segment
+from contwalk.problems.problem import Located, Problem
+
+LABELS = ("GR", "OC", "AZ")
+# A branch that was born at a limit begins with a margin of zero: it takes the sign that follows.
+BORN = 1e-7
+# Margins on both sides of a bracket this narrow that are still this large jump.
+NARROW, JUMPS = 1e-6, 1e-4
+# Two limits that pass zero at the same place, in parts of the segment, are one if their names agree.
+SAME_PLACE = 1e-6
+
+
+def passed(segment: Segment) -> list[Found]:
+    """The limits that pass zero on a segment, in their order.
+
+    Raises
+    ------
+    Disagreement, LostBranch
+        If one is passed and cannot be located.
+    """
+    problem, a, b = segment.problem, segment.a, segment.b
+    found: list[Found] = []
+    for which in range(len(a.margins)):
+        first, last = float(a.margins[which]), float(b.margins[which])
+        if abs(first) <= BORN or (first > 0.0) == (last > 0.0):
+            continue
+        point = _located(segment, which, first, last)
+        if point is not None:
+            found.append(point)
+    found.sort(key=lambda f: f.theta)
+    kept: list[Found] = []
+    for point in found:
+        limit = problem.limits[int(point.located.vectors["limit"])]
+        twins = [
+            f
+            for f in kept
+            if abs(f.theta - point.theta) < SAME_PLACE
+            and problem.limits[int(f.located.vectors["limit"])].name == limit.name
+        ]
+        if not twins:
+            kept.append(point)
+    return kept
+
+
+def _located(segment: Segment, which: int, first: float, last: float) -> Found | None:
+    label = segment.problem.limits[which].label
+    around = {0.0: first, 1.0: last}
+
+    def value(theta: float) -> float:
+        around[theta] = float(segment.at(theta).margins[which])
+        return around[theta]
+
+    def attempt(theta: float, left: float, right: float) -> Found | None:
+        return accepted(segment, label, segment.at(theta), which, left, right)
+
+    found = narrow(value, 0.0, 1.0, first, last, attempt, width=NARROW)
+    if found is not None:
+        return found
+    positions = sorted(around)
+    jumps = [
+        abs(around[p] - around[q]) > JUMPS
+        for p, q in pairwise(positions)
+        if (around[p] > 0.0) != (around[q] > 0.0) and q - p < 4.0 * NARROW
+    ]
+    if any(jumps):
+        return None
+    raise Disagreement(
+        label, f"'{segment.problem.limits[which].name}' passes its limit, but cannot be located."
+    )
+
+
+def policy(problem: Problem, located: Located, events: Mapping[str, str]) -> str:
+    """What is to be done at a limit: `stop`, `ignore` or `switch`.
+
+    A watched transition does nothing, so there is nothing to switch to. A terminal grazing cannot be ignored:
+    beyond it the orbit's own event happens earlier, and no orbit of this word is the machine's.
+    """
+    limit = problem.limits[int(located.vectors["limit"])]
+    asked = events.get(limit.label, "ignore")
+    if limit.label == "AZ":
+        return asked
+    if asked == "switch" and not limit.acts:
+        return "ignore"
+    if asked == "ignore" and limit.kind == "terminal":
+        return "stop"
+    return asked
+
+
+def stopping(problem: Problem, found: list[Found], events: Mapping[str, str]) -> Found | None:
+    """The first of the limits passed at which the branch ends."""
+    for point in found:
+        if policy(problem, point.located, events) != "ignore":
+            return point
+    return None

@@ -1,0 +1,791 @@
+"""Periodic orbits through events as one free parameter varies."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from contwalk.branch import Outcome, SpecialPoint
+from contwalk.errors import called
+from contwalk.problems import neutral as neutrals
+from contwalk.problems.hybrid import limits, neighbours, observing, switching
+from contwalk.problems.hybrid.layout import Layout
+from contwalk.problems.hybrid.limits import Limit
+from contwalk.problems.hybrid.passage import Passage, passage_of
+from contwalk.problems.hybrid.period import period_map
+from contwalk.problems.hybrid.return_map import EventMap
+from contwalk.problems.hybrid.shooting import LegMesh, Piece, meshed
+from contwalk.problems.hybrid.word import Word
+from contwalk.problems.linear import EPSILON, Factored, solution_error
+from contwalk.problems.orbit import augmented, branching, describing, rates
+from contwalk.problems.orbit.discretization import FINEST, Discretization
+from contwalk.problems.orbit.motion import PLAIN, TANGENT
+from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers, multipliers
+from contwalk.problems.orbit.normal_forms import SectionMap
+from contwalk.problems.orbit.section import Section, section_at
+from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed
+from contwalk.system import Neutral, System
+from contwalk.system.declarations import ParameterValues
+
+# A residual counts as solved at this part of the tolerance.
+SOLVED = 1e-3
+# Evaluations of the field in a step of each method (of the implicit ones, about).
+STAGES = {"dop853": 12, "verner98": 16, "radau5": 24, "radau9": 40}
+# Linearizations that are kept: a step asks for the same ones several times.
+MOST_KEPT = 12
+# Two orbits whose periods and states differ by less than this part are one.
+ALIKE = 1e-6
+# Signed square of the smallest difference between two multipliers: zero where a pair becomes real.
+SPLIT = "split"
+
+
+class HybridOrbit:
+    """Orbits of one word: the legs' ends are the next ones' starts, and each ends where its guard is zero.
+
+    Newton's method never looks for an event: durations are unknowns, and a guard is an equation. So the
+    equations are smooth, and stay regular where an event grazes. An orbit without events is one leg that ends
+    where it began; what is watched on it is watched as on any other.
+
+    Parameters
+    ----------
+    system : System
+    word : Word
+    parameters : mapping
+        Values of all parameters.
+    free : str
+        Name of the free parameter, or `path`.
+    path : tuple of two mappings, optional
+    pins : sequence of Neutral
+    reference : ndarray, shape (n,), optional
+        State at which pins without a parameter hold their direction.
+    subharmonic : int
+        The orbit of a forced system lasts so many of its periods.
+    discretization : Discretization
+    """
+
+    kind = "hybrid_orbit"
+    discretized = True
+    blur = 1e-3  # solutions are solved for to a part of the tolerance only
+    beside = 0.05
+
+    def __init__(
+        self,
+        system: System,
+        word: Word,
+        parameters: Mapping[str, float],
+        free: str,
+        path: tuple[Mapping[str, float], Mapping[str, float]] | None = None,
+        pins: Sequence[Neutral] = (),
+        reference: np.ndarray | None = None,
+        subharmonic: int = 1,
+        discretization: Discretization | None = None,
+    ) -> None:
+        self.system, self.word, self.free, self.path = system, word, free, path
+        self.pins, self.reference = tuple(pins), reference
+        self.parameters = {name: float(parameters[name]) for name in system.parameter_names}
+        self.subharmonic = subharmonic
+        self.discretization = discretization or Discretization()
+        self.states = len(system.states)
+        self.forced = system.period is not None
+        names = system.parameter_names
+        begin, end = path if path is not None else (self.parameters, self.parameters)
+        self._base = np.array([float(begin[name]) for name in names])
+        self._direction = np.array([float(end[name]) - float(begin[name]) for name in names])
+        self.fixed = np.concatenate([self._base, self._direction])
+        self.turns = np.zeros(self.states)
+        self.section: Section | None = None
+        self._mesh: LegMesh | None = None
+        self._tally = [0]
+        self._kept: dict[bytes, Linearization] = {}
+        sizes = [len(system.states_of(leg.mode)) for leg in word.legs]
+        self.layout = Layout(sizes, self.forced, len(self.pins))
+
+    # -- variants ----------------------------------------------------------------------------------------
+
+    def _varied(self, **changes: Any) -> HybridOrbit:
+        other = copy.copy(self)
+        other._kept = {}
+        for cached in ("pieces", "limits"):
+            other.__dict__.pop(cached, None)
+        for name, value in changes.items():
+            setattr(other, name, value)
+        return other
+
+    def of_word(self, word: Word, times: int = 1, turns: np.ndarray | None = None) -> HybridOrbit:
+        """The orbits of another word, lasting `times` as many periods of the forcing."""
+        other = HybridOrbit(
+            self.system,
+            word,
+            self.parameters,
+            self.free,
+            self.path,
+            self.pins,
+            self.reference,
+            self.subharmonic * times,
+            self.discretization,
+        )
+        other.turns = self.turns * times if turns is None else turns
+        other._tally = self._tally
+        return other
+
+    def turning(self, turns: np.ndarray) -> HybridOrbit:
+        """The same orbits with states that grow by so much in each closure."""
+        return self._varied(turns=turns)
+
+    def on(self, mesh: LegMesh, section: Section | None) -> HybridOrbit:
+        """The same problem on another mesh, with another section."""
+        return self._varied(_mesh=mesh, section=section)
+
+    @property
+    def mesh(self) -> LegMesh:
+        """The steps of this discretisation."""
+        if self._mesh is None:
+            raise ValueError("the problem has no mesh yet: see `adapted_to`")
+        return self._mesh
+
+    @cached_property
+    def passages(self) -> tuple[Passage, ...]:
+        """The legs' compiled functions."""
+        moving = tuple(np.flatnonzero(self._direction).tolist())
+        free = None if self.path is not None else self.free
+        return tuple(
+            passage_of(self.system, leg, self.word.target(i), free, moving, self.pins)
+            for i, leg in enumerate(self.word.legs)
+        )
+
+    @cached_property
+    def pieces(self) -> tuple[Piece, ...]:
+        """The legs on their steps."""
+        mesh = self.mesh
+        return tuple(
+            Piece(passage, steps, mesh.method, self.fixed)
+            for passage, steps in zip(self.passages, mesh.steps, strict=True)
+        )
+
+    @cached_property
+    def limits(self) -> tuple[Limit, ...]:
+        """All that must stay positive for an orbit to be the machine's."""
+        return limits.limits_of(self)
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns without the free parameter."""
+        return self.layout.size
+
+    @property
+    def method(self) -> str:
+        """How motions are integrated, and why so."""
+        return f"{self.mesh.method}, {self.mesh.reason}"
+
+    @property
+    def evaluations(self) -> int:
+        """Steps of integration so far, in right-hand sides."""
+        return self._tally[0]
+
+    @property
+    def observable_names(self) -> tuple[str, ...]:
+        """The system's observables, margins of what is watched and of conditions, `split` and `max_abs`."""
+        own = [o.name for o in self.system.observables]
+        margins = [name for name in limits.observed(self.system) if name not in own]
+        return (*own, *margins, SPLIT, MAX_ABS)
+
+    # -- vectors of unknowns -----------------------------------------------------------------------------
+
+    def values_of(self, z: np.ndarray) -> dict[str, float]:
+        """All parameters at z, by name."""
+        lam = float(z[-1])
+        if self.path is None:
+            return {**self.parameters, self.free: lam}
+        names = self.system.parameter_names
+        return {n: b + lam * d for n, b, d in zip(names, self._base, self._direction, strict=True)}
+
+    def duration(self, z: np.ndarray) -> float:
+        """Duration of the closure, seconds."""
+        return float(z[self.layout.durations].sum())
+
+    def starting_times(self, z: np.ndarray) -> np.ndarray:
+        """Times at which the legs start, and the last one ends, shape (m + 1,)."""
+        first = 0.0 if self.layout.start is None else float(z[self.layout.start])
+        return first + np.concatenate([[0.0], np.cumsum(z[self.layout.durations])])
+
+    @property
+    def whole(self) -> tuple[str, int]:
+        """How the orbit closes (`full`, or the name of a symmetry), and how many closures its period has."""
+        name, times = self.word.relabelled(self.system)
+        return name or "full", times
+
+    @property
+    def rounds(self) -> int:
+        """Closures of the motion that `max_abs` is of: a relabelled closure is a whole one."""
+        return 1
+
+    @property
+    def periods(self) -> np.ndarray:
+        """Periods of the states that are angles, 0 for the others, shape (N + 1,)."""
+        result = np.zeros(self.size + 1)
+        own = np.array([s.period or 0.0 for s in self.system.states])
+        for place, passage in zip(self.layout.states, self.passages, strict=True):
+            result[place] = own[list(passage.states)]
+        return result
+
+    # -- equations ---------------------------------------------------------------------------------------
+
+    def linearize(self, z: np.ndarray) -> Linearization:
+        """The equations at z."""
+        key = z.tobytes()
+        if key not in self._kept:
+            while len(self._kept) >= MOST_KEPT:
+                del self._kept[next(iter(self._kept))]
+            residual, jacobian = self._equations(z)
+            self._kept[key] = Linearization(
+                residual, jacobian, lambda: (self._levels(z, jacobian), None), lambda: self.magnitudes_near(z)
+            )
+        return self._kept[key]
+
+    def jacobian(self, z: np.ndarray) -> np.ndarray:
+        """DF(z), shape (N, N + 1)."""
+        return self.linearize(z).jacobian
+
+    def _equations(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        layout = self.layout
+        residual, jacobian = np.zeros(self.size), np.zeros((self.size, self.size + 1))
+        for i, piece in enumerate(self.pieces):
+            x, scalars = layout.inputs(i, z)
+            end, moved = piece.differentiated(PLAIN, x, scalars)
+            following, rows = layout.states[(i + 1) % layout.legs], layout.matches[i]
+            n, derivative = rows.stop - rows.start, layout.spread(i, moved)
+            residual[rows] = end[:n] - z[following]
+            if i == layout.legs - 1:
+                residual[rows] -= self.turns[list(self.passages[0].states)]
+            jacobian[rows] += derivative[:n]
+            jacobian[rows, following] -= np.eye(n)
+            if len(end) > n:
+                residual[layout.guards + i], jacobian[layout.guards + i] = end[n], derivative[n]
+        if not self.word.eventful:
+            residual[layout.guards] = self._phase(z, jacobian[layout.guards])
+        if layout.sum is not None:
+            period, slope = self._period(z)
+            residual[layout.sum] = z[layout.durations].sum() - period
+            jacobian[layout.sum, layout.durations] = 1.0
+            jacobian[layout.sum, -1] = -slope
+        for j, pin in enumerate(self.pins):
+            residual[layout.held + j] = self._pinned(pin, z, jacobian[layout.held + j])
+        self._tally[0] += self._cost
+        return residual, jacobian
+
+    def _phase(self, z: np.ndarray, row: np.ndarray) -> float:
+        """What fixes the phase of an orbit without events; its gradient is written into `row`."""
+        if self.layout.start is not None:  # forced: it is looked at when the force begins its period
+            row[self.layout.start] = 1.0
+            return float(z[self.layout.start])
+        assert self.section is not None
+        row[self.layout.states[0]] = self.section.normal
+        return self.section.residual(z[self.layout.states[0]])
+
+    def _period(self, z: np.ndarray, lift: str = PLAIN, *directions: np.ndarray) -> Any:
+        """Duration of the closure of a forced orbit, and its derivative by the free parameter."""
+        map_ = period_map(self.system, None if self.path is not None else self.free, self._direction, lift)
+        c = map_.constants(np.concatenate([z[-1:], self.fixed, *directions]))
+        values, slopes = map_(0.0, np.zeros(0), c), map_.jacobian(0.0, np.zeros(0), c)
+        return self.subharmonic * float(values[-1]), self.subharmonic * float(slopes[-1, 0])
+
+    def _pinned(self, pin: Neutral, z: np.ndarray, row: np.ndarray) -> float:
+        """Residual of a pinned direction, at the start of the first leg; its gradient is written
+        into `row`.
+        """
+        assert self.reference is not None
+        place, states = self.layout.states[0], list(self.passages[0].states)
+        x, names = self.passages[0].full(z[place]), self.system.parameter_names
+        if pin.pin is None:
+            g = neutrals.generator_at(pin, self.reference, self.parameters)
+            g = g / np.linalg.norm(g)
+            row[place] = g[states]
+            return float(g @ (x - self.reference))
+        k = self.system.state_names.index(pin.pin)
+        row[place.start + states.index(k)] = 1.0
+        if pin.value is None:
+            return float(x[k] - self.reference[k])
+        if self.path is not None:
+            row[-1] = -self._direction[names.index(pin.value)]
+        elif pin.value == self.free:
+            row[-1] = -1.0
+        return float(x[k] - self.values_of(z)[pin.value])
+
+    @property
+    def _cost(self) -> int:
+        """Right-hand sides of one pass with derivatives, each column counted as one."""
+        stages = STAGES[self.mesh.method]
+        return sum(
+            (len(piece.steps) - 1) * stages * (1 + n + len(piece.passage.columns))
+            for piece, n in zip(self.pieces, self.layout.sizes, strict=True)
+        )
+
+    @property
+    def equation_scales(self) -> np.ndarray:
+        """Units of the equations, shape (N,)."""
+        scales, variation = np.ones(self.size), self.mesh.variation
+        for i, rows in enumerate(self.layout.matches):
+            scales[rows] = variation[list(self.passages[i].following)]
+        scales[self.layout.guards : self.layout.guards + self.layout.legs] = self._guard_scales
+        return scales
+
+    @property
+    def _guard_scales(self) -> np.ndarray:
+        return np.ones(self.layout.legs) if self.mesh.guards is None else self.mesh.guards
+
+    def _levels(self, z: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
+        """What of each residual is rounding, or error of the steps."""
+        steps = max(len(times) for times in self.mesh.steps)
+        terms = np.abs(jacobian) @ np.abs(z)
+        for i, rows in enumerate(self.layout.matches):  # the identity may have cancelled in the Jacobian
+            terms[rows] += np.abs(z[self.layout.states[(i + 1) % self.layout.legs]])
+        own = SOLVED * self.mesh.tolerance * self.equation_scales
+        own[self.layout.guards + self.layout.legs :] = 0.0
+        return own + (8.0 + steps) * EPSILON * terms + 1e-300
+
+    def _errors(self, linearization: Linearization) -> np.ndarray:
+        """Estimated error of each equation: that of the steps, beside what it is solved to."""
+        errors = linearization.levels[0].copy()
+        last = self.layout.guards + self.layout.legs
+        errors[:last] += GLOBAL * self.mesh.tolerance * self.equation_scales[:last]
+        return errors
+
+    def magnitudes_near(self, z: np.ndarray) -> np.ndarray:
+        """Half the range of each state over the orbit; declared scales where there are any."""
+        nodes = [
+            piece.passage.full(piece.nodes(*self.layout.inputs(i, z))) for i, piece in enumerate(self.pieces)
+        ]
+        every = np.concatenate(nodes)
+        half = 0.5 * np.ptp(every, axis=0)
+        largest = np.maximum(np.abs(every).max(axis=0), self.mesh.variation)
+        shares = half / largest
+        half = np.where(shares > max(1e-5 * float(shares.max()), 1e-13), half, np.nan)
+        for i, state in enumerate(self.system.states):
+            if state.scale is not None:
+                half[i] = state.scale
+        result, m = np.full(self.size + 1, np.nan), self.layout.legs
+        for place, passage in zip(self.layout.states, self.passages, strict=True):
+            result[place] = half[list(passage.states)] * np.sqrt(m)
+        total = abs(self.duration(z))
+        result[self.layout.durations] = total * np.sqrt(m)
+        if self.layout.start is not None:
+            result[self.layout.start] = total
+        result[-1] = abs(z[-1])
+        return result
+
+    def beginnings(self, z: np.ndarray) -> np.ndarray:
+        """Typical magnitudes for the first corrections of a start, shape (N + 1,)."""
+        result = np.ones(self.size + 1)
+        for place, passage in zip(self.layout.states, self.passages, strict=True):
+            result[place] = self.mesh.variation[list(passage.states)]
+        result[self.layout.durations] = abs(self.duration(z))
+        if self.layout.start is not None:
+            result[self.layout.start] = abs(self.duration(z))
+        result[-1] = max(abs(float(z[-1])), 1e-300)
+        return result
+
+    def explain(self, z: np.ndarray) -> str:
+        """Where a residual at z is not finite."""
+        return "the motion from there ends or grows without bound within one period"
+
+    # -- stored with a branch ----------------------------------------------------------------------------
+
+    def branch_facts(self) -> dict[str, Any]:
+        """What is true of a whole branch of these orbits, as fields of `BranchInfo`."""
+        return {
+            "problem": self.kind,
+            "observables": self.observable_names,
+            "unknowns": self.size,
+            "spectrum": max(self.spectrum_size, 1),
+            "closure": self.whole[0],
+            "signature": self.word.signature,
+            "subharmonic": self.subharmonic,
+            "settings": {
+                **neutrals.kept(self.pins, self.parameters, self.states, self.path),
+                "legs": [[leg.mode, leg.name, leg.falls] for leg in self.word.legs],
+                "fold": self.whole[1],
+                "turns": self.turns.tolist(),
+            },
+        }
+
+    @property
+    def spectrum_size(self) -> int:
+        """Number of multipliers: dimension of the smallest section, pinned directions left out."""
+        if not self.word.eventful:
+            return self.states_of_leg(0) - (0 if self.forced else 1) - len(self.pins)
+        return min(self.layout.sizes) - 1 + int(self.forced) - len(self.pins)
+
+    def states_of_leg(self, i: int) -> int:
+        """Number of states of leg i."""
+        return self.layout.sizes[i]
+
+    # -- the spectrum ------------------------------------------------------------------------------------
+
+    def factors(self, jacobian: np.ndarray) -> list[np.ndarray]:
+        """Derivative of each leg's end by its start with the event at its end held, from DF(z).
+
+        Of a forced system the time of the event is one more coordinate, the last one.
+        """
+        layout, result = self.layout, []
+        for i in range(layout.legs):
+            rows, place = layout.matches[i], layout.states[i]
+            x = jacobian[rows, place].copy()
+            if layout.legs == 1:
+                x += np.eye(len(x))
+            if not self.word.eventful:
+                return [x]
+            own, guard = layout.durations.start + i, layout.guards + i
+            by_duration, guard_x = jacobian[rows, own], jacobian[guard, place]
+            rate = jacobian[guard, own]
+            rate = rate if rate != 0.0 else 1e-300
+            if layout.start is not None:
+                x = np.hstack([x, jacobian[rows, layout.start, None]])
+                guard_x = np.append(guard_x, jacobian[guard, layout.start])
+            lasting = -guard_x / rate
+            whole = x + np.outer(by_duration, lasting)
+            if layout.start is not None:
+                time = lasting.copy()
+                time[-1] += 1.0
+                whole = np.vstack([whole, time])
+            result.append(whole)
+        return result
+
+    def extended(self, i: int) -> np.ndarray:
+        """Typical magnitudes of the coordinates at the start of leg i: its states, and time if forced."""
+        own = self.mesh.variation[list(self.passages[i].states)]
+        return np.append(own, self.mesh.total) if self.forced and self.word.eventful else own
+
+    def flow_direction(self, z: np.ndarray, i: int) -> np.ndarray:
+        """What a later start of leg i on the same orbit differs by: velocity, and time if forced."""
+        x, scalars = self.layout.inputs(i, z)
+        duration = scalars[0] if scalars[0] != 0.0 else 1.0
+        own = self.pieces[i].velocity(x, np.concatenate([[duration], scalars[1:]])) / duration
+        return np.append(own, 1.0) if self.forced and self.word.eventful else own
+
+    def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
+        """Multipliers of the closure, of the map of the smallest section."""
+        factors = self.factors(jacobian)
+        smallest = int(np.argmin(self.layout.sizes))
+        product = np.eye(len(self.extended(smallest)))
+        for k in range(len(factors)):
+            product = factors[(smallest + k) % len(factors)] @ product
+        if not np.all(np.isfinite(product)):
+            return Multipliers(
+                np.full(self.spectrum_size, np.nan + 0j), np.full(self.spectrum_size, np.inf), 1.0
+            )
+        forced_still = self.forced and not self.word.eventful
+        directions = [] if forced_still else [self.flow_direction(z, smallest)]
+        values = ParameterValues(**self.values_of(z))
+        x = self.passages[smallest].full(self.layout.inputs(smallest, z)[0])
+        for pin in self.pins:
+            v = np.zeros(self.states)
+            called(f"generator of '{pin.name}'", pin.generator, 0.0, x, values, v)
+            own = v[list(self.passages[smallest].states)]
+            directions.append(np.append(own, 0.0) if len(product) > len(own) else own)
+        neutral = np.array(directions).reshape(len(directions), len(product)).T
+        return multipliers([product], [neutral], self.extended(smallest), self.mesh.tolerance)
+
+    def trivial_error(self, z: np.ndarray, jacobian: np.ndarray) -> float:
+        """How well each leg's map forgets where on the orbit it started, relative; NaN for a forced one.
+
+        A start a little later on the same orbit leads to the same event: P f = 0.
+        """
+        if self.forced:
+            return float("nan")
+        worst = 0.0
+        for i, factor in enumerate(self.factors(jacobian)):
+            own = self.flow_direction(z, i)
+            there = (i + 1) % self.layout.legs
+            size = float(np.linalg.norm(own / self.extended(i)))
+            left = factor @ own if self.word.eventful else factor @ own - own
+            scale = float(np.linalg.norm((np.abs(factor) @ np.abs(own)) / self.extended(there)))
+            if size > 0.0 and scale > 0.0:
+                worst = max(worst, float(np.linalg.norm(left / self.extended(there))) / max(scale, size))
+        return worst
+
+    # -- second derivatives ------------------------------------------------------------------------------
+
+    @property
+    def cycle_scales(self) -> tuple[np.ndarray, np.ndarray]:
+        """Units of the rows and of the columns of `cycle_matrix`."""
+        columns = np.ones(self.size)
+        for place, passage in zip(self.layout.states, self.passages, strict=True):
+            columns[place] = self.mesh.variation[list(passage.states)]
+        columns[self.layout.durations] = self.mesh.total
+        if self.layout.start is not None:
+            columns[self.layout.start] = self.mesh.total
+        return self.equation_scales, columns
+
+    def cycle_matrix(self, jacobian: np.ndarray, multiplier: complex) -> np.ndarray:
+        """L(mu): F_u, but what closes is mu times what began. Singular where mu is a multiplier."""
+        matrix = jacobian[:, : self.size].astype(complex if np.imag(multiplier) else float)
+        rows, place = self.layout.matches[-1], self.layout.states[0]
+        matrix[rows, place] += (1.0 - multiplier) * np.eye(rows.stop - rows.start)
+        if self.layout.sum is not None and self.layout.start is not None:
+            matrix[self.layout.sum, self.layout.start] += 1.0 - multiplier
+        return matrix
+
+    def cycle_return(self, psi: np.ndarray, v: np.ndarray) -> complex:
+        """-psi* L' v, where L' is the derivative of `cycle_matrix` by the multiplier."""
+        result = complex(psi[self.layout.matches[-1]].conj() @ v[self.layout.states[0]])
+        if self.layout.sum is not None and self.layout.start is not None:
+            result += complex(np.conj(psi[self.layout.sum]) * v[self.layout.start])
+        return result
+
+    def cycle_derivative(self, z: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Derivative by z of L v for a real v, shape (N, N + 1)."""
+        return self.derivative_along(z, np.append(v, 0.0))
+
+    def cycle_rate(self, z: np.ndarray, v: np.ndarray, tangent: np.ndarray) -> np.ndarray:
+        """Derivative of L v along a direction, for a real v, shape (N,)."""
+        return self.cycle_derivative(z, v) @ tangent
+
+    def derivative_along(self, z: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Derivative by z of DF(z) v for a real v of length N + 1, shape (N, N + 1)."""
+        layout, result = self.layout, np.zeros((self.size, self.size + 1))
+        for i, piece in enumerate(self.pieces):
+            x, scalars = layout.inputs(i, z)
+            direction, along = layout.inputs(i, v)
+            _, moved = piece.differentiated(TANGENT, np.concatenate([x, direction]), scalars, along)
+            width = len(moved) // 2
+            derivative = layout.spread(i, moved[width:])
+            rows = layout.matches[i]
+            n = rows.stop - rows.start
+            result[rows] += derivative[:n]
+            if width > n:
+                result[layout.guards + i] = derivative[n]
+        if layout.sum is not None and v[-1] != 0.0:
+            result[layout.sum, -1] = -self._period(z, TANGENT, v[-1:])[1]
+        return result
+
+    def return_map(self, z: np.ndarray) -> SectionMap:
+        """The map that takes a section once round the orbit, for normal forms."""
+        return EventMap(self, z)
+
+    def fallen_back(self, z: np.ndarray) -> bool:
+        """Whether an orbit of a word that repeats itself repeats itself too: it is its parent."""
+        if not self.word.halves:
+            return False
+        half = self.layout.legs // 2
+        scale = self.mesh.variation
+        for i in range(half):
+            states = list(self.passages[i].states)
+            apart = (z[self.layout.states[i]] - z[self.layout.states[i + half]]) / scale[states]
+            turned = 0.5 * self.turns[states] / scale[states]
+            if float(np.linalg.norm(np.abs(apart) - np.abs(turned))) > ALIKE:
+                return False
+        return True
+
+    # -- along a branch ----------------------------------------------------------------------------------
+
+    def examine(
+        self,
+        z: np.ndarray,
+        tangent: np.ndarray,
+        weights: np.ndarray,
+        linearization: Linearization,
+        before: int | None,
+        known: Sample | None = None,
+    ) -> Sample:
+        """Everything that is watched at a solution; of `known`, observables and margins are taken over."""
+        length = float(np.linalg.norm(tangent / weights))
+        unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
+        found = self.multipliers(z, linearization.jacobian)
+        trivial = self.trivial_error(z, linearization.jacobian)
+        bordered = np.vstack([linearization.jacobian, unit / weights**2])
+        margins = limits.margins(self, z) if known is None else None
+        return Sample(
+            z=z,
+            tangent=unit,
+            weights=weights,
+            orientation=Factored(bordered, weights).orientation(),
+            eigenvalues=found.values,
+            errors=found.errors,
+            rates=rates.of_moduli(self, z, unit, found),
+            measures=found.measures,
+            unstable=found.unstable(before),
+            observables=self._observed(z, found, margins) if known is None else known.observables,
+            magnitudes=linearization.magnitudes,
+            excess=linearization.excess_in(weights),
+            error=solution_error(bordered, self._errors(linearization), weights),
+            critical=1.0,
+            spectrum_error=max(found.accuracy, 2.0 * float(np.nan_to_num(trivial))),
+            sizes=np.nan_to_num(linearization.magnitudes),
+            period=self.duration(z),
+            trivial_error=trivial,
+            margins=margins.relative if margins is not None else known.margins,  # type: ignore[union-attr]
+        )
+
+    def observables(self, z: np.ndarray, found: Multipliers) -> np.ndarray:
+        """Values of `observable_names`, shape (o,)."""
+        return self._observed(z, found, limits.margins(self, z))
+
+    def _observed(self, z: np.ndarray, found: Multipliers, margins: Any) -> np.ndarray:
+        return np.array(observing.values(self, z, found, margins))
+
+    def motion_of(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The closure's motion: times in seconds, (k,), and states, (k, n); both sides of each event."""
+        return observing.motion(self, z)
+
+    def reported(self, z: np.ndarray) -> np.ndarray:
+        """The state before the first event of the signature, or where the run asks for it, shape (n,)."""
+        return observing.reported(self, z)
+
+    def adapted(self, sample: Sample) -> tuple[HybridOrbit, Sample]:
+        """The problem on steps made for a solution, and the solution's sample on it."""
+        problem = self.adapted_to(sample.z, sample.weights)
+        tangent = problem.into_section(sample.z, sample.tangent)
+        linearization = problem.linearize(sample.z)
+        again = problem.examine(sample.z, tangent, sample.weights, linearization, sample.unstable, sample)
+        orientation = 0.0 if sample.orientation == 0.0 else again.orientation
+        return problem, replace(again, orientation=orientation)
+
+    def into_section(self, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
+        """A tangent moved along the flow into the section of an orbit without events."""
+        if self.word.eventful or self.forced:
+            return tangent
+        assert self.section is not None
+        tangent, place, own = tangent.copy(), self.layout.states[0], self.flow_direction(z, 0)
+        shift = -float(self.section.normal @ tangent[place]) / float(self.section.normal @ own)
+        tangent[place] += shift * own
+        return tangent
+
+    def ended(self, a: Sample, b: Sample) -> Outcome | None:
+        """Why the branch ends between two neighbouring solutions; limits are the engine's business."""
+        return None
+
+    def at_stored(self, z: np.ndarray, weights: np.ndarray) -> HybridOrbit:
+        """The problem discretised for a solution that is taken up again."""
+        return self.adapted_to(z, weights)
+
+    def adapted_to(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> HybridOrbit:
+        """The problem on steps for the orbit of z.
+
+        Raises
+        ------
+        NotFinite
+            If the motion from z ends before the closure does.
+        """
+        inputs = [self.layout.inputs(i, z) for i in range(self.layout.legs)]
+        magnitudes = np.ones(self.states)
+        for place, passage in zip(self.layout.states, self.passages, strict=True):
+            magnitudes[list(passage.states)] = weights[place] / np.sqrt(self.layout.legs)
+        mesh = meshed(
+            self.passages,
+            [x for x, _ in inputs],
+            [scalars for _, scalars in inputs],
+            self.fixed,
+            magnitudes,
+            tolerance or self.discretization.walking,
+            self.discretization.method,
+            self.word.halves,
+        )
+        self._tally[0] += 2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps)
+        section = None
+        if not (self.word.eventful or self.forced):
+            x, scalars = inputs[0]
+            c = self.passages[0].field(PLAIN).constants(np.concatenate([scalars, self.fixed]))
+            own = self.passages[0].field(PLAIN)(0.0, x, c)
+            section = section_at(x, own, magnitudes[list(self.passages[0].states)])
+        problem = self.on(replace(mesh, total=abs(self.duration(z))), section)
+        return problem._varied(_mesh=replace(problem.mesh, guards=limits.guard_scales(problem, z)))
+
+    def refined(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> HybridOrbit:
+        """The same problem, section included, on steps for located points."""
+        return self.adapted_to(z, weights, tolerance or self.discretization.marking)._varied(
+            section=self.section
+        )
+
+    def finest(self, z: np.ndarray, weights: np.ndarray) -> HybridOrbit:
+        """The same problem on the finest steps that rounding allows."""
+        return self.refined(z, weights, FINEST)
+
+    # -- special points ----------------------------------------------------------------------------------
+
+    def locate(self, label: str, sample: Sample, which: int) -> Located | None:
+        """The special point near a sample, by its defining system."""
+        if label in limits.LABELS:
+            return limits.located(self, which, sample)
+        return augmented.located(self, label, sample, which)
+
+    def locate_mark(self, name: str, level: float, sample: Sample) -> Located | None:
+        """The point near a sample at which an observable has the value `level`."""
+        return augmented.observed(self, name, level, sample)
+
+    def rate(self, name: str, sample: Sample) -> float:
+        """Derivative of an observable along the branch."""
+        return rates.of_observable(self, name, sample)
+
+    def tangent_at(self, label: str, located: Located, near: Sample) -> np.ndarray | None:
+        """At a branch point, the tangent of the branch that `near` is on."""
+        return branching.tangent_through(self, located, near) if label == "BP" else None
+
+    def many_branches(self, z: np.ndarray) -> bool:
+        """Whether more than one branch passes through a solution, to rounding."""
+        return branching.second_direction(self, z) is not None
+
+    def label_of(self, sample: Sample, which: int) -> str | None:
+        """PD or NS; a real multiplier at one is the business of the fold and branch point tests."""
+        value = sample.eigenvalues[which]
+        if value.imag != 0.0:
+            return "NS"
+        return None if value.real > 0.0 else "PD"
+
+    def special_point(self, label: str, located: Located, sample: Sample, s: float) -> SpecialPoint:
+        """The record of a located point, with its normal form, or what it is a limit of."""
+        there = located.problem if located.problem is not None else self
+        record = describing.described(self, label, located, sample, s)
+        if label in limits.LABELS:
+            limit = self.limits[int(located.vectors["limit"])]
+            record = replace(record, kind=limit.kind, note=limits.place_of(there, limit, located))
+        values = limits.margins(there, located.z)
+        return replace(record, admissible=values.admissible, margin=values.by_name)
+
+    def stopped(self, label: str, located: Located, sample: Sample) -> str:
+        """Why an orbit beyond a limit is not the machine's, and what lies next to it."""
+        return limits.sentence(self, label, located, sample)
+
+    def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
+        """The same solution with its angles turned as near as possible to those of another one."""
+        periods = self.periods
+        turns = np.divide(near - z, periods, out=np.zeros(len(z)), where=periods > 0.0)
+        return z + np.round(turns) * periods
+
+    def seeds(self, point: SpecialPoint) -> Sequence[Seed]:
+        """The branches that leave a special point."""
+        if point.label in ("GR", "OC"):
+            return self.neighbours(point)[0]
+        return switching.seeds(self, point)
+
+    def neighbours(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
+        """The branches of other words beyond a limit, and in words what was found, or tried."""
+        return neighbours.found(self, point)
+
+    def first_state(self, z: np.ndarray) -> np.ndarray:
+        """The state at the start of the first leg, shape (n,)."""
+        return self.passages[0].full(z[self.layout.states[0]])
+
+    def passes(self, z: np.ndarray, points: Sequence[np.ndarray]) -> bool:
+        """Whether a leg of the orbit of z starts at one of some states."""
+        periods = np.array([s.period or 0.0 for s in self.system.states])
+        for place, passage in zip(self.layout.states, self.passages, strict=True):
+            start = passage.full(z[place])
+            for x in points:
+                apart = x - start
+                turned = periods > 0.0
+                apart[turned] -= np.round(apart[turned] / periods[turned]) * periods[turned]
+                if float(np.linalg.norm(apart / self.mesh.variation)) < 30.0 * ALIKE:
+                    return True
+        return False
+
+    def same(self, a: Sample, b: Sample) -> bool:
+        """Whether two solutions at the same parameter are one orbit."""
+        if abs(a.period - b.period) > ALIKE * abs(a.period) or len(a.z) != len(b.z):
+            return False
+        there = self.nearest_turn(a.z, b.z)
+        return bool(np.linalg.norm((there - b.z) / b.weights) < 30.0 * ALIKE)

@@ -1,0 +1,396 @@
+"""Limits: what must stay positive for an orbit to be one that the machine can move on.
+
+| test | what it is | label where it passes zero |
+|---|---|---|
+| `dip` | least value of a guard inside a leg, at an instant where its rate is zero | GR |
+| `rate` | rate at which the leg's own guard arrives | GR `terminal` |
+| `duration` | duration of a leg | OC |
+| `start`, `end` | a guard that is not the leg's own, at its ends | OC, of a watched one AZ |
+| `condition` | a declared condition at an event | AZ |
+
+A grazing is `terminal` where the guard is the one that ends the leg: the leg then ends earlier. All guards
+have the sign with which they are positive on an admissible orbit. Every limit that passes zero is a special
+point like any other: a solution of the orbit's equations together with one or two more, exact derivatives
+included.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contwalk.flow import Field
+from contwalk.problems.hybrid.passage import Passage
+from contwalk.problems.hybrid.shooting import Piece
+from contwalk.problems.orbit import augmented
+from contwalk.problems.orbit.motion import PLAIN
+from contwalk.problems.problem import Located, Sample
+from contwalk.system import Condition, System, Transition
+
+if TYPE_CHECKING:
+    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
+
+LABELS = ("GR", "OC", "AZ")
+# Instants of each step at which guards are looked at.
+PARTS = 4
+# Parts of a guard's largest value: zero to rounding; below zero beyond doubt.
+ZERO, BELOW = 1e-9, 1e-7
+
+
+@dataclass(frozen=True)
+class Limit:
+    """One number that must stay positive; `acts` says whether something happens where it is not."""
+
+    label: str
+    kind: str | None
+    name: str
+    leg: int
+    test: str
+    acts: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class Margins:
+    """Values of all limits of an orbit.
+
+    Parameters
+    ----------
+    limits : tuple of Limit
+    values, scales : ndarray, shape (k,)
+        In physical units, and what they are compared with; infinite where there is no such instant.
+    places : ndarray, shape (k,)
+        Where on its leg, 0..1.
+    """
+
+    limits: tuple[Limit, ...]
+    values: np.ndarray
+    scales: np.ndarray
+    places: np.ndarray
+
+    @property
+    def relative(self) -> np.ndarray:
+        """Values in units of their scales, at most one in modulus."""
+        return np.clip(self.values / self.scales, -1.0, 1.0)
+
+    @property
+    def admissible(self) -> bool:
+        """Whether none is negative."""
+        return bool(np.all(self.relative >= -ZERO))
+
+    @property
+    def by_name(self) -> dict[str, float]:
+        """The smallest value under each name, where there is one."""
+        found: dict[str, float] = {}
+        for limit, value in zip(self.limits, self.values.tolist(), strict=True):
+            key = limit.name if limit.test not in ("rate", "duration") else f"{limit.name}_{limit.test}"
+            if np.isfinite(value):
+                found[key] = min(found.get(key, np.inf), value)
+        return found
+
+    def least(self, name: str) -> float:
+        """The smallest value under a name; NaN where there is none."""
+        return self.by_name.get(name, float("nan"))
+
+
+def limits_of(problem: HybridOrbit) -> tuple[Limit, ...]:
+    """All limits of a word's orbits, in a fixed order."""
+    found: list[Limit] = []
+    for i, leg in enumerate(problem.word.legs):
+        own = leg.transition
+        for other in problem.system.leaving(leg.mode):
+            if other.role == "soft":
+                continue
+            acts = other.role != "watched"
+            found.append(Limit("GR", "terminal" if other == own else "interior", other.name, i, "dip", acts))
+            if other != own and problem.word.eventful:
+                label, kind = ("AZ", other.name) if other.role == "watched" else ("OC", "crossing")
+                found.append(Limit(label, kind, other.name, i, "start", acts))
+                found.append(Limit(label, kind, other.name, i, "end", acts))
+        if own is None:
+            continue
+        if own.role == "hard":
+            found.append(Limit("GR", "terminal", own.name, i, "rate"))
+        found.append(Limit("OC", "crossing", own.name, i, "duration"))
+        for condition in problem.system.conditions:
+            if condition.at == own.name:
+                found.append(Limit("AZ", condition.name, condition.name, i, "condition", False))
+    return tuple(found)
+
+
+def observed(system: System) -> tuple[str, ...]:
+    """Names of the margins that are observables: those of watched transitions and of conditions."""
+    watched = [t.name for t in system.transitions if t.role == "watched"]
+    return tuple(dict.fromkeys([*watched, *(condition.name for condition in system.conditions)]))
+
+
+# -- values ------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class _Watch:
+    """A guard at instants of a leg: times 0..1, values and rates over the leg's time, with a
+    positive sign.
+    """
+
+    times: np.ndarray
+    values: np.ndarray
+    rates: np.ndarray
+    own: bool
+
+    @property
+    def scale(self) -> float:
+        """Largest value."""
+        return max(float(np.abs(self.values).max()), 1e-300)
+
+
+def margins(problem: HybridOrbit, z: np.ndarray) -> Margins:
+    """Values of all limits at a solution."""
+    rows: list[tuple[float, float, float]] = []
+    known: dict[tuple[int, str], tuple[_Watch, Callable[[float], tuple[float, float]]]] = {}
+    sampled: dict[int, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
+    by_name = {t.name: t for t in problem.system.transitions}
+    conditions = {c.name: c for c in problem.system.conditions}
+    for limit in problem.limits:
+        i = limit.leg
+        x, scalars = problem.layout.inputs(i, z)
+        duration = float(scalars[0])
+        if i not in sampled:
+            sampled[i] = _sampled(problem.pieces[i], x, scalars)
+        if limit.test == "duration":
+            found = duration, problem.mesh.total, 1.0
+        elif limit.test == "condition":
+            found = _condition(problem, conditions[limit.name], i, sampled[i][1][-1], scalars), 1.0, 1.0
+        else:
+            if (i, limit.name) not in known:
+                known[i, limit.name] = _watch(problem, i, by_name[limit.name], sampled[i], scalars)
+            watch, at = known[i, limit.name]
+            found = _of_watch(limit.test, watch, at, duration)
+        rows.append(found)
+    values, scales, places = np.array(rows).reshape(len(rows), 3).T
+    return Margins(problem.limits, values, scales, places)
+
+
+def _sampled(piece: Piece, x: np.ndarray, scalars: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Times 0..1 within a leg, the states there, and the states at its steps."""
+    nodes = piece.nodes(x, scalars)
+    shares = np.arange(PARTS) / PARTS
+    times = (piece.steps[:-1, None] + np.diff(piece.steps)[:, None] * shares).ravel()
+    times = np.append(times, 1.0)
+    return times, piece.at(nodes, times, scalars), nodes
+
+
+def _watch(
+    problem: HybridOrbit,
+    i: int,
+    transition: Transition,
+    sampled: tuple[np.ndarray, np.ndarray, np.ndarray],
+    scalars: np.ndarray,
+) -> tuple[_Watch, Callable[[float], tuple[float, float]]]:
+    """A guard sampled on a leg, and a function that evaluates it at any of its instants."""
+    piece, leg = problem.pieces[i], problem.word.legs[i]
+    map_ = piece.passage.watched(transition.name, transition.guard)
+    c = map_.constants(piece.values(scalars))
+    times, states, nodes = sampled
+    found = np.array([map_(t, x, c) for t, x in zip(times.tolist(), states, strict=True)])
+    own = transition == leg.transition
+    sign = _sign(transition, leg.falls if own else None, found[:, 0])
+
+    def at(time: float) -> tuple[float, float]:
+        value = map_(time, piece.at(nodes, np.array([time]), scalars)[0], c)
+        return sign * float(value[0]), sign * float(value[1])
+
+    return _Watch(times, sign * found[:, 0], sign * found[:, 1], own), at
+
+
+def _sign(transition: Transition, falls: bool | None, values: np.ndarray) -> float:
+    """The sign with which a guard is positive before its event."""
+    if transition.direction != "both":
+        return 1.0 if transition.direction == "falling" else -1.0
+    if falls is not None:
+        return 1.0 if falls else -1.0
+    return 1.0 if values[int(np.argmax(np.abs(values)))] >= 0.0 else -1.0
+
+
+def _of_watch(
+    test: str, watch: _Watch, at: Callable[[float], tuple[float, float]], duration: float
+) -> tuple[float, float, float]:
+    """Value, scale and place of a limit that a guard has."""
+    scale = watch.scale
+    if test == "rate":
+        whole = max(float(np.abs(watch.rates).max()), 1e-300)
+        per_second = duration if duration != 0.0 else 1.0
+        return -float(watch.rates[-1]) / per_second, whole / abs(per_second), 1.0
+    if test in ("start", "end"):
+        k = 0 if test == "start" else -1
+        value = float(watch.values[k])
+        # A guard that has just been zero, or that two events share, is no limit of its own there.
+        return (value if abs(value) > ZERO * scale else np.inf), scale, float(watch.times[k])
+    least, place = np.inf, np.nan
+    v, r, t = watch.values, watch.rates, watch.times
+    for k in np.flatnonzero((r[:-1] < 0.0) & (r[1:] >= 0.0)).tolist():
+        first, last = k == 0, k == len(t) - 2
+        if last and watch.own and abs(v[-1]) < ZERO * scale:
+            continue  # what turns just before its own event is told by the rate there
+        time = _turn(t[k], t[k + 1], v[k], v[k + 1], r[k], r[k + 1])
+        value = at(time)[0]
+        if first and abs(v[0]) < ZERO * scale and value > -BELOW * scale:
+            continue  # it has just been zero, and leaves
+        if value < least:
+            least, place = value, time
+    return least, scale, place
+
+
+def _turn(a: float, b: float, va: float, vb: float, ra: float, rb: float) -> float:
+    """Where the cubic through two values with their rates is least between them."""
+    h = b - a
+    d = (vb - va) / h
+    # derivative of the Hermite cubic: ra + 2 (3 d - 2 ra - rb) s + 3 (ra + rb - 2 d) s^2
+    c1, c2 = 2.0 * (3.0 * d - 2.0 * ra - rb), 3.0 * (ra + rb - 2.0 * d)
+    root = c1 * c1 - 4.0 * c2 * ra
+    if abs(c2) < 1e-12 * abs(c1) or root < 0.0:
+        s = ra / (ra - rb)
+    else:
+        s = (-c1 + np.sqrt(root)) / (2.0 * c2)
+        if not 0.0 <= s <= 1.0:
+            s = ra / (ra - rb)
+    return float(a + h * min(max(s, 0.0), 1.0))
+
+
+def _condition_map(passage: Passage, condition: Condition) -> Field:
+    if condition.side == "after":
+        return passage.after(condition.name, condition.function)
+    return passage.watched(condition.name, condition.function)
+
+
+def _condition(
+    problem: HybridOrbit, condition: Condition, i: int, x: np.ndarray, scalars: np.ndarray
+) -> float:
+    piece = problem.pieces[i]
+    map_ = _condition_map(piece.passage, condition)
+    return float(map_(1.0, x, map_.constants(piece.values(scalars)))[0])
+
+
+def guard_scales(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
+    """Largest value of each leg's own guard on it, shape (m,); 1 where there is none."""
+    scales = np.ones(problem.layout.legs)
+    for i, leg in enumerate(problem.word.legs):
+        if leg.transition is None:
+            continue
+        piece, (x, scalars) = problem.pieces[i], problem.layout.inputs(i, z)
+        map_ = piece.passage.watched(leg.transition.name, leg.transition.guard)
+        c = map_.constants(piece.values(scalars))
+        found = [map_(t, x, c) for t, x in zip(piece.steps, piece.nodes(x, scalars), strict=True)]
+        largest = float(np.abs(np.array(found)).max())
+        scales[i] = largest if np.isfinite(largest) and largest > 0.0 else 1.0
+    return scales
+
+
+# -- locating ----------------------------------------------------------------------------------------------
+
+
+def located(problem: HybridOrbit, which: int, sample: Sample) -> Located | None:
+    """The point near a sample at which limit number `which` passes zero."""
+    limit = problem.limits[which]
+    try:
+        system = _system(problem, which, limit, sample)
+        return None if system is None else augmented.solved(problem, system, sample)
+    except np.linalg.LinAlgError:
+        return None
+
+
+def _system(problem: HybridOrbit, which: int, limit: Limit, sample: Sample) -> augmented.Augmented | None:
+    """The orbit's equations with those of the limit."""
+    i, size = limit.leg, problem.size
+    start, scale = sample.z, sample.weights
+    share = 1.0
+    if limit.test == "dip":
+        share = float(margins(problem, sample.z).places[which])
+        if not np.isfinite(share):
+            return None
+        duration = float(sample.z[problem.layout.durations][i])
+        start, scale = np.append(start, share * duration), np.append(scale, abs(duration))
+
+    def evaluate(there: Any, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        z = y[: size + 1]
+        own = there.linearize(z)
+        values, rows = _rows(there, limit, y, share)
+        jacobian = np.zeros((size + len(values), len(y)))
+        jacobian[:size, : size + 1] = own.jacobian
+        jacobian[size:] = rows
+        return np.concatenate([own.residual, values]), jacobian
+
+    def vectors(there: Any, y: np.ndarray) -> dict:
+        seconds = float(y[-1]) if limit.test == "dip" else float(y[there.layout.durations][i])
+        return {"limit": which, "seconds": 0.0 if limit.test == "start" else seconds}
+
+    return augmented.Augmented(evaluate, start, scale, vectors)
+
+
+def _rows(problem: HybridOrbit, limit: Limit, y: np.ndarray, share: float) -> tuple[np.ndarray, np.ndarray]:
+    """Residuals of a limit's equations, and their derivatives by all unknowns."""
+    i, size, layout = limit.leg, problem.size, problem.layout
+    if limit.test == "duration":
+        row = np.zeros((1, len(y)))
+        row[0, layout.durations.start + i] = 1.0
+        return y[layout.durations.start + i, None], row
+    z, piece = y[: size + 1], problem.pieces[i]
+    x, scalars = layout.inputs(i, z)
+    n = len(x)
+    if limit.test == "condition":
+        condition = next(c for c in problem.system.conditions if c.name == limit.name)
+        map_ = _condition_map(piece.passage, condition)
+    else:
+        transition = next(t for t in problem.system.transitions if t.name == limit.name)
+        map_ = piece.passage.watched(transition.name, transition.guard)
+    if limit.test == "start":
+        c = map_.constants(piece.values(scalars))
+        return map_(0.0, x, c)[:1], layout.spread(i, map_.jacobian(0.0, x, c)[:1])
+    if limit.test == "dip":
+        inside = piece.steps[piece.steps < share - 1e-12] / share
+        piece = Piece(piece.passage, np.append(inside, 1.0), piece.method, piece.fixed)
+        scalars = np.concatenate([y[-1:], scalars[1:]])
+    end, moved = piece.before_differentiated(PLAIN, x, scalars)
+    values, derivative = piece.through(map_, end, moved, piece.values(scalars))
+    if limit.test == "dip":
+        by_time = derivative[:, n].copy()
+        derivative[:, n] = 0.0
+        return values, np.hstack([layout.spread(i, derivative), by_time[:, None]])
+    k = 1 if limit.test == "rate" else 0
+    return values[k : k + 1], layout.spread(i, derivative[k : k + 1])
+
+
+# -- in words ----------------------------------------------------------------------------------------------
+
+
+def place_of(problem: HybridOrbit, limit: Limit, located: Located) -> str:
+    """Where in the cycle a limit is met."""
+    leg = problem.word.legs[limit.leg]
+    before = problem.word.legs[limit.leg - 1].name or "the start of the period"
+    seconds = float(located.vectors["seconds"])
+    if limit.test == "duration":
+        return f"'{limit.name}' follows '{before}' at once: mode {leg.mode} lasts no time"
+    if limit.test == "condition":
+        return f"'{limit.name}' is zero at '{leg.name}'"
+    if limit.test == "rate":
+        return f"'{limit.name}' arrives with no rate, {seconds:.10g} s after '{before}', in mode {leg.mode}"
+    return f"'{limit.name}' is touched {seconds:.10g} s after '{before}', in mode {leg.mode}"
+
+
+def sentence(problem: HybridOrbit, label: str, located: Located, sample: Sample) -> str:
+    """What fails beyond a limit, and what is nearest to it."""
+    there = located.problem if located.problem is not None else problem
+    limit = problem.limits[int(located.vectors["limit"])]
+    found = margins(there, located.z)
+    others = [
+        (float(r), o, float(v))
+        for k, (r, o, v) in enumerate(zip(found.relative, found.limits, found.values, strict=True))
+        if k != int(located.vectors["limit"]) and np.isfinite(v) and o.test != "duration"
+    ]
+    text = f"At {problem.free} = {float(located.z[-1]):.12g} {place_of(there, limit, located)}."
+    if others:
+        _, nearest, value = min(others, key=lambda entry: entry[0])
+        text += f" Nearest beside it: '{nearest.name}' ({nearest.test}) with a margin of {value:.4g}."
+    return text

@@ -1,0 +1,241 @@
+"""One kind of leg as traced and compiled functions: its field, the map at its end, and what is watched on it.
+
+Time runs from 0 to 1 over a leg, as it does over the closure of a smooth orbit: the field is
+T f(s + T t, x, p), where the duration T and (of forced machines) the starting time s are inputs like
+parameters. Only states that exist in the mode are integrated. The map at the end applies the transition's
+reset and relabelling, and evaluates its guard. All of them come as `PLAIN`, and lifted as `TANGENT` and
+`JET`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from contwalk.errors import SystemDefinitionError
+from contwalk.fields.derivative import directional
+from contwalk.fields.rebind import rebound
+from contwalk.fields.trace import Program, Tracer, trace
+from contwalk.flow import Field
+from contwalk.problems.hybrid.word import Leg
+from contwalk.problems.orbit.motion import DIRECTIONS, PLAIN, STATES, TANGENT, lifted
+from contwalk.problems.tracing import parameter_symbols
+from contwalk.system import Neutral, System
+from contwalk.system.declarations import ParameterValues
+
+Scalar = Callable[[Any, Any, Any], Any]
+ORDERS = {"plain": 1, "tangent": 2, "jet": 4}
+
+
+class Passage:
+    """A leg of one mode, ended by one transition, compiled when it is first used.
+
+    The *columns* are its scalar inputs: duration T, starting time s (of forced systems), a drift for each
+    pinned direction, and the free parameter, in this order.
+
+    Parameters
+    ----------
+    system : System
+    leg : Leg
+    target : str
+        Mode that it leads into.
+    free : str or None
+        Name of the free parameter; None for a path through the parameter space.
+    moving : sequence of int
+        On a path, positions of the parameters that change along it.
+    pins : sequence of Neutral
+    """
+
+    def __init__(
+        self,
+        system: System,
+        leg: Leg,
+        target: str,
+        free: str | None,
+        moving: Sequence[int],
+        pins: Sequence[Neutral],
+    ) -> None:
+        self.system, self.leg, self.target = system, leg, target
+        self.forced = system.period is not None
+        self.states = system.states_of(leg.mode)
+        self.following = system.states_of(target)
+        self._free, self._moving, self.pins = free, frozenset(moving), tuple(pins)
+        count = len(system.parameters)
+        self.groups = {
+            "T": 1,
+            "s": int(self.forced),
+            "a": len(self.pins),
+            "l": 1,
+            "b": count,
+            "d": count,
+        }
+        self._fields: dict[tuple, Field] = {}
+
+    @property
+    def columns(self) -> list[tuple[str, int]]:
+        """Inputs of the scalars, in their order."""
+        start = [("s", 0)] if self.forced else []
+        return [("T", 0), *start, *[("a", j) for j in range(len(self.pins))], ("l", 0)]
+
+    # -- tracing -----------------------------------------------------------------------------------------
+
+    def _arguments(self, tracer: Tracer) -> tuple[Any, np.ndarray, ParameterValues]:
+        """Symbols for t, x and p; states that do not exist in the mode are zero."""
+        p = parameter_symbols(tracer, self.system.parameter_names, self._free, self._moving)
+        x = np.full(len(self.system.states), 0.0, dtype=object)
+        for k, i in enumerate(self.states):
+            x[i] = tracer.symbol("u", k)
+        t = tracer.symbol("T", 0) * tracer.symbol("t", 0)
+        return (tracer.symbol("s", 0) + t if self.forced else t), x, p
+
+    def _rates(self, tracer: Tracer) -> list[Any]:
+        t, x, p = self._arguments(tracer)
+        mode = self.system.mode(self.leg.mode)
+        rates = _written(rebound(mode.field), f"the field of mode '{mode.name}'", self.states, t, x, p)
+        for j, pin in enumerate(self.pins):
+            out = _written(rebound(pin.generator), f"'{pin.name}'", self.states, t, x, p)
+            rates = [r + tracer.symbol("a", j) * v for r, v in zip(rates, out, strict=True)]
+        return [tracer.symbol("T", 0) * r for r in rates]
+
+    @cached_property
+    def program(self) -> Program:
+        """The field over the leg."""
+        return trace(self._rates)
+
+    def _after(self, tracer: Tracer) -> list[Any]:
+        """The state after the transition, in the states of the target mode."""
+        t, x, p = self._arguments(tracer)
+        transition = self.leg.transition
+        assert transition is not None
+        out = x
+        if transition.reset is not None:
+            out = np.full(len(x), None, dtype=object)
+            rebound(transition.reset)(t, x, p, out)
+        if transition.relabel is not None:
+            symmetry = next(s for s in self.system.symmetries if s.name == transition.relabel)
+            given = np.array([0.0 if entry is None else entry for entry in out], dtype=object)
+            out = np.full(len(x), None, dtype=object)
+            rebound(symmetry.map)(t, given, p, out)
+        for i in self.following:
+            if out[i] is None:
+                raise SystemDefinitionError(
+                    f"The reset of transition '{transition.name}' does not write "
+                    f"'{self.system.state_names[i]}', which exists in mode '{self.target}'.",
+                    "Write every state of the target mode.",
+                )
+        return [out[i] for i in self.following]
+
+    @cached_property
+    def _end_program(self) -> Program:
+        """The state after the transition, then its guard."""
+        transition = self.leg.transition
+        if transition is None:
+            return trace(lambda tracer: [tracer.symbol("u", k) for k in range(len(self.states))])
+        guard = rebound(transition.guard)
+        return trace(lambda tracer: [*self._after(tracer), guard(*self._arguments(tracer))])
+
+    # -- compiled ----------------------------------------------------------------------------------------
+
+    def _compiled(self, key: tuple, program: Program, lift: str, outputs: int | None) -> Field:
+        if key not in self._fields:
+            states = [(group, i) for group in STATES[lift] for i in range(len(self.states))]
+            groups = {**self.groups, **{group: len(self.columns) for group in DIRECTIONS[lift]}}
+            made = lifted(program, len(self.states), self.columns, lift)
+            self._fields[key] = Field(
+                made,
+                states,
+                groups,
+                self.columns,
+                time=("t", 0),
+                differentiable=key[-1],
+                outputs=outputs,
+            )
+        return self._fields[key]
+
+    def field(self, lift: str, implicit: bool = False) -> Field:
+        """The compiled field of a lift; an implicit method needs the Jacobian of any."""
+        key = "field", lift, implicit or lift in (PLAIN, TANGENT)
+        return self._compiled(key, self.program, lift, None)
+
+    def end(self, lift: str) -> Field:
+        """The map at the end: state after the transition, and the guard; of a lift, each with its
+        derivatives.
+
+        Outputs come order by order: (x+, h), then their first derivatives, and so on.
+        """
+        width = len(self.following) + (self.leg.transition is not None)
+        return self._compiled(("end", lift, True), self._end_program, lift, ORDERS[lift] * width)
+
+    def watched(self, name: str, function: Scalar) -> Field:
+        """A scalar along the leg as a map: its value and its rate over the leg's own time, T dh/dt."""
+        key = "watched", name, True
+        if key in self._fields:
+            return self._fields[key]
+        copy = rebound(function)
+
+        def both(tracer: Tracer) -> list[Any]:
+            return [copy(*self._arguments(tracer)), *self._rates(tracer)]
+
+        program = trace(both)
+        graph = program.graph
+
+        def measured(outputs: tuple[int, ...]) -> list[int]:
+            value, *rates = outputs
+            inputs = [graph.input("u", k) for k in range(len(self.states))]
+            moving = {graph.input("t", 0): graph.one, **dict(zip(inputs, rates, strict=True))}
+            return [value, *directional(graph, [value], moving)]
+
+        return self._compiled(key, program.transformed(measured), PLAIN, 2)
+
+    def after(self, name: str, function: Scalar) -> Field:
+        """A scalar of the state after the transition, as a map of the state before it."""
+        key = "after", name, True
+        if key in self._fields:
+            return self._fields[key]
+        copy = rebound(function)
+
+        def value(tracer: Tracer) -> list[Any]:
+            t, x, p = self._arguments(tracer)
+            there = np.full(len(x), 0.0, dtype=object)
+            for i, entry in zip(self.following, self._after(tracer), strict=True):
+                there[i] = entry
+            return [copy(t, there, p)]
+
+        return self._compiled(key, trace(value), PLAIN, 1)
+
+    def full(self, x: np.ndarray) -> np.ndarray:
+        """States of the mode (k, n_i) or (n_i,) as states of the system; those that do not exist are zero."""
+        result = np.zeros((*x.shape[:-1], len(self.system.states)))
+        result[..., list(self.states)] = x
+        return result
+
+
+def _written(
+    function: Callable[..., Any], what: str, states: Sequence[int], t: Any, x: np.ndarray, p: ParameterValues
+) -> list[Any]:
+    """What a function writes into its last argument, in the states that exist."""
+    out = np.full(len(x), None, dtype=object)
+    function(t, x, p, out)
+    for i in states:
+        if out[i] is None:
+            raise ValueError(f"{what} does not write entry {i} of its last argument")
+    return [out[i] for i in states]
+
+
+_KNOWN: dict[tuple, Passage] = {}
+_MOST_KNOWN = 256
+
+
+def passage_of(
+    system: System, leg: Leg, target: str, free: str | None, moving: Sequence[int], pins: Sequence[Neutral]
+) -> Passage:
+    """As `Passage(...)`, traced and compiled only once for the same arguments."""
+    key = (id(system), leg, target, free, tuple(moving), tuple(id(pin) for pin in pins))
+    if key not in _KNOWN:
+        while len(_KNOWN) >= _MOST_KNOWN:
+            del _KNOWN[next(iter(_KNOWN))]
+        _KNOWN[key] = Passage(system, leg, target, free, moving, pins)  # it keeps its system, and so its id
+    return _KNOWN[key]

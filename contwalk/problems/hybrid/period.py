@@ -1,0 +1,46 @@
+"""The period of the forcing as a compiled function of the parameters, with its derivatives."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contwalk.fields.rebind import rebound
+from contwalk.fields.trace import Tracer, trace
+from contwalk.flow import Field
+from contwalk.problems.orbit.motion import DIRECTIONS, lifted
+from contwalk.problems.tracing import parameter_symbols
+from contwalk.system import System
+
+ORDERS = {"plain": 1, "tangent": 2, "jet": 4}
+_KNOWN: dict[tuple, tuple[System, Field]] = {}
+
+
+def period_map(system: System, free: str | None, change: np.ndarray, lift: str) -> Field:
+    """period(p) as a map without states, whose only column is the free parameter; lifted, its derivatives
+    too.
+
+    Parameters
+    ----------
+    system : System
+    free : str or None
+        Name of the free parameter; None on a path, along which the parameters change by `change`.
+    lift : str
+    """
+    moving = tuple(np.flatnonzero(change).tolist())
+    key = id(system), free, moving, lift
+    if key in _KNOWN:
+        return _KNOWN[key][1]
+    assert system.period is not None
+    period = rebound(system.period)
+
+    def value(tracer: Tracer) -> list[Any]:
+        return [period(parameter_symbols(tracer, system.parameter_names, free, moving))]
+
+    count = len(system.parameters)
+    groups = {"l": 1, "b": count, "d": count, **dict.fromkeys(DIRECTIONS[lift], 1)}
+    program = lifted(trace(value), 0, [("l", 0)], lift)
+    found = Field(program, [], groups, [("l", 0)], time=("t", 0), outputs=ORDERS[lift])
+    _KNOWN[key] = system, found
+    return found

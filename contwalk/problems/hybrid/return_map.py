@@ -1,0 +1,195 @@
+"""The map that takes the start of a leg once round a hybrid orbit, with its derivatives along curves.
+
+For an orbit with events it is the map of the whole space of starts (states, and time if forced): where a
+start lies on its own motion makes no difference, so the flow's own direction has the multiplier zero, which
+no normal form minds. Each leg's duration changes along a curve so that its guard stays zero, order by order.
+Of an autonomous orbit without events, starts and ends lie in its section.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contwalk import flow
+from contwalk.problems.hybrid.period import period_map
+from contwalk.problems.orbit.motion import JET, PLAIN, TANGENT
+from contwalk.problems.orbit.normal_forms import MOVES, SectionMap
+from contwalk.problems.spectrum import complement
+
+if TYPE_CHECKING:
+    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
+
+ORDERS = 3
+
+
+class EventMap(SectionMap):
+    """The map from the start of the leg with fewest states to itself."""
+
+    def __init__(self, problem: HybridOrbit, z: np.ndarray) -> None:
+        self.problem, self.z = problem, z
+        self.first = int(np.argmin(problem.layout.sizes))
+        magnitudes = problem.extended(self.first)
+        self.timed = problem.forced and problem.word.eventful
+        if problem.word.eventful or problem.forced:
+            self.basis = np.diag(magnitudes)
+        else:
+            assert problem.section is not None
+            normal = (problem.section.normal * magnitudes)[:, None]
+            self.basis = complement(normal) * magnitudes[:, None]
+        self.coordinates = (self.basis / magnitudes[:, None]).T / magnitudes
+
+    @cached_property
+    def _inputs(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        layout = self.problem.layout
+        return [layout.inputs(i, self.z) for i in range(layout.legs)]
+
+    @cached_property
+    def _rates(self) -> list[tuple[np.ndarray, float]]:
+        """Of each leg, the derivatives of its end and of what ends it by its duration."""
+        problem, found = self.problem, []
+        for piece, (x, scalars) in zip(problem.pieces, self._inputs, strict=True):
+            _, moved = piece.differentiated(PLAIN, x, scalars)
+            column, width = moved[:, len(x)], len(piece.passage.following)
+            found.append((column[:width], self._ending(column, width)))
+        return found
+
+    def _ending(self, end: np.ndarray, width: int) -> float:
+        """What ends a leg, of one order of its end: the guard, or of an orbit without events the section."""
+        if self.problem.word.eventful:
+            return float(end[width])
+        assert self.problem.section is not None or self.problem.forced
+        return 0.0 if self.problem.section is None else float(self.problem.section.normal @ end[:width])
+
+    def curve(
+        self, x1: np.ndarray, x2: np.ndarray | None = None, lam: float = 0.0, order: int = 3
+    ) -> list[np.ndarray]:
+        """First derivatives, up to `order`, of the image of the curve xi = s x1 + s^2 x2 / 2, lambda
+        + s lam.
+        """
+        layout = self.problem.layout
+        width = layout.sizes[self.first]
+        start = [self.basis @ x1, np.zeros(len(self.basis)) if x2 is None else self.basis @ x2]
+        start.append(np.zeros(len(self.basis)))
+        states = [entry[:width] for entry in start]
+        times = [float(entry[width]) if self.timed else 0.0 for entry in start]
+        period = self._period(lam)
+        for k in range(layout.legs):
+            states, times = self._through((self.first + k) % layout.legs, states, times, lam, period, order)
+        images = []
+        for j in range(order):
+            end = states[j]
+            if self.timed:
+                end = np.append(end, times[j] - period[j])
+            images.append(self.coordinates @ end)
+        return images
+
+    def _period(self, lam: float) -> list[float]:
+        """Derivatives of a forced closure's duration along the curve."""
+        problem = self.problem
+        if not problem.forced:
+            return [0.0] * ORDERS
+        free = None if problem.path is not None else problem.free
+        map_ = period_map(problem.system, free, problem._direction, JET)
+        given = np.concatenate([self.z[-1:], problem.fixed, [lam], [0.0], [0.0]])
+        return (problem.subharmonic * map_(0.0, np.zeros(0), map_.constants(given)))[1:].tolist()
+
+    def _through(
+        self,
+        i: int,
+        states: list[np.ndarray],
+        times: list[float],
+        lam: float,
+        period: list[float],
+        order: int,
+    ) -> tuple[list[np.ndarray], list[float]]:
+        """Derivatives of state and time at the next leg's start, its duration held to its event."""
+        problem, piece, (x, scalars) = self.problem, self.problem.pieces[i], self._inputs[i]
+        by_duration, rate = self._rates[i]
+        width, forced = len(piece.passage.following), problem.forced
+        lasting = [0.0] * ORDERS
+        ends: list[np.ndarray] = []
+        for j in range(order):
+            directions = []
+            for o in range(ORDERS):
+                direction = np.zeros(len(scalars))
+                direction[0] = lasting[o]
+                if forced:
+                    direction[1] = times[o]
+                direction[-1] = lam if o == 0 else 0.0
+                directions.append(direction)
+            jets = np.concatenate([x, *states])
+            out = piece.end(JET, jets, scalars, *directions)
+            each = len(out) // (ORDERS + 1)
+            end = out[(j + 1) * each : (j + 2) * each]
+            if problem.word.eventful or not forced:
+                lasting[j] = -self._ending(end, width) / rate
+            else:
+                lasting[j] = period[j]
+            ends.append(end[:width] + by_duration * lasting[j])
+        later = [t + d for t, d in zip(times, lasting, strict=True)]
+        if not problem.word.eventful:
+            later = [0.0] * ORDERS
+        return ends + [np.zeros(width)] * (ORDERS - order), later
+
+    @cached_property
+    def a(self) -> np.ndarray:
+        """A, shape (r, r)."""
+        problem = self.problem
+        factors = problem.factors(problem.linearize(self.z).jacobian)
+        product = np.eye(len(self.basis))
+        for k in range(len(factors)):
+            product = factors[(self.first + k) % len(factors)] @ product
+        moved = product @ self.basis
+        if not (problem.word.eventful or problem.forced):
+            by_duration, rate = self._rates[0]
+            assert problem.section is not None
+            moved -= np.outer(by_duration, problem.section.normal @ moved) / rate
+        return self.coordinates @ moved
+
+    @cached_property
+    def by_parameter(self) -> np.ndarray:
+        """Derivative of the map by the free parameter, shape (r,)."""
+        return self.curve(np.zeros(self.basis.shape[1]), None, 1.0, 1)[0]
+
+    def size(self, q: np.ndarray) -> float:
+        """Root mean square over the closure of the deviation that starts as q, across the flow."""
+        parts = [q.real, q.imag] if np.iscomplexobj(q) else [q]
+        return float(np.sqrt(sum(self._mean_square(self.basis @ part) for part in parts)))
+
+    def _mean_square(self, v: np.ndarray) -> float:
+        problem, layout = self.problem, self.problem.layout
+        factors = problem.factors(problem.linearize(self.z).jacobian)
+        total, m = 0.0, layout.legs
+        whole = abs(problem.duration(self.z))
+        states = [
+            piece.passage.full(piece.nodes(*inputs))
+            for piece, inputs in zip(problem.pieces, self._inputs, strict=True)
+        ]
+        half = 0.5 * np.ptp(np.concatenate(states), axis=0)
+        half = np.where(half > MOVES * problem.mesh.magnitudes, half, problem.mesh.magnitudes)
+        for k in range(m):
+            i = (self.first + k) % m
+            piece, (x, scalars) = problem.pieces[i], self._inputs[i]
+            n, field = len(x), piece.passage.field(TANGENT)
+            direction = np.zeros(len(scalars))
+            if problem.forced and self.timed:
+                direction[1] = v[n]
+            c = field.constants(piece.values(scalars, direction))
+            nodes = flow.along(field, c, piece.steps, np.concatenate([x, v[:n]]), piece.method)
+            scale = half[list(piece.passage.states)]
+            deviations = nodes[:, n:] / scale
+            if not problem.forced:
+                plain = piece.passage.field(PLAIN)
+                own = plain.constants(piece.values(scalars))
+                rows = [plain(t, s, own) for t, s in zip(piece.steps, nodes[:, :n], strict=True)]
+                along = np.array(rows) / scale
+                along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)
+                deviations -= np.sum(deviations * along, axis=1, keepdims=True) * along
+            squares = np.sum(deviations**2, axis=1)
+            mean = float(np.sum(0.5 * (squares[1:] + squares[:-1]) * np.diff(piece.steps)))
+            total += mean * abs(float(scalars[0])) / max(whole, 1e-300)
+            v = factors[i] @ v
+        return total

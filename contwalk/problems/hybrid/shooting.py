@@ -1,0 +1,206 @@
+"""What becomes of a start state over each leg, up to and through its transition, derivatives included.
+
+Everything is integrated on the steps of a mesh, which stays as it is during a solve: the equations that
+Newton's method sees are smooth, and their derivatives are those of the integrator's own steps. Events are
+not located here: a leg lasts as long as its unknown duration says, and that its guard is zero then is an
+equation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from contwalk import flow
+from contwalk.flow.method import Carried, choose
+from contwalk.problems.hybrid.passage import Passage
+from contwalk.problems.orbit.motion import PLAIN, TANGENT
+from contwalk.problems.orbit.shooting import CONSTANT, LEAST_SHARE, Mesh, arrived
+
+
+@dataclass(frozen=True, eq=False)
+class LegMesh(Mesh):
+    """Steps of each leg, in its own time from 0 to 1.
+
+    `total` is the duration of the closure, `guards` the largest value of each leg's own guard on it, shape
+    (m,): the units of durations and of guards.
+    """
+
+    total: float = 1.0
+    guards: np.ndarray | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """A leg on its steps.
+
+    Parameters
+    ----------
+    passage : Passage
+    steps : ndarray
+        Times in 0..1 of its steps, ends included.
+    method : str
+    fixed : ndarray
+        Values of the parameters, and their changes along a path.
+    """
+
+    passage: Passage
+    steps: np.ndarray
+    method: str
+    fixed: np.ndarray
+
+    def values(self, scalars: np.ndarray, *directions: np.ndarray) -> np.ndarray:
+        """What a lift's functions depend on, in their order."""
+        return np.concatenate([scalars, self.fixed, *directions])
+
+    def _field(self, lift: str) -> flow.Field:
+        return self.passage.field(lift, implicit=self.method.startswith("radau"))
+
+    def before(self, lift: str, y: np.ndarray, scalars: np.ndarray, *directions: np.ndarray) -> np.ndarray:
+        """A lift's states at the end, before the transition."""
+        field = self._field(lift)
+        c = field.constants(self.values(scalars, *directions))
+        return flow.along(field, c, self.steps, y, self.method)[-1]
+
+    def end(self, lift: str, y: np.ndarray, scalars: np.ndarray, *directions: np.ndarray) -> np.ndarray:
+        """State after the transition and guard, of a lift order by order."""
+        map_ = self.passage.end(lift)
+        c = map_.constants(self.values(scalars, *directions))
+        return map_(1.0, self.before(lift, y, scalars, *directions), c)
+
+    def differentiated(
+        self, lift: str, y: np.ndarray, scalars: np.ndarray, *directions: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """As `end`, with the derivatives by the state (its first n components) and the columns, (.,
+        n + k).
+        """
+        x, moved = self.before_differentiated(lift, y, scalars, *directions)
+        map_ = self.passage.end(lift)
+        return self.through(map_, x, moved, self.values(scalars, *directions))
+
+    def before_differentiated(
+        self, lift: str, y: np.ndarray, scalars: np.ndarray, *directions: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """As `before`, with the derivatives by the state (its first n components) and the columns."""
+        field, n, k = self._field(lift), len(self.passage.states), len(self.passage.columns)
+        columns = np.zeros((len(y), n + k))
+        columns[:n, :n] = np.eye(n)
+        sources = np.array([-1] * n + list(range(k)))
+        c = field.constants(self.values(scalars, *directions))
+        return flow.tangents(field, c, self.steps, y, columns, sources, self.method)
+
+    def through(
+        self, map_: flow.Field, x: np.ndarray, moved: np.ndarray, values: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """A map of the leg's end with its derivatives by the start and the columns."""
+        c, k = map_.constants(values), len(self.passage.columns)
+        derivative = map_.jacobian(1.0, x, c)
+        total = derivative[:, : len(x)] @ moved
+        total[:, -k:] += derivative[:, len(x) :]
+        return map_(1.0, x, c), total
+
+    def nodes(self, x: np.ndarray, scalars: np.ndarray) -> np.ndarray:
+        """States at the steps, shape (s + 1, n_i)."""
+        field = self.passage.field(PLAIN)
+        return flow.along(field, field.constants(self.values(scalars)), self.steps, x, self.method)
+
+    def at(self, nodes: np.ndarray, times: np.ndarray, scalars: np.ndarray) -> np.ndarray:
+        """States at times in 0..1, from those at the steps."""
+        field = self.passage.field(PLAIN)
+        c = field.constants(self.values(scalars))
+        return flow.dense(field, c, self.steps, nodes, times, self.method)
+
+    def velocity(self, x: np.ndarray, scalars: np.ndarray) -> np.ndarray:
+        """dx/dt at the start, in the leg's own time."""
+        field = self.passage.field(PLAIN)
+        return field(0.0, x, field.constants(self.values(scalars)))
+
+
+def meshed(
+    passages: Sequence[Passage],
+    starts: Sequence[np.ndarray],
+    scalars: Sequence[np.ndarray],
+    fixed: np.ndarray,
+    magnitudes: np.ndarray,
+    tolerance: float,
+    method: str,
+    alike: bool,
+) -> LegMesh:
+    """Steps on which each leg, and a generic neighbour of it, are integrated to a tolerance.
+
+    Parameters
+    ----------
+    magnitudes : ndarray, shape (n,)
+        Typical magnitudes of all states. Where one varies less along the orbit, its variation counts.
+    alike : bool
+        The second half of the legs repeats the first: steps are made the same in both.
+
+    Raises
+    ------
+    NotFinite
+        If the motion ends before a leg does.
+    """
+    variation = magnitudes
+    paths, chosen, reason = _passed(passages, starts, scalars, fixed, variation, tolerance, method)
+    smaller = _variation(passages, paths, magnitudes)
+    if np.any(smaller < 0.2 * variation):
+        variation = smaller
+        paths, chosen, reason = _passed(passages, starts, scalars, fixed, variation, tolerance, method)
+    steps = [path.times for path in paths]
+    if alike:
+        half = len(steps) // 2
+        for i in range(half):
+            longer = max(steps[i], steps[i + half], key=len)
+            steps[i] = steps[i + half] = longer
+    return LegMesh(tuple(steps), chosen, tolerance, variation, magnitudes, 1.0, reason)
+
+
+def _variation(passages: Sequence[Passage], paths: Sequence[flow.Path], magnitudes: np.ndarray) -> np.ndarray:
+    """Half the range of each state over the orbit, not above its magnitude, nor a thousandth of what others
+    do.
+    """
+    states = np.concatenate(
+        [p.full(path.states[:, : len(p.states)]) for p, path in zip(passages, paths, strict=True)]
+    )
+    shares = 0.5 * np.ptp(states, axis=0) / magnitudes
+    largest = float(shares.max())
+    if largest == 0.0:
+        return magnitudes
+    shares = np.where(shares < CONSTANT * largest, largest, shares)
+    return magnitudes * np.clip(shares, LEAST_SHARE * largest, 1.0)
+
+
+def _passed(
+    passages: Sequence[Passage],
+    starts: Sequence[np.ndarray],
+    scalars: Sequence[np.ndarray],
+    fixed: np.ndarray,
+    variation: np.ndarray,
+    tolerance: float,
+    method: str,
+) -> tuple[list[flow.Path], str, str]:
+    """The path of every leg with a generic neighbour, the integrator, and why this one."""
+    runs = []
+    for passage, x, own in zip(passages, starts, scalars, strict=True):
+        field, k = passage.field(TANGENT), len(passage.columns)
+        c = field.constants(np.concatenate([own, fixed, np.zeros(k)]))
+        sizes = variation[list(passage.states)]
+        generic = sizes * np.cos(np.arange(1.0, len(sizes) + 1.0))
+        runs.append((passage, field, c, np.concatenate([x, generic]), np.concatenate([sizes, sizes])))
+    if method == "auto":
+        choices = [
+            choose(field, c, 0.0, y, 1.0, tolerance, weights, carried=Carried(p.field(PLAIN), len(y)))
+            for p, field, c, y, weights in runs
+        ]
+        stiffest = max(choices, key=lambda choice: choice.stability_limited)
+        method, reason = stiffest.method, stiffest.reason
+        if len({choice.method for choice in choices}) == 1:
+            return [arrived(choice.path) for choice in choices], method, reason
+    else:
+        reason = "as the run file says"
+    paths = [
+        flow.adaptive(field, c, 0.0, y, 1.0, tolerance, weights, method) for _, field, c, y, weights in runs
+    ]
+    return [arrived(path) for path in paths], method, reason

@@ -1,0 +1,58 @@
+"""The branches that leave a special point of a branch of hybrid orbits, but for changes of the word."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+from contwalk.errors import NotFinite
+from contwalk.problems.orbit.augmented import null_vectors
+from contwalk.problems.orbit.branching import amplitude, crossing, filled_magnitudes
+from contwalk.problems.problem import Seed
+
+if TYPE_CHECKING:
+    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
+
+
+def seeds(problem: HybridOrbit, point: SpecialPoint) -> Sequence[Seed]:
+    """The branches that leave a special point."""
+    z = np.array(point.unknowns)
+    try:
+        there = discretized(problem, z)
+        if point.label == "PD":
+            return _doubled(there, z)
+        if point.label == "BP" and point.coefficients:
+            return crossing(there, z, point)
+    except (NotFinite, np.linalg.LinAlgError):
+        return ()
+    return ()
+
+
+def discretized(problem: HybridOrbit, z: np.ndarray) -> HybridOrbit:
+    """The problem on fine steps for a stored solution."""
+    sizes = np.maximum(np.abs(z), 1e-6)
+    rough = problem.adapted_to(z, sizes)
+    return rough.adapted_to(z, filled_magnitudes(rough, z), problem.discretization.locating)
+
+
+def _doubled(problem: HybridOrbit, z: np.ndarray) -> Sequence[Seed]:
+    """The orbit of the word run through twice that leaves along the critical vector."""
+    layout = problem.layout
+    v, _ = null_vectors(problem.cycle_matrix(problem.linearize(z).jacobian, -1.0), *problem.cycle_scales)
+    v = v.real
+    other = problem.of_word(problem.word.repeated(2), 2)
+    states, lasting = slice(0, layout.durations.start), layout.durations
+    rest = slice(lasting.stop, layout.size)
+    still = np.zeros(layout.size - lasting.stop)
+    if layout.start is not None:
+        still[0] = v[layout.start]
+    start = np.concatenate([z[states], z[states], z[lasting], z[lasting], z[rest], z[-1:]])
+    tangent = np.concatenate([v[states], -v[states], v[lasting], -v[lasting], still, [0.0]])
+    there = discretized(other, start)
+    weights = np.concatenate([there.cycle_scales[1], [1.0]])
+    tangent = tangent / float(np.linalg.norm(tangent / weights))
+    walking = there.adapted_to(start, filled_magnitudes(there, start))
+    return (Seed("PD", start, tangent, amplitude(tangent), walking, one_sided=True),)

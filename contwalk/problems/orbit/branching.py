@@ -1,0 +1,96 @@
+"""Where two branches of orbits cross: their tangents, and the branch that leaves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+from contwalk.problems.problem import Located, Sample, Seed
+
+if TYPE_CHECKING:
+    from contwalk.problems.orbit.protocol import Orbit
+
+# Components of a critical vector below this part of its largest set no scale.
+FAINT = 1e-6
+# A second direction of solutions is one where DF's second smallest singular value is rounding.
+SINGULAR = 1e-9
+
+
+def filled_magnitudes(problem: Orbit, z: np.ndarray) -> np.ndarray:
+    """Typical magnitudes at z, one where nothing tells."""
+    magnitudes = problem.magnitudes_near(z)
+    return np.where(np.isfinite(magnitudes) & (magnitudes > 0.0), magnitudes, 1.0)
+
+
+def directions(problem: Orbit, located: Located, weights: np.ndarray) -> list[np.ndarray]:
+    """Tangents of the two branches through a branch point, each a unit vector in the metric."""
+    there = located.problem if located.problem is not None else problem
+    vectors, z = located.vectors, located.z
+    if "plane" not in vectors:
+        return []
+    t1, t2 = (np.linalg.qr((vectors["plane"] / weights).T)[0] * weights[:, None]).T
+    psi = vectors["left"]
+    h1, h2 = psi @ there.derivative_along(z, t1), psi @ there.derivative_along(z, t2)
+    form = np.array([[h1 @ t1, h1 @ t2], [h1 @ t2, h2 @ t2]])
+    values, axes = np.linalg.eigh(form)
+    if not values[0] < 0.0 < values[1]:
+        return []
+    found = []
+    for sign in (1.0, -1.0):
+        xy = np.sqrt(values[1]) * axes[:, 0] + sign * np.sqrt(-values[0]) * axes[:, 1]
+        t = xy[0] * t1 + xy[1] * t2
+        found.append(t / np.linalg.norm(t / weights))
+    return found
+
+
+def tangent_through(problem: Orbit, located: Located, near: Sample) -> np.ndarray | None:
+    """The tangent of a branch at its branch point: of the two, the one nearest to `near`, facing its way."""
+    found = directions(problem, located, near.weights)
+    if not found:
+        return None
+    products = [float((t / near.weights) @ (near.tangent / near.weights)) for t in found]
+    best = int(np.argmax(np.abs(products)))
+    return found[best] * np.sign(products[best])
+
+
+def crossing(problem: Any, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
+    """The branch that crosses, along the tangent that the parent does not have."""
+    weights = filled_magnitudes(problem, z)
+    jacobian = problem.linearize(z).jacobian
+    rows = problem.equation_scales
+    u, _, vh = np.linalg.svd(jacobian / rows[:, None] * weights)
+    located = Located(z, 0.0, {"plane": vh[-2:] * weights, "left": u[:, -1] / rows}, problem=problem)
+    found = directions(problem, located, weights)
+    if len(found) < 2:
+        return ()
+    parent = np.array(point.tangent)
+    products = [abs(float((t / weights) @ (parent / weights))) for t in found]
+    other = found[int(np.argmin(products))]
+    share = other[-1] / weights[-1]
+    lead = share if abs(share) > 1e-6 else other[int(np.argmax(np.abs(other / weights)))]
+    tangent = other * np.sign(lead)
+    return (Seed("BP", z, tangent, amplitude(tangent), problem),)
+
+
+def second_direction(problem: Orbit, z: np.ndarray) -> np.ndarray | None:
+    """A second direction of solutions, where there is one to rounding."""
+    jacobian = problem.linearize(z).jacobian
+    weights = filled_magnitudes(problem, z)
+    rows = problem.equation_scales
+    _, sizes, vh = np.linalg.svd(jacobian / rows[:, None] * weights)
+    return vh[-2] * weights if sizes[-1] < SINGULAR * sizes[0] else None
+
+
+def amplitude(tangent: np.ndarray) -> Callable[[float], np.ndarray]:
+    """How far unknowns move along a branch that begins at a right angle: the orbit's own size bounds it."""
+
+    def reach(change: float) -> np.ndarray:
+        moved = np.abs(tangent) / max(float(np.abs(tangent).max()), 1e-300)
+        moved[moved < FAINT] = 0.0  # rounding of a component that the deviation has not
+        moved[-1] = change
+        return moved
+
+    return reach

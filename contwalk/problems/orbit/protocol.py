@@ -1,0 +1,127 @@
+"""What orbits of both kinds, smooth and hybrid, offer to the algorithms that they share."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+
+from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.orbit.multipliers import Multipliers
+from contwalk.problems.orbit.normal_forms import SectionMap
+from contwalk.problems.orbit.shooting import Mesh
+from contwalk.problems.problem import Linearization
+from contwalk.system import System
+
+
+class Orbit(Protocol):
+    """A periodic orbit, discretised."""
+
+    system: System
+    free: str
+    path: Any
+    discretization: Discretization
+    forced: bool
+
+    @property
+    def size(self) -> int:
+        """Number N of unknowns without the free parameter."""
+        ...
+
+    @property
+    def mesh(self) -> Mesh:
+        """The steps of this discretisation."""
+        ...
+
+    @property
+    def observable_names(self) -> tuple[str, ...]:
+        """Names of the observables."""
+        ...
+
+    @property
+    def rounds(self) -> int:
+        """Closures of the motion that `max_abs` is of."""
+        ...
+
+    @property
+    def equation_scales(self) -> np.ndarray:
+        """Units of the equations, shape (N,)."""
+        ...
+
+    @property
+    def cycle_scales(self) -> tuple[np.ndarray, np.ndarray]:
+        """Units of the rows and of the columns of `cycle_matrix`."""
+        ...
+
+    @property
+    def whole(self) -> tuple[str, int]:
+        """How the orbit closes (`full`, or the name of a symmetry), and how many closures its period has."""
+        ...
+
+    def linearize(self, z: np.ndarray) -> Linearization:
+        """Residual, Jacobian and rounding level at z."""
+        ...
+
+    def jacobian(self, z: np.ndarray) -> np.ndarray:
+        """DF(z), shape (N, N + 1)."""
+        ...
+
+    def refined(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> Any:
+        """The same problem on steps for located points."""
+        ...
+
+    def magnitudes_near(self, z: np.ndarray) -> np.ndarray:
+        """Typical magnitudes of z, NaN where nothing tells."""
+        ...
+
+    def cycle_matrix(self, jacobian: np.ndarray, multiplier: complex) -> np.ndarray:
+        """L(mu), singular where mu is a multiplier."""
+        ...
+
+    def cycle_return(self, psi: np.ndarray, v: np.ndarray) -> complex:
+        """-psi* L' v, where L' is the derivative of `cycle_matrix` by the multiplier."""
+        ...
+
+    def cycle_derivative(self, z: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Derivative by z of L v for a real v."""
+        ...
+
+    def cycle_rate(self, z: np.ndarray, v: np.ndarray, tangent: np.ndarray) -> np.ndarray:
+        """Derivative of L v along a direction, for a real v."""
+        ...
+
+    def derivative_along(self, z: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Derivative by z of DF(z) v for a real v of length N + 1, shape (N, N + 1)."""
+        ...
+
+    def return_map(self, z: np.ndarray) -> SectionMap:
+        """The map that takes the section once round the orbit."""
+        ...
+
+    def fallen_back(self, z: np.ndarray) -> bool:
+        """Whether the orbit has become its parent again."""
+        ...
+
+    def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
+        """Multipliers of the closure."""
+        ...
+
+    def observables(self, z: np.ndarray, found: Multipliers) -> np.ndarray:
+        """Values of `observable_names`."""
+        ...
+
+    def motion_of(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The whole motion: times and states."""
+        ...
+
+    def values_of(self, z: np.ndarray) -> dict[str, float]:
+        """All parameters at z, by name."""
+        ...
+
+    def duration(self, z: np.ndarray) -> float:
+        """Duration of the closure, seconds."""
+        ...
+
+    def reported(self, z: np.ndarray) -> np.ndarray:
+        """The state that stands for a solution."""
+        ...
