@@ -18,6 +18,7 @@ from contwalk.errors import ContwalkError
 from contwalk.labels import MEANINGS
 
 LABELS = tuple(MEANINGS)
+ORBITS = ("periodic_orbit", "hybrid_orbit")
 
 
 @dataclass(frozen=True)

@@ -41,7 +41,7 @@ def command(
     result = simulate(run, force=force, figures=not no_figures)
     if not quiet:
         _print(console(), run, result)
-    problem = why(result.trajectory.status, float(result.trajectory.times[-1]))
+    problem = why(result.trajectory.status, float(result.trajectory.times[-1]), result.reason)
     if problem is not None:
         say(f"error: {problem}")
         return 1
@@ -57,13 +57,15 @@ def _print(out: Console, run: SimulationFile, result: SimulationResult) -> None:
     line(out, system.name + (f" ({chosen})" if chosen else ""), style="bold")
     work = f"{plural(result.steps, 'step')}, {plural(result.evaluations, 'evaluation')} of the field"
     line(out, f"from t = 0 to {motion.times[-1]:.10g}, {work}", indent=4)
-    if result.settled is not None:
+    if result.settled is not None and motion.status == "ok":
         word = "settled" if result.settled else "NOT SETTLED: given up; give until a time"
         line(out, word, indent=4)
     ends = ", ".join(
         f"{name} = {exact(value)}" for name, value in zip(motion.states, motion.values[-1], strict=True)
     )
-    line(out, f"end: {ends}", indent=4)
+    several = len(motion.mode_names) > 1
+    mode = f" in mode {motion.mode_names[motion.modes[-1]]}" if several else ""
+    line(out, f"end{mode}: {ends}", indent=4)
     _print_events(out, motion)
     out.print()
     for path in result.files:
@@ -82,13 +84,21 @@ def _print_events(out: Console, motion: object) -> None:
     if not names:
         line(out, "no events", indent=4)
         return
-    rows = [
-        [name, exact(t), "rising" if rising else "falling", *(f"{value:.10g}" for value in state)]
-        for name, t, rising, state in zip(
-            names[:MOST_SHOWN], motion.event_times, motion.event_rising, motion.event_before, strict=False
-        )
-    ]
+    several = len(motion.mode_names) > 1
+    told = zip(
+        names[:MOST_SHOWN],
+        motion.event_times,
+        motion.event_rising,
+        motion.event_modes,
+        motion.event_before,
+        strict=False,
+    )
+    rows = []
+    for name, t, rising, mode, state in told:
+        where = ["rising" if rising else "falling", *([mode] if several else [])]
+        rows.append([name, exact(t), *where, *(f"{value:.10g}" for value in state)])
+    heads = ["event", "t", "direction", *(["mode after"] if several else []), *motion.states]
     line(out, plural(len(names), "event"), indent=4)
-    table(out, ["event", "t", "direction", *motion.states], rows, indent=4)
+    table(out, heads, rows, indent=4)
     if len(names) > MOST_SHOWN:
         line(out, f"... and {len(names) - MOST_SHOWN} more, in the file", indent=4)

@@ -12,10 +12,16 @@ from contwalk.continuation.here import Here, begin
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
 from contwalk.errors import NotFinite, PluginError, StartError
+from contwalk.problems.hybrid.beginning import lap_from, orbit_of
+from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
+from contwalk.problems.hybrid.switching import discretized, halved
+from contwalk.problems.hybrid.word import named_word
 from contwalk.problems.orbit.beginning import orbit_at, symmetric
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.problems.orbit.recurrence import recurrent
+from contwalk.problems.problem import NO_MARGIN
+from contwalk.problems.stored_word import StoredWord
 from contwalk.system import System
 
 Path = tuple[Mapping[str, float], Mapping[str, float]]
@@ -32,6 +38,8 @@ def opened_orbit(
     discretization: Discretization | None = None,
     period: float | None = None,
     until: float | str | None = None,
+    mode: str | None = None,
+    event: str | None = None,
 ) -> Opening | Outcome:
     """The branch of orbits through the one near a state, or why there is none.
 
@@ -43,16 +51,13 @@ def opened_orbit(
         Seconds, of an autonomous system's orbit or for a subharmonic one.
     until : float or "settled", optional
         Simulate from the state so long first, and take the orbit that the motion settles on.
+    mode, event : str, optional
+        Of a hybrid system, the mode that the state is in, or the transition that it is right before.
     """
-    acting = [t.name for t in system.transitions if t.role != "watched"]
-    if acting:
-        return outcomes.no_start(
-            "no_convergence",
-            f"The system has transitions that act ({', '.join(acting)}); orbits through them are not "
-            f"computed yet.",
-            "an equilibrium of its first mode",
-        )
     try:
+        if system.acting:
+            lap = lap_from(system, _at_start(parameters, path, at), state, mode, event, until)
+            return _hybrid(*orbit_of(system, parameters, free, lap, path, at, discretization), settings)
         if until is not None:
             found = recurrent(system, _at_start(parameters, path, at), state, until)
             state, period = found.state, found.period
@@ -81,6 +86,55 @@ def _at_start(parameters: Mapping[str, float], path: Path | None, at: float | No
         return parameters
     begin, end = path
     return {name: begin[name] + float(at or 0.0) * (end[name] - begin[name]) for name in begin}
+
+
+def opened_word(
+    system: System,
+    parameters: Mapping[str, float],
+    free: str,
+    state: np.ndarray,
+    settings: Settings,
+    path: Path | None,
+    at: float | None,
+    discretization: Discretization | None,
+    stored: StoredWord,
+) -> Opening | Outcome:
+    """The branch of hybrid orbits through a stored one, or why there is none; arguments as for
+    `opened_orbit`.
+    """
+    problem = HybridOrbit(
+        system,
+        named_word(system, stored.legs),
+        parameters,
+        free,
+        path,
+        subharmonic=stored.subharmonic,
+        discretization=discretization,
+    )
+    z = np.append(stored.unknowns[: problem.size], parameters[free] if at is None else at)
+    try:
+        return _hybrid(discretized(problem, z), z, settings)
+    except PluginError as error:
+        return outcomes.no_start("plugin_error", error.sentence)
+    except NotFinite as error:
+        return outcomes.no_start("not_finite", error.sentence)
+
+
+def _hybrid(problem: HybridOrbit, z: np.ndarray, settings: Settings) -> Opening | Outcome:
+    """The orbit of a simulated lap, corrected."""
+    here = begin(problem, z, settings)
+    word = ", ".join(problem.word.signature) or "no events"
+    if not isinstance(here, Here):
+        return outcomes.no_start(here.reason, f"{here.sentence} (word: {word})", "a periodic orbit")
+    if problem.fallen_back(here.sample.z):  # it was looked at for twice its period
+        return _hybrid(*halved(problem, here.sample.z), settings)
+    adapted, sample = problem.adapted(here.sample)
+    lost = [problem.limits[k].name for k in np.flatnonzero(sample.margins < -NO_MARGIN)]
+    message = ""
+    if lost:
+        names = ", ".join(f"'{name}'" for name in dict.fromkeys(lost))
+        message = f"The first orbit is not admissible: {names}."
+    return Opening(adapted, Here(sample, here.s, here.step), message)
 
 
 def _closed(problem: PeriodicOrbit, here: Here, settings: Settings) -> Opening:

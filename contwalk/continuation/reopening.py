@@ -18,6 +18,7 @@ from contwalk.system import Neutral, Symmetry, System
 from contwalk.system.declarations import nearest
 
 if TYPE_CHECKING:  # compiled flows are imported only where orbits are computed
+    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 
 T = TypeVar("T")
@@ -25,7 +26,7 @@ T = TypeVar("T")
 
 def problem_of(
     system: System, info: BranchInfo, state: np.ndarray, discretization: Discretization | None = None
-) -> Equilibrium | PeriodicOrbit:
+) -> Equilibrium | PeriodicOrbit | HybridOrbit:
     """The equations of a stored branch; of orbits, not yet discretised (see `at_stored`, `adapted_to`).
 
     Parameters
@@ -51,6 +52,14 @@ def problem_of(
     pins, free = _pins(system, info), info.free[0]
     if info.problem == "equilibrium":
         return Equilibrium(system, parameters, free, ends, pins, state, discretization)
+    if info.problem == "hybrid_orbit":
+        from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
+        from contwalk.problems.hybrid.word import named_word
+
+        word = named_word(system, stored["legs"])
+        given = pins, state, info.subharmonic, discretization or Discretization()
+        hybrid = HybridOrbit(system, word, parameters, free, ends, *given)
+        return hybrid.turning(np.array(stored["turns"], dtype=float))
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 
     orbit = PeriodicOrbit(

@@ -23,13 +23,14 @@ from contwalk.problems.equilibrium import Equilibrium
 from contwalk.system.declarations import nearest
 
 if TYPE_CHECKING:  # compiled flows are imported only where orbits are computed
+    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 
 _DIRECTIONS = {"both": (1.0, -1.0), "forward": (1.0,), "backward": (-1.0,)}
 
 
 def continue_branch(
-    problem: Equilibrium | PeriodicOrbit,
+    problem: Equilibrium | PeriodicOrbit | HybridOrbit,
     state: str | Sequence[float] | Mapping[str, float],
     range: tuple[float, float] = (-math.inf, math.inf),
     direction: str = "both",
@@ -70,7 +71,7 @@ def continue_branch(
 
 
 def switch_branch(
-    problem: Equilibrium | PeriodicOrbit,
+    problem: Equilibrium | PeriodicOrbit | HybridOrbit,
     branch: Branch,
     point: str | SpecialPoint,
     range: tuple[float, float] = (-math.inf, math.inf),
@@ -95,7 +96,7 @@ def switch_branch(
     special = branch.special(point) if isinstance(point, str) else point
     chosen = _settings(problem, range, marks, settings, float(special.unknowns[-1]))
     if (
-        branch.info.problem == "periodic_orbit"
+        branch.info.problem != "equilibrium"
     ):  # its orbits may close up to a symmetry, the given problem's fully
         state = np.array(list(special.state.values()))
         problem = problem_of(problem.system, branch.info, state, problem.discretization)
@@ -114,7 +115,7 @@ def switch_branch(
 
 
 def points(
-    problem: Equilibrium | PeriodicOrbit,
+    problem: Equilibrium | PeriodicOrbit | HybridOrbit,
     state: str | Sequence[float] | Mapping[str, float],
     range: tuple[float, float] = (-math.inf, math.inf),
     forward: bool = True,
@@ -139,7 +140,7 @@ def points(
 
 
 def _opened(
-    problem: Equilibrium | PeriodicOrbit,
+    problem: Equilibrium | PeriodicOrbit | HybridOrbit,
     state: str | Sequence[float] | Mapping[str, float],
     settings: Settings,
     period: float | None,
@@ -178,7 +179,7 @@ def _single(start: Start, plan: Plan) -> Branch:
 
 
 def _settings(
-    problem: Equilibrium | PeriodicOrbit,
+    problem: Equilibrium | PeriodicOrbit | HybridOrbit,
     range: tuple[float, float],
     marks: Mapping[str, Sequence[float | str]] | None,
     settings: dict[str, Any],
@@ -218,7 +219,7 @@ def _direction(direction: str) -> tuple[float, ...]:
 
 
 def _state(
-    problem: Equilibrium | PeriodicOrbit, state: str | Sequence[float] | Mapping[str, float]
+    problem: Equilibrium | PeriodicOrbit | HybridOrbit, state: str | Sequence[float] | Mapping[str, float]
 ) -> np.ndarray:
     if isinstance(state, str):
         return problem.system.named_states(state, problem.parameters)[0]

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contwalk.branch import Branch, SpecialPoint
+from contwalk.branch import ORBITS, Branch, SpecialPoint
 from contwalk.continuation.newton import correct
 from contwalk.continuation.reopening import problem_of, reopened, stored_place
 from contwalk.errors import ContwalkError
@@ -127,7 +127,7 @@ def compared(
     why = _not_for_us(branch, point)
     if why:
         return replace(begun, reason=why)
-    orbit, accuracy = branch.info.problem == "periodic_orbit", steps.accuracy
+    orbit, accuracy = branch.info.problem in ORBITS, steps.accuracy
     try:
         method = method or other_method(system, branch, point, steps, marks or {}) if orbit else "40 digits"
         if not orbit and point.label == "UZ" and point.kind == "parameter":
@@ -148,9 +148,9 @@ def _not_for_us(branch: Branch, point: SpecialPoint) -> str:
     """Why a point is not recomputed; empty if it is."""
     if point.status != "located":
         return "it was not located in the first place"
-    if branch.info.problem not in ("equilibrium", "periodic_orbit"):
+    if branch.info.problem not in ("equilibrium", *ORBITS):
         return f"points of {branch.info.problem.replace('_', ' ')} branches are not recomputed"
-    if branch.info.problem == "periodic_orbit" and point.label == "BP" and not point.coefficients:
+    if branch.info.problem in ORBITS and point.label == "BP" and not point.coefficients:
         return "the orbit is its parent again: the parent's own point is recomputed"
     return ""
 
@@ -363,7 +363,7 @@ def _at_value(
     moved = np.abs(sample.z - problem.nearest_turn(z, sample.z)) / sample.weights
     at = int(np.argmax(moved[:-1]))
     n, size = len(branch.info.states), len(z) - 1
-    orbit = branch.info.problem == "periodic_orbit"
+    orbit = branch.info.problem in ORBITS
     segments = int(branch.info.settings.get("segments", 1)) if orbit else 1
     if at < segments * n:
         name = branch.info.states[at % n]

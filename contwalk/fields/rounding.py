@@ -21,7 +21,11 @@ def error_bounds(graph: Graph, outputs: Sequence[int]) -> list[int]:
         if name in ("const", "input", *CONDITIONS):
             bounds[node] = graph.zero
             continue
-        total = graph.zero if name in ("neg", "abs", "select") else graph.call("abs", node)
+        if name == "select":
+            condition, first, second = graph.nodes[node][1:]
+            bounds[node] = graph.select(condition, bounds[first], bounds[second])
+            continue
+        total = graph.zero if name in ("neg", "abs") else graph.call("abs", node)
         for argument, partial in partials(graph, node):
             inherited = bounds[argument]
             if graph.value(inherited) == 0.0:

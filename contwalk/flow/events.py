@@ -9,9 +9,10 @@ exact).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from types import MappingProxyType
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from contwalk.flow.verbs import along, dense
 PARTS = 8  # of a step: a guard has at most one extremum in each
 MOST_TRIALS = 80
 EXTREMUM = 1e-8  # of a part: the guard is then off its extremum by the square of it, that is by rounding
+NONE_LEAVING: Mapping[int, int] = MappingProxyType({})
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +102,7 @@ def crossings(
     states: np.ndarray,
     guards: Sequence[Guard],
     method: str,
-    leaving: int | None = None,
+    leaving: Mapping[int, int] = NONE_LEAVING,
 ) -> list[Crossing]:
     """All crossings of the guards, in their directions, along the steps of a path, in the order of time.
 
@@ -114,9 +116,9 @@ def crossings(
     guards : sequence of Guard
     method : str
         The one that made the path.
-    leaving : int, optional
-        Position of a guard whose own event the path begins with. It is zero there but for rounding, and
-        takes its sign from its rate.
+    leaving : mapping
+        Guards that are zero but for rounding where the path begins, as after their own event: position ->
+        the sign that they have just after it.
     """
     if len(times) < 2 or not guards:
         return []
@@ -128,10 +130,12 @@ def crossings(
     found: list[Crossing] = []
     for number, guard in enumerate(guards):
         sampled = guard.along(at.ravel(), x.reshape(at.size, -1), p).reshape(*at.shape, 3)
-        if number == leaving:
-            sampled[0, 0, 0] = 0.0
+        side = leaving.get(number, 0)
+        if side:
+            sampled[0, 0, :2] = 0.0, side
         for step in _suspects(sampled):
-            locator = _Locator(field, c, p, times, states, guard, method, int(step), number == leaving)
+            begins = side if step == 0 else 0
+            locator = _Locator(field, c, p, times, states, guard, method, int(step), begins)
             found += [
                 Crossing(number, int(step), trial.time, trial.state, rising, trial.rate)
                 for trial, rising in locator.found(at[step])
@@ -162,13 +166,13 @@ class _Locator:
         guard: Guard,
         method: str,
         step: int,
-        leaving: bool,
+        begins: int,
     ) -> None:
         self._field, self._c, self._p = field, c, p
         self._guard, self._method = guard, method
         self._start, self._end = float(times[step]), float(times[step + 1])
         self._first, self._last = states[step], states[step + 1]
-        self._leaving = leaving and step == 0
+        self._begins = begins  # the sign with which it leaves zero at the start; 0 if it is not zero there
 
     def _trial(self, t: float) -> _Trial:
         if t == self._start:
@@ -178,8 +182,8 @@ class _Locator:
         else:
             state = along(self._field, self._c, np.array([self._start, t]), self._first, self._method)[-1]
         value, rate, noise = (float(v) for v in self._guard(t, state, self._p))
-        if t == self._start and self._leaving:
-            value = 0.0
+        if t == self._start and self._begins:
+            value, rate = 0.0, float(self._begins)
         return _Trial(t, state, value, rate, noise)
 
     def found(self, at: np.ndarray) -> list[tuple[_Trial, bool]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from contwalk.fields.derivative import directional, jacobian
 from contwalk.fields.expression import Graph
+from contwalk.fields.kernel import Kernel
 from contwalk.fields.llvm import Code, code_of
 from contwalk.fields.machine_code import function, module
 from contwalk.fields.rounding import error_bounds
@@ -19,6 +20,7 @@ from contwalk.system import System
 
 EPSILON = float(np.finfo(float).eps)
 OUTPUTS = 3
+_NOISE = "noise"
 _DIRECTIONS = {"rising": 1, "falling": -1, "both": 0}
 
 
@@ -34,7 +36,7 @@ class Guard:
     direction : str
         `rising`, `falling` or `both`: which crossings of zero count.
     mode : str, optional
-        Whose field moves the state; the first mode by default.
+        Whose field moves the state; the first mode by default. Its states are those that exist in it.
 
     Raises
     ------
@@ -51,26 +53,29 @@ class Guard:
         mode: str | None = None,
     ) -> None:
         self.name, self.direction = name, _DIRECTIONS[direction]
-        self.n, self.m = len(system.states), len(system.parameters)
-        program = scalar_program(system, watched, mode)
-        self._program = program.transformed(lambda outputs: self._measured(program.graph, outputs))
+        self._states = system.states_of(mode or system.modes[0].name)
+        self.n, self.m = len(self._states), len(system.parameters)
+        self._traced = scalar_program(system, watched, mode)
+        graph = self._traced.graph
+        self._program = self._traced.transformed(lambda outputs: self._measured(graph, outputs))
+
+    def _inputs(self, graph: Graph) -> list[int]:
+        return [graph.input(STATE, i) for i in self._states]
+
+    def _moving(self, graph: Graph, rates: Sequence[int]) -> dict[int, int]:
+        """How fast each input changes along the flow."""
+        return {graph.input(TIME, 0): graph.one, **dict(zip(self._inputs(graph), rates, strict=True))}
 
     def _measured(self, graph: Graph, outputs: tuple[int, ...]) -> list[int]:
         """From h and dx/dt to h, dh/dt, and how far rounding of the state and of h itself can carry h."""
         value, *rates = outputs
-        states = [graph.input(STATE, i) for i in range(self.n)]
-        moving = {graph.input(TIME, 0): graph.one, **dict(zip(states, rates, strict=True))}
-        (rate,) = directional(graph, [value], moving)
-        (bound,) = error_bounds(graph, [value])
-        for i, partial in jacobian(graph, [value], states)[0].items():
-            term = graph.call("abs", graph.mul(partial, states[i]))
-            bound = graph.add(bound, term)
-        return [value, rate, bound]
+        (rate,) = directional(graph, [value], self._moving(graph, rates))
+        return [value, rate, _uncertainty(graph, value, self._inputs(graph))]
 
     @cached_property
     def _code(self) -> Code:
         graph = self._program.graph
-        inputs = {graph.input(STATE, i): ("x", i) for i in range(self.n)}
+        inputs = {node: ("x", place) for place, node in enumerate(self._inputs(graph))}
         inputs |= {graph.input(PARAMETER, k): ("c", k) for k in range(self.m)}
         inputs[graph.input(TIME, 0)] = ("t", 0)
         return code_of(module([function("guard", self._program, ("x", "c"), inputs, time=True)]), ("guard",))
@@ -102,3 +107,50 @@ class Guard:
             self._call(t, state + k * width, p.ctypes.data, result + k * size)
         out[:, 2] *= EPSILON
         return out
+
+    # -- how it leaves zero ------------------------------------------------------------------------------
+
+    @cached_property
+    def _departing(self) -> Kernel:
+        graph = self._traced.graph
+        inputs = [graph.input(TIME, 0), *self._inputs(graph)]
+        noises = [graph.input(_NOISE, place) for place in range(len(inputs))]
+
+        def change(outputs: tuple[int, ...]) -> list[int]:
+            value, *rates = outputs
+            moving = self._moving(graph, rates)
+            (rate,) = directional(graph, [value], moving)
+            (bend,) = directional(graph, [rate], moving)
+            nodes = [value, rate, bend]
+            own = error_bounds(graph, nodes)
+            inherited = [_inherited(graph, row, noises) for row in jacobian(graph, nodes, inputs)]
+            return [node for triple in zip(nodes, own, inherited, strict=True) for node in triple]
+
+        return Kernel(self._traced.transformed(change), (TIME, STATE, PARAMETER, _NOISE), (3, 3))
+
+    def departure(self, t: float, x: np.ndarray, p: np.ndarray, noise: np.ndarray) -> np.ndarray:
+        """h, dh/dt and its second derivative along the flow, each with its uncertainty; (3, 2).
+
+        They tell which way the guard leaves zero. `noise`, shape (n,), are the uncertainties of the states.
+        """
+        full = np.zeros(max(self._states, default=-1) + 1)
+        full[list(self._states)] = x
+        known = [EPSILON * abs(t), *noise.tolist()]
+        found = self._departing([float(t)], full.tolist(), p.tolist(), known)
+        return np.stack([found[:, 0], EPSILON * found[:, 1] + found[:, 2]], axis=1)
+
+
+def _inherited(graph: Graph, slopes: Mapping[int, int], noises: Sequence[int]) -> int:
+    """What uncertainties of its inputs make of a number."""
+    total = graph.zero
+    for i, partial in slopes.items():
+        total = graph.add(total, graph.mul(graph.call("abs", partial), noises[i]))
+    return total
+
+
+def _uncertainty(graph: Graph, node: int, inputs: Sequence[int]) -> int:
+    """How far rounding of itself and of its inputs carries a number, in units of the machine epsilon."""
+    (bound,) = error_bounds(graph, [node])
+    for i, partial in jacobian(graph, [node], inputs)[0].items():
+        bound = graph.add(bound, graph.call("abs", graph.mul(partial, inputs[i])))
+    return bound

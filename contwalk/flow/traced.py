@@ -27,7 +27,7 @@ def field_program(system: System, mode: str | None = None) -> Program:
     """dx/dt of a mode, an output for each state that exists in it."""
     chosen = next(m for m in system.modes if mode in (None, m.name))
     copy = rebound(chosen.field)
-    return trace(lambda tracer: _rates(tracer, system, copy, chosen.name))
+    return trace(lambda tracer: rates(tracer, system, copy, chosen.name))
 
 
 def scalar_program(
@@ -39,7 +39,7 @@ def scalar_program(
 
     def both(tracer: Tracer) -> list[Any]:
         value = copies[0](*arguments(tracer, system, chosen.name))
-        return [value, *_rates(tracer, system, copies[1], chosen.name)]
+        return [value, *rates(tracer, system, copies[1], chosen.name)]
 
     return trace(both)
 
@@ -53,7 +53,8 @@ def arguments(tracer: Tracer, system: System, mode: str) -> tuple[Any, np.ndarra
     return tracer.symbol(TIME, 0), x, ParameterValues(**p)
 
 
-def _rates(tracer: Tracer, system: System, field: Callable[..., Any], name: str) -> list[Any]:
+def rates(tracer: Tracer, system: System, field: Callable[..., Any], name: str) -> list[Any]:
+    """What a field (made ready for symbols) writes for the states that exist in the mode."""
     dx = np.full(len(system.states), None, dtype=object)
     field(*arguments(tracer, system, name), dx)
     for i in system.states_of(name):

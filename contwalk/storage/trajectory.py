@@ -32,6 +32,7 @@ class Trajectory:
     parameters : mapping
         Values of all parameters.
     times, values : ndarray, shapes (k,) and (k, n)
+        At a transition its instant twice, with the states on both sides.
     event_names : tuple of str
         Of the events in the order of time; `event_times` (e,), `event_rising` (e,), the states
         `event_before` and `event_after` (e, n), and `event_modes`, the modes after them, belong to them.
@@ -39,6 +40,9 @@ class Trajectory:
         `ok` or why it ended early.
     header : mapping
         The run file's text as `config`, and `provenance`.
+    modes : ndarray of int, shape (k,)
+        Which mode the motion is in, as a position in `mode_names`.
+    mode_names : tuple of str
     """
 
     system: str
@@ -52,6 +56,8 @@ class Trajectory:
     event_before: np.ndarray
     event_after: np.ndarray
     event_modes: tuple[str, ...]
+    modes: np.ndarray
+    mode_names: tuple[str, ...]
     status: str = "ok"
     header: Mapping[str, Any] = field(default_factory=dict)
 
@@ -92,6 +98,8 @@ def write_trajectory(path: Path, trajectory: Trajectory) -> Path:
         file["times"] = trajectory.times
         file["values"] = trajectory.values
         file["values"].attrs["states"] = list(trajectory.states)
+        file["modes"] = trajectory.modes
+        file["modes"].attrs["names"] = list(trajectory.mode_names)
         events = file.create_group("events")
         events["name"] = np.array(trajectory.event_names, dtype=h5py.string_dtype())
         events["mode"] = np.array(trajectory.event_modes, dtype=h5py.string_dtype())
@@ -120,6 +128,8 @@ def read_trajectory(path: str | Path) -> Trajectory:
             parameters=json.loads(file.attrs["parameters"]),
             times=file["times"][()],
             values=file["values"][()],
+            modes=file["modes"][()],
+            mode_names=tuple(str(name) for name in file["modes"].attrs["names"]),
             event_names=tuple(events["name"].asstr()[()]),
             event_modes=tuple(events["mode"].asstr()[()]),
             **{f"event_{name}": events[name][()] for name in ("times", "rising", "before", "after")},

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+from contwalk.errors import ContwalkError
+from contwalk.fields.derivative import jacobian
 from contwalk.system import System, Transition
 from contwalk.workflow.check_findings import Report, place_of
 from contwalk.workflow.check_functions import EPSILON, check_guard, check_map
 from contwalk.workflow.check_samples import Samples
-from contwalk.workflow.check_traced import Traced, vector_form
+from contwalk.workflow.check_traced import Traced, number_form, vector_form
 
 TRIES = 40
 ITERATIONS = 30
@@ -19,28 +22,81 @@ FACTOR = 1e3
 _SEED = 21
 
 
+@dataclass(frozen=True, eq=False)
+class Jump:
+    """What a transition makes of a state: reset, then relabelling; None where there is none."""
+
+    transition: Transition
+    reset: Traced | None
+    relabel: Traced | None
+    target: np.ndarray
+
+    def values(self, t: float, x: np.ndarray, parameters: Sequence[float]) -> np.ndarray:
+        """The state after it; NaN where there is none."""
+        for part in (self.reset, self.relabel):
+            x = x if part is None else part.values(t, x, parameters)
+        return np.where(self.target, x, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Happening:
+    """A transition that can be used: its guard, its jump, and times and states (full length) right before it."""
+
+    transition: Transition
+    guard: Traced
+    jump: Jump
+    before: list[tuple[float, np.ndarray]]
+
+
 def check_transition(
     report: Report, transition: Transition, system: System, fields: Mapping[str, Traced], samples: Samples
-) -> None:
-    """Check the guard and the reset of a transition, and both together."""
-    name = transition.name
-    guard = check_guard(report, f"guard of transition '{name}'", transition.guard, system, samples)
+) -> Happening | None:
+    """Check the guard and the reset of a transition, and both together; None where they cannot be used."""
+    guard = check_guard(report, f"guard of transition '{transition.name}'", transition, system, samples)
+    jump = _check_jump(report, transition, system, samples)
+    if guard is None or jump is None or not {transition.source, transition.target} <= set(fields):
+        return None
+    before = _states_at_event(transition, guard, fields[transition.source], samples)
+    if transition.role != "watched" and transition.reset is not None:
+        _check_leaving(report, transition, jump, before, fields[transition.target], samples, system)
+    return Happening(transition, guard, jump, before)
+
+
+def _check_jump(report: Report, transition: Transition, system: System, samples: Samples) -> Jump | None:
+    """Check the reset, if there is one; what is wrong with the relabelling is found with the symmetry."""
+    into = system.states_of(transition.target)
+    target = np.isin(np.arange(len(system.states)), into)
+    relabel = None
+    if transition.relabel is not None:
+        own = next(s for s in system.symmetries if s.name == transition.relabel)
+        try:
+            relabel = Traced(own.map, system, vector_form(system, "map", "x_image"))
+        except ContwalkError:
+            return None
     if transition.reset is None:
-        return
-    what = f"reset of transition '{name}'"
-    form = vector_form(system, "reset", "x_plus")
-    reset = check_map(report, what, transition.reset, system, samples, form)
-    if guard is None or reset is None or not {transition.source, transition.target} <= set(fields):
-        return
-    _check_leaving(report, transition, guard, reset, fields, samples, system)
+        return Jump(transition, None, relabel, target)
+    needed = set(into) if relabel is None else _read(relabel, into)
+    all_needed = len(needed) == len(system.states)
+    form = vector_form(system, "reset", "x_plus", None if all_needed else needed)
+    what, source = f"reset of transition '{transition.name}'", transition.source
+    reset = check_map(report, what, transition.reset, system, samples, form, source)
+    return None if reset is None else Jump(transition, reset, relabel, target)
+
+
+def _read(relabel: Traced, into: Sequence[int]) -> set[int]:
+    """The states that a map takes the states `into` from."""
+    graph = relabel.program.graph
+    inputs = [graph.input("x", i) for i in relabel.existing]
+    rows = [jacobian(graph, [leaf.nodes[i] for i in into], inputs) for leaf in relabel.outputs()]
+    return {k for leaf in rows for row in leaf for k in row}
 
 
 def _check_leaving(
     report: Report,
     transition: Transition,
-    guard: Traced,
-    reset: Traced,
-    fields: Mapping[str, Traced],
+    jump: Jump,
+    events: list[tuple[float, np.ndarray]],
+    field: Traced,
     samples: Samples,
     system: System,
 ) -> None:
@@ -49,10 +105,8 @@ def _check_leaving(
     if not any(t.source == transition.target and t.guard is transition.guard for t in system.transitions):
         report.ok(what, "leads to a mode in which its guard is not armed.", place)
         return
-    events = _states_at_event(transition, guard, fields[transition.source], samples)
-    after = [
-        _departure(transition, guard, reset, fields[transition.target], t, x, samples) for t, x in events
-    ]
+    guard = Traced(transition.guard, system, number_form("guard(t, x, p)"), mode=transition.target)
+    after = [_departure(transition, guard, jump, field, t, x, samples) for t, x in events]
     known = [departure for departure in after if np.isfinite(departure)]
     leaving = sum(departure > 0.0 for departure in known)
     if not known:
@@ -83,7 +137,7 @@ def _states_at_event(
         row = k % len(samples.states)
         t = float(samples.times[row])
         x = samples.states[row] + samples.scales * random.standard_normal(len(samples.scales))
-        at = _onto(guard, t, x, samples)
+        at = _onto(guard, t, guard.given(x), samples)
         if at is None:
             continue
         rate = _rate(guard, field, t, at, samples)
@@ -111,14 +165,14 @@ def _onto(guard: Traced, t: float, x: np.ndarray, samples: Samples) -> np.ndarra
 def _departure(
     transition: Transition,
     guard: Traced,
-    reset: Traced,
+    jump: Jump,
     field: Traced,
     t: float,
     x: np.ndarray,
     samples: Samples,
 ) -> float:
     """Positive where the guard is left behind after the reset; NaN where that has no value."""
-    after = reset.values(t, x, samples.values)
+    after = jump.values(t, x, samples.values)
     value = guard.values(t, after, samples.values)[0]
     if not np.isfinite(value):
         return np.nan

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.system import System
+from contwalk.system import Mode, System, Transition
 from contwalk.workflow.check_findings import Report, place_of
 from contwalk.workflow.check_samples import Samples, where_not_finite
 from contwalk.workflow.check_traced import Form, Traced, number_form, traced, vector_form
@@ -19,11 +19,11 @@ SAME = 16.0
 STEP = EPSILON ** (1.0 / 3.0)
 
 
-def check_field(
-    report: Report, what: str, function: Callable[..., Any], system: System, samples: Samples
-) -> Traced | None:
+def check_field(report: Report, what: str, mode: Mode, system: System, samples: Samples) -> Traced | None:
     """Check a mode's field; None where it cannot be used."""
-    found = traced(report, what, function, system, vector_form(system, "field", "dx"))
+    function, existing = mode.field, _existing(system, mode.name)
+    form = vector_form(system, "field", "dx", existing)
+    found = traced(report, what, function, system, form, mode=mode.name)
     if found is None or not check_values(report, what, found, samples):
         return None
     check_derivatives(report, what, found, samples)
@@ -34,17 +34,28 @@ def check_field(
             "period=lambda p: 2 * math.pi / p.omega.",
             place_of(function),
         )
-    report.ok(
-        what, f"writes all {len(system.states)} components and can be differentiated.", place_of(function)
-    )
+    report.ok(what, f"writes {_count(form, system)} and can be differentiated.", place_of(function))
     return found
 
 
+def _existing(system: System, mode: str) -> tuple[int, ...] | None:
+    """The states that exist in a mode; None where all do."""
+    return None if system.mode(mode).states is None else system.states_of(mode)
+
+
+def _count(form: Form, system: System) -> str:
+    """How many components are written, in words."""
+    if form.needed is None:
+        return f"all {len(system.states)} components"
+    return f"the {len(form.needed)} components that exist there"
+
+
 def check_guard(
-    report: Report, what: str, function: Callable[..., Any], system: System, samples: Samples
+    report: Report, what: str, transition: Transition, system: System, samples: Samples
 ) -> Traced | None:
     """Check a transition's guard; None where it cannot be used."""
-    found = traced(report, what, function, system, number_form("guard(t, x, p)"))
+    function, form = transition.guard, number_form("guard(t, x, p)")
+    found = traced(report, what, function, system, form, mode=transition.source)
     if found is None or not check_values(report, what, found, samples):
         return None
     check_derivatives(report, what, found, samples)
@@ -58,14 +69,20 @@ def check_guard(
 
 
 def check_map(
-    report: Report, what: str, function: Callable[..., Any], system: System, samples: Samples, form: Form
+    report: Report,
+    what: str,
+    function: Callable[..., Any],
+    system: System,
+    samples: Samples,
+    form: Form,
+    mode: str | None = None,
 ) -> Traced | None:
     """Check a reset, a symmetry's map or a neutral generator; None where it cannot be used."""
-    found = traced(report, what, function, system, form)
+    found = traced(report, what, function, system, form, mode=mode)
     if found is None or not check_values(report, what, found, samples):
         return None
     check_derivatives(report, what, found, samples)
-    report.ok(what, f"writes all {len(system.states)} components.", place_of(function))
+    report.ok(what, f"writes {_count(form, system)}.", place_of(function))
     return found
 
 

@@ -27,11 +27,16 @@ def check_symmetry(
 ) -> None:
     """Check f(S x) = dS/dt + DS f(x), with the exact DS, at sampled states.
 
-    A symmetry may take one mode to another, and with a forced system it may hold half a period later.
+    A symmetry may take one mode to another, and with a forced system it may hold half a period later. Of one
+    by which a transition relabels, the field knows nothing: it is written for the names as they are. There
+    S S x = x is checked.
     """
     what, place = f"symmetry '{symmetry.name}'", place_of(symmetry.map)
     image = check_map(report, what, symmetry.map, system, samples, vector_form(system, "map", "x_image"))
     if image is None or len(fields) < len(system.modes):
+        return
+    if any(transition.relabel == symmetry.name for transition in system.transitions):
+        _check_names_return(report, what, image, samples)
         return
     shifts = [0.0] if period is None else [0.0, 0.5 * period]
     compared = 0
@@ -52,6 +57,27 @@ def check_symmetry(
         report.ok(what, f"f(S x) = DS f(x) holds at {compared} states.", place)
     else:
         report.ok(what, "not checked whether it holds: no state and its image are both finite.", place)
+
+
+def _check_names_return(report: Report, what: str, image: Traced, samples: Samples) -> None:
+    """Names that are swapped twice are the old ones."""
+    place = place_of(image.function)
+    for t, x in zip(samples.times, samples.states, strict=True):
+        once = image.values(t, x, samples.values)
+        twice = image.values(t, once, samples.values)
+        inherited = np.abs(image.slopes(t, once, samples.values)[:, 1:]) @ np.abs(once)
+        bound = FACTOR * EPSILON * (image.roundings(t, once, samples.values) + inherited + np.abs(x))
+        wrong = np.abs(twice - x) > bound
+        if wrong.any():
+            i = int(np.argmax(wrong))
+            report.error(
+                what,
+                f"Applied twice it does not give the state back: {image.form.names[i]} is {x[i]:.6g} before "
+                f"and {twice[i]:.6g} after. A relabelling swaps names; correct the map.",
+                place,
+            )
+            return
+    report.ok(what, "applied twice it gives the state back: it swaps names.", place)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ is declared about it (symmetries, the period, equilibria) is compared with what 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,8 @@ from contwalk.errors import ContwalkError
 from contwalk.system import Family, System, list_systems
 from contwalk.system.loading import is_path, load_declaration
 from contwalk.workflow import check_declarations as declarations
-from contwalk.workflow.check_events import check_transition
+from contwalk.workflow.check_at_events import check_at_event
+from contwalk.workflow.check_events import Happening, check_transition
 from contwalk.workflow.check_findings import Finding, Report, place_of, place_of_error, split_place
 from contwalk.workflow.check_functions import check_field, check_map
 from contwalk.workflow.check_samples import samples_of
@@ -84,26 +85,41 @@ def check_system(system: System, sources: Sequence[Path] = (), model: str = "") 
     fields = {}
     for mode in system.modes:
         what = f"field of mode '{mode.name}'"
-        field = check_field(report, what, mode.field, system, samples)
+        field = check_field(report, what, mode, system, samples)
         if field is not None:
             fields[mode.name] = field
             if period is not None:
                 declarations.check_repeats(report, what, field, samples, period)
+    happenings = {}
     for transition in system.transitions:
-        check_transition(report, transition, system, fields, samples)
+        happening = check_transition(report, transition, system, fields, samples)
+        if happening is not None:
+            happenings[transition.name] = happening
+    seen = None
+    if system.acting and len(happenings) == len(system.transitions):
+        seen = _seen(report, system, happenings, samples)
     for symmetry in system.symmetries:
         check_symmetry(report, symmetry, system, fields, samples, period)
     for neutral in system.neutral:
         what, form = f"neutral direction '{neutral.name}'", vector_form(system, "generator", "v")
         check_map(report, what, neutral.generator, system, samples, form)
     for observable in system.observables:
-        declarations.check_observable(report, observable, system, samples)
+        if observable.at is None:
+            declarations.check_observable(report, observable, system, samples)
+    for entry in (*system.conditions, *(o for o in system.observables if o.at is not None)):
+        check_at_event(report, entry, system, happenings, seen, samples)
     for start in system.starts:
         declarations.check_start(report, start, system, fields.get(system.modes[0].name), samples)
     declarations.check_presets(report, system)
     written = declarations.Written([*sources, *_function_files(system)])
     declarations.check_words(report, system, written)
     return report.findings
+
+
+def _seen(report: Report, system: System, happenings: Mapping[str, Happening], samples: Samples) -> Any:
+    from contwalk.workflow.check_motion import check_motions  # compiled flows
+
+    return check_motions(report, system, happenings, samples)
 
 
 def _models(family: Family) -> Iterator[dict[str, Any]]:
@@ -149,5 +165,6 @@ def _function_files(system: System) -> list[Path]:
     functions: list[Any] = [mode.field for mode in system.modes]
     functions += [transition.guard for transition in system.transitions]
     functions += [observable.function for observable in system.observables]
+    functions += [condition.function for condition in system.conditions]
     functions += [start.states for start in system.starts]
     return [Path(file) for file, _ in map(place_of, functions) if file is not None]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -25,23 +25,31 @@ _RELATIONS = ("lt", "le", "eq")
 
 @dataclass(frozen=True)
 class Form:
-    """What a function is expected to give: a number, or every entry of the argument called `argument`.
+    """What a function is expected to give: a number, or entries of the argument called `argument`.
 
-    `names` are the names of the entries.
+    `names` are the names of the entries. `needed` are those that must be written, all by default; the others
+    belong to states that do not exist and count as zero, whatever is written there.
     """
 
     signature: str
     names: Sequence[str]
     argument: str = ""
+    needed: frozenset[int] | None = None
+
+    @property
+    def wanted(self) -> np.ndarray:
+        """Which entries must be written, as a mask."""
+        return np.array([self.needed is None or i in self.needed for i in range(len(self.names))])
 
     def entry(self, index: int) -> str:
         """An entry in words: `dx[1] (state Y)`."""
         return f"{self.argument}[{index}] (state {self.names[index]})"
 
 
-def vector_form(system: System, name: str, argument: str) -> Form:
+def vector_form(system: System, name: str, argument: str, needed: Collection[int] | None = None) -> Form:
     """The form of `field`, `reset`, `map` and `generator`."""
-    return Form(f"{name}(t, x, p, {argument})", system.state_names, argument)
+    entries = None if needed is None else frozenset(needed)
+    return Form(f"{name}(t, x, p, {argument})", system.state_names, argument, entries)
 
 
 def number_form(signature: str) -> Form:
@@ -60,22 +68,34 @@ class Traced:
     form : Form
     instants : int
         For an observable, the number of instants of the motion it is given; 0 for all other functions.
+    mode : str, optional
+        States that do not exist in it are zero; without it all exist.
     """
 
-    def __init__(self, function: Callable[..., Any], system: System, form: Form, instants: int = 0) -> None:
+    def __init__(
+        self,
+        function: Callable[..., Any],
+        system: System,
+        form: Form,
+        instants: int = 0,
+        mode: str | None = None,
+    ) -> None:
         self.function = function
         self.system = system
         self.form = form
         self.instants = instants
+        self.existing = range(len(system.states)) if mode is None else system.states_of(mode)
         self.unwritten: set[int] = set()
         self._copy = rebound(function)
         self.program: Program = trace(self._record)
 
     def _record(self, tracer: Tracer) -> list[Any]:
-        symbols = [tracer.symbol("x", i) for i in range(len(self.system.states))]
-        x = np.array(symbols, dtype=object)
+        x = np.full(len(self.system.states), 0.0, dtype=object)
+        for i in self.existing:
+            x[i] = tracer.symbol("x", i)
         p = {name: tracer.symbol("p", k) for k, name in enumerate(self.system.parameter_names)}
         out = self._call(self._copy, tracer.symbol("t", 0), x, ParameterValues(**p), None, object)
+        out[~self.form.wanted] = 0.0
         self.unwritten |= {i for i, entry in enumerate(out) if entry is None}
         return [0.0 if entry is None else entry for entry in out]
 
@@ -91,13 +111,21 @@ class Traced:
             out[0] = function(t, x, p)
         return out
 
+    def given(self, x: np.ndarray) -> np.ndarray:
+        """A state as the function gets it: zero for what does not exist."""
+        state = np.zeros(len(x))
+        state[list(self.existing)] = x[list(self.existing)]
+        return state
+
     def plainly(self, t: float, x: np.ndarray, parameters: dict[str, float]) -> np.ndarray:
         """The function's own values, called with numbers; NaN where it raises."""
+        p = ParameterValues(**parameters)
         with np.errstate(all="ignore"):
             try:
-                return self._call(self.function, t, x.copy(), ParameterValues(**parameters), np.nan, float)
+                out = self._call(self.function, t, self.given(x), p, np.nan, float)
             except (ArithmeticError, ValueError):
                 return np.full(len(self.form.names), np.nan)
+        return np.where(self.form.wanted, out, 0.0)
 
     def raises(self) -> list[str]:
         """What the function raises, on those of its paths that end so."""
@@ -163,12 +191,18 @@ def _evaluated(kernel: Kernel, t: float, x: np.ndarray, parameters: Sequence[flo
 
 
 def traced(
-    report: Report, what: str, function: Callable[..., Any], system: System, form: Form, instants: int = 0
+    report: Report,
+    what: str,
+    function: Callable[..., Any],
+    system: System,
+    form: Form,
+    instants: int = 0,
+    mode: str | None = None,
 ) -> Traced | None:
     """The traced function; a finding for all that is wrong with it, and None if it cannot be used."""
     place = place_of(function)
     try:
-        found = Traced(function, system, form, instants)
+        found = Traced(function, system, form, instants, mode)
     except ContwalkError as error:
         where, sentence = split_place(error.sentence, place)
         report.error(what, f"{sentence} {error.remedy}", where)
@@ -186,7 +220,8 @@ def traced(
     for index in sorted(found.unwritten):
         usable = False
         if form.argument:
-            report.error(what, f"It does not write {form.entry(index)}. Every entry must be written.", place)
+            every = "Every entry must be written." if form.needed is None else "That state exists there."
+            report.error(what, f"It does not write {form.entry(index)}. {every}", place)
         else:
             report.error(what, f"It returns nothing. {form.signature} must return a number.", place)
     if usable and found.is_condition():

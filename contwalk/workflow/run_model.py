@@ -39,10 +39,14 @@ from contwalk.workflow.run_values import (
     wrong,
 )
 
+MODE, AT = "the name of a mode of the system", "the transition that the state comes right before"
+
 
 class Simulate(Section):
     state: Values = Field(description="{state: value, ...} with every state")
     until: Until = Field(default="settled", description="settled, or a positive number of seconds")
+    mode: str | None = Field(default=None, description=MODE)
+    at: str | None = Field(default=None, description=AT)
 
 
 class Start(Section):
@@ -50,6 +54,8 @@ class Start(Section):
         default=None, description="the name of an equilibrium, a list of names, or all"
     )
     state: Values | None = Field(default=None, description="{state: value, ...} with every state")
+    mode: str | None = Field(default=None, description=MODE)
+    at: str | None = Field(default=None, description=AT)
     simulate: Simulate | None = Field(default=None, description="{state: {...}, until: settled}")
     from_: FileName | None = Field(default=None, alias="from", description="the path of a database, other.h5")
     point: str | None = Field(default=None, description="a stored point, as b1/HB1 or b1/12")
@@ -65,6 +71,12 @@ class Start(Section):
         if (self.point is None) != (self.from_ is None):
             lacks, has = ("point", "from") if self.point is None else ("from", "point")
             raise wrong(f"has {has} but no {lacks}.", "Give both, as in {from: other.h5, point: b1/HB1}.")
+        for key in ("mode", "at"):
+            if self.state is None and getattr(self, key) is not None:
+                inside = "simulate" if self.simulate is not None else "state"
+                example = f"{{state: {{...}}, {key}: NAME}}"
+                example = f"{{simulate: {example}}}" if inside == "simulate" else example
+                raise wrong(f"has {key} without a state of its own.", f"It belongs to one, as in {example}.")
         if self.equilibrium == ():
             raise wrong("lists no equilibrium.", "Name one, or write equilibrium: all.")
         return self

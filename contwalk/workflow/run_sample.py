@@ -16,7 +16,7 @@ from contwalk.workflow.run_parameters import check_bounds, given_values
 from contwalk.workflow.run_problems import Problems, allowed
 from contwalk.workflow.run_products import Product
 from contwalk.workflow.run_settings import FigureSpec
-from contwalk.workflow.run_simulate import only_start, smooth_only
+from contwalk.workflow.run_simulate import only_start
 from contwalk.workflow.run_starts import StartSpec
 from contwalk.workflow.run_text import text_of_file
 from contwalk.workflow.run_values import SAMPLE_FIGURES
@@ -73,7 +73,7 @@ def read_sampling(path: str | Path, overrides: Sequence[str] = (), output: str |
         )
     given = given_values(problems, system, model)
     start = only_start(problems, system, model, Path(path).parent, system.defaults() | given, given)
-    smooth_only(problems, system)
+    _smooth_only(problems, system)
     _check(problems, system, model.sample, start)
     figures = settings.figures(problems, system, model, SAMPLE_FIGURES)
     problems.raise_any()
@@ -182,3 +182,15 @@ def _value(
         problems.add(key, f"'{product.text}' is not finite at these parameters.", "Give a finite number.")
         return None
     return value
+
+
+def _smooth_only(problems: Problems, system: System) -> None:
+    """Note a problem for machines whose motion is not smooth."""
+    acting = [transition.name for transition in system.acting]
+    if len(system.modes) > 1 or acting:
+        problems.add(
+            ("system",),
+            f"'{system.name}' changes its motion at {', '.join(acting) or 'its transitions'}; many motions "
+            "are computed of smooth machines only.",
+            "Allowed: systems of one mode whose transitions are watched. contwalk simulate takes any.",
+        )

@@ -56,6 +56,11 @@ class SimulationFile:
     output: Path
     figures: tuple[FigureSpec, ...]
 
+    @property
+    def smooth(self) -> bool:
+        """Whether there is one mode, and nothing acts on it but its field."""
+        return len(self.system.modes) == 1 and not self.system.acting
+
     def file(self, what: str) -> Path:
         """The file of this ending, as `trajectory.h5`."""
         return self.output.with_name(f"{self.output.stem}_{what}")
@@ -75,7 +80,6 @@ def read_simulation(
     problems, model, system = opened(text, path, overrides)
     given = given_values(problems, system, model)
     start = only_start(problems, system, model, Path(path).parent, system.defaults() | given, given)
-    smooth_only(problems, system)
     simulation = model.simulate or Simulation()
     perturbation = _perturbation(problems, system, simulation.perturb)
     figures = motion_figures(problems, system, model)
@@ -123,18 +127,6 @@ def only_start(
             "Give one of them.",
         )
     return starts[0] if starts else None
-
-
-def smooth_only(problems: Problems, system: System) -> None:
-    """Note a problem for machines whose motion is not smooth."""
-    acting = [transition.name for transition in system.transitions if transition.role != "watched"]
-    if len(system.modes) > 1 or acting:
-        problems.add(
-            ("system",),
-            f"'{system.name}' changes its motion at {', '.join(acting) or 'its transitions'}, "
-            "which this version does not integrate.",
-            "Allowed: systems of one mode whose transitions are watched.",
-        )
 
 
 def motion_figures(problems: Problems, system: System, model: RunModel) -> tuple[FigureSpec, ...]:

@@ -42,6 +42,10 @@ class StartSpec:
         For `state`, and where `simulate` sets out.
     until : float or "settled", optional
         How long to simulate, in seconds.
+    mode : str, optional
+        The mode that `state` is of; the first one where the run file names none.
+    at : str, optional
+        The transition that `state` comes right before: it happens first.
     file, point : Path and str, optional
         The database and its point, `b1/HB1` or `b1/12`.
     line : int, optional
@@ -55,6 +59,8 @@ class StartSpec:
     optional: bool = False
     state: np.ndarray | None = None
     until: float | str | None = None
+    mode: str | None = None
+    at: str | None = None
     file: Path | None = None
     point: str | None = None
     line: int | None = None
@@ -99,12 +105,19 @@ class StartReader:
                 for name, optional in self._equilibria((*key, "equilibrium"), start.equilibrium)
             ]
         if start.state is not None:
-            state = self._state((*key, "state"), start.state)
-            return [StartSpec("state", parameters, given, state=state, line=line)]
+            mode = self._mode(key, start.mode, start.at)
+            state = self._state((*key, "state"), start.state, mode)
+            return [StartSpec("state", parameters, given, state=state, mode=mode, at=start.at, line=line)]
         if start.simulate is not None:
-            state = self._state((*key, "simulate", "state"), start.simulate.state)
-            until = start.simulate.until
-            return [StartSpec("simulate", parameters, given, state=state, until=until, line=line)]
+            inner, key = start.simulate, (*key, "simulate")
+            mode = self._mode(key, inner.mode, inner.at)
+            state = self._state((*key, "state"), inner.state, mode)
+            until, at = inner.until, inner.at
+            return [
+                StartSpec(
+                    "simulate", parameters, given, state=state, until=until, mode=mode, at=at, line=line
+                )
+            ]
         file, point = self.base / str(start.from_), str(start.point)
         if not _POINT.fullmatch(point):
             self.problems.add(
@@ -132,19 +145,50 @@ class StartReader:
                 self.problems.add((*key, index), f"'{name}' is listed twice.", "Keep one of them.")
         return [(name, False) for name in names]
 
-    def _state(self, key: Key, values: Mapping[str, float]) -> np.ndarray:
-        """The state as an array in the system's order; NaN where a problem has been noted."""
-        names = self.system.state_names
+    def _mode(self, key: Key, mode: str | None, at: str | None) -> str:
+        """The mode that a state is of: the one named, else that of the transition, else the first."""
+        system = self.system
+        modes, acting = [m.name for m in system.modes], [t.name for t in system.acting]
+        if mode is not None and mode not in modes:
+            self.problems.add(
+                (*key, "mode"), f"'{mode}' is no mode of '{system.name}'.", allowed(modes, mode)
+            )
+            return modes[0]
+        if at is not None and at not in acting:
+            watched = at in [transition.name for transition in system.transitions]
+            sentence = f"'{at}' is watched and changes nothing." if watched else f"'{at}' is no transition."
+            self.problems.add((*key, "at"), sentence, allowed(acting, at))
+            return mode or modes[0]
+        source = next((t.source for t in system.acting if t.name == at), None)
+        if mode is not None and source not in (None, mode):
+            self.problems.add(
+                (*key, "mode"), f"is {mode}, but '{at}' leads out of mode {source}.", "Leave it out."
+            )
+        return mode or source or modes[0]
+
+    def _state(self, key: Key, values: Mapping[str, float], mode: str) -> np.ndarray:
+        """The state as an array in the system's order; NaN where a problem has been noted.
+
+        States that do not exist in the mode may be left out, and are 0.
+        """
+        system, names = self.system, self.system.state_names
+        existing = [names[i] for i in system.states_of(mode)]
         for name in values:
             if name not in names:
                 self.problems.add(
-                    (*key, name), f"'{name}' is not a state of '{self.system.name}'.", allowed(names, name)
+                    (*key, name), f"'{name}' is not a state of '{system.name}'.", allowed(names, name)
                 )
-        missing = [name for name in names if name not in values]
+            elif name not in existing and values[name] != 0.0:
+                self.problems.add(
+                    (*key, name),
+                    f"'{name}' does not exist in mode '{mode}'.",
+                    "Leave it out, or name its mode.",
+                )
+        missing = [name for name in existing if name not in values]
         if missing:
             self.problems.add(
                 key,
                 f"gives no value for {', '.join(missing)}.",
-                f"Every state is needed: {', '.join(names)}.",
+                f"Every state is needed: {', '.join(existing)}.",
             )
-        return np.array([values.get(name, np.nan) for name in names])
+        return np.array([values.get(name, np.nan if name in existing else 0.0) for name in names])

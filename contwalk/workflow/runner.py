@@ -117,6 +117,11 @@ def traced(run_file: RunFile) -> None:
 def _equations_text(run_file: RunFile) -> str:
     """The traced equations as text."""
     given = run_file.system, run_file.parameters, run_file.free, run_file.parameter_path
+    if run_file.system.acting:
+        from contwalk.problems.hybrid.text import equations_text
+
+        free = None if run_file.parameter_path is not None else run_file.free
+        return equations_text(run_file.system, free)
     if run_file.system.period is None:
         return Equilibrium(*given).kernels.residual.text
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
@@ -131,7 +136,9 @@ _OF_ORBITS = ("method", "tolerance", "segments", "phase")
 def discretization_of(run_file: RunFile) -> Discretization:
     """How finely a run's orbits are computed."""
     given: dict[str, Any] = {k: v for k, v in run_file.engine.items() if k in _OF_ORBITS}
-    return Discretization(accuracy=run_file.accuracy, report_at=_report_at(run_file), **given)
+    place = run_file.report_at
+    event = None if place is None or place.event is None else (place.event, place.side or "before")
+    return Discretization(run_file.accuracy, report_at=_report_at(run_file), report_event=event, **given)
 
 
 def _report_at(run_file: RunFile) -> tuple[int, float, float] | None:
@@ -153,6 +160,7 @@ def settings_of(run_file: RunFile) -> Settings:
         max_points=run_file.max_points,
         marks=tuple(Mark(m.name, m.values, m.extremum) for m in run_file.marks),
         stop_at=run_file.stop_at,
+        events=run_file.events,
         **engine,
     )
 
@@ -197,7 +205,7 @@ def equations_hash(run_file: RunFile) -> str:
     """
     system = run_file.system
     texts = [_equations_text(run_file), json.dumps(system.defaults(), sort_keys=True)]
-    if system.period is not None:
+    if system.period is not None or system.acting:
         return hashlib.sha256("\n".join(texts).encode()).hexdigest()
     problem = Equilibrium(system, run_file.parameters, run_file.free, run_file.parameter_path)
     for observable in system.observables:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,8 +17,8 @@ from contwalk.workflow.run_settings import FigureSpec
 from contwalk.workflow.run_simulate import SimulationFile
 from contwalk.workflow.run_starts import StartSpec
 
-LONGEST = 500_000  # steps, after which a motion that has not settled is given up
-PARTS = 4  # samples to a step where extremes are looked for
+if TYPE_CHECKING:
+    from contwalk.workflow.simulated import Simulated
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +32,8 @@ class SimulationResult:
     settled : bool or None
         None where nobody asked.
     steps, evaluations : int
+    reason : str
+        Why the motion ended early, where more is known than the status says.
     """
 
     trajectory: Any
@@ -39,6 +42,7 @@ class SimulationResult:
     settled: bool | None
     steps: int
     evaluations: int
+    reason: str = ""
 
 
 def simulate(
@@ -73,12 +77,14 @@ def simulate(
     database = run.file("trajectory.h5")
     refuse_existing([database, *tables, *(path for _, path in names)], force)
     state, parameters = start_of(run.system, run.start, str(run.path))
-    state = state + run.perturbation
-    trajectory, settled, cost = _integrated(run, state, parameters, progress or (lambda t: None))
+    moves = _smoothly if run.smooth else _through_transitions
+    motion = moves(run, state + run.perturbation, parameters, progress or (lambda t: None))
+    trajectory = _trajectory(run, parameters, motion)
     write_trajectory(database, trajectory)
     _write_tables(trajectory, tables)
     drawn = [_drawn(run, spec, path, trajectory) for spec, path in names]
-    return SimulationResult(trajectory, [database, *tables], drawn, settled, *cost)
+    counts = motion.settled, motion.steps, motion.evaluations
+    return SimulationResult(trajectory, [database, *tables], drawn, *counts, motion.reason)
 
 
 def start_of(system: Any, spec: StartSpec, where: str) -> tuple[np.ndarray, dict[str, float]]:
@@ -98,21 +104,29 @@ def start_of(system: Any, spec: StartSpec, where: str) -> tuple[np.ndarray, dict
         assert spec.file is not None
         found = stored_point(spec.file, str(spec.point), system)
         return found.state, {**found.parameters, **spec.given}
-    try:
+    with _placed(spec, where):
         states = system.named_states(str(spec.name), parameters)
-    except StartError as error:
-        place = f"{where}, line {spec.line}, key start: " if spec.line else ""
-        raise StartError(f"{place}{error.sentence}", error.remedy) from error
     return np.array(states[0], dtype=float), parameters
 
 
-def _integrated(
+@contextmanager
+def _placed(spec: StartSpec, where: str) -> Iterator[None]:
+    """Errors of a start, with its place in the run file."""
+    try:
+        yield
+    except StartError as error:
+        place = f"{where}, line {spec.line}, key start: " if spec.line else ""
+        raise StartError(f"{place}{error.sentence}", error.remedy) from error
+
+
+def _smoothly(
     run: SimulationFile, state: np.ndarray, parameters: Mapping[str, float], progress: Callable[[float], None]
-) -> tuple[Any, bool | None, tuple[int, int]]:
+) -> Simulated:
+    """The motion of a machine of one mode, on which nothing acts but its field."""
     from contwalk.flow import dense
     from contwalk.flow.motion import magnitudes, pieces
     from contwalk.flow.settling import Settling
-    from contwalk.storage.trajectory import Trajectory
+    from contwalk.workflow.simulated import LONGEST, PARTS, Simulated
 
     system, settings = run.system, run.simulation
     machine = _machine(run, parameters)
@@ -135,25 +149,56 @@ def _integrated(
                 break
     times = np.concatenate([parts[0].times, *(part.times[1:] for part in parts[1:])])
     states = np.concatenate([parts[0].states, *(part.states[1:] for part in parts[1:])])
-    at = np.linspace(times[0], times[-1], settings.points)
+    at, values = times, states
     if len(times) > 1:
+        at = np.linspace(times[0], times[-1], settings.points)
         values = dense(machine.field, machine.c, times, states, at, settings.method)
-    else:
-        at, values = times, states
-    events = [event for part in parts for event in part.events]
-    trajectory = Trajectory(
+    return Simulated(
+        times=at,
+        values=values,
+        modes=np.zeros(len(at), dtype=int),
+        events=[event for part in parts for event in part.events],
+        status=status,
+        reason="",
+        settled=settled if settles else None,
+        steps=len(times) - 1,
+        evaluations=sum(part.evaluations for part in parts),
+    )
+
+
+def _through_transitions(
+    run: SimulationFile, state: np.ndarray, parameters: Mapping[str, float], progress: Callable[[float], None]
+) -> Simulated:
+    """The motion of a machine with transitions that act."""
+    from contwalk.workflow.simulating_hybrid import Beginning, simulated
+
+    settings = run.simulation
+    beginning = Beginning(state, run.start.mode or run.system.modes[0].name, run.start.at)
+    given = settings.until, settings.tolerance, settings.method, settings.points
+    with _placed(run.start, str(run.path)):
+        return simulated(run.system, parameters, beginning, *given, run.report_at, progress)
+
+
+def _trajectory(run: SimulationFile, parameters: Mapping[str, float], motion: Simulated) -> Any:
+    """The motion as it is stored."""
+    from contwalk.storage.trajectory import Trajectory
+
+    system, events = run.system, motion.events
+    return Trajectory(
         system=system.name,
         states=system.state_names,
         parameters=dict(parameters),
-        times=at,
-        values=values,
+        times=motion.times,
+        values=motion.values,
+        modes=motion.modes,
+        mode_names=tuple(mode.name for mode in system.modes),
         event_names=tuple(event.name for event in events),
         event_modes=tuple(event.mode for event in events),
         event_times=np.array([event.time for event in events]),
         event_rising=np.array([event.rising for event in events], dtype=bool),
-        event_before=np.array([event.before for event in events]).reshape(-1, len(state)),
-        event_after=np.array([event.after for event in events]).reshape(-1, len(state)),
-        status=status,
+        event_before=np.array([event.before for event in events]).reshape(-1, len(system.states)),
+        event_after=np.array([event.after for event in events]).reshape(-1, len(system.states)),
+        status=motion.status,
         header={
             "config": run.text,
             "overrides": list(run.overrides),
@@ -161,8 +206,6 @@ def _integrated(
             "provenance": made_with(run.path, run.system_reference, system),
         },
     )
-    cost = (len(times) - 1, sum(part.evaluations for part in parts))
-    return trajectory, (settled if settles else None), cost
 
 
 def _machine(run: SimulationFile, parameters: Mapping[str, float]) -> Any:
@@ -191,8 +234,12 @@ def _write_tables(trajectory: Any, paths: list[Path]) -> None:
     import csv
 
     motion, events = paths
-    names = trajectory.states
-    rows = ([t, *x] for t, x in zip(trajectory.times.tolist(), trajectory.values.tolist(), strict=True))
+    names, modes = trajectory.states, trajectory.mode_names
+    instants = zip(
+        trajectory.times.tolist(), trajectory.values.tolist(), trajectory.modes.tolist(), strict=True
+    )
+    several = len(modes) > 1
+    rows = ([t, *x, *([modes[mode]] if several else [])] for t, x, mode in instants)
     happened = zip(
         trajectory.event_names,
         trajectory.event_times.tolist(),
@@ -207,7 +254,7 @@ def _write_tables(trajectory: Any, paths: list[Path]) -> None:
         for name, t, rising, before, after, mode in happened
     )
     heads = (
-        ["t", *names],
+        ["t", *names, *(["mode"] if several else [])],
         [
             "event",
             "t",
@@ -238,7 +285,7 @@ def _drawn(run: SimulationFile, spec: FigureSpec, path: Path, trajectory: Any) -
     from contwalk import plotting
 
     names, units = trajectory.states, plotting.units_of(run.system)
-    times, values = trajectory.times, trajectory.values
+    times, values = _with_gaps(run, trajectory)
     if spec.name == "phase_portrait":
         axes = [spec.options[axis] for axis in ("x", "y", "z") if axis in spec.options]
         columns = [names.index(axis) for axis in axes]
@@ -254,10 +301,22 @@ def _drawn(run: SimulationFile, spec: FigureSpec, path: Path, trajectory: Any) -
     return plotting.save(panels[0], path)
 
 
-def why(status: str, t: float) -> ContwalkError | None:
+def _with_gaps(run: SimulationFile, trajectory: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Instants and states as they are drawn: a gap at each jump, and nothing of states that do not exist."""
+    times, values = trajectory.times, trajectory.values.copy()
+    for number, mode in enumerate(run.system.modes):
+        absent = np.setdiff1d(np.arange(values.shape[1]), run.system.states_of(mode.name))
+        values[np.ix_(np.flatnonzero(trajectory.modes == number), absent)] = np.nan
+    jumps = np.flatnonzero((np.diff(times) == 0.0) & (np.diff(trajectory.values, axis=0) != 0.0).any(axis=1))
+    return np.insert(times, jumps + 1, times[jumps]), np.insert(values, jumps + 1, np.nan, axis=0)
+
+
+def why(status: str, t: float, reason: str = "") -> ContwalkError | None:
     """The error for a motion that ended before its time; None where it did not."""
     if status == "ok":
         return None
+    if status in ("chatter", "sticking"):
+        return NotFinite(f"The motion ended early. {reason}", "What came before is stored.")
     words = {
         "not_finite": "the field is not finite beyond",
         "step_too_small": "steps became too small to go on at",

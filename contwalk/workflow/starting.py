@@ -13,7 +13,7 @@ from contwalk.continuation.work import Start
 from contwalk.errors import StartError
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.workflow.run_file import RunFile, StartSpec
-from contwalk.workflow.stored_points import stored_point
+from contwalk.workflow.stored_points import StoredWord, stored_point
 
 
 @dataclass(frozen=True)
@@ -21,6 +21,8 @@ class Place:
     """A state to start from, with the values of all parameters there.
 
     `orbit` says that it lies on a periodic orbit, of `period` seconds; with `until` a simulation finds it.
+    Of a hybrid system, `mode` is the one that the state is in, `event` the transition that it is right
+    before; an orbit taken from a database comes with its `word`.
     """
 
     state: np.ndarray
@@ -29,6 +31,9 @@ class Place:
     period: float | None = None
     until: float | str | None = None
     orbit: bool = False
+    mode: str | None = None
+    event: str | None = None
+    word: StoredWord | None = None
 
 
 def places(run_file: RunFile) -> tuple[list[Place], list[str]]:
@@ -65,11 +70,23 @@ def _places(run_file: RunFile, spec: StartSpec) -> list[Place]:
             for i, x in enumerate(states, start=1)
         ]
     if spec.kind == "state" and spec.state is not None:
-        return [Place(spec.state, parameters, "the given state")]
+        orbit = spec.at is not None
+        return [Place(spec.state, parameters, "the given state", orbit=orbit, mode=spec.mode, event=spec.at)]
     if spec.kind == "from":
         return [_stored_place(run_file, spec)]
     assert spec.state is not None
-    return [Place(spec.state, parameters, "the simulation", until=spec.until or "settled", orbit=True)]
+    until = "settled" if spec.until is None else spec.until
+    return [
+        Place(
+            spec.state,
+            parameters,
+            "the simulation",
+            until=until,
+            orbit=True,
+            mode=spec.mode,
+            event=spec.at,
+        )
+    ]
 
 
 def _stored_place(run_file: RunFile, spec: StartSpec) -> Place:
@@ -88,7 +105,7 @@ def _stored_place(run_file: RunFile, spec: StartSpec) -> Place:
     origin = f"{spec.point} of {spec.file.name}"
     if not np.isfinite(found.period):
         return Place(found.state, parameters, origin)
-    return Place(found.state, parameters, origin, period=found.period, orbit=True)
+    return Place(found.state, parameters, origin, period=found.period, orbit=True, word=found.word)
 
 
 def starts(
@@ -100,9 +117,12 @@ def starts(
     for place in found:
         given = system, place.parameters, free, place.state, settings, path, at, discretization
         if place.orbit or system.period is not None:
-            from contwalk.continuation.opening_orbits import opened_orbit  # compiled flows
+            from contwalk.continuation.opening_orbits import opened_orbit, opened_word  # compiled flows
 
-            opening = opened_orbit(*given, place.period, place.until)
+            if place.word is not None:
+                opening = opened_word(*given, place.word)
+            else:
+                opening = opened_orbit(*given, place.period, place.until, place.mode, place.event)
         else:
             opening = opened(*given)
         yield Start(system, free, place.parameters, opening, place.origin)

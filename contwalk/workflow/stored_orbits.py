@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.branch import Branch, SpecialPoint
+from contwalk.branch import ORBITS, Branch, SpecialPoint
 from contwalk.continuation.reopening import reopened
 from contwalk.errors import ContwalkError
 from contwalk.problems.orbit.discretization import Discretization
@@ -52,7 +52,7 @@ def orbits_of(system: System, branches: Sequence[Branch]) -> list[list[Orbit]]:
     ContwalkError
         If there is no branch of orbits with a point, or none of the system's.
     """
-    chosen = [b for b in branches if b.info.problem == "periodic_orbit" and len(b)][:MOST_BRANCHES]
+    chosen = [b for b in branches if b.info.problem in ORBITS and len(b)][:MOST_BRANCHES]
     if not chosen:
         raise ContwalkError(
             "No branch has periodic orbits, so there is no phase portrait.",
@@ -88,7 +88,7 @@ def orbit_at(system: System, branch: Branch, point: SpecialPoint | int) -> Orbit
     ContwalkError
         If the branch is not one of orbits, or is of another system.
     """
-    if branch.info.problem != "periodic_orbit":
+    if branch.info.problem not in ORBITS:
         raise ContwalkError(
             f"Branch {branch.name} is one of {branch.info.problem.replace('_', ' ')} points.",
             "Name a point on a branch of periodic orbits.",

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from contwalk.errors import StartError
+from contwalk.problems.stored_word import StoredWord
 from contwalk.storage.hdf5 import Hdf5Database
 from contwalk.system import System
 
@@ -23,11 +24,14 @@ class StoredPoint:
         All of the system's: its defaults where the database has none.
     period : float
         Of the whole orbit; NaN for an equilibrium.
+    word : StoredWord, optional
+        Of a hybrid orbit.
     """
 
     state: np.ndarray
     parameters: dict[str, float]
     period: float
+    word: StoredWord | None = None
 
 
 def stored_point(file: Path, point: str, system: System) -> StoredPoint:
@@ -55,6 +59,7 @@ def stored_point(file: Path, point: str, system: System) -> StoredPoint:
                 )
             row = branch.points[int(point_name)]
             state, period = np.array(row["state"]), float(row["period"])
+            unknowns = branch.unknowns(int(point_name))
             stored = {**branch.info.parameters, **dict(zip(branch.info.free, row["free"], strict=True))}
         else:
             try:
@@ -62,8 +67,11 @@ def stored_point(file: Path, point: str, system: System) -> StoredPoint:
             except KeyError as error:
                 raise StartError(str(error.args[0]), f"In {file}.") from error
             state = np.array([special.state[name] for name in names])
-            period = float(special.period or np.nan)
+            period, unknowns = float(special.period or np.nan), np.array(special.unknowns)
             stored = dict(special.parameters)
     fold = int(branch.info.settings.get("fold", 1))
     known = {k: float(v) for k, v in stored.items() if k in system.parameter_names}
-    return StoredPoint(state, {**system.defaults(), **known}, fold * period)
+    word = None
+    if branch.info.problem == "hybrid_orbit":
+        word = StoredWord(branch.info.settings["legs"], branch.info.subharmonic, unknowns)
+    return StoredPoint(state, {**system.defaults(), **known}, fold * period, word)

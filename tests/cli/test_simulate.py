@@ -132,7 +132,6 @@ def test_files_that_exist_are_kept_unless_told_otherwise(contwalk, spring):
         ("figures=[{phase_portrait: {x: x}}]", "says of no plane"),
         ("figures=[{phase_portrait: {x: x, y: w}}]", "'w' is not a state"),
         ("figures=[{time_series: {z: x}}]", "has no third axis"),
-        ("system=./hard.py", "changes its motion at high"),
     ],
 )
 def test_bad_input_is_a_sentence_and_writes_nothing(contwalk, spring, change, said):

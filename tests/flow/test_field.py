@@ -92,7 +92,7 @@ def test_inputs_that_nobody_declared_are_refused():
         Field(program, states, {"p": 4})
     with pytest.raises(ValueError, match=r"\('p', 3\)"):
         Field(program, states, {"p": 3}, time=("t", 0))
-    with pytest.raises(ValueError, match="3 outputs for 2 states"):
+    with pytest.raises(ValueError, match="3 outputs where 2 are wanted"):
         Field(program, states[:2], {"p": 4}, time=("t", 0))
     with pytest.raises(ValueError, match="no parameter"):
         Field(program, states, {"p": 4}, [("x", 0)], ("t", 0))

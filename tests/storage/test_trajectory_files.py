@@ -29,6 +29,8 @@ def trajectory(events=2):
         parameters={"w": 0.1, "d": 1e-300},
         times=np.linspace(0.0, 1.0, 5),
         values=rng.normal(size=(5, 2)),
+        modes=np.array([0, 0, 1, 1, 0]),
+        mode_names=("free", "held"),
         event_names=("touch", "x = 0")[:events],
         event_times=rng.uniform(size=events),
         event_rising=np.array([True, False])[:events],

@@ -126,7 +126,7 @@ class HybridOrbit:
             self.path,
             self.pins,
             self.reference,
-            self.subharmonic * times,
+            self.subharmonic * (times if self.forced else 1),
             self.discretization,
         )
         other.turns = self.turns * times if turns is None else turns

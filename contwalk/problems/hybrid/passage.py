@@ -129,7 +129,7 @@ class Passage:
         return [out[i] for i in self.following]
 
     @cached_property
-    def _end_program(self) -> Program:
+    def end_program(self) -> Program:
         """The state after the transition, then its guard."""
         transition = self.leg.transition
         if transition is None:
@@ -167,19 +167,19 @@ class Passage:
         Outputs come order by order: (x+, h), then their first derivatives, and so on.
         """
         width = len(self.following) + (self.leg.transition is not None)
-        return self._compiled(("end", lift, True), self._end_program, lift, ORDERS[lift] * width)
+        return self._compiled(("end", lift, True), self.end_program, lift, ORDERS[lift] * width)
+
+    def watched_program(self, function: Scalar) -> Program:
+        """A scalar along the leg, then the field over it."""
+        copy = rebound(function)
+        return trace(lambda tracer: [copy(*self._arguments(tracer)), *self._rates(tracer)])
 
     def watched(self, name: str, function: Scalar) -> Field:
         """A scalar along the leg as a map: its value and its rate over the leg's own time, T dh/dt."""
         key = "watched", name, True
         if key in self._fields:
             return self._fields[key]
-        copy = rebound(function)
-
-        def both(tracer: Tracer) -> list[Any]:
-            return [copy(*self._arguments(tracer)), *self._rates(tracer)]
-
-        program = trace(both)
+        program = self.watched_program(function)
         graph = program.graph
 
         def measured(outputs: tuple[int, ...]) -> list[int]:

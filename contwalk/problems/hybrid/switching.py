@@ -9,6 +9,7 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
+from contwalk.problems.hybrid.word import Word
 from contwalk.problems.orbit.augmented import null_vectors
 from contwalk.problems.orbit.branching import amplitude, crossing, filled_magnitudes
 from contwalk.problems.problem import Seed
@@ -36,6 +37,18 @@ def discretized(problem: HybridOrbit, z: np.ndarray) -> HybridOrbit:
     sizes = np.maximum(np.abs(z), 1e-6)
     rough = problem.adapted_to(z, sizes)
     return rough.adapted_to(z, filled_magnitudes(rough, z), problem.discretization.locating)
+
+
+def halved(problem: HybridOrbit, z: np.ndarray) -> tuple[HybridOrbit, np.ndarray]:
+    """The problem of the first half of a word, and of an orbit that repeats itself its first half."""
+    layout, half = problem.layout, problem.layout.legs // 2
+    states = slice(0, layout.states[half].start)
+    lasting = slice(layout.durations.start, layout.durations.start + half)
+    start = np.concatenate([z[states], z[lasting], z[layout.durations.stop :]])
+    word = Word(problem.word.legs[:half])
+    other = problem.of_word(word, turns=0.5 * problem.turns)
+    other.subharmonic = max(problem.subharmonic // 2, 1)
+    return discretized(other, start), start
 
 
 def _doubled(problem: HybridOrbit, z: np.ndarray) -> Sequence[Seed]:

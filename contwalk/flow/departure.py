@@ -1,0 +1,112 @@
+"""How guards stand where a motion begins or goes on after a transition: clear of zero, leaving it, or past
+it.
+
+A guard that is zero but for rounding has the sign that it takes next: that of its rate, and where that is
+zero too, as after an impact without restitution, that of its second derivative.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+import numpy as np
+
+from contwalk.flow.hybrid_machine import ModeFlow
+
+CLEAR, LEAVING, ENTERING, BEYOND, RESTING, UNDEFINED = (
+    "clear",
+    "leaving",
+    "entering",
+    "beyond",
+    "resting",
+    "undefined",
+)
+
+# A guard counts as zero within so many of its uncertainties; right after its own event within more.
+ROUNDINGS, AFTER_RESET = 8.0, 1e3
+
+
+@dataclass(frozen=True)
+class Departure:
+    """A guard where a motion begins.
+
+    Parameters
+    ----------
+    kind : str
+        `CLEAR`: off zero, on the side from which its event comes. `BEYOND`: off zero on the other side. Zero
+        but for rounding are the others: `LEAVING` to the side from which the event comes, `ENTERING` the
+        other one, `RESTING`: as far as rounding shows it stays zero. `UNDEFINED`: it is not finite.
+    side : int
+        Its sign right after.
+    value, rate, bend : float
+        Itself and its first two derivatives by time.
+    value_noise : float
+        Uncertainty of the value.
+    """
+
+    kind: str
+    side: int
+    value: float
+    rate: float
+    bend: float
+    value_noise: float
+
+    @property
+    def bends_back(self) -> bool:
+        """Whether it leaves zero and turns back."""
+        return self.kind == LEAVING and self.rate * self.bend < 0.0
+
+    @property
+    def returns_after(self) -> float:
+        """Time until it is zero again, if its second derivative stays; infinite where it does not."""
+        return 2.0 * abs(self.rate / self.bend) if self.bends_back else np.inf
+
+    @property
+    def excursion(self) -> float:
+        """How far from zero it goes until then."""
+        return 0.5 * self.rate**2 / abs(self.bend) if self.bends_back else np.inf
+
+
+def departures(
+    flow: ModeFlow, t: float, x: np.ndarray, noise: np.ndarray, own: Collection[str] = ()
+) -> list[Departure]:
+    """How each guard of a mode stands at an instant.
+
+    Parameters
+    ----------
+    flow : ModeFlow
+    t, x
+        Time, and the states of the mode.
+    noise : ndarray
+        Uncertainties of these states by rounding.
+    own : collection of str
+        Transitions that have just happened.
+    """
+    found = []
+    for transition, guard in zip(flow.transitions, flow.guards, strict=True):
+        found.append(
+            _departure(
+                guard.departure(t, x, flow.p, noise),
+                guard.direction,
+                AFTER_RESET if transition.name in own else ROUNDINGS,
+            )
+        )
+    return found
+
+
+def _departure(measured: np.ndarray, direction: int, factor: float) -> Departure:
+    (value, value_noise), (rate, rate_noise), (bend, bend_noise) = measured.tolist()
+    given = value, rate, bend, value_noise
+    if not np.isfinite(value):
+        return Departure(UNDEFINED, 0, *given)
+    if abs(value) > factor * value_noise:
+        side = 1 if value > 0.0 else -1
+        return Departure(BEYOND if side == direction else CLEAR, side, *given)
+    side = 0
+    for number, noise in ((rate, rate_noise), (bend, bend_noise)):
+        if abs(number) > ROUNDINGS * noise:
+            side = 1 if number > 0.0 else -1
+            break
+    kind = RESTING if side == 0 else ENTERING if side == direction else LEAVING
+    return Departure(kind, side, *given)

@@ -1,0 +1,177 @@
+"""What is compiled of a hybrid system, for all its parameters: fields, guards, maps of transitions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from contwalk.errors import SystemDefinitionError
+from contwalk.fields.derivative import ancestors, directional
+from contwalk.fields.rebind import rebound
+from contwalk.fields.trace import Outputs, Program, Tracer, trace
+from contwalk.flow.field import Field
+from contwalk.flow.guard import Guard
+from contwalk.flow.traced import PARAMETER, STATE, TIME, arguments, field_of, rates
+from contwalk.system import System, Transition
+
+_UNWRITTEN, _WATCHED = "unwritten", "watched"
+
+
+class ModeCode:
+    """The field of one mode, and the guards of the transitions out of it.
+
+    Attributes
+    ----------
+    states : ndarray of int
+        Positions of the states that exist in it.
+    transitions : tuple of Transition
+        Those out of it, watched ones included, in the order of their declaration.
+    guards : tuple of Guard
+        Theirs.
+    field : Field
+        dx/dt of the states that exist.
+    """
+
+    def __init__(self, system: System, name: str) -> None:
+        self.system, self.name = system, name
+        self.states = np.array(system.states_of(name), dtype=int)
+        self.transitions = system.leaving(name)
+        self.guards = tuple(Guard(system, t.name, t.guard, t.direction, name) for t in self.transitions)
+        self.field = field_of(system, name)
+        self._resolving: dict[bool, Field] = {}
+
+    @cached_property
+    def slopes(self) -> Field:
+        """The guards as functions of time and states: (t, x) are its states, the guards its outputs."""
+        return _of_time_and_state(self.system, self.name, _guards_program(self.system, self.name))
+
+    def resolving(self, implicit: bool) -> Field:
+        """The field with the guards as further states: control of their errors resolves them too."""
+        if implicit not in self._resolving:
+            states = [(STATE, i) for i in self.states.tolist()]
+            states += [(_WATCHED, j) for j in range(len(self.transitions))]
+            self._resolving[implicit] = Field(
+                _resolving_program(self.system, self.name),
+                states,
+                {PARAMETER: len(self.system.parameters)},
+                time=(TIME, 0),
+                differentiable=implicit,
+            )
+        return self._resolving[implicit]
+
+
+class HybridCode:
+    """Everything of a system, compiled when it is first used."""
+
+    def __init__(self, system: System) -> None:
+        self.system = system
+        self._modes: dict[str, ModeCode] = {}
+        self._jumps: dict[str, Field] = {}
+
+    def mode(self, name: str) -> ModeCode:
+        """A mode by its name."""
+        if name not in self._modes:
+            self._modes[name] = ModeCode(self.system, name)
+        return self._modes[name]
+
+    def jump(self, transition: Transition) -> Field:
+        """Reset, then relabelling: from (t, x) in the source's states to the states of the target."""
+        if transition.name not in self._jumps:
+            program = _jump_program(self.system, transition)
+            self._jumps[transition.name] = _of_time_and_state(self.system, transition.source, program)
+        return self._jumps[transition.name]
+
+
+_KNOWN: dict[int, HybridCode] = {}
+_MOST_KNOWN = 64
+
+
+def hybrid_code(system: System) -> HybridCode:
+    """The code of a system; traced and compiled only once."""
+    if id(system) not in _KNOWN:
+        while len(_KNOWN) >= _MOST_KNOWN:
+            del _KNOWN[next(iter(_KNOWN))]
+        _KNOWN[id(system)] = HybridCode(system)  # it keeps its system, and so its id
+    return _KNOWN[id(system)]
+
+
+# -- tracing -------------------------------------------------------------------------------------------------
+
+
+def _of_time_and_state(system: System, mode: str, program: Program) -> Field:
+    """A program as a map whose first input is the time, and whose others are the states of a mode."""
+    outputs = max(len(leaf.nodes) for leaf in program.leaves() if isinstance(leaf, Outputs))
+    states = [(TIME, 0), *((STATE, i) for i in system.states_of(mode))]
+    return Field(program, states, {PARAMETER: len(system.parameters)}, outputs=outputs)
+
+
+def _guards_program(system: System, mode: str) -> Program:
+    guards = [rebound(transition.guard) for transition in system.leaving(mode)]
+    return trace(lambda tracer: [guard(*arguments(tracer, system, mode)) for guard in guards])
+
+
+def _resolving_program(system: System, mode: str) -> Program:
+    """dx/dt, then dh/dt of the guards."""
+    field, states = rebound(system.mode(mode).field), system.states_of(mode)
+    guards = [rebound(transition.guard) for transition in system.leaving(mode)]
+
+    def both(tracer: Tracer) -> list[Any]:
+        values = [guard(*arguments(tracer, system, mode)) for guard in guards]
+        return [*rates(tracer, system, field, mode), *values]
+
+    program = trace(both)
+    graph = program.graph
+
+    def change(outputs: tuple[int, ...]) -> list[int]:
+        motion, values = outputs[: len(states)], outputs[len(states) :]
+        moving = {graph.input(STATE, i): rate for i, rate in zip(states, motion, strict=True)}
+        return [*motion, *directional(graph, values, {graph.input(TIME, 0): graph.one, **moving})]
+
+    return program.transformed(change)
+
+
+def _jump_program(system: System, transition: Transition) -> Program:
+    """The states of the target after reset and relabelling."""
+    reset = None if transition.reset is None else rebound(transition.reset)
+    relabel = next((rebound(s.map) for s in system.symmetries if s.name == transition.relabel), None)
+
+    def after(tracer: Tracer) -> list[Any]:
+        t, x, p = arguments(tracer, system, transition.source)
+        if reset is not None:
+            x = _written(tracer, reset, t, x, p)
+        if relabel is not None:
+            x = _written(tracer, relabel, t, x, p)
+        return [x[i] for i in system.states_of(transition.target)]
+
+    program = trace(after)
+    _refuse_unwritten(system, transition, program)
+    return program
+
+
+def _written(tracer: Tracer, function: Callable[..., Any], t: Any, x: np.ndarray, p: Any) -> np.ndarray:
+    """What a reset or a map writes; symbols of their own stand for what it does not write."""
+    result = np.full(len(x), None, dtype=object)
+    function(t, x, p, result)
+    for i in range(len(x)):
+        if result[i] is None:
+            result[i] = tracer.symbol(_UNWRITTEN, i)
+    return result
+
+
+def _refuse_unwritten(system: System, transition: Transition, program: Program) -> None:
+    """Raise where states of the target depend on what the reset does not write."""
+    outputs: Sequence[int] = [
+        node for leaf in program.leaves() if isinstance(leaf, Outputs) for node in leaf.nodes
+    ]
+    keys = [program.graph.nodes[node] for node in ancestors(program.graph, outputs)]
+    missing = sorted({key[2] for key in keys if key[0] == "input" and key[1] == _UNWRITTEN})
+    if missing:
+        names = ", ".join(f"x_plus[{i}] (state {system.state_names[i]})" for i in missing)
+        raise SystemDefinitionError(
+            f"The reset of transition '{transition.name}' does not write {names}, "
+            f"which mode '{transition.target}' begins with.",
+            "A reset writes every state that exists in the mode it leads to.",
+        )

@@ -1,0 +1,151 @@
+"""A hybrid machine at given parameters: what moves it in each mode, and what its transitions do."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from contwalk.flow.field import Field
+from contwalk.flow.guard import EPSILON, Guard
+from contwalk.flow.hybrid_code import HybridCode, ModeCode, hybrid_code
+from contwalk.system import System, Transition
+
+
+class ModeFlow:
+    """One mode at given parameters.
+
+    Attributes
+    ----------
+    name : str
+    states : ndarray of int
+        Positions of the states that exist in it.
+    field : Field
+    p, c : ndarray
+        Parameters, and the field's constants made from them.
+    transitions : tuple of Transition
+        Those out of it, watched ones included, in the order of their declaration.
+    guards : tuple of Guard
+        Theirs; they take states of the mode only, as the field does.
+    """
+
+    def __init__(self, code: ModeCode, p: np.ndarray) -> None:
+        self.code, self.name, self.states = code, code.name, code.states
+        self.field, self.p, self.c = code.field, p, code.field.constants(p)
+        self.transitions: tuple[Transition, ...] = code.transitions
+        self.guards: tuple[Guard, ...] = code.guards
+        self._constants: dict[int, np.ndarray] = {}
+
+    def constants(self, field: Field) -> np.ndarray:
+        """The constants of another field of the same parameters."""
+        if id(field) not in self._constants:
+            self._constants[id(field)] = field.constants(self.p)
+        return self._constants[id(field)]
+
+    def acting(self, number: int) -> bool:
+        """Whether a transition does something."""
+        return self.transitions[number].role != "watched"
+
+    def scales(self, t: float, x: np.ndarray, weights: np.ndarray, span: float) -> np.ndarray:
+        """What typical changes of the states make of the guards; shape (g,).
+
+        Parameters
+        ----------
+        t, x
+            Time, and the states of the mode.
+        weights : ndarray
+            Their magnitudes.
+        span : float
+            A typical time, for guards that depend on time alone.
+        """
+        if not self.guards:
+            return np.empty(0)
+        slopes = self.code.slopes
+        at, c = np.concatenate([[t], x]), self.constants(slopes)
+        by = slopes.jacobian(0.0, at, c)
+        by_states = np.linalg.norm(by[:, 1:] * weights, axis=1)
+        of_time = np.maximum(np.abs(slopes(0.0, at, c)), np.abs(by[:, 0]) * span)
+        found = np.where(by_states > 0.0, by_states, of_time)
+        return np.where(np.isfinite(found) & (found > 0.0), found, 1.0)
+
+
+class HybridMachine:
+    """A hybrid system at given parameters.
+
+    Attributes
+    ----------
+    system : System
+    parameters : dict
+    p : ndarray
+        Their values in the order of the system.
+    """
+
+    def __init__(self, code: HybridCode, parameters: Mapping[str, float]) -> None:
+        self.code, self.system = code, code.system
+        self.parameters = {name: float(parameters[name]) for name in self.system.parameter_names}
+        self.p = np.array(list(self.parameters.values()), dtype=float)
+        self._modes: dict[str, ModeFlow] = {}
+        self._constants: dict[str, np.ndarray] = {}
+
+    def at(self, parameters: Mapping[str, float]) -> HybridMachine:
+        """The same machine with these parameters changed; nothing is compiled anew."""
+        return HybridMachine(self.code, {**self.parameters, **parameters})
+
+    def mode(self, name: str) -> ModeFlow:
+        """A mode by its name; compiled when it is first used."""
+        if name not in self._modes:
+            self._modes[name] = ModeFlow(self.code.mode(name), self.p)
+        return self._modes[name]
+
+    def transition(self, name: str) -> Transition:
+        """A transition by its name."""
+        return next(transition for transition in self.system.transitions if transition.name == name)
+
+    def jump(self, name: str) -> tuple[Field, np.ndarray]:
+        """Reset and relabelling of a transition as a map, and its constants.
+
+        The map's inputs are the time and the states of the source, its outputs the states of the target.
+        """
+        if name not in self._constants:
+            self._constants[name] = self.code.jump(self.transition(name)).constants(self.p)
+        return self.code.jump(self.transition(name)), self._constants[name]
+
+    def full(self, mode: str, x: np.ndarray) -> np.ndarray:
+        """States of a mode among all states; those that do not exist are 0."""
+        result = np.zeros((*np.shape(x)[:-1], len(self.system.states)))
+        result[..., self.mode(mode).states] = x
+        return result
+
+    def existing(self, mode: str, x: Sequence[float] | np.ndarray) -> np.ndarray:
+        """A full-length state with 0 for what does not exist in the mode."""
+        return self.full(mode, np.asarray(x, dtype=float)[..., self.mode(mode).states])
+
+
+def hybrid_machine(system: System, parameters: Mapping[str, float]) -> HybridMachine:
+    """The machine of a system at these values of all parameters."""
+    return HybridMachine(hybrid_code(system), parameters)
+
+
+def applied(machine: HybridMachine, transition: str, t: float, x: np.ndarray) -> np.ndarray:
+    """The full-length state after a transition: its reset, then its relabelling; NaN where they fail."""
+    jump, c = machine.jump(transition)
+    ends = machine.transition(transition)
+    before = np.asarray(x, dtype=float)[machine.mode(ends.source).states]
+    return machine.full(ends.target, jump(0.0, np.concatenate([[t], before]), c))
+
+
+def landed(machine: HybridMachine, transition: str, t: float, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """As `applied`, with how far rounding carries each state after it.
+
+    Before it the states are rounded, and so is the time, which moves them as fast as they go.
+    """
+    jump, c = machine.jump(transition)
+    ends = machine.transition(transition)
+    source = machine.mode(ends.source)
+    before = np.asarray(x, dtype=float)[source.states]
+    at, rounding = np.concatenate([[t], before]), EPSILON * abs(t)
+    moved = np.abs(source.field(t, before, source.c)) * rounding
+    given = np.concatenate([[rounding], EPSILON * np.abs(before) + moved])
+    after = jump(0.0, at, c)
+    noise = EPSILON * np.abs(after) + np.abs(jump.jacobian(0.0, at, c)) @ given
+    return machine.full(ends.target, after), machine.full(ends.target, noise)

@@ -1,0 +1,332 @@
+"""From a state to an orbit: simulate, read the word off the motion, and cut it into legs.
+
+A motion has returned when an event finds it where an earlier one of the same kind did. The word is what
+happened in between; nobody has to type it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from contwalk.errors import NotFinite, StartError, called
+from contwalk.flow.hybrid import Arc, HybridMachine, applied, arcs, hybrid_machine
+from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
+from contwalk.problems.hybrid.word import Leg, Word
+from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.orbit.recurrence import recurrent
+from contwalk.system import System
+from contwalk.system.declarations import ParameterValues
+
+TOLERANCE = 1e-9
+# What a return misses by, in units of the variation: of a motion that has settled; at all.
+SETTLED, NEARLY = 1e-5, 0.2
+# Events that are looked back, and simulated at most.
+LOOK_BACK, MOST_EVENTS = 64, 4000
+# Periods of the forcing without an event before an orbit without events is looked for.
+QUIET = 4
+# How long to simulate at once, in units of what the fastest state needs to change by its own size; steps
+# without an event after which there will be none, for a start that is said to be on an orbit and otherwise.
+STRETCH, FIRST_PATIENCE, PATIENCE = 30.0, 2_000, 20_000
+LEAST = 1e-3
+# A return that is as good as this times the best one so far is as good.
+AS_GOOD = 0.5
+
+Path = tuple[Mapping[str, float], Mapping[str, float]]
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """A piece of a simulated motion between two events: where it starts, how long it lasts, what ends it."""
+
+    leg: Leg
+    start: float
+    state: np.ndarray
+    duration: float
+
+
+@dataclass(frozen=True, eq=False)
+class Lap:
+    """A motion that (nearly) comes back: its stretches, and the largest magnitude of each state."""
+
+    stretches: tuple[Stretch, ...]
+    magnitudes: np.ndarray
+    missed: float
+
+    @property
+    def word(self) -> Word:
+        """The word that was read off."""
+        return Word(tuple(stretch.leg for stretch in self.stretches))
+
+
+def lap_from(
+    system: System,
+    parameters: Mapping[str, float],
+    state: np.ndarray,
+    mode: str | None = None,
+    at: str | None = None,
+    until: float | str | None = "settled",
+    time: float = 0.0,
+) -> Lap:
+    """One lap of the orbit that a motion leads to.
+
+    Parameters
+    ----------
+    mode : str, optional
+        In which the motion begins, the first one by default.
+    at : str, optional
+        The state is the one right before this transition.
+    until : float, "settled" or None
+        Seconds to simulate before looking for a return; `settled` waits until returns agree closely; None
+        takes the first that comes near: the state is on an orbit, perhaps an unstable one.
+
+    Raises
+    ------
+    NotFinite, StartError
+        If the motion ends, comes to rest, accumulates events, or does not come back.
+    """
+    machine = hybrid_machine(system, parameters)
+    mode = mode or system.modes[0].name
+    x = np.array(state, dtype=float)
+    if at is not None:
+        x, mode = applied(machine, at, time, x), machine.transition(at).target
+    search = _Search(system, parameters, until)
+    if at is not None:
+        search.begins_at(at)
+    for arc in _motion(machine, time, x, mode, at, search):
+        lap = search.add(arc)
+        if lap is not None:
+            return lap
+    return search.given_up()
+
+
+def _motion(
+    machine: HybridMachine, t: float, x: np.ndarray, mode: str, last: str | None, search: _Search
+) -> Iterator[Arc]:
+    """Arcs of the motion, in stretches short enough to notice that nothing happens."""
+    quiet = 0
+    while True:
+        weights = search.weights(x)
+        length = search.stretch(machine, t, x, mode, weights)
+        for arc in arcs(machine, t, x, mode, t + length, TOLERANCE, weights, just_after=last):
+            yield arc
+            if arc.status != "ok":
+                return
+            if arc.transition is None:
+                quiet += len(arc.times)
+                t, x, last = float(arc.times[-1]), arc.states[-1], None
+                if not search.waits(quiet):
+                    return
+                break
+            assert arc.after is not None
+            quiet, t, x, last = 0, float(arc.times[-1]), arc.after, arc.transition
+            mode = machine.transition(arc.transition).target
+            break
+
+
+class _Search:
+    """Looks for a return while a motion is simulated."""
+
+    def __init__(self, system: System, parameters: Mapping[str, float], until: float | str | None) -> None:
+        self.system, self.parameters, self.until = system, dict(parameters), until
+        self.period = 0.0
+        if system.period is not None:
+            self.period = float(called("period", system.period, ParameterValues(**parameters)))
+        self.turns = np.array([s.period or 0.0 for s in system.states])
+        self.stretches: list[Stretch] = []
+        self.low = np.full(len(system.states), np.inf)
+        self.high = -self.low
+        self.best: Lap | None = None
+        self.pending: Arc | None = None  # an arc whose beginning was no event, or has not ended
+        self.first = True
+        self.ended: Arc | None = None
+        self.last_state: tuple[float, np.ndarray, str] | None = None
+
+    def begins_at(self, transition: str) -> None:
+        """The motion begins right after an event."""
+        self.first = False
+
+    def weights(self, x: np.ndarray) -> np.ndarray:
+        """Typical magnitudes as far as they are known."""
+        seen = np.where(np.isfinite(self.low), 0.5 * (self.high - self.low), 0.0)
+        reached = np.where(np.isfinite(self.low), np.maximum(np.abs(self.low), np.abs(self.high)), 0.0)
+        known = np.maximum(seen, LEAST * np.maximum(np.abs(x), reached))
+        largest = float(known.max())
+        return np.where(known > 0.0, known, LEAST * largest if largest > 0.0 else 1.0)
+
+    def stretch(
+        self, machine: HybridMachine, t: float, x: np.ndarray, mode: str, weights: np.ndarray
+    ) -> float:
+        """How long to simulate before it is noticed that nothing happens."""
+        if self.period:
+            return QUIET * self.period
+        flow = machine.mode(mode)
+        rates = np.abs(flow.field(t, x[flow.states], flow.c)) / weights[flow.states]
+        fastest = float(np.max(rates, initial=0.0))
+        return STRETCH / fastest if fastest > 0.0 else STRETCH
+
+    def waits(self, steps: int) -> bool:
+        """Whether to go on although nothing has happened for so many steps."""
+        return steps < (PATIENCE if self.until is not None or self.first else FIRST_PATIENCE)
+
+    def add(self, arc: Arc) -> Lap | None:
+        """Take an arc in; the lap that it closes, if it does."""
+        self.low = np.minimum(self.low, arc.states.min(axis=0))
+        self.high = np.maximum(self.high, arc.states.max(axis=0))
+        self.last_state = float(arc.times[-1]), arc.states[-1], arc.mode
+        if arc.status != "ok":
+            self.ended = arc
+            return None
+        if arc.transition is None:
+            lap = self._strobed(arc)
+            self.first, self.pending = True, None
+            return lap
+        transition = next(t for t in self.system.transitions if t.name == arc.transition)
+        if not self.first:
+            leg = Leg(arc.mode, transition, not arc.rising)
+            start = float(arc.times[0])
+            self.stretches.append(Stretch(leg, start, arc.states[0], float(arc.times[-1]) - start))
+        self.first = False
+        if len(self.stretches) > MOST_EVENTS:
+            return None
+        return self._closed(arc) if self.stretches else None
+
+    def _closed(self, arc: Arc) -> Lap | None:
+        """The shortest lap that ends with this arc's event."""
+        if isinstance(self.until, int | float) and float(arc.times[-1]) < float(self.until):
+            return None
+        assert arc.after is not None
+        scale = self.weights(arc.after)
+        end = float(arc.times[-1])
+        count = len(self.stretches)
+        target = next(t for t in self.system.transitions if t.name == arc.transition).target
+        for back in range(1, min(LOOK_BACK, count) + 1):
+            first = self.stretches[count - back]
+            if first.leg.mode != target or self._led_in(count - back) not in (None, arc.transition):
+                continue
+            apart = arc.after - first.state
+            turned = self.turns > 0.0
+            apart[turned] -= np.round(apart[turned] / self.turns[turned]) * self.turns[turned]
+            missed = float(np.linalg.norm(apart / scale))
+            if self.period:
+                laps = (end - first.start) / self.period
+                missed = max(missed, abs(laps - round(laps)) / 0.05) if round(laps) > 0 else np.inf
+            lap = Lap(tuple(self.stretches[count - back :]), scale, missed)
+            if missed < SETTLED:
+                return lap
+            if missed < NEARLY and (self.best is None or missed < AS_GOOD * self.best.missed):
+                self.best = lap
+                if self.until is None:
+                    return lap
+        return None
+
+    def _led_in(self, k: int) -> str | None:
+        """The transition that leads into stretch k; None where it is not known."""
+        return self.stretches[k - 1].leg.name if k > 0 else None
+
+    def _strobed(self, arc: Arc) -> Lap | None:
+        """An orbit without events: of a forced system, the motion is the same again after some periods."""
+        if not self.period:
+            return None
+        if isinstance(self.until, int | float) and float(arc.times[-1]) < float(self.until):
+            return None
+        from contwalk.problems.hybrid.quiet import strobes
+
+        scale = self.weights(arc.states[-1])
+        return strobes(self.system, self.parameters, arc, self.period, scale, self.until is None)
+
+    def given_up(self) -> Lap:
+        """The best return, where the motion ended or went on without an exact one.
+
+        Raises
+        ------
+        NotFinite, StartError
+        """
+        if self.best is not None:
+            return self.best
+        where = "" if self.last_state is None else f" at t = {self.last_state[0]:.6g} s"
+        if self.ended is not None:
+            error = NotFinite if self.ended.status == "not_finite" else StartError
+            raise error(
+                f"The simulation ends{where}: {self.ended.reason or self.ended.status}",
+                "Start elsewhere, or mend the plugin.",
+            )
+        if not self.period and self.last_state is not None and not self.stretches:
+            return self._smooth()
+        raise StartError(
+            f"The simulation did not come back to where it was{where}: it has not settled, settles on a "
+            "motion that is not periodic, or meets no more events.",
+            "Simulate for longer with until: SECONDS, or start from another state.",
+        )
+
+    def _smooth(self) -> Lap:
+        """An orbit of an autonomous system that meets no event."""
+        assert self.last_state is not None
+        _, x, mode = self.last_state
+        if mode != self.system.modes[0].name:
+            raise StartError(
+                f"The simulation stays in mode '{mode}' without an event.", "Start from another state."
+            )
+        found = recurrent(self.system, self.parameters, x)
+        return Lap((Stretch(Leg(mode), 0.0, found.state, found.period),), found.variation, 0.0)
+
+
+def orbit_of(
+    system: System,
+    parameters: Mapping[str, float],
+    free: str,
+    lap: Lap,
+    path: Path | None = None,
+    at: float | None = None,
+    discretization: Discretization | None = None,
+) -> tuple[HybridOrbit, np.ndarray]:
+    """The problem of a lap's word, discretised for it, and the lap as its unknowns."""
+    problem = HybridOrbit(system, lap.word, parameters, free, path, discretization=discretization)
+    value = parameters[free] if at is None else at
+    layout = problem.layout
+    z = np.zeros(layout.size + 1)
+    for place, passage, stretch in zip(layout.states, problem.passages, lap.stretches, strict=True):
+        z[place] = stretch.state[list(passage.states)]
+    lasting = np.array([stretch.duration for stretch in lap.stretches])
+    z[layout.durations] = lasting
+    z[-1] = value
+    if layout.start is not None and system.period is not None:
+        period = float(called("period", system.period, ParameterValues(**problem.values_of(z))))
+        problem = problem.of_word(lap.word, max(round(float(lasting.sum()) / period), 1))
+        z[layout.start] = lap.stretches[0].start % period if problem.word.eventful else 0.0
+    problem = problem.turning(_turns(problem, lap))
+    weights = np.ones(len(z))
+    for place, passage in zip(layout.states, problem.passages, strict=True):
+        weights[place] = lap.magnitudes[list(passage.states)] * np.sqrt(layout.legs)
+    return problem.adapted_to(z, weights), z
+
+
+def _turns(problem: HybridOrbit, lap: Lap) -> np.ndarray:
+    """What angles grow by in a closure, in whole periods."""
+    own = np.array([s.period or 0.0 for s in problem.system.states])
+    if not np.any(own):
+        return np.zeros(problem.states)
+    machine = hybrid_machine(problem.system, problem.parameters)
+    last = lap.stretches[-1]
+    weights = lap.magnitudes
+    end = None
+    run = arcs(
+        machine,
+        last.start,
+        last.state,
+        last.leg.mode,
+        last.start + 1.5 * last.duration,
+        TOLERANCE,
+        weights,
+        just_after=lap.stretches[-2].leg.name if len(lap.stretches) > 1 else last.leg.name or None,
+    )
+    for arc in run:
+        end = arc.after if arc.after is not None else arc.states[-1]
+        break
+    if end is None:
+        return np.zeros(problem.states)
+    apart = end - lap.stretches[0].state
+    turns = np.divide(apart, own, out=np.zeros_like(apart), where=own > 0.0)
+    return np.round(turns) * own

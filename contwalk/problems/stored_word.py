@@ -1,0 +1,19 @@
+"""What a database holds of a hybrid orbit beside its state."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True, eq=False)
+class StoredWord:
+    """The legs of a stored orbit, each with mode, transition and whether its guard falls, and its
+    unknowns.
+    """
+
+    legs: Sequence[tuple[str, str, bool]]
+    subharmonic: int
+    unknowns: np.ndarray

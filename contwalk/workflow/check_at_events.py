@@ -1,0 +1,78 @@
+"""Conditions, and observables that belong to an event: finite numbers with the states there?"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import SimpleNamespace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contwalk.system import Condition, Observable, System
+from contwalk.workflow.check_events import Happening
+from contwalk.workflow.check_findings import Report, place_of, place_of_error
+from contwalk.workflow.check_samples import Samples
+from contwalk.workflow.check_traced import number_form, traced
+
+if TYPE_CHECKING:
+    from contwalk.workflow.check_motion import Seen
+
+MOST_STATES = 20
+
+
+def check_at_event(
+    report: Report,
+    entry: Condition | Observable,
+    system: System,
+    happenings: Mapping[str, Happening],
+    seen: Seen | None,
+    samples: Samples,
+) -> None:
+    """A number for an instant and the state before or after the transition `entry.at`."""
+    kind = "condition" if isinstance(entry, Condition) else "observable"
+    what, place = f"{kind} '{entry.name}'", place_of(entry.function)
+    transition = next(t for t in system.transitions if t.name == entry.at)
+    mode = transition.source if entry.side == "before" else transition.target
+    form = number_form("function(t, x, p)")
+    if traced(report, what, entry.function, system, form, mode=mode) is None:
+        return
+    states = _states(entry, happenings, seen, samples)
+    if not states:
+        report.ok(what, f"not checked: no state at '{entry.at}' was found.", place)
+        return
+    p, values = SimpleNamespace(**samples.parameters), []
+    for t, x in states:
+        try:
+            with np.errstate(all="ignore"):
+                value = entry.function(t, x.copy(), p)
+            values.append(float(value))
+        except Exception as error:
+            report.error(
+                what,
+                f"{entry.side.capitalize()} '{entry.at}' it raises {type(error).__name__}: {error}. It gets "
+                f"a time t and a state x of shape ({len(system.states)},), and returns a number.",
+                place_of_error(error, entry.function),
+            )
+            return
+    finite = np.isfinite(values)
+    where = f"{entry.side} '{entry.at}'"
+    if not finite.any():
+        report.error(what, f"It is not finite at any state {where} that was tried.", place)
+    elif not finite.all():
+        report.warning(what, f"It is not finite at {np.sum(~finite)} of {len(finite)} states {where}.", place)
+    else:
+        report.ok(what, f"gives a finite number {where}.", place)
+
+
+def _states(
+    entry: Condition | Observable, happenings: Mapping[str, Happening], seen: Seen | None, samples: Samples
+) -> list[tuple[float, np.ndarray]]:
+    """Times and states of sample motions; without these any on the guard."""
+    happening = happenings.get(str(entry.at))
+    if happening is None:
+        return []
+    met = seen.events.get(str(entry.at), []) if seen is not None else []
+    states = (met or happening.before)[:MOST_STATES]
+    if entry.side == "after":
+        states = [(t, happening.jump.values(t, x, samples.values)) for t, x in states]
+    return [(t, x) for t, x in states if np.isfinite(x).all()]

@@ -1,0 +1,159 @@
+"""One motion of a hybrid machine for `contwalk simulate`, with both instants at each transition."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from contwalk.flow import dense
+from contwalk.flow.events import Event
+from contwalk.flow.hybrid import Arc, HybridMachine, applied, hybrid_machine, parts
+from contwalk.flow.hybrid_scales import magnitudes
+from contwalk.flow.settling import Settling
+from contwalk.system import System, Transition
+from contwalk.workflow.run_settings import ReportAt
+from contwalk.workflow.simulated import LONGEST, PARTS, Simulated
+
+
+@dataclass(frozen=True, eq=False)
+class Beginning:
+    """Where a hybrid motion sets out.
+
+    Parameters
+    ----------
+    state : ndarray, shape (n,)
+    mode : str
+    at : str, optional
+        A transition that happens first.
+    """
+
+    state: np.ndarray
+    mode: str
+    at: str | None = None
+
+
+def simulated(
+    system: System,
+    parameters: Mapping[str, float],
+    beginning: Beginning,
+    until: float | str,
+    tolerance: float,
+    method: str,
+    points: int,
+    place: ReportAt | None,
+    progress: Callable[[float], None],
+) -> Simulated:
+    """The motion until a time, or until it has settled.
+
+    Raises
+    ------
+    StartError
+        If a guard is past zero at the start.
+    """
+    watching, names = _with_sections(system, place)
+    machine = hybrid_machine(watching, parameters)
+    settles = until == "settled"
+    end = np.inf if settles else float(until)
+    found: list[Arc] = []
+    state, mode = machine.existing(beginning.mode, beginning.state), beginning.mode
+    if beginning.at is not None:
+        after = applied(machine, beginning.at, 0.0, state)
+        found.append(Arc(mode, np.zeros(1), state[None], transition=beginning.at, after=after))
+        state, mode = after, machine.transition(beginning.at).target
+    scales = [s.scale for s in system.states]
+    weights = magnitudes(machine, 0.0, state, mode, end, scales, method, beginning.at)
+    settling, settled = Settling([s.period for s in system.states]), False
+    steps = 0
+    for part in parts(machine, 0.0, state, mode, end, tolerance, weights, method, beginning.at):
+        found.append(part)
+        progress(float(part.times[-1]))
+        own = len(part.times) - 1
+        steps += own
+        if settles and own:
+            even = np.linspace(part.times[0], part.times[-1], PARTS * own + 1)
+            settled = settling.add(_between(machine, part, even, method), own)
+            if settled or steps >= LONGEST:
+                break
+    times, values, modes = _stored(machine, found, points, method)
+    return Simulated(
+        times=times,
+        values=values,
+        modes=modes,
+        events=[replace(e, name=names.get(e.name, e.name)) for e in _events(machine, found)],
+        status=found[-1].status,
+        reason=found[-1].reason,
+        settled=settled if settles else None,
+        steps=steps,
+        evaluations=sum(part.evaluations for part in found),
+    )
+
+
+def _with_sections(system: System, place: ReportAt | None) -> tuple[System, dict[str, str]]:
+    """The system with the section of `report_at` as watched transitions, and what they are called."""
+    if place is None or place.section is None:
+        return system, {}
+    name, level = place.section
+    column = system.state_names.index(name)
+
+    def passed(t: object, x: np.ndarray, p: object) -> float:
+        return x[column] - level
+
+    taken = {transition.name for transition in system.transitions}
+    added = []
+    for mode in system.modes:
+        if column in system.states_of(mode.name):
+            own = f"section_in_{mode.name}"
+            while own in taken:
+                own += "_"
+            direction = str(place.direction)
+            added.append(Transition(own, mode.name, mode.name, passed, direction, role="watched"))
+    watching = replace(system, transitions=(*system.transitions, *added))
+    return watching, {transition.name: f"{name} = {level:g}" for transition in added}
+
+
+def _between(machine: HybridMachine, part: Arc, at: np.ndarray, method: str) -> np.ndarray:
+    """Full-length states at instants of a part."""
+    flow = machine.mode(part.mode)
+    if len(part.times) == 1:
+        return np.repeat(part.states, len(at), axis=0)
+    states = dense(flow.field, flow.c, part.times, part.states[:, flow.states], at, method)
+    return machine.full(part.mode, states)
+
+
+def _events(machine: HybridMachine, found: list[Arc]) -> list[Event]:
+    """Everything that happened, with the mode after it."""
+    events = []
+    for part in found:
+        events += part.watched
+        if part.transition is not None and part.after is not None:
+            target = machine.transition(part.transition).target
+            time, before = float(part.times[-1]), part.states[-1]
+            events.append(Event(part.transition, time, part.rising, before, part.after, target))
+    return events
+
+
+def _stored(
+    machine: HybridMachine, found: list[Arc], points: int, method: str
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Evenly spaced instants and both sides of each transition: times, states, numbers of modes."""
+    grid = np.linspace(found[0].times[0], found[-1].times[-1], points)
+    numbers = [mode.name for mode in machine.system.modes]
+    times, values, modes = [], [], []
+    begins = True
+    for index, part in enumerate(found):
+        first, last = part.times[0], part.times[-1]
+        ends = part.transition is not None or index == len(found) - 1
+        at = grid[(grid > first) & (grid < last)]
+        met = begins or bool((grid == first).any())
+        at = np.concatenate([[first] if met else [], at, [last] if ends and last > first else []])
+        times.append(at)
+        values.append(_between(machine, part, at, method))
+        modes.append(np.full(len(at), numbers.index(part.mode)))
+        begins = part.transition is not None
+    if begins and found[-1].after is not None:
+        times.append(found[-1].times[-1:])
+        values.append(found[-1].after[None])
+        modes.append(np.array([numbers.index(machine.transition(str(found[-1].transition)).target)]))
+    return np.concatenate(times), np.concatenate(values), np.concatenate(modes)

@@ -1,0 +1,83 @@
+"""Numbers read off a step: at its impacts, or of the whole motion (t of shape (k,), x of shape (k, 7))."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contwalk.system import Observable
+
+from .impacts import heel_strike, knee_strike
+from .states import Q1, Q2
+
+
+def rolled(q: Any, p: Any) -> Any:
+    """Position of the hip along the slope (12), as the stance foot has rolled at the angle q."""
+    return -(p.l1 + p.l2) * np.sin(q) - p.lf * np.cos(q) - p.rf * q
+
+
+def _step_length(t: Any, x: Any, p: Any) -> Any:
+    """Way of the hip along the slope over a step that ends as it began: distance of the feet, and rolling."""
+    return rolled(x[Q1], p) - rolled(x[Q2], p)
+
+
+def _speed(t: Any, x: Any, p: Any) -> Any:
+    if len(t) == 1:
+        return 0.0
+    hip = rolled(x[:, Q1], p)
+    # At an impact two instants have one time; there the legs change names, and the hip stays where it is.
+    way = np.where(np.diff(t) > 0.0, np.diff(hip), 0.0)
+    return way.sum() / (t[-1] - t[0])
+
+
+def _friction_heel(t: Any, x: Any, p: Any) -> Any:
+    along, away = heel_strike(x, p).foot
+    return abs(along / away)
+
+
+def _friction_knee(t: Any, x: Any, p: Any) -> Any:
+    along, away = knee_strike(x, p).foot
+    return abs(along / away)
+
+
+def _impulse_heel(t: Any, x: Any, p: Any) -> Any:
+    return heel_strike(x, p).foot[1]
+
+
+def _impulse_knee(t: Any, x: Any, p: Any) -> Any:
+    return knee_strike(x, p).foot[1]
+
+
+def _impact_loss(t: Any, x: Any, p: Any) -> Any:
+    impact = heel_strike(x, p)
+    return impact.lost / impact.energy
+
+
+def _knee_loss(t: Any, x: Any, p: Any) -> Any:
+    impact = knee_strike(x, p)
+    return impact.lost / impact.energy
+
+
+OBSERVABLES = (
+    Observable(
+        "step_length",
+        _step_length,
+        "m",
+        "way along the slope in a step that repeats",
+        at="heel_strike",
+    ),
+    Observable("speed", _speed, "m/s", "mean speed along the slope"),
+    Observable(
+        "friction_heel", _friction_heel, "1", "friction needed at heel strike, |R_x / R_y|", at="heel_strike"
+    ),
+    Observable(
+        "friction_knee", _friction_knee, "1", "friction needed at knee strike, |R_x / R_y|", at="knee_strike"
+    ),
+    Observable("impulse_heel", _impulse_heel, "N s", "impulse R_y on the landing foot", at="heel_strike"),
+    Observable("impulse_knee", _impulse_knee, "N s", "impulse R_y on the stance foot", at="knee_strike"),
+    Observable(
+        "impact_loss", _impact_loss, "1", "share of the kinetic energy that is lost", at="heel_strike"
+    ),
+    Observable("knee_loss", _knee_loss, "1", "share of the kinetic energy that is lost", at="knee_strike"),
+)

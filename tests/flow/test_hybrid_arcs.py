@@ -1,0 +1,408 @@
+"""Motions with impacts and switches that are known in closed form."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from hybrid_systems import BALL, CHANGING, COUNTERS, DAMPER, KICKS, STOP, SWAP
+
+from contwalk.errors import StartError, SystemDefinitionError
+from contwalk.flow import METHODS, along
+from contwalk.flow.hybrid import applied, arcs, hybrid_machine
+from contwalk.system import Mode, State, System, Transition
+
+EPSILON = np.finfo(float).eps
+
+
+def machine(system, **values):
+    return hybrid_machine(system, {**system.defaults(), **values})
+
+
+def run(mover, x0, t1, *, t0=0.0, mode=None, tolerance=1e-11, method="dop853", just_after=None):
+    weights = np.ones(len(mover.system.states))
+    mode = mode or mover.system.modes[0].name
+    return list(arcs(mover, t0, np.array(x0), mode, t1, tolerance, weights, method, just_after))
+
+
+def times_of(found):
+    return np.array([arc.times[-1] for arc in found if arc.transition is not None])
+
+
+# -- one arc after the other ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_ball_hits_the_floor_when_it_must(method):
+    found = run(machine(BALL, e=0.8), [1.0, 0.0], 3.0, method=method)
+    fall = math.sqrt(2.0 / 10.0)
+    exact = [fall + 2 * fall * sum(0.8**j for j in range(1, k + 1)) for k in range(len(found) - 1)]
+    # Parabolas are integrated to rounding, and each impact adds some of it.
+    np.testing.assert_allclose(times_of(found), exact, rtol=0, atol=1e-13)
+    for arc in found[:-1]:
+        assert arc.transition == "impact"
+        assert not arc.rising
+        np.testing.assert_array_equal(arc.after, [arc.states[-1][0], -0.8 * arc.states[-1][1]])
+    for a, b in itertools.pairwise(found):
+        assert b.times[0] == a.times[-1]
+        np.testing.assert_array_equal(b.states[0], a.after)
+    last = found[-1]
+    assert (last.transition, last.after, last.status, last.times[-1]) == (None, None, "ok", 3.0)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_states_of_an_arc_are_those_of_its_steps(method):
+    mover = machine(STOP, e=0.7)
+    for arc in run(mover, [-1.0, 0.0], 10.0, method=method, tolerance=1e-8):
+        flow = mover.mode("free")
+        again = along(flow.field, flow.c, arc.times, arc.states[0], method)
+        # An implicit step's equations are solved from a guess that the step before has left.
+        allowed = 4 * EPSILON if method.startswith("radau") else 0.0
+        np.testing.assert_allclose(arc.states, again, rtol=0, atol=allowed)
+
+
+@pytest.mark.parametrize("restitution", [1.0, 0.999999])
+def test_a_hundred_impacts_with_hardly_a_loss(restitution):
+    found = run(machine(BALL, e=restitution), [0.0, 1.0], 20.0, just_after="impact")
+    assert len(found) == 100 + (restitution < 1)
+    exact = 0.2 * np.cumsum(restitution ** np.arange(len(found) - 1))
+    np.testing.assert_allclose(times_of(found), exact, rtol=0, atol=1e-12)
+
+
+def test_an_impact_that_grazes_is_not_missed_however_long_the_steps():
+    depth = 1e-10
+    mover = machine(STOP, gap=1.0 - depth)
+    for tolerance in (1e-3, 1e-6, 1e-12):
+        amplitude = 1.0
+        found = run(mover, [-amplitude, 0.0], 4.0, tolerance=tolerance)
+        assert [arc.transition for arc in found] == ["stop", None] or tolerance > 1e-8
+    # Where the error of the steps is far below the depth, the instant is that of the closed form.
+    at = math.pi - math.acos(1.0 - depth)
+    speed = math.sqrt(2.0 * depth)
+    assert found[0].times[-1] == pytest.approx(at, abs=1e-11 / speed)
+
+
+@pytest.mark.parametrize("depth", [1e-10, 1e-8, 1e-4])
+def test_a_grazing_impact_of_an_exact_path_is_found(depth):
+    """A parabola is integrated without error in steps of any length: the ball only just reaches the ceiling."""
+    ceiling = System(
+        "ceiling",
+        states=BALL.states,
+        parameters=BALL.parameters,
+        modes=BALL.modes,
+        transitions=(
+            Transition("touch", "flight", "flight", lambda t, x, p: p.floor - x[0], reset=BALL.transitions[0].reset),
+        ),
+    )  # fmt: skip
+    mover = machine(ceiling, e=1.0, floor=5.0 - depth)
+    found = run(mover, [0.0, 10.0], 50.0, tolerance=1e-3)
+    first = 1.0 - math.sqrt(depth / 5.0)
+    assert found[0].transition == "touch"
+    # Heights near 5 are known to some 1e-14; the slope of the guard is 10 (1 - first).
+    assert found[0].times[-1] == pytest.approx(first, abs=3e-14 / (10.0 * (1.0 - first)))
+    assert len(found) == 2
+
+
+def test_a_guard_on_a_motion_without_error_is_resolved():
+    # The field is zero: error control of the states alone would take one step through a thousand kicks.
+    mover = machine(KICKS)
+    found = run(mover, [0.0], 1000.0, tolerance=1e-8)
+    np.testing.assert_allclose(times_of(found), np.arange(1000) + 0.5, rtol=4 * EPSILON)
+    assert found[-1].states[-1][0] == 1000.0
+
+
+def test_fifty_impacts_per_period_on_a_moving_table():
+    period = 2.0 * math.pi
+    mover = machine(BALL, e=1.0, g=100.0, a=1e-3, omega=1.0)
+    flight = period / 50.0
+    found = run(mover, [0.0, 0.5 * 100.0 * flight], 3 * period, just_after="impact")
+    assert 145 <= len(found) <= 155
+    for arc in found[:-1]:
+        begin, end, (y, v) = arc.times[0], arc.times[-1], arc.states[0]
+        duration = end - begin
+        np.testing.assert_allclose(
+            arc.states[-1], [y + v * duration - 50.0 * duration**2, v - 100.0 * duration], atol=1e-12
+        )
+        assert abs(arc.states[-1][0] - 1e-3 * math.sin(end)) < 1e-13  # 6 m/s times the rounding of t = 20
+        inside = np.linspace(0.0, duration, 1000)[1:-1]
+        assert (y + v * inside - 50.0 * inside**2 > 1e-3 * np.sin(begin + inside)).all()
+
+
+def test_a_fast_table_under_a_high_flight_is_not_passed_through():
+    mover = machine(BALL, e=0.0, a=0.01, omega=400.0)
+    found = run(mover, [10.0, 0.0], 2.0, tolerance=1e-6)
+    at = found[0].times[-1]
+    times = np.linspace(0.0, at, 2_000_001)[:-1]
+    assert (10.0 - 5.0 * times**2 > 0.01 * np.sin(400.0 * times)).all()
+    assert 10.0 - 5.0 * at**2 == pytest.approx(0.01 * math.sin(400.0 * at), abs=1e-13)
+
+
+# -- several transitions -------------------------------------------------------------------------------------
+
+
+def test_two_events_a_picosecond_apart_are_two():
+    found = run(machine(COUNTERS), [0.5, 0.5 + 1e-12, 0.0], 0.7)
+    assert [arc.transition for arc in found] == ["a", "b", None]
+    assert found[1].times[-1] - found[0].times[-1] == pytest.approx(1e-12, abs=4 * EPSILON)
+    found = run(machine(COUNTERS), [0.5 + 1e-12, 0.5, 0.0], 0.7)
+    assert [arc.transition for arc in found] == ["b", "a", None]
+
+
+@pytest.mark.parametrize("apart", [0.0, 5e-17, -5e-17])
+def test_of_two_events_at_once_the_one_declared_first_happens_first(apart):
+    found = run(machine(COUNTERS), [0.5, 0.5 + apart, 0.0], 0.7)
+    assert [arc.transition for arc in found] == ["a", "b", None]
+    assert len(found[1].times) == 1
+    assert found[1].times[0] == found[0].times[-1]
+    np.testing.assert_allclose(found[-1].states[-1], [0.8, 1.8, 1.0], atol=1e-14)
+
+
+def test_a_guard_that_a_reset_carries_past_zero_happens_at_once():
+    def steps_down(t, x, p, x_plus):
+        x_plus[0] = 1.0
+        x_plus[1] = x[1] - 5.0
+        x_plus[2] = x[2]
+
+    first, second = COUNTERS.transitions
+    system = System(
+        "pushed",
+        COUNTERS.states,
+        (),
+        COUNTERS.modes,
+        (Transition("a", first.source, first.target, first.guard, reset=steps_down), second),
+    )
+    found = run(machine(system), [0.5, 3.0, 0.0], 0.7)
+    assert [arc.transition for arc in found] == ["a", "b", None]
+    np.testing.assert_allclose(found[-1].states[-1][:2], [0.8, 1.8], atol=1e-14)
+
+
+def test_soft_transitions_of_a_one_sided_damper():
+    d = 0.1
+    found = run(machine(DAMPER, d=d), [-1.0, 0.0], 20.0, mode="extending", tolerance=1e-13)
+    turn = math.sqrt(1.0 - d * d)
+    factor = math.exp(-d * math.pi / turn)
+    exact = np.cumsum([math.pi, math.pi / turn] * 4)[: len(found) - 1]
+    np.testing.assert_allclose(times_of(found), exact, rtol=0, atol=1e-11)
+    ends = [arc.states[-1][0] for arc in found[:-1]]
+    np.testing.assert_allclose(ends, [1, -factor, factor, -(factor**2), factor**2, -(factor**3)], atol=1e-11)
+    assert [arc.mode for arc in found[:3]] == ["extending", "compressing", "extending"]
+    for arc in found[:-1]:
+        np.testing.assert_array_equal(arc.after, arc.states[-1])
+
+
+def test_modes_have_states_of_their_own():
+    found = run(machine(CHANGING), [7.0, 1.0, 7.0], 9.0)  # what does not exist is not looked at
+    leaks, flies = math.log(2.0), 2.0
+    exact = np.cumsum([leaks, flies] * 4)[: len(found) - 1]
+    np.testing.assert_allclose(times_of(found), exact, rtol=0, atol=1e-9)
+    for arc in found:
+        absent = [0, 2] if arc.mode == "leaking" else [1]
+        assert not arc.states[:, absent].any()
+    np.testing.assert_allclose(found[0].after, [0.0, 0.0, 2.0], atol=1e-10)
+    np.testing.assert_array_equal(found[1].after, [0.0, 1.0, 0.0])
+
+
+def test_names_are_swapped_after_the_reset():
+    found = run(machine(SWAP), [0.5, 0.25], 3.0)
+    start, expected = np.array([0.5, 0.25]), []
+    for _ in found[:-1]:
+        duration = 1.0 - start[0]
+        start = np.array([start[1] * math.exp(-duration), 1.0])
+        expected.append(start)
+    np.testing.assert_allclose([arc.after for arc in found[:-1]], expected, atol=1e-9)
+
+
+def test_watched_transitions_are_reported_and_do_nothing():
+    found = run(machine(STOP, gap=0.5), [-1.0, 0.0], 6.0)
+    events = [event for arc in found for event in arc.watched]
+    assert {event.name for event in events} == {"middle"}
+    # It passes the middle after a quarter turn, hits the stop 30 degrees later, and turns back there.
+    exact = math.pi * np.array([1 / 2, 1 / 2 + 1 / 3, 3 / 2 + 1 / 3])
+    np.testing.assert_allclose([event.time for event in events], exact, atol=1e-10)
+    assert [event.rising for event in events] == [True, False, True]
+    np.testing.assert_array_equal(events[0].before, events[0].after)
+
+
+def test_applied_is_reset_and_relabelling():
+    np.testing.assert_array_equal(applied(machine(SWAP), "full", 0.0, np.array([1.0, 0.5])), [0.5, 1.0])
+    np.testing.assert_array_equal(applied(machine(CHANGING), "empty", 0.0, [9.0, 0.5, 9.0]), [0.0, 0.0, 2.0])
+
+
+# -- where it begins -----------------------------------------------------------------------------------------
+
+
+def test_a_start_past_a_guard_is_refused():
+    with pytest.raises(StartError, match=r"'impact' is -0.5 at the start") as caught:
+        run(machine(BALL), [-0.5, 0.0], 1.0)
+    assert "at: impact" in caught.value.remedy
+    assert "positive" in caught.value.remedy
+
+
+def test_a_start_on_a_guard_leaves_it_or_passes_it_at_once():
+    leaving = run(machine(BALL), [0.0, 1.0], 0.1)
+    assert [arc.transition for arc in leaving] == [None]
+    hitting = run(machine(BALL), [0.0, -1.0], 0.01)
+    assert [arc.transition for arc in hitting] == ["impact", None]
+    assert len(hitting[0].times) == 1
+    np.testing.assert_array_equal(hitting[0].after, [0.0, 0.5])
+
+
+def test_rounding_at_the_start_is_no_side():
+    found = run(machine(BALL, floor=0.1 + 0.2), [0.3, 1.0], 0.1)  # 0.3 - (0.1 + 0.2) = -5.6e-17
+    assert [arc.transition for arc in found] == [None]
+
+
+# -- what cannot go on ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("restitution", "floor", "error"), [
+    (0.5, 0.0, 1e-14), (0.9, 0.0, 1e-12), (0.99, 0.0, 1e-9), (1e-9, 0.0, 1e-15), (0.5, 1.0, 1e-9), (0.9, -3.0, 1e-8),
+])  # fmt: skip
+def test_chatter_is_named_with_the_instant_at_which_it_ends(restitution, floor, error):
+    found = run(machine(BALL, e=restitution, floor=floor), [floor + 1.0, 0.0], 1000.0)
+    fall = math.sqrt(0.2)
+    exact = fall + 2.0 * fall * restitution / (1.0 - restitution)
+    last = found[-1]
+    assert last.status == "chatter"
+    assert last.accumulation == pytest.approx(exact, abs=error * exact)
+    assert f"{last.accumulation:.15g}" in last.reason
+    assert "must declare a mode" in last.reason
+
+
+def test_a_ball_that_keeps_its_speed_long_is_no_chatter():
+    found = run(machine(BALL, e=0.999), [0.0, 1e-3], 0.1, just_after="impact")
+    assert found[-1].status == "ok"
+    assert len(found) > 500
+
+
+@pytest.mark.parametrize("floor", [0.0, 1.0])
+def test_without_restitution_the_ball_stays(floor):
+    found = run(machine(BALL, e=0.0, floor=floor), [1.0 + floor, 0.0], 10.0)
+    assert [arc.status for arc in found] == ["sticking"]
+    assert found[0].transition == "impact"
+    assert "must declare a mode" in found[0].reason
+    np.testing.assert_allclose(found[0].after, [floor, 0.0], atol=1e-15)
+
+
+def test_without_restitution_a_mass_that_its_spring_pulls_back_leaves():
+    found = run(machine(STOP, e=0.0, gap=0.5), [-1.0, 0.0], 20.0, tolerance=1e-13)
+    assert [arc.status for arc in found] == ["ok"] * len(found)
+    hit = math.pi - math.acos(0.5)
+    # It starts from the stop at rest, and comes back at rest after a whole turn.
+    np.testing.assert_allclose(times_of(found)[:1], hit, atol=1e-11)
+    assert found[1].times[-1] == pytest.approx(20.0)
+    t = found[1].times
+    np.testing.assert_allclose(found[1].states[:, 0], 0.5 * np.cos(t - hit), atol=1e-10)
+
+
+def test_a_reset_that_does_not_leave_its_guard_is_named():
+    kicked = System(
+        "kicked",
+        BALL.states,
+        BALL.parameters,
+        BALL.modes,
+        (Transition("through", "flight", "flight", BALL.transitions[0].guard),),
+    )
+    found = run(machine(kicked), [1.0, 0.0], 10.0)
+    assert found[-1].status == "sticking"
+    assert "'through'" in found[-1].reason
+    assert "correct the reset" in found[-1].reason
+
+
+def test_modes_that_hand_over_to_each_other_forever_are_named():
+    def right(t, x, p, dx):
+        dx[0] = -1.0
+
+    def left(t, x, p, dx):
+        dx[0] = 1.0
+
+    sliding = System(
+        "sliding",
+        (State("x"),),
+        (),
+        (Mode("right", right), Mode("left", left)),
+        (
+            Transition("to_left", "right", "left", lambda t, x, p: x[0]),
+            Transition("to_right", "left", "right", lambda t, x, p: x[0], "rising"),
+        ),
+    )
+    found = run(machine(sliding), [1.0], 10.0)
+    assert found[-1].status == "sticking"
+    assert found[-1].times[-1] == pytest.approx(1.0)
+    assert "without any time between them" in found[-1].reason
+
+
+def test_a_rocking_block_comes_to_rest_by_impacts_on_both_sides():
+    def tips_right(t, x, p, dx):
+        dx[0] = x[1]
+        dx[1] = -1.0
+
+    def tips_left(t, x, p, dx):
+        dx[0] = x[1]
+        dx[1] = 1.0
+
+    def slower(t, x, p, x_plus):
+        x_plus[0] = x[0]
+        x_plus[1] = 0.5 * x[1]
+
+    block = System(
+        "block",
+        (State("angle"), State("rate")),
+        (),
+        (Mode("right", tips_right), Mode("left", tips_left)),
+        (
+            Transition("down_right", "right", "left", lambda t, x, p: x[0], reset=slower),
+            Transition("down_left", "left", "right", lambda t, x, p: x[0], "rising", reset=slower),
+        ),
+    )
+    found = run(machine(block), [0.5, 0.0], 10.0, mode="right")
+    assert found[-1].status == "chatter"
+    assert found[-1].accumulation == pytest.approx(1.0 + 2.0, abs=1e-13)
+
+
+def test_a_field_that_ends_is_named():
+    def blows_up(t, x, p, dx):
+        dx[0] = x[0] * x[0]
+
+    system = System("up", (State("x"),), (), (Mode("up", blows_up),), (
+        Transition("never", "up", "up", lambda t, x, p: x[0] + 1.0),
+    ))  # fmt: skip
+    found = run(machine(system), [1.0], 2.0)
+    assert found[-1].status in ("not_finite", "step_too_small")
+    assert "mode 'up'" in found[-1].reason
+
+
+def test_a_reset_without_a_value_is_named():
+    def fails(t, x, p, x_plus):
+        x_plus[0] = math.sqrt(x[0] - 1.0)
+
+    def down(t, x, p, dx):
+        dx[0] = -1.0
+
+    system = System("down", (State("x"),), (), (Mode("on", down),), (
+        Transition("zero", "on", "on", lambda t, x, p: x[0], reset=fails),
+    ))  # fmt: skip
+    found = run(machine(system), [1.0], 2.0)
+    assert (found[-1].status, found[-1].transition) == ("not_finite", "zero")
+    assert "after transition 'zero'" in found[-1].reason
+
+
+def test_a_reset_that_leaves_out_a_state_is_refused():
+    def half(t, x, p, x_plus):
+        x_plus[0] = x[0]
+
+    system = System("half", BALL.states, BALL.parameters, BALL.modes, (
+        Transition("impact", "flight", "flight", BALL.transitions[0].guard, reset=half),
+    ))  # fmt: skip
+    with pytest.raises(SystemDefinitionError, match=r"does not write x_plus\[1\] \(state v\)"):
+        run(machine(system), [1.0, 0.0], 2.0)
+
+
+def test_an_arc_without_end_is_given_up():
+    mover, weights = machine(STOP, gap=2.0), np.ones(2)
+    (only,) = arcs(mover, 0.0, np.array([1.0, 0.0]), "free", np.inf, 1e-6, weights, most_steps=500)
+    assert only.status == "too_many_steps"
+    assert 500 <= len(only.times) - 1 < 600
+    assert "met no transition" in only.reason
