@@ -49,7 +49,13 @@ def group(context: click.Context) -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run the command line and leave the process with its exit code."""
+    """Run the command line and leave the process with its exit code.
+
+    Matrices are small here: threads of the linear algebra would cost more than they gain, and share the
+    processor with nobody's good. Whoever wants them sets the variables.
+    """
+    for library in ("OPENBLAS", "MKL", "OMP"):
+        os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     sys.exit(run(arguments))
 
 

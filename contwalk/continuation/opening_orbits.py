@@ -14,7 +14,7 @@ from contwalk.continuation.settings import Settings
 from contwalk.errors import NotFinite, PluginError, StartError
 from contwalk.problems.hybrid.beginning import lap_from, orbit_of
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
-from contwalk.problems.hybrid.switching import discretized, halved
+from contwalk.problems.hybrid.switching import discretized, divided
 from contwalk.problems.hybrid.word import named_word
 from contwalk.problems.orbit.beginning import orbit_at, symmetric
 from contwalk.problems.orbit.discretization import Discretization
@@ -126,8 +126,9 @@ def _hybrid(problem: HybridOrbit, z: np.ndarray, settings: Settings) -> Opening 
     word = ", ".join(problem.word.signature) or "no events"
     if not isinstance(here, Here):
         return outcomes.no_start(here.reason, f"{here.sentence} (word: {word})", "a periodic orbit")
-    if problem.fallen_back(here.sample.z):  # it was looked at for twice its period
-        return _hybrid(*halved(problem, here.sample.z), settings)
+    times = problem.repeats(here.sample.z)
+    if times > 1:  # it was looked at for longer than its period
+        return _hybrid(*divided(problem, here.sample.z, times), settings)
     adapted, sample = problem.adapted(here.sample)
     lost = [problem.limits[k].name for k in np.flatnonzero(sample.margins < -NO_MARGIN)]
     message = ""

@@ -28,25 +28,25 @@ _evaluate = caller("v", "qdqq")
 
 
 @inlined
-def _place(p: Any, number: int) -> int:
+def place(p: Any, number: int) -> int:
     """Address of a vector of the memory of the method."""
     return p[plan.WORK] + 8 * number * p[plan.LENGTH]
 
 
 @inlined
-def _copy(source: int, target: int, length: int) -> None:
+def copy(source: int, target: int, length: int) -> None:
     given, written = doubles(source, length), doubles(target, length)
     for i in range(length):
         written[i] = given[i]
 
 
 @inlined
-def _first_stage(p: Any, t: float, vector: int) -> None:
-    _evaluate(p[plan.EVALUATE], p[plan.PROBLEM], t, _place(p, vector), _place(p, FIRST))
+def first_stage(p: Any, t: float, vector: int) -> None:
+    _evaluate(p[plan.EVALUATE], p[plan.PROBLEM], t, place(p, vector), place(p, FIRST))
 
 
 @inlined
-def _step(p: Any, t: float, h: float) -> None:
+def step(p: Any, t: float, h: float) -> None:
     _call_step(p[plan.STEP], t, h, p[plan.LENGTH], p[plan.WORK], p[plan.EVALUATE], p[plan.PROBLEM])
 
 
@@ -58,7 +58,7 @@ def _error(p: Any, t: float, h: float) -> float:
 
 
 @inlined
-def _finite(vector: Any) -> bool:
+def finite(vector: Any) -> bool:
     total = 0.0
     for i in range(len(vector)):
         total += 0.0 * vector[i]
@@ -85,8 +85,8 @@ def _size(a: Any, scale: Any) -> float:
 def _first_length(p: Any, t: float, t1: float, order: float, tolerance: float) -> float:
     """A first step, from the sizes of the first and second derivatives (Hairer, Norsett, Wanner, II.4)."""
     m, scale = p[plan.LENGTH], doubles(p[plan.INVERSE_WEIGHTS], p[plan.LENGTH])
-    y, stage = doubles(_place(p, Y), m), doubles(_place(p, STAGE), m)
-    k0, k1 = doubles(_place(p, FIRST), m), doubles(_place(p, FIRST + 1), m)
+    y, stage = doubles(place(p, Y), m), doubles(place(p, STAGE), m)
+    k0, k1 = doubles(place(p, FIRST), m), doubles(place(p, FIRST + 1), m)
     size, slope = _size(y, scale) / tolerance, _size(k0, scale) / tolerance
     span = abs(t1 - t)
     h = 0.01 * size / slope if size > 1e-5 and slope > 1e-5 else 1e-6 * span
@@ -122,19 +122,19 @@ def _is_stiff(p: Any, h: float, stable: float) -> bool:
     """
     scale = doubles(p[plan.INVERSE_WEIGHTS], p[plan.LENGTH])
     m = p[plan.LENGTH]
-    end, stage = doubles(_place(p, NEXT), m), doubles(_place(p, STAGE), m)
+    end, stage = doubles(place(p, NEXT), m), doubles(place(p, STAGE), m)
     apart = _distance(end, stage, scale)
     if apart <= 100.0 * EPSILON * _size(end, scale):  # rounding
         return False
-    slope, former = doubles(_place(p, FIRST), m), doubles(_place(p, p[plan.LAST_STAGE]), m)
+    slope, former = doubles(place(p, FIRST), m), doubles(place(p, p[plan.LAST_STAGE]), m)
     return abs(h) * _distance(slope, former, scale) > stable * apart
 
 
 @inlined
-def _keep(p: Any, step: int) -> None:
+def _keep(p: Any, node: int) -> None:
     """The end of a step becomes the state, and is written down."""
-    _copy(_place(p, NEXT), _place(p, Y), p[plan.LENGTH])
-    _copy(_place(p, NEXT), p[plan.NODES] + 8 * step * p[plan.LENGTH], p[plan.LENGTH])
+    copy(place(p, NEXT), place(p, Y), p[plan.LENGTH])
+    copy(place(p, NEXT), p[plan.NODES] + 8 * node * p[plan.LENGTH], p[plan.LENGTH])
 
 
 @inlined
@@ -142,6 +142,53 @@ def _factor(error: float, former: float, order: float) -> float:
     """By how much the next step may be longer: proportional and integral control (Gustafsson)."""
     factor = (error / TARGET) ** (-0.7 / order) * (former / TARGET) ** (0.4 / order)
     return min(MOST_GROWTH, max(MOST_SHRINKAGE, factor))
+
+
+@inlined
+def accepted_step(p: Any, t1: float, tolerance: float, order: float, stable: float) -> int:
+    """Try lengths until a step towards t1 is allowed; `plan.DONE` when it is.
+
+    The first stage is that of the state `Y`, at the time in the memory. When the step is allowed, its end is
+    in `NEXT`, the first stage is that of the end, and the memory is that of the end.
+    """
+    memory, counts = doubles(p[plan.MEMORY], plan.MEMORY_LENGTH), integers(p[plan.COUNTS], plan.COUNTS_LENGTH)
+    t, h, former = memory[0], memory[1], memory[2]
+    undefined, after_rejection = memory[3] != 0.0, False
+    if h == 0.0:
+        h = _first_length(p, t, t1, order, tolerance)
+        counts[plan.EVALUATIONS] += 1
+    while True:
+        end = _end(t, t1, h)
+        length = end - t
+        if length == 0.0 or (abs(length) < ROUNDINGS * EPSILON * abs(t) and end != t1):
+            return plan.NOT_FINITE if undefined else plan.STEP_TOO_SMALL
+        step(p, t, length)
+        error = _error(p, t, length) / tolerance
+        counts[plan.EVALUATIONS] += p[plan.LAST_STAGE] - FIRST
+        accepted = error <= 1.0
+        if accepted:
+            first_stage(p, end, NEXT)
+            counts[plan.EVALUATIONS] += 1
+            if not (
+                finite(doubles(place(p, NEXT), p[plan.LENGTH]))
+                and finite(doubles(place(p, FIRST), p[plan.LENGTH]))
+            ):
+                error, accepted = math.nan, False
+                first_stage(p, t, Y)
+                counts[plan.EVALUATIONS] += 1
+        if accepted:
+            break
+        counts[plan.REJECTED] += 1
+        after_rejection = True
+        undefined = not error < math.inf
+        factor = min(LEAST_SHRINKAGE, _factor(error, TARGET, order))
+        h = abs(length) * (SHRINKAGE_WHERE_UNDEFINED if undefined else factor)
+    if _is_stiff(p, length, stable):
+        counts[plan.STIFF] += 1
+    factor = _factor(error, former if former > 0.0 else max(error, 1e-4), order)
+    memory[0], memory[1] = end, abs(length) * (min(factor, 1.0) if after_rejection else factor)
+    memory[2], memory[3] = max(error, 1e-4), 0.0
+    return plan.DONE
 
 
 def adaptive(address: int, t1: float, tolerance: float, order: float, stable: float) -> int:
@@ -152,54 +199,21 @@ def adaptive(address: int, t1: float, tolerance: float, order: float, stable: fl
     p = integers(address, plan.PLAN_LENGTH)
     memory, counts = doubles(p[plan.MEMORY], plan.MEMORY_LENGTH), integers(p[plan.COUNTS], plan.COUNTS_LENGTH)
     times = doubles(p[plan.TIMES], p[plan.ROOM] + 1)
-    t, h, former = memory[0], memory[1], memory[2]
-    undefined, after_rejection = memory[3] != 0.0, False
-    _first_stage(p, t, Y)
+    first_stage(p, memory[0], Y)
     counts[plan.EVALUATIONS] += 1
-    if not _finite(doubles(_place(p, FIRST), p[plan.LENGTH])):
+    if not finite(doubles(place(p, FIRST), p[plan.LENGTH])):
         return plan.NOT_FINITE
-    if h == 0.0 and t != t1:
-        h = _first_length(p, t, t1, order, tolerance)
-        counts[plan.EVALUATIONS] += 1
-    while t != t1:
+    while memory[0] != t1:
         if counts[plan.STEPS] >= p[plan.MOST_STEPS]:
             return plan.TOO_MANY_STEPS
         if counts[plan.STEPS] >= p[plan.ROOM]:
-            memory[0], memory[1], memory[2], memory[3] = t, h, former, 1.0 if undefined else 0.0
             return plan.FULL
-        end = _end(t, t1, h)
-        length = end - t
-        if length == 0.0 or (abs(length) < ROUNDINGS * EPSILON * abs(t) and end != t1):
-            return plan.NOT_FINITE if undefined else plan.STEP_TOO_SMALL
-        _step(p, t, length)
-        error = _error(p, t, length) / tolerance
-        counts[plan.EVALUATIONS] += p[plan.LAST_STAGE] - FIRST
-        accepted = error <= 1.0
-        if accepted:
-            _first_stage(p, end, NEXT)
-            counts[plan.EVALUATIONS] += 1
-            if not (
-                _finite(doubles(_place(p, NEXT), p[plan.LENGTH]))
-                and _finite(doubles(_place(p, FIRST), p[plan.LENGTH]))
-            ):
-                error, accepted = math.nan, False
-                _first_stage(p, t, Y)
-                counts[plan.EVALUATIONS] += 1
-        if not accepted:
-            counts[plan.REJECTED] += 1
-            after_rejection = True
-            undefined = not error < math.inf
-            factor = min(LEAST_SHRINKAGE, _factor(error, TARGET, order))
-            h = abs(length) * (SHRINKAGE_WHERE_UNDEFINED if undefined else factor)
-            continue
-        if _is_stiff(p, length, stable):
-            counts[plan.STIFF] += 1
+        status = accepted_step(p, t1, tolerance, order, stable)
+        if status != plan.DONE:
+            return status
         counts[plan.STEPS] += 1
         _keep(p, counts[plan.STEPS])
-        times[counts[plan.STEPS]] = end
-        factor = _factor(error, former if former > 0.0 else max(error, 1e-4), order)
-        h = abs(length) * (min(factor, 1.0) if after_rejection else factor)
-        t, former, after_rejection, undefined = end, max(error, 1e-4), False, False
+        times[counts[plan.STEPS]] = memory[0]
     return plan.DONE
 
 
@@ -210,8 +224,8 @@ def march(address: int) -> int:
     times, errors = doubles(p[plan.TIMES], steps + 1), doubles(p[plan.ERRORS], steps)
     for i in range(steps):
         t, h = times[i], times[i + 1] - times[i]
-        _first_stage(p, t, Y)
-        _step(p, t, h)
+        first_stage(p, t, Y)
+        step(p, t, h)
         if p[plan.ERRORS] != 0:
             errors[i] = _error(p, t, h)
         _keep(p, i + 1 if p[plan.EVERY] != 0 else 0)
@@ -223,11 +237,11 @@ def leap(address: int, targets: int) -> int:
     p = integers(address, plan.PLAN_LENGTH)
     which, until = integers(p[plan.WHICH], p[plan.ROOM]), doubles(targets, p[plan.ROOM])
     for j in range(p[plan.ROOM]):
-        _copy(p[plan.NODES] + 8 * which[j] * p[plan.N], _place(p, Y), p[plan.N])
+        copy(p[plan.NODES] + 8 * which[j] * p[plan.N], place(p, Y), p[plan.N])
         t = doubles(p[plan.TIMES], which[j] + 1)[which[j]]
-        _first_stage(p, t, Y)
-        _step(p, t, until[j] - t)
-        _copy(_place(p, NEXT), p[plan.OUT] + 8 * j * p[plan.LENGTH], p[plan.LENGTH])
+        first_stage(p, t, Y)
+        step(p, t, until[j] - t)
+        copy(place(p, NEXT), p[plan.OUT] + 8 * j * p[plan.LENGTH], p[plan.LENGTH])
     return plan.DONE
 
 
@@ -237,11 +251,11 @@ def stages_of(address: int) -> int:
     which = integers(p[plan.WHICH], p[plan.ROOM])
     size = (p[plan.VECTORS] - FIRST) * p[plan.LENGTH]
     for j in range(p[plan.ROOM]):
-        _copy(p[plan.NODES] + 8 * which[j] * p[plan.N], _place(p, Y), p[plan.N])
+        copy(p[plan.NODES] + 8 * which[j] * p[plan.N], place(p, Y), p[plan.N])
         times = doubles(p[plan.TIMES], which[j] + 2)
         t, h = times[which[j]], times[which[j] + 1] - times[which[j]]
-        _first_stage(p, t, Y)
-        _step(p, t, h)
+        first_stage(p, t, Y)
+        step(p, t, h)
         _call_step(p[plan.EXTEND], t, h, p[plan.LENGTH], p[plan.WORK], p[plan.EVALUATE], p[plan.PROBLEM])
-        _copy(_place(p, FIRST), p[plan.OUT] + 8 * j * size, size)
+        copy(place(p, FIRST), p[plan.OUT] + 8 * j * size, size)
     return plan.DONE

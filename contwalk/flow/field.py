@@ -216,6 +216,18 @@ class Field:
         """f, shape (m,); NaN throughout where one entry does not exist."""
         return self._called(self._rhs_function, t, x, c, self.m)
 
+    def along(self, times: np.ndarray, states: np.ndarray, c: np.ndarray) -> np.ndarray:
+        """f at many instants: times (k,), states (k, n) -> (k, m)."""
+        times = np.asarray(times, dtype=float)
+        states = np.ascontiguousarray(states, dtype=float)
+        if states.shape != (len(times), self.n) or c.shape != (max(self.constant_count, 1),):
+            raise ValueError(f"states {states.shape} and {c.shape} constants for {len(times)} times")
+        out, call, given = np.empty((len(times), self.m)), self._rhs_function, c.ctypes.data
+        state, result, width, size = states.ctypes.data, out.ctypes.data, 8 * self.n, 8 * self.m
+        for k, t in enumerate(times.tolist()):
+            call(t, state + k * width, given, result + k * size)
+        return out
+
     def jacobian(self, t: float, x: Sequence[float] | np.ndarray, c: np.ndarray) -> np.ndarray:
         """Exact derivatives by the states and the columns, shape (m, n + k); NaN where they do not exist."""
         out = self._called(self._rhs_jac_function, t, x, c, self.m + len(self.col))

@@ -78,7 +78,7 @@ class HybridCode:
         return self._modes[name]
 
     def jump(self, transition: Transition) -> Field:
-        """Reset, then relabelling: from (t, x) in the source's states to the states of the target."""
+        """Reset, then relabelling: from (t, x) in the source's states to the target's, and the guard last."""
         if transition.name not in self._jumps:
             program = _jump_program(self.system, transition)
             self._jumps[transition.name] = _of_time_and_state(self.system, transition.source, program)
@@ -134,17 +134,19 @@ def _resolving_program(system: System, mode: str) -> Program:
 
 
 def _jump_program(system: System, transition: Transition) -> Program:
-    """The states of the target after reset and relabelling."""
+    """The states of the target after reset and relabelling, and the guard before them."""
+    guard = rebound(transition.guard)
     reset = None if transition.reset is None else rebound(transition.reset)
     relabel = next((rebound(s.map) for s in system.symmetries if s.name == transition.relabel), None)
 
     def after(tracer: Tracer) -> list[Any]:
         t, x, p = arguments(tracer, system, transition.source)
+        value = guard(t, x, p)
         if reset is not None:
             x = _written(tracer, reset, t, x, p)
         if relabel is not None:
             x = _written(tracer, relabel, t, x, p)
-        return [x[i] for i in system.states_of(transition.target)]
+        return [*(x[i] for i in system.states_of(transition.target)), value]
 
     program = trace(after)
     _refuse_unwritten(system, transition, program)

@@ -104,7 +104,8 @@ class HybridMachine:
     def jump(self, name: str) -> tuple[Field, np.ndarray]:
         """Reset and relabelling of a transition as a map, and its constants.
 
-        The map's inputs are the time and the states of the source, its outputs the states of the target.
+        The map's inputs are the time and the states of the source, its outputs the states of the target and,
+        last, the guard.
         """
         if name not in self._constants:
             self._constants[name] = self.code.jump(self.transition(name)).constants(self.p)
@@ -131,7 +132,7 @@ def applied(machine: HybridMachine, transition: str, t: float, x: np.ndarray) ->
     jump, c = machine.jump(transition)
     ends = machine.transition(transition)
     before = np.asarray(x, dtype=float)[machine.mode(ends.source).states]
-    return machine.full(ends.target, jump(0.0, np.concatenate([[t], before]), c))
+    return machine.full(ends.target, jump(0.0, np.concatenate([[t], before]), c)[:-1])
 
 
 def landed(machine: HybridMachine, transition: str, t: float, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -146,6 +147,6 @@ def landed(machine: HybridMachine, transition: str, t: float, x: np.ndarray) -> 
     at, rounding = np.concatenate([[t], before]), EPSILON * abs(t)
     moved = np.abs(source.field(t, before, source.c)) * rounding
     given = np.concatenate([[rounding], EPSILON * np.abs(before) + moved])
-    after = jump(0.0, at, c)
-    noise = EPSILON * np.abs(after) + np.abs(jump.jacobian(0.0, at, c)) @ given
+    after = jump(0.0, at, c)[:-1]
+    noise = EPSILON * np.abs(after) + np.abs(jump.jacobian(0.0, at, c)[:-1]) @ given
     return machine.full(ends.target, after), machine.full(ends.target, noise)

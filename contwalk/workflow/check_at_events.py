@@ -36,7 +36,7 @@ def check_at_event(
     form = number_form("function(t, x, p)")
     if traced(report, what, entry.function, system, form, mode=mode) is None:
         return
-    states = _states(entry, happenings, seen, samples)
+    states = _states(entry, system, happenings, seen, samples)
     if not states:
         report.ok(what, f"not checked: no state at '{entry.at}' was found.", place)
         return
@@ -65,7 +65,11 @@ def check_at_event(
 
 
 def _states(
-    entry: Condition | Observable, happenings: Mapping[str, Happening], seen: Seen | None, samples: Samples
+    entry: Condition | Observable,
+    system: System,
+    happenings: Mapping[str, Happening],
+    seen: Seen | None,
+    samples: Samples,
 ) -> list[tuple[float, np.ndarray]]:
     """Times and states of sample motions; without these any on the guard."""
     happening = happenings.get(str(entry.at))
@@ -74,5 +78,8 @@ def _states(
     met = seen.events.get(str(entry.at), []) if seen is not None else []
     states = (met or happening.before)[:MOST_STATES]
     if entry.side == "after":
-        states = [(t, happening.jump.values(t, x, samples.values)) for t, x in states]
+        from contwalk.flow.hybrid_machine import applied, hybrid_machine  # compiled flows
+
+        machine = hybrid_machine(system, samples.parameters)
+        states = [(t, applied(machine, str(entry.at), t, x)) for t, x in states]
     return [(t, x) for t, x in states if np.isfinite(x).all()]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +13,7 @@ from contwalk.system import System, Transition
 from contwalk.workflow.check_findings import Report, place_of
 from contwalk.workflow.check_functions import EPSILON, check_guard, check_map
 from contwalk.workflow.check_samples import Samples
-from contwalk.workflow.check_traced import Traced, number_form, vector_form
+from contwalk.workflow.check_traced import Traced, vector_form
 
 TRIES = 40
 ITERATIONS = 30
@@ -23,28 +23,10 @@ _SEED = 21
 
 
 @dataclass(frozen=True, eq=False)
-class Jump:
-    """What a transition makes of a state: reset, then relabelling; None where there is none."""
-
-    transition: Transition
-    reset: Traced | None
-    relabel: Traced | None
-    target: np.ndarray
-
-    def values(self, t: float, x: np.ndarray, parameters: Sequence[float]) -> np.ndarray:
-        """The state after it; NaN where there is none."""
-        for part in (self.reset, self.relabel):
-            x = x if part is None else part.values(t, x, parameters)
-        return np.where(self.target, x, 0.0)
-
-
-@dataclass(frozen=True, eq=False)
 class Happening:
-    """A transition that can be used: its guard, its jump, and times and states (full length) right before it."""
+    """A transition that can be used, with times and full states right before it."""
 
     transition: Transition
-    guard: Traced
-    jump: Jump
     before: list[tuple[float, np.ndarray]]
 
 
@@ -53,34 +35,33 @@ def check_transition(
 ) -> Happening | None:
     """Check the guard and the reset of a transition, and both together; None where they cannot be used."""
     guard = check_guard(report, f"guard of transition '{transition.name}'", transition, system, samples)
-    jump = _check_jump(report, transition, system, samples)
-    if guard is None or jump is None or not {transition.source, transition.target} <= set(fields):
+    sound = _check_reset(report, transition, system, samples)
+    if guard is None or not sound or not {transition.source, transition.target} <= set(fields):
         return None
-    before = _states_at_event(transition, guard, fields[transition.source], samples)
+    happening = Happening(transition, _states_at_event(transition, guard, fields[transition.source], samples))
     if transition.role != "watched" and transition.reset is not None:
-        _check_leaving(report, transition, jump, before, fields[transition.target], samples, system)
-    return Happening(transition, guard, jump, before)
+        _check_leaving(report, happening, system, samples)
+    return happening
 
 
-def _check_jump(report: Report, transition: Transition, system: System, samples: Samples) -> Jump | None:
+def _check_reset(report: Report, transition: Transition, system: System, samples: Samples) -> bool:
     """Check the reset, if there is one; what is wrong with the relabelling is found with the symmetry."""
-    into = system.states_of(transition.target)
-    target = np.isin(np.arange(len(system.states)), into)
-    relabel = None
+    needed: Collection[int] = system.states_of(transition.target)
     if transition.relabel is not None:
         own = next(s for s in system.symmetries if s.name == transition.relabel)
         try:
             relabel = Traced(own.map, system, vector_form(system, "map", "x_image"))
         except ContwalkError:
-            return None
+            return False
+        if relabel.unwritten or not relabel.outputs():
+            return False
+        needed = _read(relabel, system.states_of(transition.target))
     if transition.reset is None:
-        return Jump(transition, None, relabel, target)
-    needed = set(into) if relabel is None else _read(relabel, into)
-    all_needed = len(needed) == len(system.states)
-    form = vector_form(system, "reset", "x_plus", None if all_needed else needed)
+        return True
+    every = len(needed) == len(system.states)
+    form = vector_form(system, "reset", "x_plus", None if every else needed)
     what, source = f"reset of transition '{transition.name}'", transition.source
-    reset = check_map(report, what, transition.reset, system, samples, form, source)
-    return None if reset is None else Jump(transition, reset, relabel, target)
+    return check_map(report, what, transition.reset, system, samples, form, source) is not None
 
 
 def _read(relabel: Traced, into: Sequence[int]) -> set[int]:
@@ -91,24 +72,15 @@ def _read(relabel: Traced, into: Sequence[int]) -> set[int]:
     return {k for leaf in rows for row in leaf for k in row}
 
 
-def _check_leaving(
-    report: Report,
-    transition: Transition,
-    jump: Jump,
-    events: list[tuple[float, np.ndarray]],
-    field: Traced,
-    samples: Samples,
-    system: System,
-) -> None:
+def _check_leaving(report: Report, happening: Happening, system: System, samples: Samples) -> None:
     """After its own reset a guard that is armed again must be off zero on the right side, or leaving it."""
+    transition = happening.transition
     what, place = f"reset of transition '{transition.name}'", place_of(transition.reset)
     if not any(t.source == transition.target and t.guard is transition.guard for t in system.transitions):
         report.ok(what, "leads to a mode in which its guard is not armed.", place)
         return
-    guard = Traced(transition.guard, system, number_form("guard(t, x, p)"), mode=transition.target)
-    after = [_departure(transition, guard, jump, field, t, x, samples) for t, x in events]
-    known = [departure for departure in after if np.isfinite(departure)]
-    leaving = sum(departure > 0.0 for departure in known)
+    known = _left_behind(happening, system, samples)
+    leaving = sum(known)
     if not known:
         report.ok(
             what, "not checked whether its guard is left behind: no state at the event was found.", place
@@ -162,26 +134,24 @@ def _onto(guard: Traced, t: float, x: np.ndarray, samples: Samples) -> np.ndarra
     return None
 
 
-def _departure(
-    transition: Transition,
-    guard: Traced,
-    jump: Jump,
-    field: Traced,
-    t: float,
-    x: np.ndarray,
-    samples: Samples,
-) -> float:
-    """Positive where the guard is left behind after the reset; NaN where that has no value."""
-    after = jump.values(t, x, samples.values)
-    value = guard.values(t, after, samples.values)[0]
-    if not np.isfinite(value):
-        return np.nan
-    rate = _rate(guard, field, t, after, samples)
-    zero = abs(value) <= FACTOR * _level(guard, t, after, samples)
-    if transition.direction == "both":
-        return abs(rate) if zero else abs(value)
-    away = 1.0 if transition.direction == "falling" else -1.0
-    return away * (rate if zero else value)
+def _left_behind(happening: Happening, system: System, samples: Samples) -> list[bool]:
+    """For each state at the event whether a motion goes on after it, where that can be said."""
+    from contwalk.flow.departure import CLEAR, LEAVING, UNDEFINED, departures  # compiled flows
+    from contwalk.flow.hybrid_machine import hybrid_machine, landed
+
+    transition, machine = happening.transition, hybrid_machine(system, samples.parameters)
+    flow, found = machine.mode(transition.target), []
+    numbers = [i for i, t in enumerate(flow.transitions) if t.guard is transition.guard]
+    for t, x in happening.before:
+        after, noise = landed(machine, transition.name, t, x)
+        if not np.isfinite(after).all():
+            continue
+        own = [flow.transitions[i].name for i in numbers]
+        standing = departures(flow, t, after[flow.states], noise[flow.states], own)
+        kinds = {standing[i].kind for i in numbers}
+        if UNDEFINED not in kinds:
+            found.append(kinds <= {CLEAR, LEAVING})
+    return found
 
 
 def _rate(guard: Traced, field: Traced, t: float, x: np.ndarray, samples: Samples) -> float:

@@ -95,10 +95,11 @@ def _tell(report: Report, system: System, seen: Seen) -> None:
     what, before = "sample motions", len(report.findings)
     for transition in system.acting:
         rates = seen.rates.get(transition.name, [])
-        if rates and max(rates) < TRANSVERSAL:
+        typical = float(np.median(rates)) if rates else 1.0
+        if typical < TRANSVERSAL:
             report.error(
                 f"guard of transition '{transition.name}'",
-                f"It reaches zero with a rate of {max(rates):.1g} of the largest on the way there, at all "
+                f"It reaches zero with a rate of {typical:.1g} of the largest on the way there, at the "
                 f"{len(rates)} events of sample motions: it does not pass zero, it only comes to it. "
                 "Return a number that passes zero evenly, as a distance does and its cube does not.",
                 place_of(transition.guard),

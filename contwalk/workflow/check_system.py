@@ -12,14 +12,14 @@ from pathlib import Path
 from typing import Any
 
 from contwalk.errors import ContwalkError
-from contwalk.system import Family, System, list_systems
+from contwalk.system import Condition, Family, Observable, System, list_systems
 from contwalk.system.loading import is_path, load_declaration
 from contwalk.workflow import check_declarations as declarations
 from contwalk.workflow.check_at_events import check_at_event
 from contwalk.workflow.check_events import Happening, check_transition
 from contwalk.workflow.check_findings import Finding, Report, place_of, place_of_error, split_place
 from contwalk.workflow.check_functions import check_field, check_map
-from contwalk.workflow.check_samples import samples_of
+from contwalk.workflow.check_samples import Samples, samples_of
 from contwalk.workflow.check_symmetry import check_symmetry
 from contwalk.workflow.check_traced import vector_form
 
@@ -106,7 +106,9 @@ def check_system(system: System, sources: Sequence[Path] = (), model: str = "") 
     for observable in system.observables:
         if observable.at is None:
             declarations.check_observable(report, observable, system, samples)
-    for entry in (*system.conditions, *(o for o in system.observables if o.at is not None)):
+    at_events: list[Condition | Observable] = [*system.conditions]
+    at_events += [observable for observable in system.observables if observable.at is not None]
+    for entry in at_events:
         check_at_event(report, entry, system, happenings, seen, samples)
     for start in system.starts:
         declarations.check_start(report, start, system, fields.get(system.modes[0].name), samples)

@@ -195,10 +195,6 @@ MISTAKES = {
         IMPACT, "x_plus[0] = x[0]", "x_plus[0] = x[0] + 0.1", "error",
         "reset of transition 'impact'", "not left behind at every state", "def rebound",
     ),
-    "reset that sticks": (
-        IMPACT, "-p.restitution * x[1]", "0.0 * x[1]", "error",
-        "reset of transition 'impact'", "does not move away", "def rebound",
-    ),
     "reset that turns round fast motions only": (
         IMPACT, "-p.restitution * x[1]", "0.5 - p.restitution * x[1]", "warning",
         "reset of transition 'impact'", "not left behind at", "def rebound",

@@ -22,7 +22,7 @@ from contwalk.problems.hybrid.return_map import EventMap
 from contwalk.problems.hybrid.shooting import LegMesh, Piece, meshed
 from contwalk.problems.hybrid.word import Word
 from contwalk.problems.linear import EPSILON, Factored, solution_error
-from contwalk.problems.orbit import augmented, branching, describing, rates
+from contwalk.problems.orbit import augmented, branching, describing, ending, rates
 from contwalk.problems.orbit.discretization import FINEST, Discretization
 from contwalk.problems.orbit.motion import PLAIN, TANGENT
 from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers, multipliers
@@ -567,19 +567,26 @@ class HybridOrbit:
         """The map that takes a section once round the orbit, for normal forms."""
         return EventMap(self, z)
 
+    def repeats(self, z: np.ndarray) -> int:
+        """How many times the orbit of a word that repeats itself goes through the same states."""
+        for times in range(self.layout.legs, 1, -1):
+            if self.word.has_parts(times) and (not self.forced or self.subharmonic % times == 0):
+                part = self.layout.legs // times
+                if all(self._meet(z, i, i + part, times) for i in range(self.layout.legs - part)):
+                    return times
+        return 1
+
+    def _meet(self, z: np.ndarray, i: int, j: int, times: int) -> bool:
+        """Whether two legs of an orbit start at the same state, but for turns."""
+        states, scale = list(self.passages[i].states), self.mesh.variation
+        apart = (z[self.layout.states[j]] - z[self.layout.states[i]] - self.turns[states] / times) / scale[
+            states
+        ]
+        return float(np.linalg.norm(apart)) < ALIKE
+
     def fallen_back(self, z: np.ndarray) -> bool:
         """Whether an orbit of a word that repeats itself repeats itself too: it is its parent."""
-        if not self.word.halves:
-            return False
-        half = self.layout.legs // 2
-        scale = self.mesh.variation
-        for i in range(half):
-            states = list(self.passages[i].states)
-            apart = (z[self.layout.states[i]] - z[self.layout.states[i + half]]) / scale[states]
-            turned = 0.5 * self.turns[states] / scale[states]
-            if float(np.linalg.norm(np.abs(apart) - np.abs(turned))) > ALIKE:
-                return False
-        return True
+        return self.repeats(z) > 1
 
     # -- along a branch ----------------------------------------------------------------------------------
 
@@ -657,7 +664,25 @@ class HybridOrbit:
 
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
         """Why the branch ends between two neighbouring solutions; limits are the engine's business."""
-        return None
+        return ending.homoclinic(self, a, b)
+
+    def lengthening(self, tangent: np.ndarray) -> float:
+        """How fast the closure's duration grows along a tangent."""
+        return float(tangent[self.layout.durations].sum())
+
+    def slowness(self, z: np.ndarray) -> float:
+        """Speed where the orbit is slowest against where it is fastest, in units of the states' variation."""
+        speeds = []
+        for i, piece in enumerate(self.pieces):
+            x, scalars = self.layout.inputs(i, z)
+            duration = abs(float(scalars[0]))
+            if duration == 0.0:
+                continue
+            scale = self.mesh.variation[list(piece.passage.states)]
+            moved = np.linalg.norm(np.diff(piece.nodes(x, scalars), axis=0) / scale, axis=1)
+            speeds.append(moved / (np.diff(piece.steps) * duration))
+        every = np.concatenate(speeds)
+        return float(every.min() / max(every.max(), 1e-300))
 
     def at_stored(self, z: np.ndarray, weights: np.ndarray) -> HybridOrbit:
         """The problem discretised for a solution that is taken up again."""
@@ -683,7 +708,7 @@ class HybridOrbit:
             magnitudes,
             tolerance or self.discretization.walking,
             self.discretization.method,
-            self.word.halves,
+            self.word.has_parts(2),
         )
         self._tally[0] += 2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps)
         section = None

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -80,7 +81,7 @@ class Margins:
         """Whether none is negative."""
         return bool(np.all(self.relative >= -ZERO))
 
-    @property
+    @cached_property
     def by_name(self) -> dict[str, float]:
         """The smallest value under each name, where there is one."""
         found: dict[str, float] = {}
@@ -194,7 +195,7 @@ def _watch(
     map_ = piece.passage.watched(transition.name, transition.guard)
     c = map_.constants(piece.values(scalars))
     times, states, nodes = sampled
-    found = np.array([map_(t, x, c) for t, x in zip(times.tolist(), states, strict=True)])
+    found = map_.along(times, states, c)
     own = transition == leg.transition
     sign = _sign(transition, leg.falls if own else None, found[:, 0])
 
@@ -282,8 +283,7 @@ def guard_scales(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
         piece, (x, scalars) = problem.pieces[i], problem.layout.inputs(i, z)
         map_ = piece.passage.watched(leg.transition.name, leg.transition.guard)
         c = map_.constants(piece.values(scalars))
-        found = [map_(t, x, c) for t, x in zip(piece.steps, piece.nodes(x, scalars), strict=True)]
-        largest = float(np.abs(np.array(found)).max())
+        largest = float(np.abs(map_.along(piece.steps, piece.nodes(x, scalars), c)[:, 0]).max())
         scales[i] = largest if np.isfinite(largest) and largest > 0.0 else 1.0
     return scales
 

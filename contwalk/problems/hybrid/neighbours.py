@@ -1,10 +1,371 @@
-"""Neighbour words."""
+"""The words on the other side of a limit, and the branches of their orbits.
+
+At a grazing, the orbit itself is an orbit of the neighbouring word too: of one in which the event that is
+just touched happens, with no speed, or of one in which the event that arrives with no speed does not. It
+solves the neighbour's equations exactly, provided that the transition changes nothing at no speed, as an
+impact law does. The same is true where a leg's duration passes zero and two transitions that happen at once
+may be exchanged. The branch that leaves is the null direction of the neighbour's equations there, taken the
+way in which its own limit grows; its first orbits are simulated to see that the machine goes round in that
+word.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+from contwalk.errors import ContwalkError, NotFinite
+from contwalk.problems.hybrid import limits
+from contwalk.problems.hybrid.following import follows
+from contwalk.problems.hybrid.solving import newton_on
+from contwalk.problems.hybrid.switching import discretized
+from contwalk.problems.hybrid.word import Leg, Word
+from contwalk.problems.linear import kernel_direction
+from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
+from contwalk.problems.problem import Seed
+from contwalk.system import Transition
+
+if TYPE_CHECKING:
+    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
+
+# A transition at no speed that moves the state by more than this part of its variation changes something.
+CHANGES = 1e-6
+SECANTS = 12
+# How far along the new branch its orbits are looked at, in the metric: the first that is admissible counts.
+STEPS = (1e-3, 1e-4, 1e-2)
 
 
-def found(problem: Any, point: Any) -> Any:
-    """Not yet."""
-    return (), "Not yet."
+@dataclass(frozen=True, eq=False)
+class Neighbour:
+    """An orbit at a limit as one of another word; `grows` is the limit whose margin leaves zero there."""
+
+    problem: HybridOrbit
+    z: np.ndarray
+    grows: limits.Limit
+
+
+class _None(Exception):
+    """There is no neighbour; the text says what was tried."""
+
+
+def found(problem: HybridOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
+    """The branch of the neighbouring word that leaves a limit, and in words what was found, or tried."""
+    try:
+        limit, place = _limit_of(problem, point)
+        neighbour = _built(problem, np.array(point.unknowns), limit, place)
+        words = " ".join(neighbour.problem.word.signature) or "no events"
+        seed = _seed(neighbour, point.label, words)
+    except _None as reason:
+        return (), f"No neighbour to switch to: {reason}"
+    except (NotFinite, np.linalg.LinAlgError) as error:
+        return (), f"No neighbour to switch to: its equations have no solution there ({error})."
+    return (seed,), f"The orbits with signature [{words}] leave there: a branch of their own."
+
+
+def _limit_of(problem: HybridOrbit, point: SpecialPoint) -> tuple[limits.Limit, float]:
+    """Which limit a stored point is, and where on its leg, 0..1.
+
+    The smallest margin of those with its label tells; a margin that is missing at the point itself is looked
+    for beside it.
+    """
+    z = np.array(point.unknowns)
+    there = discretized(problem, z)
+    values = limits.margins(there, z)
+    order = np.argsort(np.abs(values.relative))
+    for k in order.tolist():
+        limit = values.limits[k]
+        if limit.label == point.label and limit.acts and np.isfinite(values.values[k]):
+            if point.kind in ("interior", "terminal") and limit.kind != point.kind:
+                continue
+            place = float(values.places[k])
+            return limit, _turning(there, z, limit, place) if limit.test == "dip" else place
+    raise _None("the event that is met there acts on nothing.")
+
+
+def _turning(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, place: float) -> float:
+    """Where on its leg a guard turns, by the secant method on its exact rate from nearly there."""
+    piece, (x, scalars) = problem.pieces[limit.leg], problem.layout.inputs(limit.leg, z)
+    transition = next(t for t in problem.system.transitions if t.name == limit.name)
+    map_ = piece.passage.watched(transition.name, transition.guard)
+    c, nodes = map_.constants(piece.values(scalars)), piece.nodes(x, scalars)
+
+    def rate(time: float) -> float:
+        return float(map_(time, piece.at(nodes, np.array([time]), scalars)[0], c)[1])
+
+    a, b = place, min(place + 1e-4, 1.0)
+    fa, fb = rate(a), rate(b)
+    for _ in range(SECANTS):
+        if fa == fb or abs(b - a) < 1e-15:
+            break
+        a, fa, b = b, fb, min(max(b - fb * (b - a) / (fb - fa), 0.0), 1.0)
+        fb = rate(b)
+    return b
+
+
+def _built(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, place: float) -> Neighbour:
+    """The neighbour at a limit.
+
+    Raises
+    ------
+    _None
+    """
+    transition = next(t for t in problem.system.transitions if t.name == limit.name)
+    if limit.test == "dip":
+        return _inserted(problem, z, limit, place, transition)
+    if limit.test == "rate":
+        return _removed(problem, z, limit, transition)
+    if limit.test == "duration":
+        return _exchanged(problem, z, limit)
+    raise _None(
+        f"'{limit.name}' and '{problem.word.legs[limit.leg].name}' happen at once there, and no word with "
+        "both is known."
+    )
+
+
+def _unchanged(problem: HybridOrbit, transition: Transition, before: np.ndarray, after: np.ndarray) -> None:
+    """Refuse a transition that changes the state although it arrives with no speed."""
+    apart = np.abs(after - before) / problem.mesh.variation
+    if float(apart.max()) > CHANGES:
+        k = int(np.argmax(apart))
+        raise _None(
+            f"'{transition.name}' changes '{problem.system.state_names[k]}' by {after[k] - before[k]:.4g} "
+            "even where it arrives with no speed, so that no orbit through it is near."
+        )
+
+
+def _at(problem: HybridOrbit, z: np.ndarray, i: int, place: float) -> np.ndarray:
+    """Full state on leg i."""
+    piece, (x, scalars) = problem.pieces[i], problem.layout.inputs(i, z)
+    return piece.passage.full(piece.at(piece.nodes(x, scalars), np.array([place]), scalars)[0])
+
+
+def _after(problem: HybridOrbit, leg: Leg, x: np.ndarray, t: float, z: np.ndarray) -> np.ndarray:
+    """Full state after a transition out of a state at a time."""
+    from contwalk.flow.hybrid import applied, hybrid_machine
+
+    assert leg.transition is not None
+    return applied(hybrid_machine(problem.system, problem.values_of(z)), leg.transition.name, t, x)
+
+
+def _of_legs(
+    problem: HybridOrbit,
+    word: Word,
+    states: Sequence[np.ndarray],
+    lasting: Sequence[float],
+    start: float,
+    z: np.ndarray,
+) -> tuple[HybridOrbit, np.ndarray]:
+    """A problem and its unknowns from full states at the legs' starts and their durations."""
+    other = problem.of_word(word)
+    layout, unknowns = other.layout, np.zeros(other.layout.size + 1)
+    for place, passage, x in zip(layout.states, other.passages, states, strict=True):
+        unknowns[place] = x[list(passage.states)]
+    unknowns[layout.durations] = lasting
+    if layout.start is not None:
+        unknowns[layout.start] = start if word.eventful else 0.0
+    unknowns[layout.drifts] = z[problem.layout.drifts]
+    unknowns[-1] = z[-1]
+    return discretized(other, unknowns), unknowns
+
+
+def _whole(problem: HybridOrbit, z: np.ndarray) -> tuple[list[np.ndarray], list[float], float]:
+    """Full states at the starts of the legs, durations, and when the first starts."""
+    states = [
+        passage.full(z[place]) for passage, place in zip(problem.passages, problem.layout.states, strict=True)
+    ]
+    return states, z[problem.layout.durations].tolist(), float(problem.starting_times(z)[0])
+
+
+def _inserted(
+    problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, place: float, transition: Transition
+) -> Neighbour:
+    """The event that is touched happens."""
+    there, i = discretized(problem, z), limit.leg
+    old = problem.word.legs[i]
+    if transition.target != old.mode:
+        raise _None(
+            f"after '{transition.name}' the machine is in mode '{transition.target}', from where the rest of "
+            f"the word ({', '.join(leg.name for leg in problem.word.legs[i:])}) does not follow."
+        )
+    falls = transition.direction != "rising"
+    leg = Leg(old.mode, transition, falls if transition.direction != "both" else _falls(there, z, limit))
+    states, lasting, start = _whole(there, z)
+    x, t = _at(there, z, i, place), float(there.starting_times(z)[i]) + place * lasting[i]
+    after = _after(problem, leg, x, t, z)
+    _unchanged(there, transition, x, after)
+    if not problem.word.eventful:
+        word = Word((leg,))
+        given = [after], [sum(lasting)], t
+        grows = 0
+    else:
+        word = problem.word.inserted(i, leg)
+        first, second = place * lasting[i], (1.0 - place) * lasting[i]
+        given = (
+            [*states[: i + 1], after, *states[i + 1 :]],
+            [*lasting[:i], first, second, *lasting[i + 1 :]],
+            start,
+        )
+        grows = i
+    other, unknowns = _of_legs(there, word, *given, z)
+    return Neighbour(other, unknowns, _own(other, grows, "rate"))
+
+
+def _falls(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> bool:
+    """Whether a guard of direction `both` comes down to zero: it is positive elsewhere on its leg."""
+    piece, (x, scalars) = problem.pieces[limit.leg], problem.layout.inputs(limit.leg, z)
+    transition = next(t for t in problem.system.transitions if t.name == limit.name)
+    map_ = piece.passage.watched(transition.name, transition.guard)
+    values = map_.along(piece.steps, piece.nodes(x, scalars), map_.constants(piece.values(scalars)))[:, 0]
+    return bool(values[int(np.argmax(np.abs(values)))] > 0.0)
+
+
+def _removed(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, transition: Transition) -> Neighbour:
+    """The event that arrives with no speed does not happen."""
+    there, i, m = discretized(problem, z), limit.leg, problem.layout.legs
+    following = (i + 1) % m
+    if problem.word.legs[following].mode != problem.word.legs[i].mode:
+        raise _None(
+            f"without '{transition.name}' the machine stays in mode '{problem.word.legs[i].mode}', from "
+            "where the rest of the word does not follow."
+        )
+    states, lasting, start = _whole(there, z)
+    _unchanged(there, transition, _at(there, z, i, 1.0), states[following])
+    word = problem.word.without(i)
+    if m == 1:
+        if not problem.forced:
+            other, unknowns = _of_legs(there, word, states, lasting, 0.0, z)
+            return Neighbour(other, unknowns, _dip(other, 0, transition))
+        period = lasting[0] / problem.subharmonic
+        begin = np.ceil(start / period - 1e-12) * period
+        share = (begin - start) / lasting[0]
+        other, unknowns = _of_legs(there, word, [_at(there, z, 0, min(share, 1.0))], lasting, 0.0, z)
+        return Neighbour(other, unknowns, _dip(other, 0, transition))
+    merged = lasting[i] + lasting[following]
+    if following == 0:  # the first leg now begins where the last one did
+        kept, times = [states[i], *states[1:i]], [merged, *lasting[1:i]]
+        start -= lasting[i]
+        place = 0
+    else:
+        kept = [*states[: i + 1], *states[i + 2 :]]
+        times = [*lasting[:i], merged, *lasting[i + 2 :]]
+        place = i
+    other, unknowns = _of_legs(there, word, kept, times, start, z)
+    return Neighbour(other, unknowns, _dip(other, place, transition))
+
+
+def _exchanged(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> Neighbour:
+    """Two transitions that happen at once happen in the other order."""
+    there, i, m = discretized(problem, z), limit.leg, problem.layout.legs
+    if m < 2:
+        raise _None("the word has one event only.")
+    before = (i - 1) % m
+    first, second = problem.word.legs[before].transition, problem.word.legs[i].transition
+    assert first is not None
+    assert second is not None
+    origin, target = problem.word.legs[before].mode, problem.word.target(i)
+    earlier = [t for t in problem.system.leaving(origin) if _like(t, second)]
+    later = [t for t in problem.system.acting if _like(t, first) and t.target == target]
+    pairs = [(b, a) for b in earlier for a in later if b.target == a.source]
+    if not pairs:
+        raise _None(
+            f"out of mode '{origin}' no '{second.name}' leads to a mode in which '{first.name}' leads to "
+            f"'{target}'."
+        )
+    b, a = pairs[0]
+    states, lasting, start = _whole(there, z)
+    t = float(there.starting_times(z)[before]) + lasting[before]
+    x = _at(there, z, before, 1.0)
+    legs = list(problem.word.legs)
+    legs[before] = Leg(origin, b, _direction(b, legs[i]))
+    legs[i] = Leg(b.target, a, _direction(a, problem.word.legs[before]))
+    middle = _after(problem, legs[before], x, t, z)
+    end = _after(problem, legs[i], middle, t, z)
+    following = (i + 1) % m
+    apart = np.abs(end - states[following]) / there.mesh.variation
+    if float(apart.max()) > CHANGES:
+        k = int(np.argmax(apart))
+        raise _None(
+            f"'{second.name}' before '{first.name}' leads to another '{problem.system.state_names[k]}' "
+            f"than after it ({end[k]:.6g} and {states[following][k]:.6g}), so that no orbit in that order is near."
+        )
+    states[i], lasting[i] = middle, 0.0
+    other, unknowns = _of_legs(there, Word(tuple(legs)), states, lasting, start, z)
+    return Neighbour(other, unknowns, _own(other, i, "duration"))
+
+
+def _like(one: Transition, other: Transition) -> bool:
+    """Whether two transitions are the same event out of different modes: they have the same guard."""
+    return one.guard is other.guard or one.name == other.name
+
+
+def _direction(transition: Transition, like: Leg) -> bool:
+    return like.falls if transition.direction == "both" else transition.direction == "falling"
+
+
+def _own(problem: HybridOrbit, i: int, test: str) -> limits.Limit:
+    return next(
+        o for o in problem.limits if o.leg == i and o.test == test and o.name == problem.word.legs[i].name
+    )
+
+
+def _dip(problem: HybridOrbit, i: int, transition: Transition) -> limits.Limit:
+    return next(o for o in problem.limits if o.leg == i and o.test == "dip" and o.name == transition.name)
+
+
+# -- the branch that leaves --------------------------------------------------------------------------------
+
+
+def _seed(neighbour: Neighbour, label: str, words: str) -> Seed:
+    """The branch of a neighbour, facing the way in which its orbits are the machine's.
+
+    Raises
+    ------
+    _None
+    """
+    rough, z = neighbour.problem, neighbour.z
+    z = newton_on(rough, z, filled_magnitudes(rough, z))
+    there = discretized(rough, z)
+    weights = filled_magnitudes(there, z)
+    tangent = kernel_direction(there.linearize(z).jacobian, weights)
+    tried = []
+    for way in (1.0, -1.0):
+        for step in STEPS:
+            verdict = _looks(there, z, way * tangent, weights, step)
+            if verdict is None:
+                break
+            tried.append(verdict)
+        else:
+            continue
+        walking = there.adapted_to(z, weights)
+        direction = way * tangent
+        return Seed(label, z, direction, amplitude(direction), walking, one_sided=True)
+    reasons = "; ".join(dict.fromkeys(tried))
+    raise _None(f"orbits with signature [{words}] solve the equations there, but beside it {reasons}.")
+
+
+def _looks(
+    problem: HybridOrbit, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray, step: float
+) -> str | None:
+    """Why the orbit a step along a direction is not the machine's; None if it is."""
+    guess = z + step * tangent / float(np.linalg.norm(tangent / weights))
+    normal = tangent / weights**2
+    try:
+        there = newton_on(problem, guess, weights, normal)
+        margins = limits.margins(problem, there)
+        lost = [
+            o
+            for o, r in zip(margins.limits, margins.relative, strict=True)
+            if r < -limits.ZERO and o.label != "AZ"
+        ]
+        if lost:
+            return (
+                f"'{lost[0].name}' ({lost[0].test}) is violated at {problem.free} = {float(there[-1]):.10g}"
+            )
+        followed = follows(problem, there)
+    except (ContwalkError, np.linalg.LinAlgError) as error:
+        return f"Newton's method fails ({error})"
+    return None if followed is None else f"a simulation goes another way: {followed}"

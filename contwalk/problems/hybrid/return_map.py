@@ -184,8 +184,7 @@ class EventMap(SectionMap):
             if not problem.forced:
                 plain = piece.passage.field(PLAIN)
                 own = plain.constants(piece.values(scalars))
-                rows = [plain(t, s, own) for t, s in zip(piece.steps, nodes[:, :n], strict=True)]
-                along = np.array(rows) / scale
+                along = plain.along(piece.steps, nodes[:, :n], own) / scale
                 along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)
                 deviations -= np.sum(deviations * along, axis=1, keepdims=True) * along
             squares = np.sum(deviations**2, axis=1)

@@ -39,15 +39,14 @@ def discretized(problem: HybridOrbit, z: np.ndarray) -> HybridOrbit:
     return rough.adapted_to(z, filled_magnitudes(rough, z), problem.discretization.locating)
 
 
-def halved(problem: HybridOrbit, z: np.ndarray) -> tuple[HybridOrbit, np.ndarray]:
-    """The problem of the first half of a word, and of an orbit that repeats itself its first half."""
-    layout, half = problem.layout, problem.layout.legs // 2
-    states = slice(0, layout.states[half].start)
-    lasting = slice(layout.durations.start, layout.durations.start + half)
+def divided(problem: HybridOrbit, z: np.ndarray, times: int) -> tuple[HybridOrbit, np.ndarray]:
+    """The problem of the first part of a word that repeats itself, and the same part of the orbit."""
+    layout, part = problem.layout, problem.layout.legs // times
+    states = slice(0, layout.states[part].start)
+    lasting = slice(layout.durations.start, layout.durations.start + part)
     start = np.concatenate([z[states], z[lasting], z[layout.durations.stop :]])
-    word = Word(problem.word.legs[:half])
-    other = problem.of_word(word, turns=0.5 * problem.turns)
-    other.subharmonic = max(problem.subharmonic // 2, 1)
+    other = problem.of_word(Word(problem.word.legs[:part]), turns=problem.turns / times)
+    other.subharmonic = max(problem.subharmonic // times, 1)
     return discretized(other, start), start
 
 

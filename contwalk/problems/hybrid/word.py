@@ -66,11 +66,10 @@ class Word:
         """The word run through several times."""
         return Word(self.legs * times)
 
-    @property
-    def halves(self) -> bool:
-        """Whether the second half of the word repeats the first."""
-        half, odd = divmod(len(self), 2)
-        return not odd and self.legs[:half] == self.legs[half:]
+    def has_parts(self, times: int) -> bool:
+        """Whether the word is a shorter one, run through so many times."""
+        part, rest = divmod(len(self), times)
+        return not rest and self.legs == self.legs[:part] * times
 
     def relabelled(self, system: System) -> tuple[str | None, int]:
         """The symmetry up to which the orbit closes, and how many closures make a whole period.

@@ -16,6 +16,7 @@ from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
+    from contwalk.problems.orbit.protocol import Orbit
     from contwalk.problems.problem import Sample
 
 # An orbit that is this slow somewhere, against its fastest, passes an equilibrium.
@@ -30,7 +31,7 @@ REST = 10.0
 
 def ended(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:
     """Why the branch ends between two neighbouring orbits, if it does."""
-    return _at_a_point(problem, a, b) or _homoclinic(problem, a, b)
+    return _at_a_point(problem, a, b) or homoclinic(problem, a, b)
 
 
 def _at_a_point(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:
@@ -52,11 +53,11 @@ def _at_a_point(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:
     )
 
 
-def _homoclinic(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:
+def homoclinic(problem: Orbit, a: Sample, b: Sample) -> Outcome | None:
     """The period runs off while the parameter converges: lambda - lambda_h falls like exp(-kappa T)."""
     if problem.forced or not b.period > a.period:
         return None
-    rises = [float(s.tangent[problem.segments * problem.states]) for s in (a, b)]
+    rises = [problem.lengthening(s.tangent) for s in (a, b)]
     if 0.0 in rises:
         return None
     slopes = [float(s.tangent[-1]) / rise for s, rise in zip((a, b), rises, strict=True)]
@@ -66,7 +67,7 @@ def _homoclinic(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:
     rest = float(slopes[1] / kappa)
     value = float(b.z[-1])
     wanted = max(REST * problem.discretization.accuracy, LEAST_REST) * max(abs(value), 1e-300)
-    if abs(rest) > wanted or slowness(problem, b.z) > CREEPING:
+    if abs(rest) > wanted or problem.slowness(b.z) > CREEPING:
         return None
     return Outcome(
         "stopped",

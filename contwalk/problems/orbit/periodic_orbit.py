@@ -722,6 +722,14 @@ class PeriodicOrbit:
         """The map that takes the section once round the orbit, for normal forms."""
         return ReturnMap(self, z)
 
+    def lengthening(self, tangent: np.ndarray) -> float:
+        """How fast the closure's duration grows along a tangent."""
+        return float(tangent[self.segments * self.states])
+
+    def slowness(self, z: np.ndarray) -> float:
+        """Speed where the orbit is slowest against where it is fastest."""
+        return ending.slowness(self, z)
+
     def fallen_back(self, z: np.ndarray) -> bool:
         """Whether the orbit has become its parent again."""
         return ending.repeats(self, z)

@@ -114,6 +114,14 @@ class Orbit(Protocol):
         """The whole motion: times and states."""
         ...
 
+    def lengthening(self, tangent: np.ndarray) -> float:
+        """How fast the closure's duration grows along a tangent."""
+        ...
+
+    def slowness(self, z: np.ndarray) -> float:
+        """Speed where the orbit is slowest against where it is fastest."""
+        ...
+
     def values_of(self, z: np.ndarray) -> dict[str, float]:
         """All parameters at z, by name."""
         ...
