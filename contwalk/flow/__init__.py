@@ -11,6 +11,17 @@ Rules
 
 from contwalk.flow.field import Field
 from contwalk.flow.path import Path
-from contwalk.flow.verbs import METHODS, adaptive, along, dense, errors_on, tangents, warmup
+from contwalk.flow.verbs import METHODS, adaptive, along, dense, errors_on, interpolation, tangents, warmup
 
-__all__ = ["METHODS", "Field", "Path", "adaptive", "along", "dense", "errors_on", "tangents", "warmup"]
+__all__ = [
+    "METHODS",
+    "Field",
+    "Path",
+    "adaptive",
+    "along",
+    "dense",
+    "errors_on",
+    "interpolation",
+    "tangents",
+    "warmup",
+]

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contwalk.flow.guard import Guard
 from contwalk.flow.hybrid_machine import ModeFlow
 
 CLEAR, LEAVING, ENTERING, BEYOND, RESTING, UNDEFINED = (
@@ -84,15 +85,23 @@ def departures(
         Transitions that have just happened.
     """
     found = []
-    for transition, guard in zip(flow.transitions, flow.guards, strict=True):
-        found.append(
-            _departure(
-                guard.departure(t, x, flow.p, noise),
-                guard.direction,
-                AFTER_RESET if transition.name in own else ROUNDINGS,
-            )
-        )
+    for number, (transition, guard) in enumerate(zip(flow.transitions, flow.guards, strict=True)):
+        if not flow.acting(number):
+            found.append(_of_watched(guard, flow, t, x, noise))
+            continue
+        factor = AFTER_RESET if transition.name in own else ROUNDINGS
+        found.append(_departure(guard.departure(t, x, flow.p, noise), guard.direction, factor))
     return found
+
+
+def _of_watched(guard: Guard, flow: ModeFlow, t: float, x: np.ndarray, noise: np.ndarray) -> Departure:
+    """As for the others; its second derivative is compiled only where it is needed."""
+    value, rate, own = guard(t, x, flow.p).tolist()
+    if abs(value) <= AFTER_RESET * own:
+        return _departure(guard.departure(t, x, flow.p, noise), guard.direction, ROUNDINGS)
+    side = 1 if value > 0.0 else -1
+    kind = UNDEFINED if not np.isfinite(value) else BEYOND if side == guard.direction else CLEAR
+    return Departure(kind, side, value, rate, np.nan, own)
 
 
 def _departure(measured: np.ndarray, direction: int, factor: float) -> Departure:

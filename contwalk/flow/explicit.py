@@ -7,6 +7,7 @@ chosen the grid or the caller.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -304,8 +305,56 @@ def _coefficients(
     change = nodes[chosen + 1] - nodes[chosen]
     bend = h * k[:, 0] - change
     at_end = call.method.stages  # the first of the further stages
-    rest = [h * sum(d * k[:, stage] for stage, d in row.items()) for row in call.method.dense]
-    return np.array([change, bend, change - h * k[:, at_end] - bend, *rest])
+    rest = h * np.einsum("rs,ksn->rkn", _weights_of(call.method.name, k.shape[1]), k)
+    return np.concatenate([[change, bend, change - h * k[:, at_end] - bend], rest])
+
+
+@lru_cache
+def _weights_of(name: str, vectors: int) -> np.ndarray:
+    """What each stage contributes to the further coefficients, shape (rows, stages)."""
+    method = _method(name)
+    weights = np.zeros((len(method.dense), vectors))
+    for row, entries in zip(weights, method.dense, strict=True):
+        for stage, d in entries.items():
+            row[stage] = d
+    return weights
+
+
+class Interpolation:
+    """The motion between the nodes of a path; its polynomials are made once.
+
+    Arguments as for `dense`; called with times, it gives states, shape (len(times), n).
+    """
+
+    def __init__(
+        self, field: Field, c: np.ndarray, times: Vector, states: np.ndarray, method: str = "dop853"
+    ) -> None:
+        self._given = field, c, times, states
+        self._method = method
+        self._grid = _grid(times)
+        self._nodes = _checked(states, (len(self._grid), field.n), "nodes")
+        self._coefficients: np.ndarray | None = None
+        steps = len(self._grid) - 1
+        if steps and _method(method).dense and self._grid[-1] > self._grid[0]:
+            call = _Call(field, c, method, None)
+            call.give(plan.TIMES, self._grid)
+            call.give(plan.NODES, self._nodes)
+            chosen = call.give(plan.WHICH, np.arange(steps, dtype=np.int64))
+            out = call.give(plan.OUT, np.empty((steps, len(call.vectors) - stages.FIRST, call.length)))
+            call.plan[plan.ROOM] = steps
+            STAGES_OF(call.plan.ctypes.data)
+            self._coefficients = _coefficients(call, self._grid, self._nodes, chosen, out[:, :, : field.n])
+
+    def __call__(self, times: Vector) -> np.ndarray:
+        """States at times within the path."""
+        at = np.ascontiguousarray(times, dtype=float)
+        if self._coefficients is None:
+            return dense(*self._given, at, self._method)
+        which = np.clip(np.searchsorted(self._grid, at, side="right") - 1, 0, len(self._grid) - 2)
+        found = _polynomial(self._nodes[which], self._coefficients[:, which], self._grid, which, at)
+        last = at == self._grid[-1]
+        found[last] = self._nodes[-1]
+        return found
 
 
 def _polynomial(

@@ -18,6 +18,8 @@ from contwalk.fields.trace import Outputs, Program
 from contwalk.flow.products import product_text
 
 _POINTER = ctypes.c_void_p
+# A solve asks for those of the same parameters many times.
+_MOST_CONSTANTS = 64
 
 
 class Field:
@@ -76,6 +78,7 @@ class Field:
         self._time = {} if time is None else {graph.input(*time): ("t", 0)}
         self._along = [*self._states, *(graph.input(*column) for column in columns)]
         self._lock = RLock()
+        self._known_constants: dict[bytes, np.ndarray] = {}
         self._differentiable = differentiable
         self._check(columns, places)
 
@@ -208,9 +211,16 @@ class Field:
         values = np.ascontiguousarray(p, dtype=float)
         if values.shape != (self.parameter_count,):
             raise ValueError(f"{values.shape} values for {self.parameter_count} parameters")
-        c = np.empty(max(self.constant_count, 1))
-        self._constants(values.ctypes.data, c.ctypes.data)
-        return c
+        key = values.tobytes()
+        known = self._known_constants.get(key)
+        if known is None:
+            known = np.empty(max(self.constant_count, 1))
+            self._constants(values.ctypes.data, known.ctypes.data)
+            known.flags.writeable = False
+            if len(self._known_constants) >= _MOST_CONSTANTS:
+                self._known_constants.clear()
+            self._known_constants[key] = known
+        return known
 
     def __call__(self, t: float, x: Sequence[float] | np.ndarray, c: np.ndarray) -> np.ndarray:
         """f, shape (m,); NaN throughout where one entry does not exist."""

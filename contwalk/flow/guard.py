@@ -11,7 +11,6 @@ import numpy as np
 
 from contwalk.fields.derivative import directional, jacobian
 from contwalk.fields.expression import Graph
-from contwalk.fields.kernel import Kernel
 from contwalk.fields.llvm import Code, code_of
 from contwalk.fields.machine_code import function, module
 from contwalk.fields.rounding import error_bounds
@@ -72,12 +71,15 @@ class Guard:
         (rate,) = directional(graph, [value], self._moving(graph, rates))
         return [value, rate, _uncertainty(graph, value, self._inputs(graph))]
 
+    def _places(self, graph: Graph) -> dict[int, tuple[str, int]]:
+        """Where compiled code finds states, parameters and the time."""
+        places = {node: ("x", place) for place, node in enumerate(self._inputs(graph))}
+        places |= {graph.input(PARAMETER, k): ("c", k) for k in range(self.m)}
+        return places | {graph.input(TIME, 0): ("t", 0)}
+
     @cached_property
     def _code(self) -> Code:
-        graph = self._program.graph
-        inputs = {node: ("x", place) for place, node in enumerate(self._inputs(graph))}
-        inputs |= {graph.input(PARAMETER, k): ("c", k) for k in range(self.m)}
-        inputs[graph.input(TIME, 0)] = ("t", 0)
+        inputs = self._places(self._program.graph)
         return code_of(module([function("guard", self._program, ("x", "c"), inputs, time=True)]), ("guard",))
 
     @property
@@ -111,7 +113,7 @@ class Guard:
     # -- how it leaves zero ------------------------------------------------------------------------------
 
     @cached_property
-    def _departing(self) -> Kernel:
+    def _departing(self) -> Code:
         graph = self._traced.graph
         inputs = [graph.input(TIME, 0), *self._inputs(graph)]
         noises = [graph.input(_NOISE, place) for place in range(len(inputs))]
@@ -126,18 +128,34 @@ class Guard:
             inherited = [_inherited(graph, row, noises) for row in jacobian(graph, nodes, inputs)]
             return [node for triple in zip(nodes, own, inherited, strict=True) for node in triple]
 
-        return Kernel(self._traced.transformed(change), (TIME, STATE, PARAMETER, _NOISE), (3, 3))
+        places = self._places(graph) | {node: ("noise", place) for place, node in enumerate(noises)}
+        program, arrays = self._traced.transformed(change), ("x", "c", "noise")
+        return code_of(module([function("departure", program, arrays, places, time=True)]), ("departure",))
+
+    @property
+    def departure_address(self) -> int:
+        """Address of ``departure(t, x, p, noise, out)``, `out` of length 9.
+
+        `noise` are the uncertainties of time and states. For h, its rate and its second derivative `out` has
+        the value, the rounding of its own in units of the machine epsilon, and what `noise` makes of it.
+        """
+        return self._departing.addresses["departure"]
+
+    @cached_property
+    def _departs(self) -> Any:
+        return self._departing.function("departure", None, ctypes.c_double, *[ctypes.c_void_p] * 4)
 
     def departure(self, t: float, x: np.ndarray, p: np.ndarray, noise: np.ndarray) -> np.ndarray:
         """h, dh/dt and its second derivative along the flow, each with its uncertainty; (3, 2).
 
         They tell which way the guard leaves zero. `noise`, shape (n,), are the uncertainties of the states.
         """
-        full = np.zeros(max(self._states, default=-1) + 1)
-        full[list(self._states)] = x
-        known = [EPSILON * abs(t), *noise.tolist()]
-        found = self._departing([float(t)], full.tolist(), p.tolist(), known)
-        return np.stack([found[:, 0], EPSILON * found[:, 1] + found[:, 2]], axis=1)
+        state, given = np.ascontiguousarray(x, dtype=float), np.ascontiguousarray(p, dtype=float)
+        known, out = np.concatenate([[EPSILON * abs(t)], noise]), np.empty((3, 3))
+        if state.shape != (self.n,) or given.shape != (self.m,) or known.shape != (self.n + 1,):
+            raise ValueError(f"a state {state.shape}, {noise.shape} uncertainties, {given.shape} parameters")
+        self._departs(t, *(array.ctypes.data for array in (state, given, known, out)))
+        return np.stack([out[:, 0], EPSILON * out[:, 1] + out[:, 2]], axis=1)
 
 
 def _inherited(graph: Graph, slopes: Mapping[int, int], noises: Sequence[int]) -> int:

@@ -1,9 +1,10 @@
-"""Where a guard passes zero within one step, for numba: found on the step's polynomial, located by re-stepping.
+"""Where a guard passes zero within one step, for numba.
 
-As `events` does it for paths that are there already. A step whose guard cannot come near zero is not looked
-at: its value at both ends is larger than what twice the largest rate of late could take away. On the others
-the guard is sampled. If cubic polynomials through every second sample miss those between, it is not resolved, and
-the step has to be shorter.
+Where values and rates at both ends fit one cubic polynomial that only rises or only falls, the guard does so
+too. Where it cannot come near zero with twice its largest rate of late, it does not matter. On all other
+steps it is sampled by the method's own interpolation; if cubic polynomials through every second sample miss
+those between, the guard is not resolved, and the step has to be shorter. The instant of an event is located by
+taking the step anew with the length that ends there, as in `events`.
 """
 
 from __future__ import annotations
@@ -16,24 +17,34 @@ from contwalk.flow.calling import call_rhs, caller, doubles, inlined, integers
 from contwalk.flow.explicit_drivers import EPSILON, copy, first_stage, place, step
 from contwalk.flow.hybrid_plan import (
     ADDRESSES,
+    BEGINS,
     COEFFICIENTS,
     DENSE,
     DIRECTIONS,
+    FASTEST,
     MEASURED,
     MOVING,
+    OF_GUARD,
     PARAMETERS,
+    RATE,
     SAMPLES,
+    SIZE,
     SPARE,
     STAGES,
+    STANDING,
     TRIAL,
+    VALUE,
 )
 from contwalk.flow.stages import FIRST, NEXT, Y
 
 PARTS = 8  # of a step: a guard has at most one extremum in each
-REACH = 1.0  # of step length times rate: as far as a guard may go, half of it there and half back
+REACH = 2.0  # times step length and largest rate of late: as far as a guard may go and come back
+LEAST_SLOPE, MOST_SLOPE = 0.3, 2.5  # at an end, in units of the mean slope: a cubic polynomial is monotone
 MISSED = 0.1  # of its variation: by how much a sample may miss a cubic polynomial
 MOST_TRIALS = 60
 NARROW = 1e-8  # of a part: the guard is then off its extremum by rounding
+
+CLEAR, MONOTONE, SUSPECT = range(3)
 NONE, UNRESOLVED = -1.0, -2.0
 
 _call_step = caller("v", "ddqqqq")
@@ -42,8 +53,7 @@ _call_step = caller("v", "ddqqqq")
 @inlined
 def measured(m: Any, guard: int, t: float, state: int) -> tuple[float, float, float]:
     """Value, rate and uncertainty of a guard."""
-    address = integers(m[ADDRESSES], guard + 1)[guard]
-    call_rhs(address, t, state, m[PARAMETERS], m[MEASURED])
+    call_rhs(integers(m[ADDRESSES], guard + 1)[guard], t, state, m[PARAMETERS], m[MEASURED])
     out = doubles(m[MEASURED], 3)
     return out[0], out[1], out[2] * EPSILON
 
@@ -56,12 +66,57 @@ def side_of(value: float, rate: float) -> float:
 
 
 @inlined
-def tried(m: Any, t: float, h: float) -> None:
-    """Take the step anew in the plan to try, with its polynomial (Hairer, Norsett, Wanner, II.6)."""
+def standing(m: Any, guard: int) -> Any:
+    """How a guard stands at the start of the step."""
+    return doubles(m[STANDING] + 8 * guard * OF_GUARD, OF_GUARD)
+
+
+@inlined
+def begins_on(at: Any) -> float:
+    """The side on which a guard begins the step."""
+    return at[BEGINS] if at[BEGINS] != 0.0 else side_of(at[VALUE], at[RATE])
+
+
+@inlined
+def looks(m: Any, guard: int, h: float, value: float, rate: float) -> int:
+    """How a step of length h looks that ends with this value and rate of a guard."""
+    at = standing(m, guard)
+    at[FASTEST] = max(abs(at[RATE]), abs(rate), 0.5 * at[FASTEST])
+    same = begins_on(at) == side_of(value, rate)
+    change = value - at[VALUE]
+    if change != 0.0:
+        first, last = h * at[RATE] / change, h * rate / change
+        if min(first, last) > LEAST_SLOPE and max(first, last) < MOST_SLOPE:
+            return CLEAR if same else MONOTONE
+    if same and abs(at[VALUE]) + abs(value) > REACH * h * at[FASTEST]:
+        return CLEAR
+    return SUSPECT
+
+
+# -- the step taken anew ------------------------------------------------------------------------------------
+
+
+@inlined
+def begin_trials(m: Any, t: float) -> None:
+    """The plan to try begins where the one that moves does."""
     p, moving = integers(m[TRIAL], plan.PLAN_LENGTH), integers(m[MOVING], plan.PLAN_LENGTH)
-    n, length = p[plan.N], p[plan.LENGTH]
-    copy(place(moving, Y), place(p, Y), n)
+    copy(place(moving, Y), place(p, Y), m[SIZE])
     first_stage(p, t, Y)
+
+
+@inlined
+def _retaken(m: Any, guard: int, t: float, end: float) -> tuple[float, float, float]:
+    """A guard at the end of a step of another length."""
+    p = integers(m[TRIAL], plan.PLAN_LENGTH)
+    step(p, t, end - t)
+    return measured(m, guard, end, place(p, NEXT))
+
+
+@inlined
+def _interpolate(m: Any, t: float, h: float) -> None:
+    """The polynomial of the step (Hairer, Norsett, Wanner, II.6): seven rows of n."""
+    p = integers(m[TRIAL], plan.PLAN_LENGTH)
+    n, length = m[SIZE], p[plan.LENGTH]
     step(p, t, h)
     _call_step(p[plan.EXTEND], t, h, length, p[plan.WORK], p[plan.EVALUATE], p[plan.PROBLEM])
     stages, given = doubles(place(p, FIRST), m[STAGES] * length), doubles(m[COEFFICIENTS], 4 * m[STAGES])
@@ -82,8 +137,7 @@ def tried(m: Any, t: float, h: float) -> None:
 @inlined
 def _between(m: Any, guard: int, t: float, h: float, share: float) -> tuple[float, float]:
     """Value and rate of a guard at a share of the step, by its polynomial."""
-    p = integers(m[TRIAL], plan.PLAN_LENGTH)
-    n = p[plan.N]
+    n, p = m[SIZE], integers(m[TRIAL], plan.PLAN_LENGTH)
     rows, y, x = doubles(m[DENSE], 7 * n), doubles(place(p, Y), n), doubles(m[SPARE], n)
     for i in range(n):
         value = 0.0
@@ -94,43 +148,68 @@ def _between(m: Any, guard: int, t: float, h: float, share: float) -> tuple[floa
     return value, rate
 
 
-@inlined
-def _retaken(m: Any, guard: int, t: float, end: float) -> tuple[float, float, float]:
-    """A guard at the end of a step of another length; its state is in `NEXT` of the plan to try."""
-    p = integers(m[TRIAL], plan.PLAN_LENGTH)
-    step(p, t, end - t)
-    return measured(m, guard, end, place(p, NEXT))
+# -- zeros --------------------------------------------------------------------------------------------------
 
 
 @inlined
-def _sampled(m: Any, guard: int, t: float, h: float, value: float, rate: float) -> bool:
-    """Fill the samples; whether they resolve the guard."""
-    samples = doubles(m[SAMPLES], 2 * (PARTS + 1))
-    samples[0], samples[1] = value, rate
-    for part in range(1, PARTS + 1):
-        samples[2 * part], samples[2 * part + 1] = _between(m, guard, t, h, part / PARTS)
-    d = 2.0 * h / PARTS
-    resolved = True
-    for part in range(1, PARTS, 2):
-        va, ra = samples[2 * part - 2], samples[2 * part - 1]
-        vb, rb = samples[2 * part + 2], samples[2 * part + 3]
-        inside, sloping = samples[2 * part], samples[2 * part + 1]
-        variation = abs(vb - va) + d * max(abs(ra), abs(rb), abs(sloping))
-        off = abs(inside - 0.5 * (va + vb) - 0.125 * d * (ra - rb))
-        # Far from zero it need not be known so well.
-        if off > MISSED * variation and min(abs(va), abs(vb), abs(inside)) <= 2.0 * variation:
-            resolved = False
-    return resolved
+def _located(m: Any, guard: int, t: float, low: float, high: float, guess: float, side: float) -> float:
+    """The instant between two at which the guard is zero: Newton's method, bisection where it leaves them.
+
+    `side` is that of the guard before it.
+    """
+    end, best, smallest = guess, guess, math.inf
+    for _ in range(MOST_TRIALS):
+        if not low < end < high:
+            end = low + 0.5 * (high - low)
+        value, rate, noise = _retaken(m, guard, t, end)
+        if abs(value) < smallest:
+            best, smallest = end, abs(value)
+        if side_of(value, rate) == side:
+            low = end
+        else:
+            high = end
+        new = end - value / rate if rate != 0.0 else math.nan
+        if abs(value) <= noise or new == end or high - low <= 2.0 * EPSILON * max(abs(low), abs(high)):
+            break
+        end = new
+    return best
+
+
+@inlined
+def _cubic_zero(a: float, slope_a: float, b: float, slope_b: float) -> float:
+    """The zero in 0..1 of the cubic polynomial with these values and slopes at its ends."""
+    low, high, share = 0.0, 1.0, 0.5
+    c2, c3 = 3.0 * (b - a) - 2.0 * slope_a - slope_b, 2.0 * (a - b) + slope_a + slope_b
+    share = a / (a - b)
+    for _ in range(8):
+        value = a + share * (slope_a + share * (c2 + share * c3))
+        slope = slope_a + share * (2.0 * c2 + 3.0 * share * c3)
+        if (value > 0.0) == (a > 0.0):
+            low = share
+        else:
+            high = share
+        new = share - value / slope if slope != 0.0 else -1.0
+        share = new if low < new < high else 0.5 * (low + high)
+    return share
+
+
+@inlined
+def passes_once(m: Any, guard: int, t: float, h: float, value: float, rate: float) -> float:
+    """The instant at which a guard that only rises or only falls passes zero; `NONE` if the other way."""
+    at, wanted = standing(m, guard), integers(m[DIRECTIONS], guard + 1)[guard]
+    side = begins_on(at)
+    if wanted != 0 and -side != wanted:
+        return NONE
+    share = _cubic_zero(at[VALUE], h * at[RATE], value, h * rate) if at[VALUE] != 0.0 else 0.5
+    return _located(m, guard, t, t, t + h, t + share * h, side)
 
 
 @inlined
 def _near(m: Any, guard: int, t: float, h: float, a: float, b: float, side: float) -> float:
-    """The zero of the polynomial's guard between two shares of the step."""
+    """Where the guard on the step's polynomial is zero between two shares."""
     share = 0.5 * (a + b)
     for _ in range(MOST_TRIALS):
         value, rate = _between(m, guard, t, h, share)
-        if value == 0.0 or b - a <= 4.0 * EPSILON:
-            break
         if side_of(value, rate) == side:
             a = share
         else:
@@ -138,50 +217,23 @@ def _near(m: Any, guard: int, t: float, h: float, a: float, b: float, side: floa
         new = share - value / (rate * h) if rate != 0.0 else -1.0
         if not a < new < b:
             new = 0.5 * (a + b)
-        if abs(new - share) <= 1e-12:
-            share = new
-            break
+        done = abs(new - share) <= 1e-11
         share = new
+        if done:
+            break
     return share
 
 
 @inlined
-def _located(m: Any, guard: int, t: float, h: float, a: float, b: float, side: float) -> float:
-    """The instant between two shares of the step, on different sides of zero, at which the guard is zero."""
-    end = t + h * _near(m, guard, t, h, a, b, side)
-    low, high = t + h * a, t + h * b
-    best, smallest = end, math.inf
-    for _ in range(MOST_TRIALS):
-        if not low < end < high:
-            end = low + 0.5 * (high - low)
-        value, rate, noise = _retaken(m, guard, t, end)
-        if abs(value) < smallest:
-            best, smallest = end, abs(value)
-        if abs(value) <= noise:
-            return end
-        if side_of(value, rate) == side:
-            low = end
-        else:
-            high = end
-        if high - low <= 2.0 * EPSILON * max(abs(low), abs(high)):
-            break
-        new = end - value / rate if rate != 0.0 else math.nan
-        if new == end:
-            break
-        end = new
-    return best
-
-
-@inlined
 def _beyond(m: Any, guard: int, t: float, h: float, part: int, side: float) -> float:
-    """A share on the other side of zero in a part where the guard nears it and turns; -1 if it turns before."""
+    """A share beyond zero in a part where the guard nears it and turns; -1 if it turns before."""
     samples = doubles(m[SAMPLES], 2 * (PARTS + 1))
     a, b = part / PARTS, (part + 1) / PARTS
     rate_a, rate_b = samples[2 * part + 1], samples[2 * part + 3]
-    share = 0.5
     for _ in range(MOST_TRIALS):
         if (b - a) * PARTS <= NARROW:
             break
+        share = 0.5
         if rate_a != rate_b:
             share = min(0.9, max(0.1, rate_a / (rate_a - rate_b)))
         at = a + share * (b - a)
@@ -196,30 +248,51 @@ def _beyond(m: Any, guard: int, t: float, h: float, part: int, side: float) -> f
 
 
 @inlined
-def passes(m: Any, guard: int, t: float, h: float, value: float, rate: float) -> float:
-    """The instant of the guard's first event in the step that was `tried`; `NONE`, or `UNRESOLVED`.
+def _sampled(m: Any, guard: int, t: float, h: float, value: float, rate: float) -> bool:
+    """Fill the samples; whether they resolve the guard."""
+    at, samples = standing(m, guard), doubles(m[SAMPLES], 2 * (PARTS + 1))
+    samples[0], samples[1] = at[VALUE], at[RATE]
+    samples[2 * PARTS], samples[2 * PARTS + 1] = value, rate
+    for part in range(1, PARTS):
+        samples[2 * part], samples[2 * part + 1] = _between(m, guard, t, h, part / PARTS)
+    d, resolved = 2.0 * h / PARTS, True
+    for part in range(1, PARTS, 2):
+        va, ra = samples[2 * part - 2], samples[2 * part - 1]
+        vb, rb = samples[2 * part + 2], samples[2 * part + 3]
+        inside = samples[2 * part]
+        variation = abs(vb - va) + d * max(abs(ra), abs(rb), abs(samples[2 * part + 1]))
+        off = abs(inside - 0.5 * (va + vb) - 0.125 * d * (ra - rb))
+        near = min(abs(va), abs(vb), abs(inside)) <= REACH * variation
+        if near and off > MISSED * variation:
+            resolved = False
+    return resolved
 
-    Value and rate are those at the start, where a guard that is leaving zero has the value 0.
-    """
+
+@inlined
+def passes(m: Any, guard: int, t: float, h: float, value: float, rate: float) -> float:
+    """The instant of a guard's first event in a step with this end; `NONE`, or `UNRESOLVED`."""
+    _interpolate(m, t, h)
     if not _sampled(m, guard, t, h, value, rate):
         return UNRESOLVED
-    samples, wanted = doubles(m[SAMPLES], 2 * (PARTS + 1)), float(integers(m[DIRECTIONS], guard + 1)[guard])
+    samples, wanted = doubles(m[SAMPLES], 2 * (PARTS + 1)), integers(m[DIRECTIONS], guard + 1)[guard]
+    before = begins_on(standing(m, guard))
     for part in range(PARTS):
-        va, ra, vb, rb = (
-            samples[2 * part],
-            samples[2 * part + 1],
-            samples[2 * part + 2],
-            samples[2 * part + 3],
-        )
-        before, after = side_of(va, ra), side_of(vb, rb)
-        left, right = part / PARTS, (part + 1) / PARTS
+        va, ra = samples[2 * part], samples[2 * part + 1]
+        vb, rb = samples[2 * part + 2], samples[2 * part + 3]
+        after = side_of(vb, rb)
+        a, b = part / PARTS, (part + 1) / PARTS
+        # The interpolation errs: the zero may be a little outside of its part.
+        low, high = t + h * max(0.0, a - 1.0 / PARTS), t + h * min(1.0, b + 1.0 / PARTS)
         if before != after:
-            if wanted == 0.0 or after == wanted:
-                return _located(m, guard, t, h, left, right, before)
+            if wanted == 0 or after == wanted:
+                guess = t + h * _near(m, guard, t, h, a, b, before)
+                return _located(m, guard, t, low, high, guess, before)
         elif va * ra < 0.0 and vb * rb > 0.0:
             middle = _beyond(m, guard, t, h, part, before)
             if middle >= 0.0:
-                if wanted == 0.0 or before != wanted:
-                    return _located(m, guard, t, h, left, middle, before)
-                return _located(m, guard, t, h, middle, right, -before)
+                turn = t + h * middle
+                if wanted == 0 or before != wanted:
+                    return _located(m, guard, t, low, turn, 0.5 * (low + turn), before)
+                return _located(m, guard, t, turn, high, 0.5 * (turn + high), -before)
+        before = after
     return NONE

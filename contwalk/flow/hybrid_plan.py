@@ -2,38 +2,38 @@
 
 from __future__ import annotations
 
-# The walk: addresses of the modes and of the transitions, records one after the other; of the times of an arc's
-# steps, and how many there is room for; of `STATE`, what it begins with and ends with; of what has happened.
-MODES, TRANSITIONS, TIMES, ROOM, STATE, HAPPENED = range(6)
-# Columns of derivatives, and their padded number; the most events; scratch for one row of them.
-COLUMNS, WIDTH, EVENTS, ROW = range(6, 10)
+# The walk: addresses of the records of modes and transitions; of the time; of what happens; of the times of
+# an arc's steps, and how many there is room for; how many events there are to be; columns of derivatives, and
+# these padded; scratch for the states of a mode.
+MODES, TRANSITIONS, CLOCK, HAPPENED, TIMES, ROOM, EVENTS, COLUMNS, WIDTH, COLUMN = range(10)
 WALK_LENGTH = 10
 
-# What it begins with, and leaves: time, then from `FIRST_STATE` on the states of the mode.
-CLOCK, FIRST_STATE = range(2)
+# What happens, as integers: the mode's number; the transition that has just happened, -1 if none; how many
+# events there were; steps; from `WORD` on the transitions' numbers.
+MODE, LAST, COUNT, STEPS, WORD = range(5)
 
-# A mode: two plans of explicit methods: one that moves, with derivatives if these are wanted, and one to try.
-MOVING, TRIAL = range(2)
-# Its guards that act: their number; addresses of their addresses, directions, and transitions' numbers.
-GUARDS, ADDRESSES, DIRECTIONS, LEADS = range(2, 6)
-# Address of the parameters; scratch: what a guard gives; values and rates of the guards and how fast they
-# have been; the interpolant; a state; samples of a guard on a step.
-PARAMETERS, MEASURED, STANDING, DENSE, SPARE, SAMPLES = range(6, 12)
+# A mode: two plans of explicit methods, one that moves, with derivatives if these are wanted, and one to try;
+# number of states.
+MOVING, TRIAL, SIZE = range(3)
+# Its guards that act: their number; addresses of their addresses, of those that tell how they depart, of
+# directions, of transitions' numbers.
+GUARDS, ADDRESSES, DEPARTURES, DIRECTIONS, LEADS = range(3, 8)
+# Address of the parameters; scratch: what a guard gives; how the guards stand; uncertainties of the states;
+# the interpolant; a state; samples of a guard on a step.
+PARAMETERS, MEASURED, STANDING, NOISE, DENSE, SPARE, SAMPLES = range(8, 15)
 # The interpolant's coefficients, and the number of stages in memory.
-COEFFICIENTS, STAGES = range(12, 14)
-MODE_LENGTH = 14
+COEFFICIENTS, STAGES = range(15, 17)
+MODE_LENGTH = 17
 
-# A transition: its map with the Jacobian, constants, rows and columns of the entries, and scratch for what it
-# gives and takes; number of states before and after; number of the mode it leads into; its own guard's position
-# there, -1 if that is not armed; scratch for the field before and after it, and for its derivative.
-JUMP, CONSTANTS, ROWS, ENTRIES, GIVEN, TAKEN, BEFORE, AFTER, TARGET, OWN, SPEEDS, SLOPES = range(12)
-TRANSITION_LENGTH = 12
+# A transition: its map with the Jacobian, constants, rows and columns of the entries; scratch for what it
+# takes and gives; number of states it leads to; number of the mode; scratch for speeds before and after, for
+# derivatives.
+JUMP, CONSTANTS, ROWS, ENTRIES, TAKEN, GIVEN, OUTPUTS, TARGET, SPEEDS, SLOPES = range(10)
+TRANSITION_LENGTH = 10
 
-# For each guard: value, rate, and the largest rate of late.
-OF_GUARD = 3
+# How a guard stands: value, rate, its sign right after if it begins at zero, the largest rate of late.
+VALUE, RATE, BEGINS, FASTEST = range(4)
+OF_GUARD = 4
 
-# How it ended. `UNSURE`: something that the careful way has to look at, such as transitions at once.
+# How it ended. `UNSURE`: there is something that only the careful way can tell, such as transitions at once.
 ARRIVED, NOT_FINITE, STEP_TOO_SMALL, FULL, UNSURE, TIME_UP = range(6)
-
-# What happened in each arc: the transition's number, the steps.
-OF_EVENT = 2

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from types import ModuleType
 
 import numpy as np
@@ -107,6 +107,15 @@ def errors_on(
 ) -> np.ndarray:
     """Embedded error estimates of the steps of a grid, shape (s,): RMS in units of the weights."""
     return _family(method).errors_on(field, c, times, x0, method, weights)
+
+
+def interpolation(
+    field: Field, c: np.ndarray, times: Vector, states: np.ndarray, method: str = "dop853"
+) -> Callable[[Vector], np.ndarray]:
+    """As `dense`, of a path that is asked for its states many times: a function of the times."""
+    if method in stages.TABLEAUS:
+        return explicit.Interpolation(field, c, times, states, method)
+    return lambda t_values: dense(field, c, times, states, t_values, method)
 
 
 def dense(

@@ -20,6 +20,7 @@ from contwalk.problems.hybrid.passage import Passage, passage_of
 from contwalk.problems.hybrid.period import period_map
 from contwalk.problems.hybrid.return_map import EventMap
 from contwalk.problems.hybrid.shooting import LegMesh, Piece, meshed
+from contwalk.problems.hybrid.view import LegView, view_of
 from contwalk.problems.hybrid.word import Word
 from contwalk.problems.linear import EPSILON, Factored, solution_error
 from contwalk.problems.orbit import augmented, branching, describing, ending, rates
@@ -29,7 +30,7 @@ from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers, multipliers
 from contwalk.problems.orbit.normal_forms import SectionMap
 from contwalk.problems.orbit.section import Section, section_at
 from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed
-from contwalk.system import Neutral, System
+from contwalk.system import Condition, Neutral, System, Transition
 from contwalk.system.declarations import ParameterValues
 
 # A residual counts as solved at this part of the tolerance.
@@ -38,6 +39,8 @@ SOLVED = 1e-3
 STAGES = {"dop853": 12, "verner98": 16, "radau5": 24, "radau9": 40}
 # Linearizations that are kept: a step asks for the same ones several times.
 MOST_KEPT = 12
+# Solutions that are looked at again soon: at a step's ends.
+MOST_VIEWS = 4
 # Two orbits whose periods and states differ by less than this part are one.
 ALIKE = 1e-6
 # Signed square of the smallest difference between two multipliers: zero where a pair becomes real.
@@ -102,6 +105,7 @@ class HybridOrbit:
         self._mesh: LegMesh | None = None
         self._tally = [0]
         self._kept: dict[bytes, Linearization] = {}
+        self._views: dict[bytes, tuple[LegView, ...]] = {}
         sizes = [len(system.states_of(leg.mode)) for leg in word.legs]
         self.layout = Layout(sizes, self.forced, len(self.pins))
 
@@ -109,7 +113,7 @@ class HybridOrbit:
 
     def _varied(self, **changes: Any) -> HybridOrbit:
         other = copy.copy(self)
-        other._kept = {}
+        other._kept, other._views = {}, {}
         for cached in ("pieces", "limits"):
             other.__dict__.pop(cached, None)
         for name, value in changes.items():
@@ -193,6 +197,25 @@ class HybridOrbit:
         own = [o.name for o in self.system.observables]
         margins = [name for name in limits.observed(self.system) if name not in own]
         return (*own, *margins, SPLIT, MAX_ABS)
+
+    def view(self, z: np.ndarray) -> tuple[LegView, ...]:
+        """A solution looked at leg by leg."""
+        key = z.tobytes()
+        if key not in self._views:
+            while len(self._views) >= MOST_VIEWS:
+                del self._views[next(iter(self._views))]
+            self._views[key] = view_of(self, z)
+        return self._views[key]
+
+    @cached_property
+    def named_transitions(self) -> dict[str, Transition]:
+        """The system's transitions by name."""
+        return {transition.name: transition for transition in self.system.transitions}
+
+    @cached_property
+    def named_conditions(self) -> dict[str, Condition]:
+        """The system's conditions by name."""
+        return {condition.name: condition for condition in self.system.conditions}
 
     # -- vectors of unknowns -----------------------------------------------------------------------------
 
@@ -357,10 +380,7 @@ class HybridOrbit:
 
     def magnitudes_near(self, z: np.ndarray) -> np.ndarray:
         """Half the range of each state over the orbit; declared scales where there are any."""
-        nodes = [
-            piece.passage.full(piece.nodes(*self.layout.inputs(i, z))) for i, piece in enumerate(self.pieces)
-        ]
-        every = np.concatenate(nodes)
+        every = np.concatenate([view.full(view.nodes) for view in self.view(z)])
         half = 0.5 * np.ptp(every, axis=0)
         largest = np.maximum(np.abs(every).max(axis=0), self.mesh.variation)
         shares = half / largest
@@ -599,7 +619,7 @@ class HybridOrbit:
         before: int | None,
         known: Sample | None = None,
     ) -> Sample:
-        """Everything that is watched at a solution; of `known`, observables and margins are taken over."""
+        """Everything that is watched at a solution; of `known`, on other steps, what changes little with them."""
         length = float(np.linalg.norm(tangent / weights))
         unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
         found = self.multipliers(z, linearization.jacobian)
@@ -613,7 +633,7 @@ class HybridOrbit:
             orientation=Factored(bordered, weights).orientation(),
             eigenvalues=found.values,
             errors=found.errors,
-            rates=rates.of_moduli(self, z, unit, found),
+            rates=rates.of_moduli(self, z, unit, found) if known is None else known.rates,
             measures=found.measures,
             unstable=found.unstable(before),
             observables=self._observed(z, found, margins) if known is None else known.observables,

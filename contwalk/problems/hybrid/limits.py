@@ -16,7 +16,6 @@ included.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -26,6 +25,7 @@ import numpy as np
 from contwalk.flow import Field
 from contwalk.problems.hybrid.passage import Passage
 from contwalk.problems.hybrid.shooting import Piece
+from contwalk.problems.hybrid.view import LegView, turn
 from contwalk.problems.orbit import augmented
 from contwalk.problems.orbit.motion import PLAIN
 from contwalk.problems.problem import Located, Sample
@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 
 LABELS = ("GR", "OC", "AZ")
-# Instants of each step at which guards are looked at.
-PARTS = 4
+# A minimum is looked at if a sample beside it is below so many times the least one found before.
+DEEPER = 4.0
 # Parts of a guard's largest value: zero to rounding; below zero beyond doubt.
 ZERO, BELOW = 1e-9, 1e-7
 
@@ -132,78 +132,58 @@ def observed(system: System) -> tuple[str, ...]:
 
 @dataclass(frozen=True, eq=False)
 class _Watch:
-    """A guard at instants of a leg: times 0..1, values and rates over the leg's time, with a
-    positive sign.
-    """
+    """A guard on a leg: instants 0..1, values and rates over the leg's time, with a positive sign."""
 
+    view: LegView
+    transition: Transition
     times: np.ndarray
     values: np.ndarray
     rates: np.ndarray
+    sign: float
     own: bool
 
-    @property
+    @cached_property
     def scale(self) -> float:
         """Largest value."""
         return max(float(np.abs(self.values).max()), 1e-300)
 
+    def at(self, time: float) -> float:
+        """Its value at any instant."""
+        times = np.array([time])
+        return self.sign * float(self.view.guard_at(self.transition, times, self.view.at(times))[0, 0])
+
 
 def margins(problem: HybridOrbit, z: np.ndarray) -> Margins:
     """Values of all limits at a solution."""
+    views = problem.view(z)
     rows: list[tuple[float, float, float]] = []
-    known: dict[tuple[int, str], tuple[_Watch, Callable[[float], tuple[float, float]]]] = {}
-    sampled: dict[int, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
-    by_name = {t.name: t for t in problem.system.transitions}
-    conditions = {c.name: c for c in problem.system.conditions}
+    known: dict[tuple[int, str], _Watch] = {}
     for limit in problem.limits:
         i = limit.leg
-        x, scalars = problem.layout.inputs(i, z)
-        duration = float(scalars[0])
-        if i not in sampled:
-            sampled[i] = _sampled(problem.pieces[i], x, scalars)
+        view = views[i]
         if limit.test == "duration":
-            found = duration, problem.mesh.total, 1.0
+            found = view.duration, problem.mesh.total, 1.0
         elif limit.test == "condition":
-            found = _condition(problem, conditions[limit.name], i, sampled[i][1][-1], scalars), 1.0, 1.0
+            condition = problem.named_conditions[limit.name]
+            map_ = _condition_map(view.piece.passage, condition)
+            c = map_.constants(view.piece.values(view.scalars))
+            found = float(map_(1.0, view.end, c)[0]), 1.0, 1.0
         else:
             if (i, limit.name) not in known:
-                known[i, limit.name] = _watch(problem, i, by_name[limit.name], sampled[i], scalars)
-            watch, at = known[i, limit.name]
-            found = _of_watch(limit.test, watch, at, duration)
+                known[i, limit.name] = _watch(problem, i, view, problem.named_transitions[limit.name])
+            found = _of_watch(limit.test, known[i, limit.name], view.duration)
         rows.append(found)
     values, scales, places = np.array(rows).reshape(len(rows), 3).T
     return Margins(problem.limits, values, scales, places)
 
 
-def _sampled(piece: Piece, x: np.ndarray, scalars: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Times 0..1 within a leg, the states there, and the states at its steps."""
-    nodes = piece.nodes(x, scalars)
-    shares = np.arange(PARTS) / PARTS
-    times = (piece.steps[:-1, None] + np.diff(piece.steps)[:, None] * shares).ravel()
-    times = np.append(times, 1.0)
-    return times, piece.at(nodes, times, scalars), nodes
-
-
-def _watch(
-    problem: HybridOrbit,
-    i: int,
-    transition: Transition,
-    sampled: tuple[np.ndarray, np.ndarray, np.ndarray],
-    scalars: np.ndarray,
-) -> tuple[_Watch, Callable[[float], tuple[float, float]]]:
-    """A guard sampled on a leg, and a function that evaluates it at any of its instants."""
-    piece, leg = problem.pieces[i], problem.word.legs[i]
-    map_ = piece.passage.watched(transition.name, transition.guard)
-    c = map_.constants(piece.values(scalars))
-    times, states, nodes = sampled
-    found = map_.along(times, states, c)
+def _watch(problem: HybridOrbit, i: int, view: LegView, transition: Transition) -> _Watch:
+    """A guard sampled on a leg."""
+    leg = problem.word.legs[i]
+    times, values, rates = view.guard(transition)
     own = transition == leg.transition
-    sign = _sign(transition, leg.falls if own else None, found[:, 0])
-
-    def at(time: float) -> tuple[float, float]:
-        value = map_(time, piece.at(nodes, np.array([time]), scalars)[0], c)
-        return sign * float(value[0]), sign * float(value[1])
-
-    return _Watch(times, sign * found[:, 0], sign * found[:, 1], own), at
+    sign = _sign(transition, leg.falls if own else None, values)
+    return _Watch(view, transition, times, sign * values, sign * rates, sign, own)
 
 
 def _sign(transition: Transition, falls: bool | None, values: np.ndarray) -> float:
@@ -215,49 +195,31 @@ def _sign(transition: Transition, falls: bool | None, values: np.ndarray) -> flo
     return 1.0 if values[int(np.argmax(np.abs(values)))] >= 0.0 else -1.0
 
 
-def _of_watch(
-    test: str, watch: _Watch, at: Callable[[float], tuple[float, float]], duration: float
-) -> tuple[float, float, float]:
+def _of_watch(test: str, watch: _Watch, duration: float) -> tuple[float, float, float]:
     """Value, scale and place of a limit that a guard has."""
-    scale = watch.scale
+    scale, v, r, t = watch.scale, watch.values, watch.rates, watch.times
     if test == "rate":
-        whole = max(float(np.abs(watch.rates).max()), 1e-300)
+        whole = max(float(np.abs(r).max()), 1e-300)
         per_second = duration if duration != 0.0 else 1.0
-        return -float(watch.rates[-1]) / per_second, whole / abs(per_second), 1.0
+        return -float(r[-1]) / per_second, whole / abs(per_second), 1.0
     if test in ("start", "end"):
         k = 0 if test == "start" else -1
-        value = float(watch.values[k])
         # A guard that has just been zero, or that two events share, is no limit of its own there.
-        return (value if abs(value) > ZERO * scale else np.inf), scale, float(watch.times[k])
+        return (float(v[k]) if abs(v[k]) > ZERO * scale else np.inf), scale, float(t[k])
     least, place = np.inf, np.nan
-    v, r, t = watch.values, watch.rates, watch.times
     for k in np.flatnonzero((r[:-1] < 0.0) & (r[1:] >= 0.0)).tolist():
         first, last = k == 0, k == len(t) - 2
         if last and watch.own and abs(v[-1]) < ZERO * scale:
             continue  # what turns just before its own event is told by the rate there
-        time = _turn(t[k], t[k + 1], v[k], v[k + 1], r[k], r[k + 1])
-        value = at(time)[0]
+        if min(v[k], v[k + 1]) > DEEPER * least:
+            continue
+        time = turn(t[k], t[k + 1], v[k], v[k + 1], r[k], r[k + 1])
+        value = watch.at(time)
         if first and abs(v[0]) < ZERO * scale and value > -BELOW * scale:
             continue  # it has just been zero, and leaves
         if value < least:
             least, place = value, time
     return least, scale, place
-
-
-def _turn(a: float, b: float, va: float, vb: float, ra: float, rb: float) -> float:
-    """Where the cubic through two values with their rates is least between them."""
-    h = b - a
-    d = (vb - va) / h
-    # derivative of the Hermite cubic: ra + 2 (3 d - 2 ra - rb) s + 3 (ra + rb - 2 d) s^2
-    c1, c2 = 2.0 * (3.0 * d - 2.0 * ra - rb), 3.0 * (ra + rb - 2.0 * d)
-    root = c1 * c1 - 4.0 * c2 * ra
-    if abs(c2) < 1e-12 * abs(c1) or root < 0.0:
-        s = ra / (ra - rb)
-    else:
-        s = (-c1 + np.sqrt(root)) / (2.0 * c2)
-        if not 0.0 <= s <= 1.0:
-            s = ra / (ra - rb)
-    return float(a + h * min(max(s, 0.0), 1.0))
 
 
 def _condition_map(passage: Passage, condition: Condition) -> Field:
@@ -266,24 +228,14 @@ def _condition_map(passage: Passage, condition: Condition) -> Field:
     return passage.watched(condition.name, condition.function)
 
 
-def _condition(
-    problem: HybridOrbit, condition: Condition, i: int, x: np.ndarray, scalars: np.ndarray
-) -> float:
-    piece = problem.pieces[i]
-    map_ = _condition_map(piece.passage, condition)
-    return float(map_(1.0, x, map_.constants(piece.values(scalars)))[0])
-
-
 def guard_scales(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
     """Largest value of each leg's own guard on it, shape (m,); 1 where there is none."""
     scales = np.ones(problem.layout.legs)
-    for i, leg in enumerate(problem.word.legs):
+    for i, (leg, view) in enumerate(zip(problem.word.legs, problem.view(z), strict=True)):
         if leg.transition is None:
             continue
-        piece, (x, scalars) = problem.pieces[i], problem.layout.inputs(i, z)
-        map_ = piece.passage.watched(leg.transition.name, leg.transition.guard)
-        c = map_.constants(piece.values(scalars))
-        largest = float(np.abs(map_.along(piece.steps, piece.nodes(x, scalars), c)[:, 0]).max())
+        found = view.guard_at(leg.transition, view.piece.steps, view.nodes)
+        largest = float(np.abs(found[:, 0]).max())
         scales[i] = largest if np.isfinite(largest) and largest > 0.0 else 1.0
     return scales
 
@@ -340,10 +292,9 @@ def _rows(problem: HybridOrbit, limit: Limit, y: np.ndarray, share: float) -> tu
     x, scalars = layout.inputs(i, z)
     n = len(x)
     if limit.test == "condition":
-        condition = next(c for c in problem.system.conditions if c.name == limit.name)
-        map_ = _condition_map(piece.passage, condition)
+        map_ = _condition_map(piece.passage, problem.named_conditions[limit.name])
     else:
-        transition = next(t for t in problem.system.transitions if t.name == limit.name)
+        transition = problem.named_transitions[limit.name]
         map_ = piece.passage.watched(transition.name, transition.guard)
     if limit.test == "start":
         c = map_.constants(piece.values(scalars))

@@ -290,7 +290,8 @@ def _exchanged(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> Neig
         k = int(np.argmax(apart))
         raise _None(
             f"'{second.name}' before '{first.name}' leads to another '{problem.system.state_names[k]}' "
-            f"than after it ({end[k]:.6g} and {states[following][k]:.6g}), so that no orbit in that order is near."
+            f"than after it ({end[k]:.6g} and {states[following][k]:.6g}), so that no orbit in that order is "
+            "near."
         )
     states[i], lasting[i] = middle, 0.0
     other, unknowns = _of_legs(there, Word(tuple(legs)), states, lasting, start, z)

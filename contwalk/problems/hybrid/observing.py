@@ -8,57 +8,22 @@ import numpy as np
 
 from contwalk.errors import called
 from contwalk.problems.hybrid import limits
-from contwalk.problems.hybrid.shooting import Piece
 from contwalk.problems.orbit.multipliers import Multipliers
-from contwalk.problems.orbit.sampling import with_extrema
+from contwalk.problems.orbit.sampling import MOST_BISECTIONS
 from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
     from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 
-# Samples of an orbit that observables are computed from, beside the integrator's own steps; of a leg at
-# least.
-SAMPLES, LEAST = 512, 8
+
+def legs(problem: HybridOrbit, z: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Times in seconds and full states of each leg, its two ends and the extremes of its states included."""
+    return [view.motion for view in problem.view(z)]
 
 
-class _OneLeg:
-    """A leg behind the form in which `with_extrema` asks for states."""
-
-    def __init__(self, piece: Piece, x: np.ndarray, scalars: np.ndarray) -> None:
-        self.piece, self.x, self.scalars = piece, x, scalars
-
-    def states(self, starts: np.ndarray, scalars: np.ndarray) -> np.ndarray:
-        """States at the steps."""
-        return self.piece.nodes(self.x, self.scalars)
-
-    def at(self, starts: np.ndarray, scalars: np.ndarray, times: np.ndarray, nodes: np.ndarray) -> np.ndarray:
-        """States at any times."""
-        return self.piece.at(nodes, times, self.scalars)
-
-
-def legs(
-    problem: HybridOrbit, z: np.ndarray, number: int = SAMPLES, extrema: bool = False
-) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Times in seconds and full states of each leg, its two ends included."""
-    beginnings, total = problem.starting_times(z), abs(problem.duration(z))
-    result = []
-    for i, piece in enumerate(problem.pieces):
-        x, scalars = problem.layout.inputs(i, z)
-        duration = float(scalars[0])
-        count = max(int(number * abs(duration) / max(total, 1e-300)), LEAST)
-        times = np.unique(np.concatenate([piece.steps, np.linspace(0.0, 1.0, count + 1)]))
-        nodes = piece.nodes(x, scalars)
-        states = piece.at(nodes, times, scalars)
-        if extrema:
-            one = _OneLeg(piece, x, scalars)
-            times, states = with_extrema(one, x, scalars, times, states)  # type: ignore[arg-type]
-        result.append((beginnings[i] + duration * times, piece.passage.full(states)))
-    return result
-
-
-def motion(problem: HybridOrbit, z: np.ndarray, number: int = SAMPLES) -> tuple[np.ndarray, np.ndarray]:
+def motion(problem: HybridOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The closure's motion: times in seconds, (k,), and states, (k, n); both sides of each event."""
-    found = legs(problem, z, number, extrema=True)
+    found = legs(problem, z)
     return np.concatenate([t for t, _ in found]), np.concatenate([x for _, x in found])
 
 
@@ -117,8 +82,8 @@ def at_event(problem: HybridOrbit, z: np.ndarray, name: str, side: str) -> tuple
 
 def before_event(problem: HybridOrbit, z: np.ndarray, i: int) -> np.ndarray:
     """Full state at the end of leg i, before its transition."""
-    piece, (x, scalars) = problem.pieces[i], problem.layout.inputs(i, z)
-    return piece.passage.full(piece.nodes(x, scalars)[-1])
+    view = problem.view(z)[i]
+    return view.full(view.end)
 
 
 def reported(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
@@ -141,14 +106,12 @@ def _passing(problem: HybridOrbit, z: np.ndarray, index: int, value: float, dire
         passes = np.flatnonzero((side[:-1] < 0.0) & (side[1:] >= 0.0))
         if not len(passes):
             continue
-        piece, (start, scalars) = problem.pieces[i], problem.layout.inputs(i, z)
-        k, first = int(passes[0]), float(problem.starting_times(z)[i])
-        low, high = ((t[j] - first) / scalars[0] for j in (k, k + 1))
-        nodes = piece.nodes(start, scalars)
+        view, k = problem.view(z)[i], int(passes[0])
+        low, high = ((t[j] - view.start) / view.duration for j in (k, k + 1))
         there = x[k]
-        for _ in range(60):
+        for _ in range(MOST_BISECTIONS):
             middle = 0.5 * (low + high)
-            there = piece.passage.full(piece.at(nodes, np.array([middle]), scalars)[0])
+            there = view.full(view.at(np.array([middle]))[0])
             low, high = (middle, high) if (there[index] - value) * direction < 0.0 else (low, middle)
             if high - low < 1e-15:
                 break

@@ -1,0 +1,313 @@
+"""Arcs of a hybrid machine and their derivatives in one compiled walk, for numba.
+
+The steps are those of `explicit_drivers`. With columns of derivatives each step moves them too; at a
+transition they are multiplied by its saltation matrix (P. C. Mueller, Calculation of Lyapunov exponents for
+dynamic systems with discontinuities, Chaos, Solitons and Fractals 5 (1995) 1671-1681). What needs more thought
+than a glance at values and rates is left to the careful way of `hybrid`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from contwalk.flow import plan
+from contwalk.flow.calling import call_rhs, caller, doubles, inlined, integers
+from contwalk.flow.explicit_drivers import EPSILON, accepted_step, copy, finite, first_stage, place, step
+from contwalk.flow.guard_kernel import (
+    CLEAR,
+    MONOTONE,
+    NONE,
+    UNRESOLVED,
+    begin_trials,
+    looks,
+    measured,
+    passes,
+    passes_once,
+    standing,
+)
+from contwalk.flow.hybrid_plan import (
+    ARRIVED,
+    BEGINS,
+    CLOCK,
+    COLUMN,
+    COLUMNS,
+    CONSTANTS,
+    COUNT,
+    DEPARTURES,
+    DIRECTIONS,
+    ENTRIES,
+    EVENTS,
+    FASTEST,
+    FULL,
+    GIVEN,
+    GUARDS,
+    HAPPENED,
+    JUMP,
+    LAST,
+    LEADS,
+    MEASURED,
+    MODE,
+    MODE_LENGTH,
+    MODES,
+    MOVING,
+    NOISE,
+    NOT_FINITE,
+    OUTPUTS,
+    PARAMETERS,
+    RATE,
+    ROOM,
+    ROWS,
+    SIZE,
+    SLOPES,
+    SPEEDS,
+    STEP_TOO_SMALL,
+    STEPS,
+    TAKEN,
+    TARGET,
+    TIME_UP,
+    TIMES,
+    TRANSITION_LENGTH,
+    TRANSITIONS,
+    TRIAL,
+    UNSURE,
+    VALUE,
+    WALK_LENGTH,
+    WIDTH,
+    WORD,
+)
+from contwalk.flow.stages import FIRST, NEXT, Y
+
+COINCIDE = 8.0
+ROUNDINGS, AFTER_RESET = 8.0, 1e3  # as in `departure`
+_EVENT = 100  # and more: the guard's number is added
+
+_call_departure = caller("v", "dqqqq")
+_evaluate = caller("v", "qdqq")
+
+
+# -- where an arc begins ------------------------------------------------------------------------------------
+
+
+@inlined
+def _stands(m: Any, guard: int, own: bool, t: float) -> bool:
+    """Write down how a guard stands; whether it is clear of zero or leaves it."""
+    p = integers(m[MOVING], plan.PLAN_LENGTH)
+    address = integers(m[DEPARTURES], guard + 1)[guard]
+    _call_departure(address, t, place(p, Y), m[PARAMETERS], m[NOISE], m[MEASURED])
+    out, at = doubles(m[MEASURED], 9), standing(m, guard)
+    direction = integers(m[DIRECTIONS], guard + 1)[guard]
+    at[VALUE], at[RATE], at[BEGINS], at[FASTEST] = out[0], out[3], 0.0, 0.0
+    if not abs(out[0]) < math.inf:
+        return False
+    if abs(out[0]) > (AFTER_RESET if own else ROUNDINGS) * (EPSILON * out[1] + out[2]):
+        return direction == 0 or (out[0] > 0.0) != (direction > 0)
+    for order in range(1, 3):
+        number, noise = out[3 * order], EPSILON * out[3 * order + 1] + out[3 * order + 2]
+        if abs(number) > ROUNDINGS * noise:
+            at[VALUE], at[BEGINS] = 0.0, 1.0 if number > 0.0 else -1.0
+            return at[BEGINS] != direction
+    return False
+
+
+@inlined
+def _begin(m: Any, last: int, t: float) -> int:
+    """The first stage of an arc, and its guards; `ARRIVED`, or why it cannot begin."""
+    p = integers(m[MOVING], plan.PLAN_LENGTH)
+    first_stage(p, t, Y)
+    if not (finite(doubles(place(p, Y), m[SIZE])) and finite(doubles(place(p, FIRST), m[SIZE]))):
+        return UNSURE
+    memory = doubles(p[plan.MEMORY], plan.MEMORY_LENGTH)
+    memory[0], memory[1], memory[2], memory[3] = t, 0.0, 0.0, 0.0
+    leads = integers(m[LEADS], m[GUARDS])
+    for guard in range(m[GUARDS]):
+        if not _stands(m, guard, leads[guard] == last, t):
+            return UNSURE
+    return ARRIVED
+
+
+# -- up to the next event -----------------------------------------------------------------------------------
+
+
+@inlined
+def _first_event(m: Any, t: float, end: float) -> tuple[float, int]:
+    """The first event in the step that ends in `NEXT`: instant and guard; the instant may be `NONE`."""
+    p = integers(m[MOVING], plan.PLAN_LENGTH)
+    first, which, begun = NONE, -1, False
+    for guard in range(m[GUARDS]):
+        value, rate, _ = measured(m, guard, end, place(p, NEXT))
+        look = looks(m, guard, end - t, value, rate)
+        if look == CLEAR:
+            continue
+        if not begun:
+            begin_trials(m, t)
+            begun = True
+        if look == MONOTONE:
+            at = passes_once(m, guard, t, end - t, value, rate)
+        else:
+            at = passes(m, guard, t, end - t, value, rate)
+        if at == UNRESOLVED:
+            return UNRESOLVED, guard
+        if at != NONE and (first == NONE or at < first - COINCIDE * EPSILON * abs(at)):
+            first, which = at, guard
+    return first, which
+
+
+@inlined
+def _go_on(m: Any, end: float) -> bool:
+    """The step's end becomes the state; whether all guards have values there."""
+    p = integers(m[MOVING], plan.PLAN_LENGTH)
+    sound = True
+    for guard in range(m[GUARDS]):
+        at = standing(m, guard)
+        at[VALUE], at[RATE], _ = measured(m, guard, end, place(p, NEXT))
+        at[BEGINS] = 0.0
+        sound = sound and abs(at[VALUE]) < math.inf
+    copy(place(p, NEXT), place(p, Y), p[plan.LENGTH])
+    return sound
+
+
+@inlined
+def _arc(w: Any, m: Any, last: int, t1: float, tolerance: float, order: float, stable: float) -> int:
+    """Steps until an event, whose guard's number is added to `_EVENT`, or until they end otherwise."""
+    p, clock = integers(m[MOVING], plan.PLAN_LENGTH), doubles(w[CLOCK], 1)
+    memory, times = doubles(p[plan.MEMORY], plan.MEMORY_LENGTH), doubles(w[TIMES], w[ROOM] + 1)
+    happened = integers(w[HAPPENED], WORD)
+    t = clock[0]
+    status = _begin(m, last, t)
+    if status != ARRIVED:
+        return status
+    steps, times[0] = 0, t
+    while t != t1:
+        if steps >= w[ROOM]:
+            return FULL
+        status = accepted_step(p, t1, tolerance, order, stable)
+        if status != plan.DONE:
+            return NOT_FINITE if status == plan.NOT_FINITE else STEP_TOO_SMALL
+        end = memory[0]
+        at, guard = _first_event(m, t, end)
+        if at == UNRESOLVED:
+            memory[0], memory[1] = t, 0.5 * (end - t)
+            first_stage(p, t, Y)
+            continue
+        if at != NONE:
+            if not at > t:
+                return UNSURE
+            first_stage(p, t, Y)
+            step(p, t, at - t)
+            copy(place(p, NEXT), place(p, Y), p[plan.LENGTH])
+            end = at
+        elif not _go_on(m, end):
+            return UNSURE
+        steps += 1
+        happened[STEPS] += 1
+        t, times[steps], clock[0] = end, end, end
+        if p[plan.NODES] != 0:
+            copy(place(p, Y), p[plan.NODES] + 8 * steps * p[plan.LENGTH], p[plan.LENGTH])
+        if at != NONE:
+            return _EVENT + guard
+    return TIME_UP
+
+
+# -- through a transition -----------------------------------------------------------------------------------
+
+
+@inlined
+def _derivatives(w: Any, m: Any, to: Any, j: Any, n: int) -> None:
+    """Columns of derivatives through a transition: G_x X + (F+ - G_x F - G_t) (h_x X) / (h_x F + h_t)."""
+    q, width, rows = w[COLUMNS], w[WIDTH], j[OUTPUTS]
+    p, after = integers(m[MOVING], plan.PLAN_LENGTH), integers(to[MOVING], plan.PLAN_LENGTH)
+    given = doubles(place(p, Y) + 8 * (p[plan.LENGTH] - n * width), n * width)
+    found = doubles(place(after, Y) + 8 * (after[plan.LENGTH] - rows * width), rows * width)
+    slopes, speeds = doubles(j[SLOPES], (rows + 1) * (n + 1)), doubles(j[SPEEDS], n + rows)
+    column, rate = doubles(w[COLUMN], rows), slopes[rows * (n + 1)]
+    for i in range(n):
+        rate += slopes[rows * (n + 1) + 1 + i] * speeds[i]
+    for k in range(q):
+        earlier = 0.0
+        for i in range(n):
+            earlier += slopes[rows * (n + 1) + 1 + i] * given[i * width + k]
+        earlier /= rate
+        for r in range(rows):
+            jump = speeds[n + r] - slopes[r * (n + 1)]
+            total = 0.0
+            for i in range(n):
+                slope = slopes[r * (n + 1) + 1 + i]
+                jump -= slope * speeds[i]
+                total += slope * given[i * width + k]
+            column[r] = total + jump * earlier
+        for r in range(rows):  # given and found are the same memory where the mode stays
+            found[r * width + k] = column[r]
+
+
+@inlined
+def _through(w: Any, number: int) -> int:
+    """Apply a transition: state, uncertainties, derivatives; `ARRIVED`, or why not."""
+    happened, clock = integers(w[HAPPENED], WORD), doubles(w[CLOCK], 1)
+    j = integers(w[TRANSITIONS] + 8 * number * TRANSITION_LENGTH, TRANSITION_LENGTH)
+    m = integers(w[MODES] + 8 * happened[MODE] * MODE_LENGTH, MODE_LENGTH)
+    to = integers(w[MODES] + 8 * j[TARGET] * MODE_LENGTH, MODE_LENGTH)
+    n, rows, t = m[SIZE], j[OUTPUTS], clock[0]
+    p, trial = integers(m[MOVING], plan.PLAN_LENGTH), integers(m[TRIAL], plan.PLAN_LENGTH)
+    y, taken = doubles(place(p, Y), n), doubles(j[TAKEN], n + 1)
+    speeds = doubles(j[SPEEDS], n + rows)
+    copy(place(p, Y), place(trial, Y), n)
+    first_stage(trial, t, Y)
+    copy(place(trial, FIRST), j[SPEEDS], n)
+    taken[0] = t
+    for i in range(n):
+        taken[1 + i] = y[i]
+    call_rhs(j[JUMP], 0.0, j[TAKEN], j[CONSTANTS], j[GIVEN])
+    given, starts = doubles(j[GIVEN], rows + 1), integers(j[ROWS], rows + 2)
+    entries, columns = (
+        doubles(j[GIVEN] + 8 * (rows + 1), starts[rows + 1]),
+        integers(j[ENTRIES], starts[rows + 1]),
+    )
+    slopes, noise = doubles(j[SLOPES], (rows + 1) * (n + 1)), doubles(to[NOISE], 1 + rows)
+    for i in range((rows + 1) * (n + 1)):
+        slopes[i] = 0.0
+    noise[0] = EPSILON * abs(t)
+    for r in range(rows + 1):
+        total = 0.0
+        for e in range(starts[r], starts[r + 1]):
+            slopes[r * (n + 1) + columns[e]] = entries[e]
+            uncertain = EPSILON * abs(t)
+            if columns[e] > 0:
+                uncertain = EPSILON * abs(y[columns[e] - 1]) + uncertain * abs(speeds[columns[e] - 1])
+            total += abs(entries[e]) * uncertain
+        if r < rows:
+            noise[1 + r] = EPSILON * abs(given[r]) + total
+    moving, tried = integers(to[MOVING], plan.PLAN_LENGTH), integers(to[TRIAL], plan.PLAN_LENGTH)
+    copy(j[GIVEN], place(tried, Y), rows)
+    if not finite(given):
+        return UNSURE
+    first_stage(tried, t, Y)
+    copy(place(tried, FIRST), j[SPEEDS] + 8 * n, rows)
+    if w[COLUMNS] > 0:
+        _derivatives(w, m, to, j, n)
+    copy(j[GIVEN], place(moving, Y), rows)
+    happened[MODE], happened[LAST] = j[TARGET], number
+    return ARRIVED
+
+
+def walk(address: int, t1: float, tolerance: float, order: float, stable: float) -> int:
+    """Arcs from the state in `Y` of its mode until there were `EVENTS` events, or time is up."""
+    w = integers(address, WALK_LENGTH)
+    happened = integers(w[HAPPENED], WORD + w[EVENTS])
+    while happened[COUNT] < w[EVENTS]:
+        m = integers(w[MODES] + 8 * happened[MODE] * MODE_LENGTH, MODE_LENGTH)
+        status = _arc(w, m, happened[LAST], t1, tolerance, order, stable)
+        if status < _EVENT:
+            return status
+        number = integers(m[LEADS], m[GUARDS])[status - _EVENT]
+        happened[WORD + happened[COUNT]] = number
+        happened[COUNT] += 1
+        status = _through(w, number)
+        if status != ARRIVED:
+            return status
+    return ARRIVED
+
+
+def leap_through(address: int, number: int) -> int:
+    """Only a transition, from the state in `Y` of its source."""
+    return _through(integers(address, WALK_LENGTH), number)

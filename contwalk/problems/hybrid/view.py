@@ -1,0 +1,147 @@
+"""A solution looked at leg by leg: samples of its motion, the instants at which states and guards turn.
+
+Everything that is told of an orbit (margins, observables, the reported state) comes from the same samples.
+Between two of them a turn shows in the signs of exact rates; where it lies the cubic through both ends
+tells, and the state there is that of the integrator's own interpolation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contwalk import flow
+from contwalk.problems.hybrid.shooting import Piece
+from contwalk.problems.orbit.motion import PLAIN
+from contwalk.system import Transition
+
+if TYPE_CHECKING:
+    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
+
+# Samples of each step, and of each that guards are looked at.
+PARTS, GUARDED = 8, 2
+
+
+class LegView:
+    """One leg of a solution.
+
+    Parameters
+    ----------
+    piece : Piece
+    x : ndarray, shape (n_i,)
+    scalars : ndarray
+    start : float
+        Time at which it starts.
+    """
+
+    def __init__(self, piece: Piece, x: np.ndarray, scalars: np.ndarray, start: float) -> None:
+        self.piece, self.x, self.scalars, self.start = piece, x, scalars, start
+        self.duration = float(scalars[0])
+
+    @cached_property
+    def nodes(self) -> np.ndarray:
+        """States at the steps, shape (s + 1, n_i)."""
+        return self.piece.nodes(self.x, self.scalars)
+
+    @cached_property
+    def times(self) -> np.ndarray:
+        """Sampled instants in 0..1, the steps' own among them."""
+        steps = self.piece.steps
+        inner = steps[:-1, None] + np.diff(steps)[:, None] * (np.arange(PARTS) / PARTS)
+        return np.append(inner.ravel(), 1.0)
+
+    @cached_property
+    def states(self) -> np.ndarray:
+        """States of the mode at `times`, shape (k, n_i)."""
+        return self.at(self.times)
+
+    @cached_property
+    def rates(self) -> np.ndarray:
+        """Rates of the states over the leg's own time, shape (k, n_i)."""
+        field = self.piece.passage.field(PLAIN)
+        c = field.constants(self.piece.values(self.scalars))
+        return field.along(self.times, self.states, c)
+
+    @cached_property
+    def at(self) -> Callable[[np.ndarray], np.ndarray]:
+        """States of the mode at any instants in 0..1, a function of these."""
+        field = self.piece.passage.field(PLAIN)
+        c = field.constants(self.piece.values(self.scalars))
+        return flow.interpolation(field, c, self.piece.steps, self.nodes, self.piece.method)
+
+    @property
+    def end(self) -> np.ndarray:
+        """State of the mode at the end, before the transition."""
+        return self.nodes[-1]
+
+    def full(self, x: np.ndarray) -> np.ndarray:
+        """States of the mode as states of the system."""
+        return self.piece.passage.full(x)
+
+    def guard(self, transition: Transition) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Instants in 0..1, a transition's guard there, and its rate over the leg's own time."""
+        map_ = self.piece.passage.watched(transition.name, transition.guard)
+        c = map_.constants(self.piece.values(self.scalars))
+        times, states = self.times[::GUARDED], self.states[::GUARDED]
+        found = map_.along(times, states, c)
+        return times, found[:, 0], found[:, 1]
+
+    def guard_at(self, transition: Transition, times: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """A guard and its rate at some instants, shape (k, 2)."""
+        map_ = self.piece.passage.watched(transition.name, transition.guard)
+        return map_.along(times, states, map_.constants(self.piece.values(self.scalars)))
+
+    @cached_property
+    def motion(self) -> tuple[np.ndarray, np.ndarray]:
+        """Times in seconds and full states, with the instants at which a state is extreme."""
+        turns = self._extrema()
+        times, states = self.times, self.states
+        if len(turns):
+            times = np.concatenate([times, turns])
+            states = np.concatenate([states, self.at(turns)])
+            order = np.argsort(times, kind="stable")
+            times, states = times[order], states[order]
+        return self.start + self.duration * times, self.full(states)
+
+    def _extrema(self) -> np.ndarray:
+        """Instants at which a state is largest or smallest on the leg, in growing order."""
+        t, x, r = self.times, self.states, self.rates
+        found = []
+        for j in range(x.shape[1]):
+            passes = np.flatnonzero(r[:-1, j] * r[1:, j] < 0.0)
+            if not len(passes):
+                continue
+            # Only the largest and the smallest matter.
+            for k in {int(passes[np.argmax(x[passes, j])]), int(passes[np.argmin(x[passes, j])])}:
+                found.append(turn(t[k], t[k + 1], x[k, j], x[k + 1, j], r[k, j], r[k + 1, j]))
+        return np.unique(found)
+
+
+def view_of(problem: HybridOrbit, z: np.ndarray) -> tuple[LegView, ...]:
+    """The legs of a solution."""
+    times = problem.starting_times(z)
+    return tuple(
+        LegView(piece, *problem.layout.inputs(i, z), float(times[i]))
+        for i, piece in enumerate(problem.pieces)
+    )
+
+
+def turn(a: float, b: float, va: float, vb: float, ra: float, rb: float) -> float:
+    """Where the cubic through two values with their rates turns between them."""
+    h = b - a
+    d = (vb - va) / h
+    # derivative of the Hermite cubic: ra + 2 (3 d - 2 ra - rb) s + 3 (ra + rb - 2 d) s^2
+    c1, c2 = 2.0 * (3.0 * d - 2.0 * ra - rb), 3.0 * (ra + rb - 2.0 * d)
+    root = c1 * c1 - 4.0 * c2 * ra
+    simple = ra / (ra - rb)
+    if abs(c2) < 1e-12 * abs(c1) or root < 0.0:
+        return float(a + h * simple)
+    # The one of two zeros that keeps its digits, and lies between.
+    q = -0.5 * (c1 + (np.sqrt(root) if c1 >= 0.0 else -np.sqrt(root)))
+    for s in (q / c2, ra / q if q != 0.0 else simple):
+        if 0.0 <= s <= 1.0:
+            return float(a + h * s)
+    return float(a + h * simple)
