@@ -120,7 +120,8 @@ def _stop(
         if asked == "switch":
             _, told = problem.neighbours(found_record(problem, found, 0.0, sign))
             words = f"{words} {told}"
-        return outcomes.limit(found.label, asked, words)
+        kind = problem.limits[int(found.located.vectors["limit"])].kind
+        return outcomes.limit(found.label, kind, asked, words)
     if found.located.vectors.get("fallen_back"):
         return outcomes.fallen_back()
     if found.label != "UZ":

@@ -130,6 +130,10 @@ def _hybrid(problem: HybridOrbit, z: np.ndarray, settings: Settings) -> Opening 
     if times > 1:  # it was looked at for longer than its period
         return _hybrid(*divided(problem, here.sample.z, times), settings)
     adapted, sample = problem.adapted(here.sample)
+    # On the steps of the branch everything is told anew: those of the start were made for a guess.
+    sample = adapted.examine(
+        sample.z, sample.tangent, sample.weights, adapted.linearize(sample.z), sample.unstable
+    )
     lost = [problem.limits[k].name for k in np.flatnonzero(sample.margins < -NO_MARGIN)]
     message = ""
     if lost:

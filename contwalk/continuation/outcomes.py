@@ -29,18 +29,19 @@ def stop_at(what: str) -> Outcome:
     return Outcome("stopped", "stop_at", f"Stopped at {what}, as asked. Remove it from `stop_at` to go on.")
 
 
-def limit(label: str, asked: str, words: str) -> Outcome:
+_TO_GO_ON = "To go on"
+
+
+def limit(label: str, kind: str | None, asked: str, words: str) -> Outcome:
     """The orbits beyond are not the machine's, or have another word."""
     reason = {"GR": "grazing", "OC": "order_change", "AZ": "inadmissible"}[label]
     if asked == "switch":
         return Outcome("complete", reason, words)
-    return Outcome(
-        "stopped",
-        reason,
-        f"{words} To go on past it: events: {{{label}: ignore}}; to its neighbours: switch."
-        if label != "AZ"
-        else f"{words} To go on past it: events: {{AZ: ignore}}.",
-    )
+    if kind == "terminal":
+        words += " Beyond it that event happens earlier, and no orbit of this signature is the machine's."
+    ways = [] if kind == "terminal" else [f"past it with --set events.{label}=ignore"]
+    ways += [] if label == "AZ" else [f"to orbits of another signature with --set events.{label}=switch"]
+    return Outcome("stopped", reason, f"{words} {_TO_GO_ON} {', or '.join(ways)}.")
 
 
 def max_points(number: int) -> Outcome:
@@ -60,7 +61,7 @@ def interrupted() -> Outcome:
 def restored(reason: str, message: str) -> Outcome:
     """The outcome of an end that is stored."""
     complete = ("bound", "closed", "grazing", "order_change")
-    status = "complete" if reason in complete and "To go on past it" not in message else "stopped"
+    status = "complete" if reason in complete and _TO_GO_ON not in message else "stopped"
     if reason in ("step_too_small", "no_convergence", "not_finite", "plugin_error"):
         status = "failed"
     return Outcome(status, reason, message or f"Ended with {reason}. Nothing more is known.")

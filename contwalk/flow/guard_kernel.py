@@ -3,8 +3,8 @@
 Where values and rates at both ends fit one cubic polynomial that only rises or only falls, the guard does so
 too. Where it cannot come near zero with twice its largest rate of late, it does not matter. On all other
 steps it is sampled by the method's own interpolation; if cubic polynomials through every second sample miss
-those between, the guard is not resolved, and the step has to be shorter. The instant of an event is located by
-taking the step anew with the length that ends there, as in `events`.
+those between, the guard is not resolved, and the step has to be shorter. The instant of an event is located
+by taking the step anew with the length that ends there, as in `events`.
 """
 
 from __future__ import annotations
@@ -66,9 +66,9 @@ def side_of(value: float, rate: float) -> float:
 
 
 @inlined
-def standing(m: Any, guard: int) -> Any:
-    """How a guard stands at the start of the step."""
-    return doubles(m[STANDING] + 8 * guard * OF_GUARD, OF_GUARD)
+def standing(m: Any, guard: int) -> int:
+    """Address of how a guard stands at the start of the step."""
+    return m[STANDING] + 8 * guard * OF_GUARD
 
 
 @inlined
@@ -80,7 +80,7 @@ def begins_on(at: Any) -> float:
 @inlined
 def looks(m: Any, guard: int, h: float, value: float, rate: float) -> int:
     """How a step of length h looks that ends with this value and rate of a guard."""
-    at = standing(m, guard)
+    at = doubles(standing(m, guard), OF_GUARD)
     at[FASTEST] = max(abs(at[RATE]), abs(rate), 0.5 * at[FASTEST])
     same = begins_on(at) == side_of(value, rate)
     change = value - at[VALUE]
@@ -196,7 +196,7 @@ def _cubic_zero(a: float, slope_a: float, b: float, slope_b: float) -> float:
 @inlined
 def passes_once(m: Any, guard: int, t: float, h: float, value: float, rate: float) -> float:
     """The instant at which a guard that only rises or only falls passes zero; `NONE` if the other way."""
-    at, wanted = standing(m, guard), integers(m[DIRECTIONS], guard + 1)[guard]
+    at, wanted = doubles(standing(m, guard), OF_GUARD), integers(m[DIRECTIONS], guard + 1)[guard]
     side = begins_on(at)
     if wanted != 0 and -side != wanted:
         return NONE
@@ -250,7 +250,7 @@ def _beyond(m: Any, guard: int, t: float, h: float, part: int, side: float) -> f
 @inlined
 def _sampled(m: Any, guard: int, t: float, h: float, value: float, rate: float) -> bool:
     """Fill the samples; whether they resolve the guard."""
-    at, samples = standing(m, guard), doubles(m[SAMPLES], 2 * (PARTS + 1))
+    at, samples = doubles(standing(m, guard), OF_GUARD), doubles(m[SAMPLES], 2 * (PARTS + 1))
     samples[0], samples[1] = at[VALUE], at[RATE]
     samples[2 * PARTS], samples[2 * PARTS + 1] = value, rate
     for part in range(1, PARTS):
@@ -275,7 +275,7 @@ def passes(m: Any, guard: int, t: float, h: float, value: float, rate: float) ->
     if not _sampled(m, guard, t, h, value, rate):
         return UNRESOLVED
     samples, wanted = doubles(m[SAMPLES], 2 * (PARTS + 1)), integers(m[DIRECTIONS], guard + 1)[guard]
-    before = begins_on(standing(m, guard))
+    before = begins_on(doubles(standing(m, guard), OF_GUARD))
     for part in range(PARTS):
         va, ra = samples[2 * part], samples[2 * part + 1]
         vb, rb = samples[2 * part + 2], samples[2 * part + 3]

@@ -289,11 +289,11 @@ def _integrated(
     leaving = {i: guard.side for i, guard in enumerate(standing) if guard.kind == LEAVING}
     resolving = flow.code.resolving(implicit=method.startswith("radau"))
     c, n = flow.constants(resolving), len(y)
-    span = _far(flow, t, y, weights) / FAR
+    span = far(flow, t, y, weights) / FAR
     scales = flow.scales(t, y, weights, span) * min(1.0, RESOLVED / control.tolerance)
     sizes, most = np.concatenate([weights, scales]), FIRST_STEPS
     while t < t1:
-        end = t1 if np.isfinite(t1) else t + _far(flow, t, y, weights)
+        end = t1 if np.isfinite(t1) else t + far(flow, t, y, weights)
         values = [guard(t, y, flow.p)[0] for guard in flow.guards]
         start = np.concatenate([y, values])
         path = adaptive(resolving, c, t, start, end, control.tolerance, sizes, method, max_steps=most)
@@ -345,7 +345,7 @@ def _event(machine: HybridMachine, flow: ModeFlow, at: Crossing) -> Event:
     return Event(flow.transitions[at.guard].name, at.time, at.rising, state, state, flow.name)
 
 
-def _far(flow: ModeFlow, t: float, y: np.ndarray, weights: np.ndarray) -> float:
+def far(flow: ModeFlow, t: float, y: np.ndarray, weights: np.ndarray) -> float:
     """A long time: at its present speed the motion would pass through its magnitudes many times."""
     speed = float(np.max(np.abs(flow.field(t, y, flow.c)) / weights, initial=0.0))
     return FAR / speed if np.isfinite(speed) and speed > 1e-4 else FAR

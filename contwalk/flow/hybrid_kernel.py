@@ -2,8 +2,8 @@
 
 The steps are those of `explicit_drivers`. With columns of derivatives each step moves them too; at a
 transition they are multiplied by its saltation matrix (P. C. Mueller, Calculation of Lyapunov exponents for
-dynamic systems with discontinuities, Chaos, Solitons and Fractals 5 (1995) 1671-1681). What needs more thought
-than a glance at values and rates is left to the careful way of `hybrid`.
+dynamic systems with discontinuities, Chaos, Solitons and Fractals 5 (1995) 1671-1681). What needs more
+thought than a glance at values and rates is left to the careful way of `hybrid`.
 """
 
 from __future__ import annotations
@@ -39,6 +39,7 @@ from contwalk.flow.hybrid_plan import (
     ENTRIES,
     EVENTS,
     FASTEST,
+    FIRST_OF_ALL,
     FULL,
     GIVEN,
     GUARDS,
@@ -53,11 +54,13 @@ from contwalk.flow.hybrid_plan import (
     MOVING,
     NOISE,
     NOT_FINITE,
+    OF_GUARD,
     OUTPUTS,
     PARAMETERS,
     RATE,
     ROOM,
     ROWS,
+    SHIFT,
     SIZE,
     SLOPES,
     SPEEDS,
@@ -95,7 +98,7 @@ def _stands(m: Any, guard: int, own: bool, t: float) -> bool:
     p = integers(m[MOVING], plan.PLAN_LENGTH)
     address = integers(m[DEPARTURES], guard + 1)[guard]
     _call_departure(address, t, place(p, Y), m[PARAMETERS], m[NOISE], m[MEASURED])
-    out, at = doubles(m[MEASURED], 9), standing(m, guard)
+    out, at = doubles(m[MEASURED], 9), doubles(standing(m, guard), OF_GUARD)
     direction = integers(m[DIRECTIONS], guard + 1)[guard]
     at[VALUE], at[RATE], at[BEGINS], at[FASTEST] = out[0], out[3], 0.0, 0.0
     if not abs(out[0]) < math.inf:
@@ -159,7 +162,7 @@ def _go_on(m: Any, end: float) -> bool:
     p = integers(m[MOVING], plan.PLAN_LENGTH)
     sound = True
     for guard in range(m[GUARDS]):
-        at = standing(m, guard)
+        at = doubles(standing(m, guard), OF_GUARD)
         at[VALUE], at[RATE], _ = measured(m, guard, end, place(p, NEXT))
         at[BEGINS] = 0.0
         sound = sound and abs(at[VALUE]) < math.inf
@@ -220,7 +223,7 @@ def _derivatives(w: Any, m: Any, to: Any, j: Any, n: int) -> None:
     given = doubles(place(p, Y) + 8 * (p[plan.LENGTH] - n * width), n * width)
     found = doubles(place(after, Y) + 8 * (after[plan.LENGTH] - rows * width), rows * width)
     slopes, speeds = doubles(j[SLOPES], (rows + 1) * (n + 1)), doubles(j[SPEEDS], n + rows)
-    column, rate = doubles(w[COLUMN], rows), slopes[rows * (n + 1)]
+    column, shift, rate = doubles(w[COLUMN], rows), doubles(w[SHIFT], q), slopes[rows * (n + 1)]
     for i in range(n):
         rate += slopes[rows * (n + 1) + 1 + i] * speeds[i]
     for k in range(q):
@@ -228,6 +231,7 @@ def _derivatives(w: Any, m: Any, to: Any, j: Any, n: int) -> None:
         for i in range(n):
             earlier += slopes[rows * (n + 1) + 1 + i] * given[i * width + k]
         earlier /= rate
+        shift[k] = -earlier
         for r in range(rows):
             jump = speeds[n + r] - slopes[r * (n + 1)]
             total = 0.0
@@ -290,24 +294,29 @@ def _through(w: Any, number: int) -> int:
     return ARRIVED
 
 
+@inlined
+def _happens(w: Any, number: int) -> int:
+    """Write down a transition, and apply it."""
+    happened = integers(w[HAPPENED], WORD + w[EVENTS])
+    happened[WORD + happened[COUNT]] = number
+    happened[COUNT] += 1
+    return _through(w, number)
+
+
 def walk(address: int, t1: float, tolerance: float, order: float, stable: float) -> int:
     """Arcs from the state in `Y` of its mode until there were `EVENTS` events, or time is up."""
     w = integers(address, WALK_LENGTH)
-    happened = integers(w[HAPPENED], WORD + w[EVENTS])
+    happened = integers(w[HAPPENED], WORD)
+    if happened[FIRST_OF_ALL] >= 0:
+        status = _happens(w, happened[FIRST_OF_ALL])
+        if status != ARRIVED:
+            return status
     while happened[COUNT] < w[EVENTS]:
         m = integers(w[MODES] + 8 * happened[MODE] * MODE_LENGTH, MODE_LENGTH)
         status = _arc(w, m, happened[LAST], t1, tolerance, order, stable)
         if status < _EVENT:
             return status
-        number = integers(m[LEADS], m[GUARDS])[status - _EVENT]
-        happened[WORD + happened[COUNT]] = number
-        happened[COUNT] += 1
-        status = _through(w, number)
+        status = _happens(w, integers(m[LEADS], m[GUARDS])[status - _EVENT])
         if status != ARRIVED:
             return status
     return ARRIVED
-
-
-def leap_through(address: int, number: int) -> int:
-    """Only a transition, from the state in `Y` of its source."""
-    return _through(integers(address, WALK_LENGTH), number)

@@ -1,8 +1,8 @@
 """The map of a hybrid machine from a state to the one after some events, with its derivative.
 
 For the explicit pair of order 8 it is one call of compiled code. Where that is not sure of itself, as with
-transitions that happen at once, and for the other methods, the arcs are found one by one and differentiated on
-their steps.
+transitions that happen at once, and for the other methods, the arcs are found one by one and differentiated
+on their steps.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 
 from contwalk.errors import NotFinite
 from contwalk.flow import hybrid_plan as told
-from contwalk.flow.hybrid import Arc, arcs
+from contwalk.flow.hybrid import Arc, arcs, far
 from contwalk.flow.hybrid_machine import HybridMachine, applied
 from contwalk.flow.saltation import saltation
 from contwalk.flow.verbs import tangents
@@ -107,4 +107,82 @@ class StepMap:
         StartError
             If a guard is past zero at the start.
         """
-        raise NotImplementedError
+        t, x = float(t0), np.asarray(x0, dtype=float)
+        if self._walk is not None:
+            found = self._walked(self._walk, t, x, self._end(t, x), tolerance)
+            if found is not None:
+                return found
+        return self._step_by_step(t, x, tolerance)
+
+    def _end(self, t: float, x: np.ndarray) -> float:
+        if np.isfinite(self.longest):
+            return t + self.longest
+        flow = self.machine.mode(self.mode)
+        return t + far(flow, t, x[flow.states], self.weights[flow.states])
+
+    def _walked(self, walk: Walk, t: float, x: np.ndarray, t1: float, tolerance: float) -> Mapped | None:
+        """By compiled code; None where it is not sure."""
+        walk.begin(t, x, self.mode, self.just_after, self.at)
+        walk.derivatives(self.mode)[:] = np.eye(len(self._columns))
+        if walk(t1, tolerance) != told.ARRIVED:
+            return None
+        machine, happened = self.machine, walk.happened
+        mode = walk.modes[happened[told.MODE]]
+        word = tuple(walk.transitions[number] for number in happened[told.WORD :])
+        return Mapped(
+            time=float(walk.clock[0]),
+            state=machine.full(mode, walk.state(mode)),
+            mode=mode,
+            monodromy=self._full(mode, walk.derivatives(mode)),
+            shift=machine.full(self.mode, walk.shift),
+            velocity=machine.full(mode, walk.velocity(word[-1])),
+            word=word,
+            steps=int(happened[told.STEPS]),
+        )
+
+    def _full(self, mode: str, derivatives: np.ndarray) -> np.ndarray:
+        matrix = np.zeros((len(self.weights), len(self.weights)))
+        matrix[np.ix_(self.machine.mode(mode).states, self._columns)] = derivatives
+        return matrix
+
+    def _step_by_step(self, t: float, x: np.ndarray, tolerance: float) -> Mapped:
+        """Arc by arc, each differentiated on its steps."""
+        mode, last, word, steps = self.mode, self.just_after, [], 0
+        columns, shift = np.eye(len(self._columns)), np.zeros(len(self._columns))
+        if self.at is not None:
+            matrix, own = saltation(self.machine, self.at, t, x)
+            columns, shift, x = matrix, own, applied(self.machine, self.at, t, x)
+            mode, last, word = self.machine.transition(self.at).target, self.at, [self.at]
+        if len(word) < self.events:
+            motion = arcs(
+                self.machine, t, x, mode, t + self.longest, tolerance, self.weights, self.method, last
+            )
+            for arc in motion:
+                columns = self._along(arc, columns)
+                if arc.transition is None or arc.after is None:
+                    raise NotFinite(_ended(arc, len(word), self.events), "Start elsewhere.")
+                matrix, own = saltation(self.machine, arc.transition, float(arc.times[-1]), arc.states[-1])
+                columns, shift = matrix @ columns, own @ columns
+                t, x, mode = float(arc.times[-1]), arc.after, self.machine.transition(arc.transition).target
+                word.append(arc.transition)
+                steps += len(arc.times) - 1
+                if len(word) == self.events:
+                    break
+                if arc.status != "ok":
+                    raise NotFinite(_ended(arc, len(word), self.events), "Start elsewhere.")
+        flow = self.machine.mode(mode)
+        velocity = self.machine.full(mode, flow.field(t, x[flow.states], flow.c))
+        shifts, matrix = self.machine.full(self.mode, shift), self._full(mode, columns)
+        return Mapped(t, x, mode, matrix, shifts, velocity, tuple(word), steps)
+
+    def _along(self, arc: Arc, columns: np.ndarray) -> np.ndarray:
+        if len(arc.times) == 1:
+            return columns
+        flow = self.machine.mode(arc.mode)
+        start, sources = arc.states[0][flow.states], [-1] * columns.shape[1]
+        return tangents(flow.field, flow.c, arc.times, start, columns, sources, self.method)[1]
+
+
+def _ended(arc: Arc, count: int, events: int) -> str:
+    why = arc.reason or f"No transition happens until t = {arc.times[-1]:.10g}."
+    return f"The motion ends after {count} of {events} events. {why}"

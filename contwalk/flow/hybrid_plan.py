@@ -4,13 +4,13 @@ from __future__ import annotations
 
 # The walk: addresses of the records of modes and transitions; of the time; of what happens; of the times of
 # an arc's steps, and how many there is room for; how many events there are to be; columns of derivatives, and
-# these padded; scratch for the states of a mode.
-MODES, TRANSITIONS, CLOCK, HAPPENED, TIMES, ROOM, EVENTS, COLUMNS, WIDTH, COLUMN = range(10)
-WALK_LENGTH = 10
+# these padded; scratch for the states of a mode; address of the derivatives of the last event's instant.
+MODES, TRANSITIONS, CLOCK, HAPPENED, TIMES, ROOM, EVENTS, COLUMNS, WIDTH, COLUMN, SHIFT = range(11)
+WALK_LENGTH = 11
 
-# What happens, as integers: the mode's number; the transition that has just happened, -1 if none; how many
-# events there were; steps; from `WORD` on the transitions' numbers.
-MODE, LAST, COUNT, STEPS, WORD = range(5)
+# What happens, as integers: the mode's number; the transition that has just happened, and one that happens
+# before all else, -1 if none; how many events there were; steps; from `WORD` on the transitions' numbers.
+MODE, LAST, FIRST_OF_ALL, COUNT, STEPS, WORD = range(6)
 
 # A mode: two plans of explicit methods, one that moves, with derivatives if these are wanted, and one to try;
 # number of states.

@@ -7,7 +7,9 @@ import numpy as np
 from contwalk.flow.hybrid_machine import HybridMachine
 
 
-def saltation(machine: HybridMachine, transition: str, t: float, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def saltation(
+    machine: HybridMachine, transition: str, t: float, x: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """How deviations go through a transition, in the states that exist on its sides.
 
     A deviation v before it, at a fixed time, is Psi v after it; the transition happens at t + s v with

@@ -44,9 +44,11 @@ class Walk:
         self.transitions = [transition.name for transition in machine.system.transitions]
         self._kept: list[np.ndarray] = []
         self.clock, self.happened = np.zeros(1), np.zeros(told.WORD + events, dtype=np.int64)
-        self.times = np.empty(ROOM + 1)
+        self.times, self.shift = np.empty(ROOM + 1), np.zeros(columns)
         self._moving: dict[str, Call] = {}
+        self._trial: list[Call] = []
         self._noise: dict[str, np.ndarray] = {}
+        self._speeds: dict[str, np.ndarray] = {}
         modes = [self._mode(name, weights) for name in self.modes]
         transitions = [self._transition(name) for name in self.transitions]
         width = -(-columns // stages.WIDTH) * stages.WIDTH
@@ -61,6 +63,7 @@ class Walk:
             told.COLUMNS: columns,
             told.WIDTH: width,
             told.COLUMN: self._keep(np.empty(len(machine.system.states))),
+            told.SHIFT: self._keep(self.shift),
         })  # fmt: skip
 
     def _keep(self, array: np.ndarray) -> int:
@@ -93,7 +96,7 @@ class Walk:
         for row, terms in enumerate(DOP853.dense):
             for stage, value in terms.items():
                 coefficients[row, stage] = value
-        self._calls = [*getattr(self, "_calls", []), moving, trial]
+        self._trial.append(trial)
         return self._integers(told.MODE_LENGTH, {
             told.MOVING: moving.plan.ctypes.data,
             told.TRIAL: trial.plan.ctypes.data,
@@ -120,6 +123,7 @@ class Walk:
             return np.zeros(told.TRANSITION_LENGTH, dtype=np.int64)
         jump, c = self.machine.jump(name)
         n, outputs = jump.n - 1, jump.m - 1
+        self._speeds[name] = speeds = np.zeros(n + outputs)
         return self._integers(told.TRANSITION_LENGTH, {
             told.JUMP: jump.rhs_jac_address,
             told.CONSTANTS: self._keep(c),
@@ -129,21 +133,22 @@ class Walk:
             told.GIVEN: self._keep(np.zeros(jump.m + len(jump.col))),
             told.OUTPUTS: outputs,
             told.TARGET: self.modes.index(transition.target),
-            told.SPEEDS: self._keep(np.zeros(n + outputs)),
+            told.SPEEDS: self._keep(speeds),
             told.SLOPES: self._keep(np.zeros((outputs + 1) * (n + 1))),
         })  # fmt: skip
 
-    def begin(self, t: float, x: np.ndarray, mode: str, last: str | None) -> None:
-        """Put a full-length state in place, with no derivatives yet."""
+    def begin(self, t: float, x: np.ndarray, mode: str, last: str | None, first: str | None = None) -> None:
+        """Put a full-length state in place, right after `last`, or right before `first`."""
         states = self.machine.mode(mode).states
         own = x[states]
         self.clock[0] = t
         self._moving[mode].vectors[stages.Y, : len(states)] = own
         noise = self._noise[mode]
         noise[0], noise[1:] = EPSILON * abs(t), EPSILON * np.abs(own)
-        number = -1 if last is None else self.transitions.index(last)
         self.happened[:] = 0
-        self.happened[told.MODE], self.happened[told.LAST] = self.modes.index(mode), number
+        self.happened[told.MODE] = self.modes.index(mode)
+        for place, name in ((told.LAST, last), (told.FIRST_OF_ALL, first)):
+            self.happened[place] = -1 if name is None else self.transitions.index(name)
 
     def derivatives(self, mode: str) -> np.ndarray:
         """The columns of a mode, shape (states, columns): a view."""
@@ -153,6 +158,11 @@ class Walk:
     def state(self, mode: str) -> np.ndarray:
         """The states of a mode: a view."""
         return self._moving[mode].vectors[stages.Y, : len(self.machine.mode(mode).states)]
+
+    def velocity(self, transition: str) -> np.ndarray:
+        """The field right after a transition that has happened last."""
+        jump = self.machine.jump(transition)[0]
+        return self._speeds[transition][jump.n - 1 :]
 
     def __call__(self, t1: float, tolerance: float) -> int:
         """Walk on; the answer is one of `hybrid_plan.ARRIVED`, .."""

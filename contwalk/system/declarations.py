@@ -27,6 +27,9 @@ ROLES_OF_TRANSITIONS = ("hard", "soft", "watched")
 ROLES_OF_SYMMETRIES = ("relabel", "spatial")
 DIRECTIONS = ("falling", "rising", "both")
 SIDES = ("before", "after")
+# Of hybrid orbits: signed square of the smallest difference between two multipliers, zero where a pair turns
+# real.
+SPLIT = "split"
 
 
 def nearest(name: str, known: Sequence[str]) -> str:
@@ -445,6 +448,20 @@ class System:
     def leaving(self, mode: str) -> tuple[Transition, ...]:
         """The transitions out of a mode, watched ones included, in their order."""
         return tuple(transition for transition in self.transitions if transition.source == mode)
+
+    @property
+    def margins(self) -> tuple[str, ...]:
+        """Names of what must stay positive: watched transitions and conditions."""
+        watched = [transition.name for transition in self.transitions if transition.role == "watched"]
+        return tuple(dict.fromkeys([*watched, *(condition.name for condition in self.conditions)]))
+
+    @property
+    def observable_names(self) -> tuple[str, ...]:
+        """Names of the observables, of a hybrid system with the margins that its branches tell as well."""
+        own = tuple(observable.name for observable in self.observables)
+        if not self.acting:
+            return own
+        return (*own, *(name for name in self.margins if name not in own), SPLIT)
 
     @property
     def acting(self) -> tuple[Transition, ...]:

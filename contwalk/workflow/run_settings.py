@@ -63,7 +63,7 @@ class Measured:
 
     def check(self, key: Key, name: str) -> None:
         """Note a problem at `key` unless `name` changes along the branch."""
-        observables = tuple(observable.name for observable in self.system.observables)
+        observables = self.system.observable_names
         known = tuple(dict.fromkeys((self.free, *self.varying, *observables, *BUILT_IN)))
         if name in known:
             return
@@ -213,7 +213,7 @@ def figures(
 
 
 def _check_axes(problems: Problems, system: System, key: Key, options: FigureOptions) -> None:
-    observables = tuple(observable.name for observable in system.observables)
+    observables = system.observable_names
     known = (*system.parameter_names, *system.state_names, *observables, *BUILT_IN, "period", PATH)
     what = "neither a parameter, a state nor an observable"
     if key[-1] in (*MOTION_FIGURES, *SAMPLE_FIGURES):

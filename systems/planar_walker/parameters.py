@@ -41,7 +41,7 @@ _MEANING = {
 
 PARAMETERS = tuple(
     Parameter(name, default, unit, (0.0 if non_negative else None, None), about)
-    for name, default in {**TABLE_1, "mu": 1.0}.items()
+    for name, default in {**TABLE_1, "mu": 3.0}.items()
     for unit, non_negative, about in (_MEANING[name],)
 )
 

@@ -198,7 +198,7 @@ def test_energy_is_kept_between_impacts(mode):
 
 def test_defaults_are_those_of_the_reference():
     defaults = SYSTEM.defaults()
-    assert defaults.pop("mu") == 1.0
+    assert defaults.pop("mu") == 3.0
     assert defaults == REFERENCE["parameters"]
     assert SYSTEM.state_names == ("q1", "q2", "q3", "q6", "u1", "u2", "u3")
 

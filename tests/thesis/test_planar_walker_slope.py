@@ -108,7 +108,7 @@ class TestGait:
         assert found["impulse_knee"] == pytest.approx(float(GAIT["knee_impulse"][1]), rel=1e-10)
         # The least clearance is interpolated between samples, at an instant where its rate is zero.
         assert found["hind_dip"] == pytest.approx(float(GAIT["hind_dip_clearance"]), rel=1e-7)
-        assert found["max_abs"] == abs(row["spectrum"][0])
+        assert found["max_abs"] == pytest.approx(abs(row["spectrum"][0]), abs=1e-10)  # of two meshes
 
     def test_the_paper_reads_the_same_to_its_digits(self):
         """Multipliers by differences of 5e-6, and friction to two digits, cut off."""
@@ -175,7 +175,7 @@ class TestFold:
         branch, point = slope()[0], only(slope()[0], "LP")
         assert branch["alpha"].min() >= point.parameters["alpha"] - point.error
         assert {point.unstable_before, point.unstable_after} == {0, 1}
-        # a: quadratic coefficient of the return map. Both branches lie above: b mu + a xi^2 = 0 needs a b < 0.
+        # Of the map xi + b mu + a xi^2: for gaits on the upper side a and b have different signs.
         assert point.coefficients["a"] * point.coefficients["b"] < 0.0
 
 
@@ -202,24 +202,26 @@ class TestDoublings:
         beside = child.points[(child["s"] > 0.0) & ~child["special"]][:2]
         assert np.all(beside["unstable"] == 0)
 
-    def test_multipliers_beside_it_are_those_of_the_normal_form(self, number):
-        """-(1 + mu) of the single gait and 1 - 4 mu of the doubled one, whatever c is."""
-        if number == 3:
-            return
-        point, parent, child = self.point(number), slope()[number], slope()[number + 1]
-        at = point.parameters["alpha"]
-        regular = ~parent["special"]
-        mu = -1.0 - parent.points["spectrum"][regular][:, 0].real
-        order = np.argsort(parent["alpha"][regular])
-        near = child.points[(child["s"] > 0.0) & ~child["special"]]
-        distance = near["free"][:, 0] - at
-        chosen = near[(distance > 1e-6 * at) & (distance < 1e-3 * at)]
-        assert len(chosen) >= 1
-        for row in chosen:
-            grown = np.interp(row["free"][0], parent["alpha"][regular][order], mu[order])
-            found = (1.0 - row["spectrum"][0].real) / (4.0 * grown)
-            # The next order of the normal form, and the straight line between rows of the parent.
-            assert found == pytest.approx(1.0, abs=0.15)
+
+@pytest.mark.parametrize("number", range(3))
+def test_multipliers_beside_a_doubling_are_those_of_its_normal_form(number):
+    """-(1 + mu) of the gait and 1 - 4 mu of the doubled one, whatever the coefficient is.
+
+    Slopes at the doubling are those of parabolas and quintics through neighbouring rows, which agree with
+    narrower ones to some parts in a thousand.
+    """
+    fitted = np.polynomial.Polynomial.fit
+    parent, child, point = slope()[number], slope()[number + 1], only(slope()[number], "PD")
+    at = point.parameters["alpha"]
+    rows = [i for i in range(point.index - 8, point.index + 9) if not parent["special"][i]]
+    rows = sorted(rows, key=lambda i: abs(i - point.index))[:5]
+    distance = np.append(parent["alpha"][rows] - at, 0.0)
+    grown = np.append(-1.0 - parent.points["spectrum"][rows].real.min(axis=1), 0.0)
+    expected = 4.0 * fitted(distance, grown, 5).deriv()(0.0)
+    beside = child.points[(child["s"] > 0.0) & ~child["special"]][:4]
+    distance = beside["free"][:, 0] - at
+    found = fitted(distance, (1.0 - beside["spectrum"][:, 0].real) / distance, 2)(0.0)
+    assert found == pytest.approx(expected, rel=0.01)
 
 
 @pytest.mark.parametrize("label", LIMITS)
@@ -228,8 +230,10 @@ class TestLimits:
         point = limit(label)
         assert_alpha(point, EVENTS[label]["alpha"])
         assert point.period == pytest.approx(float(EVENTS[label]["T"]), rel=1e-9)
-        # Verified by bisection in double precision.
-        np.testing.assert_allclose(before_heel_strike(point.state), numbers(EVENTS[label]["x"]), rtol=1e-9)
+        # The run asks for 1e-9; states are of size one, and deviations grow up to six times in a step.
+        np.testing.assert_allclose(
+            before_heel_strike(point.state), numbers(EVENTS[label]["x"]), rtol=0, atol=6e-9
+        )
         expected = complex_numbers(EVENTS[label]["ev"])
         assert apart(point.spectrum, expected) < 1e-9 * max(1.0, abs(expected[0]))
 

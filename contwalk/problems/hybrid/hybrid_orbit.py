@@ -43,8 +43,6 @@ MOST_KEPT = 12
 MOST_VIEWS = 4
 # Two orbits whose periods and states differ by less than this part are one.
 ALIKE = 1e-6
-# Signed square of the smallest difference between two multipliers: zero where a pair becomes real.
-SPLIT = "split"
 
 
 class HybridOrbit:
@@ -194,9 +192,7 @@ class HybridOrbit:
     @property
     def observable_names(self) -> tuple[str, ...]:
         """The system's observables, margins of what is watched and of conditions, `split` and `max_abs`."""
-        own = [o.name for o in self.system.observables]
-        margins = [name for name in limits.observed(self.system) if name not in own]
-        return (*own, *margins, SPLIT, MAX_ABS)
+        return (*self.system.observable_names, MAX_ABS)
 
     def view(self, z: np.ndarray) -> tuple[LegView, ...]:
         """A solution looked at leg by leg."""
@@ -619,7 +615,9 @@ class HybridOrbit:
         before: int | None,
         known: Sample | None = None,
     ) -> Sample:
-        """Everything that is watched at a solution; of `known`, on other steps, what changes little with them."""
+        """Everything that is watched at a solution; of `known`, on other steps, what changes little
+        with them.
+        """
         length = float(np.linalg.norm(tangent / weights))
         unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
         found = self.multipliers(z, linearization.jacobian)
@@ -787,7 +785,10 @@ class HybridOrbit:
         record = describing.described(self, label, located, sample, s)
         if label in limits.LABELS:
             limit = self.limits[int(located.vectors["limit"])]
-            record = replace(record, kind=limit.kind, note=limits.place_of(there, limit, located))
+            kind = limit.kind
+            if limit.test == "duration" and neighbours.corners(there, located.z, limit, sample.tangent):
+                kind = "corner"
+            record = replace(record, kind=kind, note=limits.place_of(there, limit, located))
         values = limits.margins(there, located.z)
         return replace(record, admissible=values.admissible, margin=values.by_name)
 

@@ -29,7 +29,7 @@ from contwalk.problems.hybrid.view import LegView, turn
 from contwalk.problems.orbit import augmented
 from contwalk.problems.orbit.motion import PLAIN
 from contwalk.problems.problem import Located, Sample
-from contwalk.system import Condition, System, Transition
+from contwalk.system import Condition, Transition
 
 if TYPE_CHECKING:
     from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
@@ -119,12 +119,6 @@ def limits_of(problem: HybridOrbit) -> tuple[Limit, ...]:
             if condition.at == own.name:
                 found.append(Limit("AZ", condition.name, condition.name, i, "condition", False))
     return tuple(found)
-
-
-def observed(system: System) -> tuple[str, ...]:
-    """Names of the margins that are observables: those of watched transitions and of conditions."""
-    watched = [t.name for t in system.transitions if t.role == "watched"]
-    return tuple(dict.fromkeys([*watched, *(condition.name for condition in system.conditions)]))
 
 
 # -- values ------------------------------------------------------------------------------------------------
@@ -326,7 +320,10 @@ def place_of(problem: HybridOrbit, limit: Limit, located: Located) -> str:
     if limit.test == "condition":
         return f"'{limit.name}' is zero at '{leg.name}'"
     if limit.test == "rate":
-        return f"'{limit.name}' arrives with no rate, {seconds:.10g} s after '{before}', in mode {leg.mode}"
+        return (
+            f"'{limit.name}' arrives with no rate, {seconds:.10g} s after '{before}', in mode {leg.mode}: "
+            "multipliers grow beyond all bounds, as the inverse of its rate"
+        )
     return f"'{limit.name}' is touched {seconds:.10g} s after '{before}', in mode {leg.mode}"
 
 
@@ -341,7 +338,11 @@ def sentence(problem: HybridOrbit, label: str, located: Located, sample: Sample)
         if k != int(located.vectors["limit"]) and np.isfinite(v) and o.test != "duration"
     ]
     text = f"At {problem.free} = {float(located.z[-1]):.12g} {place_of(there, limit, located)}."
-    if others:
-        _, nearest, value = min(others, key=lambda entry: entry[0])
+    violated = dict.fromkeys(o.name for r, o, _ in others if r < -ZERO)
+    if violated:
+        text += f" Not admissible before: {', '.join(violated)}."
+    kept = [entry for entry in others if entry[0] >= -ZERO and entry[1].name != limit.name]
+    if kept:
+        _, nearest, value = min(kept, key=lambda entry: entry[0])
         text += f" Nearest beside it: '{nearest.name}' ({nearest.test}) with a margin of {value:.4g}."
     return text

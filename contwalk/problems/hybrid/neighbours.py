@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 # A transition at no speed that moves the state by more than this part of its variation changes something.
 CHANGES = 1e-6
 SECANTS = 12
+# Directions of a branch before and after an exchange that differ by more make a corner.
+CORNER = 1e-5
 # How far along the new branch its orbits are looked at, in the metric: the first that is admissible counts.
 STEPS = (1e-3, 1e-4, 1e-2)
 
@@ -64,6 +66,33 @@ def found(problem: HybridOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], st
     except (NotFinite, np.linalg.LinAlgError) as error:
         return (), f"No neighbour to switch to: its equations have no solution there ({error})."
     return (seed,), f"The orbits with signature [{words}] leave there: a branch of their own."
+
+
+def corners(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, tangent: np.ndarray) -> bool:
+    """Whether the branch has a corner where two events are exchanged: its way before is not its way after.
+
+    `tangent` is that of the branch that arrives. Compared are the parameter and the starts of all other legs.
+    """
+    try:
+        neighbour = _built(problem, z, limit, 0.0)
+    except (_None, NotFinite, np.linalg.LinAlgError):
+        return False
+    there = neighbour.problem
+    weights = filled_magnitudes(there, neighbour.z)
+    leaving = kernel_direction(there.linearize(neighbour.z).jacobian, weights)
+    own = there.layout.durations.start + limit.leg
+    leaving = leaving * np.sign(leaving[own])
+    arriving = tangent * -np.sign(tangent[problem.layout.durations.start + limit.leg])
+
+    def shared(orbit: HybridOrbit, vector: np.ndarray) -> np.ndarray:
+        places = [p for i, p in enumerate(orbit.layout.states) if i != limit.leg]
+        scaled = vector / weights
+        direction = np.concatenate([*(scaled[p] for p in places), scaled[-1:]])
+        return direction / max(float(np.linalg.norm(direction)), 1e-300)
+
+    if there.layout.sizes != problem.layout.sizes:
+        return bool(np.sign(arriving[-1]) != np.sign(leaving[-1]))
+    return float(np.linalg.norm(shared(problem, arriving) - shared(there, leaving))) > CORNER
 
 
 def _limit_of(problem: HybridOrbit, point: SpecialPoint) -> tuple[limits.Limit, float]:

@@ -43,7 +43,7 @@ def values(problem: HybridOrbit, z: np.ndarray, found: Multipliers, margins: lim
                 continue
             given = place
         result.append(called(f"observable '{o.name}'", lambda f, g: float(f(*g, p)), o.function, given))
-    named = [name for name in limits.observed(problem.system) if name not in [o.name for o in own]]
+    named = [name for name in problem.system.margins if name not in [o.name for o in own]]
     result += [margins.least(name) for name in named]
     largest = float(np.abs(found.values[0])) if len(found.values) else float("nan")
     return [*result, split(found.values), largest]

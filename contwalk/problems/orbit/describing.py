@@ -41,7 +41,7 @@ def described(problem: Orbit, label: str, located: Located, sample: Sample, s: f
         s=s,
         kind=kind,
         parameters=values | ({problem.free: float(z[-1])} if problem.path is not None else {}),
-        state=dict(zip(problem.system.state_names, problem.reported(z).tolist(), strict=True)),
+        state=dict(zip(problem.system.state_names, there.reported(z).tolist(), strict=True)),
         period=duration,
         period_full=duration * fold,
         spectrum=spectrum,
