@@ -8,6 +8,9 @@ import numpy as np
 
 from contwalk.branch import LABELS, Branch, SpecialPoint
 
+# Limits may be where a branch ends, and do nothing to the count.
+LIMITS = ("GR", "OC", "AZ")
+
 
 def check_special_points(branch: Branch) -> None:
     """Assert the invariants of a branch's special points."""
@@ -66,7 +69,7 @@ def _check_interval(branch: Branch, point: SpecialPoint, value: float) -> None:
     them.
     """
     free, i = branch["free"][:, 0], point.index
-    assert 0 < i < len(branch) - 1 or point.label == "UZ", "a bifurcation at an end"
+    assert 0 < i < len(branch) - 1 or point.label in ("UZ", *LIMITS), "a bifurcation at an end"
     if not 0 < i < len(branch) - 1:
         return
     slack = float(point.error or 0.0) + 4.0 * float(np.spacing(abs(value)))
@@ -80,7 +83,7 @@ def _check_interval(branch: Branch, point: SpecialPoint, value: float) -> None:
 def _check_counts(branch: Branch, point: SpecialPoint) -> None:
     """Counts on both sides are those of the neighbouring points."""
     before, after = point.unstable_before, point.unstable_after
-    if point.label in ("EP", "UZ"):
+    if point.label in ("EP", "UZ", *LIMITS):
         assert before == after
     else:
         assert (

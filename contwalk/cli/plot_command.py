@@ -20,7 +20,12 @@ KINDS = (
     "stability_map",
     "machine",
     "phase_portrait",
+    "stick_figure",
+    "time_series",
 )
+# Those that are of stored points, and take --point.
+OF_POINTS = ("machine", "phase_portrait", "stick_figure", "time_series")
+WITH_AXES = ("bifurcation_diagram", "stability_map", "phase_portrait")
 
 
 @click.command("plot")
@@ -65,7 +70,7 @@ def command(
         try:
             system = system_of(database.header, Path(db))
         except ContwalkError:
-            if kind in ("machine", "phase_portrait"):
+            if kind in OF_POINTS:
                 raise
     if kind == "machine" and pointed and system is not None:
         _draw_machine(system, *pointed[0], output)
@@ -79,13 +84,17 @@ def command(
 
 
 def _check_options(kind: str, x: str | None, y: str | None, z: str | None, points: tuple[str, ...]) -> None:
-    if points and kind not in ("machine", "phase_portrait"):
+    if points and kind not in OF_POINTS:
         raise ContwalkError(
-            f"--point belongs to --kind machine and phase_portrait, not to {kind}.", "Leave it out."
+            f"--point belongs to --kind {', '.join(OF_POINTS[:-1])} and {OF_POINTS[-1]}, not to {kind}.",
+            "Leave it out.",
         )
-    if kind == "machine" and len(points) > 1:
-        raise ContwalkError("The machine is drawn at one point.", "Give --point once.")
-    if (x or y) and kind not in ("bifurcation_diagram", "stability_map", "phase_portrait"):
+    if len(points) > 1 and kind != "phase_portrait":
+        what = "machine" if kind == "machine" else kind.replace("_", " ")
+        raise ContwalkError(f"The {what} is drawn at one point.", "Give --point once.")
+    if x and kind == "time_series":
+        raise ContwalkError("The figure time_series has no -x: it is time.", "Leave it out.")
+    if (x or y) and kind not in (*WITH_AXES, "time_series"):
         raise ContwalkError(f"The figure {kind} has no -x and -y.", "Leave them out.")
     if z and kind != "phase_portrait":
         raise ContwalkError(f"The figure {kind} has no -z.", "Leave it out.")
@@ -123,6 +132,7 @@ def _draw_machine(system: System, branch: Branch, point: str, output: str) -> No
     from contwalk import plotting
     from contwalk.cli.point_page import row_of, special_of
     from contwalk.cli.summary import free_value
+    from contwalk.cli.words import with_unit
 
     name = point.partition("/")[2]
     row = row_of(branch, name)
@@ -134,5 +144,7 @@ def _draw_machine(system: System, branch: Branch, point: str, output: str) -> No
         state = dict(zip(branch.info.states, branch.points["state"][row], strict=True))
         parameters = {**branch.info.parameters, branch.info.free[0]: value}
     known = {key: parameters[key] for key in system.parameter_names if key in parameters}
-    title = f"{point}: {branch.info.free[0]} = {value:.6g}"
+    free = branch.info.free[0]
+    unit = with_unit(free, plotting.units_of(system))
+    title = f"{point}: {free} = {value:.6g} {unit}".strip()
     plotting.save(plotting.plot_machine(system, state, known, title=title), output)

@@ -56,7 +56,7 @@ def _print(out: Console, run: SimulationFile, result: SimulationResult) -> None:
     chosen = choices(system.model)
     line(out, system.name + (f" ({chosen})" if chosen else ""), style="bold")
     work = f"{plural(result.steps, 'step')}, {plural(result.evaluations, 'evaluation')} of the field"
-    line(out, f"from t = 0 to {motion.times[-1]:.10g}, {work}", indent=4)
+    line(out, f"from t = {motion.times[0]:.10g} to {motion.times[-1]:.10g}, {work}", indent=4)
     if result.settled is not None and motion.status == "ok":
         word = "settled" if result.settled else "NOT SETTLED: given up; give until a time"
         line(out, word, indent=4)

@@ -126,6 +126,13 @@ def _hybrid(problem: HybridOrbit, z: np.ndarray, settings: Settings) -> Opening 
     word = ", ".join(problem.word.signature) or "no events"
     if not isinstance(here, Here):
         return outcomes.no_start(here.reason, f"{here.sentence} (word: {word})", "a periodic orbit")
+    collapsed = problem.collapsed(here.sample.z)
+    if collapsed:
+        return outcomes.no_start(
+            "no_convergence",
+            f"The correction lets the leg before '{collapsed}' shrink to nothing (word: {word}).",
+            "a periodic orbit",
+        )
     times = problem.repeats(here.sample.z)
     if times > 1:  # it was looked at for longer than its period
         return _hybrid(*divided(problem, here.sample.z, times), settings)

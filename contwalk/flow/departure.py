@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.flow.guard import Guard
+from contwalk.flow.guard import EPSILON, Guard
 from contwalk.flow.hybrid_machine import ModeFlow
 
 CLEAR, LEAVING, ENTERING, BEYOND, RESTING, UNDEFINED = (
@@ -70,7 +70,12 @@ class Departure:
 
 
 def departures(
-    flow: ModeFlow, t: float, x: np.ndarray, noise: np.ndarray, own: Collection[str] = ()
+    flow: ModeFlow,
+    t: float,
+    x: np.ndarray,
+    noise: np.ndarray,
+    weights: np.ndarray,
+    own: Collection[str] = (),
 ) -> list[Departure]:
     """How each guard of a mode stands at an instant.
 
@@ -81,6 +86,8 @@ def departures(
         Time, and the states of the mode.
     noise : ndarray
         Uncertainties of these states by rounding.
+    weights : ndarray
+        Their magnitudes on the way here: each step has rounded them.
     own : collection of str
         Transitions that have just happened.
     """
@@ -90,7 +97,9 @@ def departures(
             found.append(_of_watched(guard, flow, t, x, noise))
             continue
         factor = AFTER_RESET if transition.name in own else ROUNDINGS
-        found.append(_departure(guard.departure(t, x, flow.p, noise), guard.direction, factor))
+        measured = guard.departure(t, x, flow.p, noise)
+        on_the_way = guard.departure(t, x, flow.p, EPSILON * weights)[0, 1]
+        found.append(_departure(measured, guard.direction, factor, ROUNDINGS * on_the_way))
     return found
 
 
@@ -98,18 +107,18 @@ def _of_watched(guard: Guard, flow: ModeFlow, t: float, x: np.ndarray, noise: np
     """As for the others; its second derivative is compiled only where it is needed."""
     value, rate, own = guard(t, x, flow.p).tolist()
     if abs(value) <= AFTER_RESET * own:
-        return _departure(guard.departure(t, x, flow.p, noise), guard.direction, ROUNDINGS)
+        return _departure(guard.departure(t, x, flow.p, noise), guard.direction, AFTER_RESET)
     side = 1 if value > 0.0 else -1
     kind = UNDEFINED if not np.isfinite(value) else BEYOND if side == guard.direction else CLEAR
     return Departure(kind, side, value, rate, np.nan, own)
 
 
-def _departure(measured: np.ndarray, direction: int, factor: float) -> Departure:
+def _departure(measured: np.ndarray, direction: int, factor: float, room: float = 0.0) -> Departure:
     (value, value_noise), (rate, rate_noise), (bend, bend_noise) = measured.tolist()
     given = value, rate, bend, value_noise
     if not np.isfinite(value):
         return Departure(UNDEFINED, 0, *given)
-    if abs(value) > factor * value_noise:
+    if abs(value) > max(factor * value_noise, room):
         side = 1 if value > 0.0 else -1
         return Departure(BEYOND if side == direction else CLEAR, side, *given)
     side = 0

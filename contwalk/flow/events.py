@@ -133,24 +133,32 @@ def crossings(
         side = leaving.get(number, 0)
         if side:
             sampled[0, 0, :2] = 0.0, side
-        for step in _suspects(sampled):
+        suspects = _suspects(sampled)
+        for step in np.flatnonzero(suspects.any(axis=1)):
             begins = side if step == 0 else 0
             locator = _Locator(field, c, p, times, states, guard, method, int(step), begins)
             found += [
                 Crossing(number, int(step), trial.time, trial.state, rising, trial.rate)
-                for trial, rising in locator.found(at[step])
+                for trial, rising in locator.found(at[step], suspects[step])
                 if guard.direction in (0, 1 if rising else -1)
             ]
     return sorted(found, key=lambda crossing: (crossing.time, crossing.guard))
 
 
 def _suspects(sampled: np.ndarray) -> np.ndarray:
-    """Steps in which a guard changes its sign, or turns away from zero between two samples."""
+    """For each step and part, whether a guard may pass zero: it changes its sign, or turns away from zero.
+
+    The samples err a little, and so parts beside these may be the ones.
+    """
     value, rate = sampled[..., 0], sampled[..., 1]
     side = np.sign(np.where(value != 0.0, value, rate))
     changes = side[:, :-1] * side[:, 1:] <= 0.0
     turns = (value[:, :-1] * rate[:, :-1] < 0.0) & (value[:, 1:] * rate[:, 1:] > 0.0)
-    return np.flatnonzero((changes | turns).any(axis=1))
+    here = changes | turns
+    found = here.copy()
+    found[:, 1:] |= here[:, :-1]
+    found[:, :-1] |= here[:, 1:]
+    return found
 
 
 class _Locator:
@@ -186,11 +194,14 @@ class _Locator:
             value, rate = 0.0, float(self._begins)
         return _Trial(t, state, value, rate, noise)
 
-    def found(self, at: np.ndarray) -> list[tuple[_Trial, bool]]:
-        """The crossings, each with whether the guard rises."""
-        trials = [self._trial(float(t)) for t in at]
+    def found(self, at: np.ndarray, suspects: np.ndarray) -> list[tuple[_Trial, bool]]:
+        """The crossings in the parts that are suspect, each with whether the guard rises."""
+        ends = np.append(suspects, False) | np.append(False, suspects)
+        trials = [self._trial(float(t)) if end else None for t, end in zip(at, ends, strict=True)]
         result = []
-        for a, b in pairwise(trials):
+        for (a, b), suspect in zip(pairwise(trials), suspects, strict=True):
+            if not suspect or a is None or b is None:
+                continue
             if a.side * b.side < 0:
                 result.append((self._zero(a, b), b.side > 0))
             elif a.towards(1) and b.towards(-1):
@@ -225,7 +236,7 @@ class _Locator:
         side = a.side
         share = 0.5
         for _ in range(MOST_TRIALS):
-            if b.time - a.time <= narrow:
+            if b.time - a.time <= narrow or _cannot(a, b):
                 return None
             new = self._trial(a.time + share * (b.time - a.time))
             if new.side != side:
@@ -237,3 +248,9 @@ class _Locator:
             # where the rate passes zero if it changes evenly, kept off the ends
             share = min(0.9, max(0.1, a.rate / (a.rate - b.rate))) if a.rate != b.rate else 0.5
         return None
+
+
+def _cannot(a: _Trial, b: _Trial) -> bool:
+    """Whether a guard that turns once between two instants is too far from zero for its rates there."""
+    reach = 2.0 * max(abs(a.rate), abs(b.rate)) * (b.time - a.time)
+    return min(abs(a.value), abs(b.value)) > reach

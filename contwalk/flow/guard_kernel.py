@@ -39,8 +39,11 @@ from contwalk.flow.stages import FIRST, NEXT, Y
 
 PARTS = 8  # of a step: a guard has at most one extremum in each
 REACH = 2.0  # times step length and largest rate of late: as far as a guard may go and come back
+FORGOTTEN = 0.7  # of a rate that was large, after each step
 LEAST_SLOPE, MOST_SLOPE = 0.3, 2.5  # at an end, in units of the mean slope: a cubic polynomial is monotone
-MISSED = 0.1  # of its variation: by how much a sample may miss a cubic polynomial
+# By how much a sample and its slope may miss a cubic polynomial, in units of the guard's variation. Samples
+# at one phase of a fast oscillation agree with each other, but their slopes do not with their differences.
+MISSED, MISSED_SLOPE = 0.1, 0.3
 MOST_TRIALS = 60
 NARROW = 1e-8  # of a part: the guard is then off its extremum by rounding
 
@@ -81,12 +84,12 @@ def begins_on(at: Any) -> float:
 def looks(m: Any, guard: int, h: float, value: float, rate: float) -> int:
     """How a step of length h looks that ends with this value and rate of a guard."""
     at = doubles(standing(m, guard), OF_GUARD)
-    at[FASTEST] = max(abs(at[RATE]), abs(rate), 0.5 * at[FASTEST])
+    at[FASTEST] = max(abs(at[RATE]), abs(rate), FORGOTTEN * at[FASTEST])
     same = begins_on(at) == side_of(value, rate)
     change = value - at[VALUE]
-    if change != 0.0:
+    if h * at[FASTEST] < MOST_SLOPE * abs(change):
         first, last = h * at[RATE] / change, h * rate / change
-        if min(first, last) > LEAST_SLOPE and max(first, last) < MOST_SLOPE:
+        if min(first, last) > LEAST_SLOPE:
             return CLEAR if same else MONOTONE
     if same and abs(at[VALUE]) + abs(value) > REACH * h * at[FASTEST]:
         return CLEAR
@@ -230,8 +233,10 @@ def _beyond(m: Any, guard: int, t: float, h: float, part: int, side: float) -> f
     samples = doubles(m[SAMPLES], 2 * (PARTS + 1))
     a, b = part / PARTS, (part + 1) / PARTS
     rate_a, rate_b = samples[2 * part + 1], samples[2 * part + 3]
+    least = min(abs(samples[2 * part]), abs(samples[2 * part + 2]))
     for _ in range(MOST_TRIALS):
-        if (b - a) * PARTS <= NARROW:
+        # At twice the rates that it has at the ends it would not get to zero.
+        if (b - a) * PARTS <= NARROW or least > REACH * h * (b - a) * max(abs(rate_a), abs(rate_b)):
             break
         share = 0.5
         if rate_a != rate_b:
@@ -240,6 +245,7 @@ def _beyond(m: Any, guard: int, t: float, h: float, part: int, side: float) -> f
         value, rate, _ = _retaken(m, guard, t, t + at * h)
         if side_of(value, rate) != side:
             return at
+        least = min(least, abs(value))
         if value * rate < 0.0:
             a, rate_a = at, rate
         else:
@@ -259,20 +265,27 @@ def _sampled(m: Any, guard: int, t: float, h: float, value: float, rate: float) 
     for part in range(1, PARTS, 2):
         va, ra = samples[2 * part - 2], samples[2 * part - 1]
         vb, rb = samples[2 * part + 2], samples[2 * part + 3]
-        inside = samples[2 * part]
-        variation = abs(vb - va) + d * max(abs(ra), abs(rb), abs(samples[2 * part + 1]))
+        inside, sloping = samples[2 * part], samples[2 * part + 1]
+        variation = abs(vb - va) + d * max(abs(ra), abs(rb), abs(sloping))
         off = abs(inside - 0.5 * (va + vb) - 0.125 * d * (ra - rb))
+        off_slope = d * abs(sloping - 1.5 * (vb - va) / d + 0.25 * (ra + rb))
         near = min(abs(va), abs(vb), abs(inside)) <= REACH * variation
-        if near and off > MISSED * variation:
+        if near and (off > MISSED * variation or off_slope > MISSED_SLOPE * variation):
             resolved = False
     return resolved
 
 
 @inlined
+def resolves(m: Any, guard: int, t: float, h: float, value: float, rate: float) -> bool:
+    """Whether a step with this end resolves a guard."""
+    _interpolate(m, t, h)
+    return _sampled(m, guard, t, h, value, rate)
+
+
+@inlined
 def passes(m: Any, guard: int, t: float, h: float, value: float, rate: float) -> float:
     """The instant of a guard's first event in a step with this end; `NONE`, or `UNRESOLVED`."""
-    _interpolate(m, t, h)
-    if not _sampled(m, guard, t, h, value, rate):
+    if not resolves(m, guard, t, h, value, rate):
         return UNRESOLVED
     samples, wanted = doubles(m[SAMPLES], 2 * (PARTS + 1)), integers(m[DIRECTIONS], guard + 1)[guard]
     before = begins_on(doubles(standing(m, guard), OF_GUARD))

@@ -9,75 +9,23 @@ or pass it at once, follow in arcs without length.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 
 from contwalk.errors import StartError
+from contwalk.flow.arc import Arc, Control
+from contwalk.flow.arc_paths import by_paths
+from contwalk.flow.arc_walks import ByWalk
 from contwalk.flow.chatter import Pace, Verdict
-from contwalk.flow.departure import BEYOND, ENTERING, LEAVING, RESTING, UNDEFINED, Departure, departures
-from contwalk.flow.events import Crossing, Event, crossings
+from contwalk.flow.departure import BEYOND, ENTERING, RESTING, UNDEFINED, Departure, departures
 from contwalk.flow.guard import EPSILON
 from contwalk.flow.hybrid_machine import HybridMachine, ModeFlow, applied, hybrid_machine, landed
-from contwalk.flow.verbs import adaptive, along
+from contwalk.flow.walk import METHOD
 
 __all__ = ["Arc", "HybridMachine", "applied", "arcs", "hybrid_machine", "parts"]
 
-FIRST_STEPS, STEPS_AT_ONCE = 12, 50
 MOST_STEPS = 100_000
-
-# Events whose instants differ by less than so many roundings coincide.
-COINCIDE = 8.0
-
-# Errors of guards are at most this part of what typical changes of the states make of them: with larger ones
-# their turns would not be resolved.
-RESOLVED = 1e-4
-
-# An end in infinity is replaced by one so many times away as the motion needs to pass through its magnitudes.
-FAR = 1e4
-
-
-@dataclass(frozen=True, eq=False)
-class Arc:
-    """A smooth piece of a motion, in one mode, between two events.
-
-    Parameters
-    ----------
-    mode : str
-    times : ndarray, shape (s + 1,)
-        Ends of the integrator's steps: `along` on them gives the states again, bitwise. An arc without
-        length, between transitions that happen at once, has one instant.
-    states : ndarray, shape (s + 1, n)
-        Of full length; states that do not exist in the mode are 0.
-    transition : str, optional
-        The one that ended it; None where the time was up, or where `status` says why it ended.
-    after : ndarray, shape (n,), optional
-        The state after the transition, with which the next arc begins.
-    watched : list of Event
-        Crossings of watched transitions inside.
-    evaluations : int
-    status : str
-        `ok`, or why the motion cannot go on: `not_finite`, `step_too_small`, `too_many_steps`; `chatter`:
-        transitions accumulate; `sticking`: a transition is not left behind after it has happened.
-    reason : str
-        A sentence for a status that is not `ok`.
-    accumulation : float, optional
-        The instant at which transitions accumulate, where it is known.
-    rising : bool
-        Whether the guard of the transition rose through zero.
-    """
-
-    mode: str
-    times: np.ndarray
-    states: np.ndarray
-    transition: str | None = None
-    after: np.ndarray | None = None
-    watched: list[Event] = field(default_factory=list)
-    evaluations: int = 0
-    status: str = "ok"
-    reason: str = ""
-    accumulation: float | None = None
-    rising: bool = False
 
 
 def arcs(
@@ -159,20 +107,22 @@ def parts(
     just_after: str | None = None,
 ) -> Iterator[Arc]:
     """As `arcs`, but a long arc comes in parts of some steps: all but its last have no transition."""
-    control = _Control(tolerance, np.asarray(weights, dtype=float), method)
+    control = Control(tolerance, np.asarray(weights, dtype=float), method)
+    walk = ByWalk(machine, control) if method == METHOD else None
     t, x, pace = float(t0), machine.existing(mode, x0), Pace(float(t0), t1)
     flow = machine.mode(mode)
-    standing, verdict = _stands(flow, t, x, EPSILON * np.abs(x), just_after)
+    standing, verdict = _stands(flow, t, x, EPSILON * np.abs(x), control.weights, just_after)
     if just_after is None:
         _refuse_beyond(flow, standing)
     if verdict.status != "ok":
         yield replace(_instant(flow, t, x), status=verdict.status, reason=verdict.reason)
         return
+    last = just_after
     while t < t1:
         number = _at_once(flow, standing)
         if number is None:
-            arc = None
-            for arc in _integrated(machine, flow, t, x, t1, control, standing):
+            arc, given = None, (machine, flow, t, x, t1, control, standing)
+            for arc in by_paths(*given) if walk is None else walk.parts(flow, t, x, t1, standing, last):
                 if arc.transition is None:
                     yield arc
             if arc is None or arc.transition is None:
@@ -180,11 +130,11 @@ def parts(
         else:
             rising = standing[number].side > 0
             arc = replace(_instant(flow, t, x), transition=flow.transitions[number].name, rising=rising)
-        name = str(arc.transition)
+        last = name = str(arc.transition)
         t = float(arc.times[-1])
         x, noise = landed(machine, name, t, arc.states[-1])
         flow = machine.mode(machine.transition(name).target)
-        standing, verdict = _stands(flow, t, x, noise, name)
+        standing, verdict = _stands(flow, t, x, noise, control.weights, name)
         if verdict.status == "ok":
             verdict = pace.verdict(t, name, [d for i, d in enumerate(standing) if flow.acting(i)])
         yield replace(
@@ -198,15 +148,6 @@ def parts(
             return
 
 
-@dataclass(frozen=True, eq=False)
-class _Control:
-    """How steps are controlled; arguments as for `arcs`."""
-
-    tolerance: float
-    weights: np.ndarray
-    method: str
-
-
 def _instant(flow: ModeFlow, t: float, x: np.ndarray) -> Arc:
     """An arc without length."""
     return Arc(flow.name, np.array([t]), x[None])
@@ -216,7 +157,7 @@ def _instant(flow: ModeFlow, t: float, x: np.ndarray) -> Arc:
 
 
 def _stands(
-    flow: ModeFlow, t: float, x: np.ndarray, noise: np.ndarray, last: str | None
+    flow: ModeFlow, t: float, x: np.ndarray, noise: np.ndarray, weights: np.ndarray, last: str | None
 ) -> tuple[list[Departure], Verdict]:
     """How the guards stand, and whether the motion can go on after the transition `last`."""
     y = x[flow.states]
@@ -225,9 +166,10 @@ def _stands(
             begins = f"after transition '{last}'" if last else "at the start"
             reason = f"The {what} of mode '{flow.name}' is not finite {begins}, t = {t:.10g}."
             return [], Verdict("not_finite", reason)
-    standing = departures(flow, t, y, noise[flow.states], () if last is None else (last,))
+    own, given = () if last is None else (last,), (noise[flow.states], weights[flow.states])
+    standing = departures(flow, t, y, *given, own)
     for transition, guard in zip(flow.transitions, standing, strict=True):
-        if guard.kind == UNDEFINED:
+        if guard.kind == UNDEFINED and transition.role != "watched":
             return standing, Verdict(
                 "not_finite", f"The guard of transition '{transition.name}' is not finite at t = {t:.10g}."
             )
@@ -270,87 +212,3 @@ def _at_once(flow: ModeFlow, standing: Sequence[Departure]) -> int | None:
         if guard.kind in (ENTERING, BEYOND) and flow.acting(i):
             return i
     return None
-
-
-# -- up to the next transition -------------------------------------------------------------------------------
-
-
-def _integrated(
-    machine: HybridMachine,
-    flow: ModeFlow,
-    t: float,
-    x: np.ndarray,
-    t1: float,
-    control: _Control,
-    standing: Sequence[Departure],
-) -> Iterator[Arc]:
-    """Parts of an arc; the last one has the transition that ended it, or a status."""
-    y, weights, method = x[flow.states], control.weights[flow.states], control.method
-    leaving = {i: guard.side for i, guard in enumerate(standing) if guard.kind == LEAVING}
-    resolving = flow.code.resolving(implicit=method.startswith("radau"))
-    c, n = flow.constants(resolving), len(y)
-    span = far(flow, t, y, weights) / FAR
-    scales = flow.scales(t, y, weights, span) * min(1.0, RESOLVED / control.tolerance)
-    sizes, most = np.concatenate([weights, scales]), FIRST_STEPS
-    while t < t1:
-        end = t1 if np.isfinite(t1) else t + far(flow, t, y, weights)
-        values = [guard(t, y, flow.p)[0] for guard in flow.guards]
-        start = np.concatenate([y, values])
-        path = adaptive(resolving, c, t, start, end, control.tolerance, sizes, method, max_steps=most)
-        times = path.times
-        states = along(flow.field, flow.c, times, y, method)
-        assert states.shape[1] == n
-        found = crossings(flow.field, flow.c, flow.p, times, states, flow.guards, method, leaving)
-        acting = [crossing for crossing in found if flow.acting(crossing.guard)]
-        first = _first(acting)
-        if first is not None:
-            times = np.append(times[: first.step + 1], first.time)
-            states = np.append(states[: first.step + 1], first.state[None], axis=0)
-            if times[-1] == times[-2]:
-                times, states = np.delete(times, -2), np.delete(states, -2, axis=0)
-        part = Arc(
-            flow.name,
-            times,
-            machine.full(flow.name, states),
-            watched=[_event(machine, flow, at) for at in _seen(flow, found, first)],
-            evaluations=path.evaluations,
-        )
-        if first is not None:
-            yield replace(part, transition=flow.transitions[first.guard].name, rising=first.rising)
-            return
-        if path.status not in ("ok", "too_many_steps"):
-            yield replace(part, status=path.status, reason=_why(flow, path.status, float(times[-1])))
-            return
-        yield part
-        t, y, leaving, most = float(times[-1]), states[-1], {}, STEPS_AT_ONCE
-
-
-def _first(acting: Sequence[Crossing]) -> Crossing | None:
-    """The earliest; of those that coincide with it the one declared first."""
-    if not acting:
-        return None
-    earliest = acting[0].time
-    room = COINCIDE * EPSILON * abs(earliest)
-    return min((each for each in acting if each.time <= earliest + room), key=lambda each: each.guard)
-
-
-def _seen(flow: ModeFlow, found: Sequence[Crossing], first: Crossing | None) -> list[Crossing]:
-    """Crossings of watched transitions, up to the one that ends the arc."""
-    end = np.inf if first is None else first.time
-    return [at for at in found if not flow.acting(at.guard) and at.time <= end]
-
-
-def _event(machine: HybridMachine, flow: ModeFlow, at: Crossing) -> Event:
-    state = machine.full(flow.name, at.state)
-    return Event(flow.transitions[at.guard].name, at.time, at.rising, state, state, flow.name)
-
-
-def far(flow: ModeFlow, t: float, y: np.ndarray, weights: np.ndarray) -> float:
-    """A long time: at its present speed the motion would pass through its magnitudes many times."""
-    speed = float(np.max(np.abs(flow.field(t, y, flow.c)) / weights, initial=0.0))
-    return FAR / speed if np.isfinite(speed) and speed > 1e-4 else FAR
-
-
-def _why(flow: ModeFlow, status: str, t: float) -> str:
-    words = {"not_finite": "is not finite beyond", "step_too_small": "asks for steps below rounding at"}
-    return f"The field of mode '{flow.name}' {words[status]} t = {t:.10g}."

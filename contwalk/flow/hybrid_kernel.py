@@ -18,12 +18,14 @@ from contwalk.flow.guard_kernel import (
     CLEAR,
     MONOTONE,
     NONE,
+    SUSPECT,
     UNRESOLVED,
     begin_trials,
     looks,
     measured,
     passes,
     passes_once,
+    resolves,
     standing,
 )
 from contwalk.flow.hybrid_plan import (
@@ -42,11 +44,13 @@ from contwalk.flow.hybrid_plan import (
     FIRST_OF_ALL,
     FULL,
     GIVEN,
+    GOES_ON,
     GUARDS,
     HAPPENED,
     JUMP,
     LAST,
     LEADS,
+    MARKS,
     MEASURED,
     MODE,
     MODE_LENGTH,
@@ -56,9 +60,11 @@ from contwalk.flow.hybrid_plan import (
     NOT_FINITE,
     OF_GUARD,
     OUTPUTS,
+    OWN_STEPS,
     PARAMETERS,
     RATE,
     ROOM,
+    ROUNDING,
     ROWS,
     SHIFT,
     SIZE,
@@ -83,6 +89,7 @@ from contwalk.flow.stages import FIRST, NEXT, Y
 
 COINCIDE = 8.0
 ROUNDINGS, AFTER_RESET = 8.0, 1e3  # as in `departure`
+MOST_BITS = 62  # further guards share the last one
 _EVENT = 100  # and more: the guard's number is added
 
 _call_departure = caller("v", "dqqqq")
@@ -97,13 +104,15 @@ def _stands(m: Any, guard: int, own: bool, t: float) -> bool:
     """Write down how a guard stands; whether it is clear of zero or leaves it."""
     p = integers(m[MOVING], plan.PLAN_LENGTH)
     address = integers(m[DEPARTURES], guard + 1)[guard]
-    _call_departure(address, t, place(p, Y), m[PARAMETERS], m[NOISE], m[MEASURED])
     out, at = doubles(m[MEASURED], 9), doubles(standing(m, guard), OF_GUARD)
+    _call_departure(address, t, place(p, Y), m[PARAMETERS], m[ROUNDING], m[MEASURED])
+    room = ROUNDINGS * (EPSILON * out[1] + out[2])
+    _call_departure(address, t, place(p, Y), m[PARAMETERS], m[NOISE], m[MEASURED])
     direction = integers(m[DIRECTIONS], guard + 1)[guard]
     at[VALUE], at[RATE], at[BEGINS], at[FASTEST] = out[0], out[3], 0.0, 0.0
     if not abs(out[0]) < math.inf:
         return False
-    if abs(out[0]) > (AFTER_RESET if own else ROUNDINGS) * (EPSILON * out[1] + out[2]):
+    if abs(out[0]) > max(room, (AFTER_RESET if own else ROUNDINGS) * (EPSILON * out[1] + out[2])):
         return direction == 0 or (out[0] > 0.0) != (direction > 0)
     for order in range(1, 3):
         number, noise = out[3 * order], EPSILON * out[3 * order + 1] + out[3 * order + 2]
@@ -124,7 +133,11 @@ def _begin(m: Any, last: int, t: float) -> int:
     memory[0], memory[1], memory[2], memory[3] = t, 0.0, 0.0, 0.0
     leads = integers(m[LEADS], m[GUARDS])
     for guard in range(m[GUARDS]):
-        if not _stands(m, guard, leads[guard] == last, t):
+        if leads[guard] < 0:
+            at = doubles(standing(m, guard), OF_GUARD)
+            at[VALUE], at[RATE], _ = measured(m, guard, t, place(p, Y))
+            at[BEGINS], at[FASTEST] = 0.0, 0.0
+        elif not _stands(m, guard, leads[guard] == last, t):
             return UNSURE
     return ARRIVED
 
@@ -133,10 +146,13 @@ def _begin(m: Any, last: int, t: float) -> int:
 
 
 @inlined
-def _first_event(m: Any, t: float, end: float) -> tuple[float, int]:
-    """The first event in the step that ends in `NEXT`: instant and guard; the instant may be `NONE`."""
-    p = integers(m[MOVING], plan.PLAN_LENGTH)
-    first, which, begun = NONE, -1, False
+def _first_event(m: Any, t: float, end: float) -> tuple[float, int, int]:
+    """The first event in the step that ends in `NEXT`: instant, or `NONE`, and guard.
+
+    And the watched guards that may pass zero in the step, a bit for each.
+    """
+    p, leads = integers(m[MOVING], plan.PLAN_LENGTH), integers(m[LEADS], m[GUARDS])
+    first, which, begun, marked = NONE, -1, False, 0
     for guard in range(m[GUARDS]):
         value, rate, _ = measured(m, guard, end, place(p, NEXT))
         look = looks(m, guard, end - t, value, rate)
@@ -145,15 +161,20 @@ def _first_event(m: Any, t: float, end: float) -> tuple[float, int]:
         if not begun:
             begin_trials(m, t)
             begun = True
+        if leads[guard] < 0:
+            marked |= 1 << min(guard, MOST_BITS)
+            if look == SUSPECT and not resolves(m, guard, t, end - t, value, rate):
+                return UNRESOLVED, guard, marked
+            continue
         if look == MONOTONE:
             at = passes_once(m, guard, t, end - t, value, rate)
         else:
             at = passes(m, guard, t, end - t, value, rate)
         if at == UNRESOLVED:
-            return UNRESOLVED, guard
+            return UNRESOLVED, guard, marked
         if at != NONE and (first == NONE or at < first - COINCIDE * EPSILON * abs(at)):
             first, which = at, guard
-    return first, which
+    return first, which, marked
 
 
 @inlined
@@ -171,24 +192,26 @@ def _go_on(m: Any, end: float) -> bool:
 
 
 @inlined
-def _arc(w: Any, m: Any, last: int, t1: float, tolerance: float, order: float, stable: float) -> int:
+def _arc(w: Any, m: Any, t1: float, tolerance: float, order: float, stable: float) -> int:
     """Steps until an event, whose guard's number is added to `_EVENT`, or until they end otherwise."""
     p, clock = integers(m[MOVING], plan.PLAN_LENGTH), doubles(w[CLOCK], 1)
     memory, times = doubles(p[plan.MEMORY], plan.MEMORY_LENGTH), doubles(w[TIMES], w[ROOM] + 1)
-    happened = integers(w[HAPPENED], WORD)
-    t = clock[0]
-    status = _begin(m, last, t)
-    if status != ARRIVED:
-        return status
-    steps, times[0] = 0, t
+    happened, marks = integers(w[HAPPENED], WORD), integers(w[MARKS], w[ROOM])
+    t, steps = clock[0], 0
+    if happened[GOES_ON] == 0:
+        status = _begin(m, happened[LAST], t)
+        if status != ARRIVED:
+            return status
+    happened[GOES_ON], happened[OWN_STEPS], times[0] = 0, 0, t
     while t != t1:
         if steps >= w[ROOM]:
+            happened[GOES_ON] = 1
             return FULL
         status = accepted_step(p, t1, tolerance, order, stable)
         if status != plan.DONE:
             return NOT_FINITE if status == plan.NOT_FINITE else STEP_TOO_SMALL
         end = memory[0]
-        at, guard = _first_event(m, t, end)
+        at, guard, marked = _first_event(m, t, end)
         if at == UNRESOLVED:
             memory[0], memory[1] = t, 0.5 * (end - t)
             first_stage(p, t, Y)
@@ -202,8 +225,10 @@ def _arc(w: Any, m: Any, last: int, t1: float, tolerance: float, order: float, s
             end = at
         elif not _go_on(m, end):
             return UNSURE
+        marks[steps] = marked
         steps += 1
         happened[STEPS] += 1
+        happened[OWN_STEPS] = steps
         t, times[steps], clock[0] = end, end, end
         if p[plan.NODES] != 0:
             copy(place(p, Y), p[plan.NODES] + 8 * steps * p[plan.LENGTH], p[plan.LENGTH])
@@ -307,13 +332,14 @@ def walk(address: int, t1: float, tolerance: float, order: float, stable: float)
     """Arcs from the state in `Y` of its mode until there were `EVENTS` events, or time is up."""
     w = integers(address, WALK_LENGTH)
     happened = integers(w[HAPPENED], WORD)
-    if happened[FIRST_OF_ALL] >= 0:
-        status = _happens(w, happened[FIRST_OF_ALL])
+    first, happened[FIRST_OF_ALL] = happened[FIRST_OF_ALL], -1
+    if first >= 0:
+        status = _happens(w, first)
         if status != ARRIVED:
             return status
     while happened[COUNT] < w[EVENTS]:
         m = integers(w[MODES] + 8 * happened[MODE] * MODE_LENGTH, MODE_LENGTH)
-        status = _arc(w, m, happened[LAST], t1, tolerance, order, stable)
+        status = _arc(w, m, t1, tolerance, order, stable)
         if status < _EVENT:
             return status
         status = _happens(w, integers(m[LEADS], m[GUARDS])[status - _EVENT])

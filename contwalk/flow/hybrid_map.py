@@ -13,7 +13,8 @@ import numpy as np
 
 from contwalk.errors import NotFinite
 from contwalk.flow import hybrid_plan as told
-from contwalk.flow.hybrid import Arc, arcs, far
+from contwalk.flow.arc import Arc, far
+from contwalk.flow.hybrid import arcs
 from contwalk.flow.hybrid_machine import HybridMachine, applied
 from contwalk.flow.saltation import saltation
 from contwalk.flow.verbs import tangents
@@ -72,6 +73,11 @@ class StepMap:
         One of `flow.METHODS`.
     longest : float
         Time after which it is given up.
+
+    Raises
+    ------
+    ValueError
+        If the mode is not the one that `at` leads out of, or `just_after` leads into.
     """
 
     def __init__(
@@ -86,15 +92,26 @@ class StepMap:
         method: str = METHOD,
         longest: float = np.inf,
     ) -> None:
+        ends = [at and machine.transition(at).source, just_after and machine.transition(just_after).target]
+        if mode != (ends[0] or ends[1] or mode):
+            raise ValueError(f"a map from mode '{mode}' cannot begin with '{at or just_after}'")
         self.machine, self.mode, self.events = machine, mode, events
         self.weights = np.asarray(weights, dtype=float)
         self.at, self.just_after, self.method, self.longest = at, just_after, method, longest
         self._columns = machine.mode(mode).states
+        self._identity = np.eye(len(self._columns))
+        self._span = longest
+        if longest == np.inf:  # the integrator asks for an end
+            flow = machine.mode(mode)
+            self._span = far(flow, 0.0, self.weights[flow.states], self.weights[flow.states])
+        self._entries: dict[str, np.ndarray] = {}
         self._walk = Walk(machine, self.weights, len(self._columns), events) if method == METHOD else None
 
     def __call__(self, t0: float, x0: np.ndarray, tolerance: float) -> tuple[float, np.ndarray, np.ndarray]:
         """Time, full-length state and monodromy after the events; see `Mapped`."""
-        found = self.mapped(t0, x0, tolerance)
+        if self._walk is not None and self._walked(self._walk, t0, x0, tolerance):
+            return float(self._walk.clock[0]), *self._arrived(self._walk)[1:]
+        found = self._step_by_step(float(t0), np.asarray(x0, dtype=float), tolerance)
         return found.time, found.state, found.monodromy
 
     def mapped(self, t0: float, x0: np.ndarray, tolerance: float) -> Mapped:
@@ -107,38 +124,31 @@ class StepMap:
         StartError
             If a guard is past zero at the start.
         """
-        t, x = float(t0), np.asarray(x0, dtype=float)
-        if self._walk is not None:
-            found = self._walked(self._walk, t, x, self._end(t, x), tolerance)
-            if found is not None:
-                return found
-        return self._step_by_step(t, x, tolerance)
+        walk = self._walk
+        if walk is None or not self._walked(walk, t0, x0, tolerance):
+            return self._step_by_step(float(t0), np.asarray(x0, dtype=float), tolerance)
+        mode, state, monodromy = self._arrived(walk)
+        word = tuple(walk.transitions[number] for number in walk.happened[told.WORD :])
+        shift, velocity = self.machine.full(self.mode, walk.shift), walk.velocity(word[-1])
+        velocity, steps = self.machine.full(mode, velocity), int(walk.happened[told.STEPS])
+        return Mapped(float(walk.clock[0]), state, mode, monodromy, shift, velocity, word, steps)
 
-    def _end(self, t: float, x: np.ndarray) -> float:
-        if np.isfinite(self.longest):
-            return t + self.longest
-        flow = self.machine.mode(self.mode)
-        return t + far(flow, t, x[flow.states], self.weights[flow.states])
-
-    def _walked(self, walk: Walk, t: float, x: np.ndarray, t1: float, tolerance: float) -> Mapped | None:
-        """By compiled code; None where it is not sure."""
+    def _walked(self, walk: Walk, t: float, x: np.ndarray, tolerance: float) -> bool:
+        """Whether compiled code, which leaves its results in the walk, is sure of them."""
         walk.begin(t, x, self.mode, self.just_after, self.at)
-        walk.derivatives(self.mode)[:] = np.eye(len(self._columns))
-        if walk(t1, tolerance) != told.ARRIVED:
-            return None
-        machine, happened = self.machine, walk.happened
-        mode = walk.modes[happened[told.MODE]]
-        word = tuple(walk.transitions[number] for number in happened[told.WORD :])
-        return Mapped(
-            time=float(walk.clock[0]),
-            state=machine.full(mode, walk.state(mode)),
-            mode=mode,
-            monodromy=self._full(mode, walk.derivatives(mode)),
-            shift=machine.full(self.mode, walk.shift),
-            velocity=machine.full(mode, walk.velocity(word[-1])),
-            word=word,
-            steps=int(happened[told.STEPS]),
-        )
+        walk.places[self.mode].columns[:] = self._identity
+        return walk(t + self._span, tolerance) == told.ARRIVED
+
+    def _arrived(self, walk: Walk) -> tuple[str, np.ndarray, np.ndarray]:
+        """Mode, full-length state and monodromy."""
+        mode, n = walk.modes[walk.happened[told.MODE]], len(self.weights)
+        place = walk.places[mode]
+        if mode not in self._entries:
+            self._entries[mode] = np.add.outer(n * place.states, self._columns).ravel()
+        state, monodromy = np.zeros(n), np.zeros((n, n))
+        state[place.states] = place.state
+        monodromy.ravel()[self._entries[mode]] = place.columns.ravel()
+        return mode, state, monodromy
 
     def _full(self, mode: str, derivatives: np.ndarray) -> np.ndarray:
         matrix = np.zeros((len(self.weights), len(self.weights)))

@@ -3,27 +3,31 @@
 from __future__ import annotations
 
 # The walk: addresses of the records of modes and transitions; of the time; of what happens; of the times of
-# an arc's steps, and how many there is room for; how many events there are to be; columns of derivatives, and
-# these padded; scratch for the states of a mode; address of the derivatives of the last event's instant.
-MODES, TRANSITIONS, CLOCK, HAPPENED, TIMES, ROOM, EVENTS, COLUMNS, WIDTH, COLUMN, SHIFT = range(11)
-WALK_LENGTH = 11
+# an arc's steps, of marks on those in which watched guards may pass zero, a bit for each guard, and how many
+# steps there is room for; how many events there are to be; columns of derivatives, and these padded; scratch
+# for the states of a mode; address of the derivatives of the last event's instant.
+MODES, TRANSITIONS, CLOCK, HAPPENED, TIMES, MARKS, ROOM, EVENTS = range(8)
+COLUMNS, WIDTH, COLUMN, SHIFT = range(8, 12)
+WALK_LENGTH = 12
 
 # What happens, as integers: the mode's number; the transition that has just happened, and one that happens
-# before all else, -1 if none; how many events there were; steps; from `WORD` on the transitions' numbers.
-MODE, LAST, FIRST_OF_ALL, COUNT, STEPS, WORD = range(6)
+# before all else, -1 if none; whether an arc goes on for which there was no room; how many events there were;
+# steps, and those of the last arc; from `WORD` on the transitions' numbers.
+MODE, LAST, FIRST_OF_ALL, GOES_ON, COUNT, STEPS, OWN_STEPS, WORD = range(8)
 
 # A mode: two plans of explicit methods, one that moves, with derivatives if these are wanted, and one to try;
 # number of states.
 MOVING, TRIAL, SIZE = range(3)
-# Its guards that act: their number; addresses of their addresses, of those that tell how they depart, of
-# directions, of transitions' numbers.
+# Its guards: their number; addresses of their addresses, of those that tell how they depart, of directions,
+# of the transitions' numbers, which are -1 for those that are only watched.
 GUARDS, ADDRESSES, DEPARTURES, DIRECTIONS, LEADS = range(3, 8)
 # Address of the parameters; scratch: what a guard gives; how the guards stand; uncertainties of the states;
 # the interpolant; a state; samples of a guard on a step.
 PARAMETERS, MEASURED, STANDING, NOISE, DENSE, SPARE, SAMPLES = range(8, 15)
-# The interpolant's coefficients, and the number of stages in memory.
-COEFFICIENTS, STAGES = range(15, 17)
-MODE_LENGTH = 17
+# The interpolant's coefficients, and the number of stages in memory; what rounding makes of the states on the
+# way.
+COEFFICIENTS, STAGES, ROUNDING = range(15, 18)
+MODE_LENGTH = 18
 
 # A transition: its map with the Jacobian, constants, rows and columns of the entries; scratch for what it
 # takes and gives; number of states it leads to; number of the mode; scratch for speeds before and after, for

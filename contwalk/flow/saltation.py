@@ -39,4 +39,4 @@ def saltation(
     by_state, by_time, guard = slopes[:-1, 1:], slopes[:-1, 0], slopes[-1]
     with np.errstate(divide="ignore", invalid="ignore"):
         shift = -guard[1:] / (guard[1:] @ speed + guard[0])
-    return by_state - np.outer(speed_after - by_state @ speed - by_time, shift), shift
+        return by_state - np.outer(speed_after - by_state @ speed - by_time, shift), shift

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from contwalk.flow import hybrid_plan as told
@@ -11,6 +13,7 @@ from contwalk.flow.explicit import _Call as Call
 from contwalk.flow.guard import EPSILON
 from contwalk.flow.hybrid_machine import HybridMachine
 from contwalk.flow.tableaus.dop853 import DOP853
+from contwalk.system import Transition
 
 METHOD = "dop853"
 ROOM = 20_000
@@ -22,6 +25,30 @@ WALK = Entry("contwalk.flow.hybrid_kernel", "walk", "q", "qdddd", _NAMES)
 def warmup() -> None:
     """Compile what does not depend on the machine, or find it compiled."""
     _ = WALK.address, stages.code(METHOD)
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """Where a mode's numbers are, as views.
+
+    Parameters
+    ----------
+    states : ndarray of int
+        Positions of its states among all.
+    state : ndarray, shape (m,)
+    columns : ndarray, shape (m, q)
+        The derivatives that are moved along.
+    noise : ndarray, shape (m + 1,)
+        Uncertainties of the time and the states.
+    counts : ndarray of int
+        Work done, as `plan` has it.
+    """
+
+    states: np.ndarray
+    state: np.ndarray
+    columns: np.ndarray
+    noise: np.ndarray
+    counts: np.ndarray
 
 
 class Walk:
@@ -36,18 +63,32 @@ class Walk:
         Derivatives that are moved along.
     events : int
         The most events of one call.
+    room : int
+        The most steps of an arc.
+    marks : bool
+        Whether the states at the steps of an arc are kept, and steps marked in which watched guards may pass
+        zero.
     """
 
-    def __init__(self, machine: HybridMachine, weights: np.ndarray, columns: int, events: int) -> None:
-        self.machine, self.columns = machine, columns
+    def __init__(
+        self,
+        machine: HybridMachine,
+        weights: np.ndarray,
+        columns: int = 0,
+        events: int = 1,
+        room: int = ROOM,
+        marks: bool = False,
+    ) -> None:
+        self.machine, self.columns, self._marks = machine, columns, marks
         self.modes = [mode.name for mode in machine.system.modes]
         self.transitions = [transition.name for transition in machine.system.transitions]
         self._kept: list[np.ndarray] = []
         self.clock, self.happened = np.zeros(1), np.zeros(told.WORD + events, dtype=np.int64)
-        self.times, self.shift = np.empty(ROOM + 1), np.zeros(columns)
-        self._moving: dict[str, Call] = {}
-        self._trial: list[Call] = []
-        self._noise: dict[str, np.ndarray] = {}
+        self.times, self.marks = np.empty(room + 1), np.zeros(room, dtype=np.int64)
+        self.shift = np.zeros(columns)
+        self.places: dict[str, Place] = {}
+        self.nodes: dict[str, np.ndarray] = {}
+        self._calls: list[Call] = []
         self._speeds: dict[str, np.ndarray] = {}
         modes = [self._mode(name, weights) for name in self.modes]
         transitions = [self._transition(name) for name in self.transitions]
@@ -58,7 +99,8 @@ class Walk:
             told.CLOCK: self._keep(self.clock),
             told.HAPPENED: self._keep(self.happened),
             told.TIMES: self._keep(self.times),
-            told.ROOM: ROOM,
+            told.MARKS: self._keep(self.marks),
+            told.ROOM: room,
             told.EVENTS: events,
             told.COLUMNS: columns,
             told.WIDTH: width,
@@ -83,39 +125,51 @@ class Walk:
         moving = Call(flow.field, flow.c, METHOD, None, self.columns)
         moving.weigh(own)
         moving.give(plan.MEMORY, np.zeros(plan.MEMORY_LENGTH))
-        moving.give(plan.COUNTS, np.zeros(plan.COUNTS_LENGTH, dtype=np.int64))
         if self.columns:
             moving.tangents(np.zeros((n, self.columns)), [-1] * self.columns)
         trial = Call(flow.field, flow.c, METHOD, None)
-        self._moving[name], self._noise[name] = moving, np.zeros(n + 1)
-        acting = [i for i in range(len(flow.guards)) if flow.acting(i)]
-        guards = [flow.guards[i] for i in acting]
-        leads = [self.transitions.index(flow.transitions[i].name) for i in acting]
+        noise = np.zeros(n + 1)
+        columns = moving.split(moving.vectors[stages.Y])[1][:, : self.columns]
+        rounding = EPSILON * np.concatenate([[0.0], own])
+        counts = moving.give(plan.COUNTS, np.zeros(plan.COUNTS_LENGTH, dtype=np.int64))
+        self.places[name] = Place(flow.states, moving.vectors[stages.Y, :n], columns, noise, counts)
+        if self._marks:
+            nodes = self.nodes[name] = np.zeros((len(self.times), moving.length))
+            moving.give(plan.NODES, nodes)
+        numbers = [i for i in range(len(flow.guards)) if self._marks or flow.acting(i)]
+        guards = [flow.guards[i] for i in numbers]
+        leads = [self._number(flow.transitions[i]) for i in numbers]
+        departures = [g.departure_address if at >= 0 else 0 for g, at in zip(guards, leads, strict=True)]
         count, vectors = len(guards), stages.vectors(DOP853) - stages.FIRST
         coefficients = np.zeros((4, vectors))
         for row, terms in enumerate(DOP853.dense):
             for stage, value in terms.items():
                 coefficients[row, stage] = value
-        self._trial.append(trial)
+        self._calls += [moving, trial]
         return self._integers(told.MODE_LENGTH, {
             told.MOVING: moving.plan.ctypes.data,
             told.TRIAL: trial.plan.ctypes.data,
             told.SIZE: n,
             told.GUARDS: count,
             told.ADDRESSES: self._keep(np.array([g.address for g in guards], dtype=np.int64)),
-            told.DEPARTURES: self._keep(np.array([g.departure_address for g in guards], dtype=np.int64)),
+            told.DEPARTURES: self._keep(np.array(departures, dtype=np.int64)),
             told.DIRECTIONS: self._keep(np.array([g.direction for g in guards], dtype=np.int64)),
             told.LEADS: self._keep(np.array(leads, dtype=np.int64)),
             told.PARAMETERS: self._keep(flow.p),
             told.MEASURED: self._keep(np.zeros(9)),
             told.STANDING: self._keep(np.zeros(max(count, 1) * told.OF_GUARD)),
-            told.NOISE: self._keep(self._noise[name]),
+            told.NOISE: self._keep(noise),
             told.DENSE: self._keep(np.zeros(7 * n)),
             told.SPARE: self._keep(np.zeros(n)),
             told.SAMPLES: self._keep(np.zeros(40)),
             told.COEFFICIENTS: self._keep(coefficients),
             told.STAGES: vectors,
+            told.ROUNDING: self._keep(rounding),
         })  # fmt: skip
+
+    def _number(self, transition: Transition) -> int:
+        """Of a transition that acts; -1 for one that is watched."""
+        return -1 if transition.role == "watched" else self.transitions.index(transition.name)
 
     def _transition(self, name: str) -> np.ndarray:
         transition = self.machine.transition(name)
@@ -139,25 +193,15 @@ class Walk:
 
     def begin(self, t: float, x: np.ndarray, mode: str, last: str | None, first: str | None = None) -> None:
         """Put a full-length state in place, right after `last`, or right before `first`."""
-        states = self.machine.mode(mode).states
-        own = x[states]
+        place = self.places[mode]
         self.clock[0] = t
-        self._moving[mode].vectors[stages.Y, : len(states)] = own
-        noise = self._noise[mode]
-        noise[0], noise[1:] = EPSILON * abs(t), EPSILON * np.abs(own)
+        place.state[:] = x[place.states]
+        place.noise[0] = EPSILON * abs(t)
+        np.multiply(np.abs(place.state), EPSILON, out=place.noise[1:])
         self.happened[:] = 0
         self.happened[told.MODE] = self.modes.index(mode)
-        for place, name in ((told.LAST, last), (told.FIRST_OF_ALL, first)):
-            self.happened[place] = -1 if name is None else self.transitions.index(name)
-
-    def derivatives(self, mode: str) -> np.ndarray:
-        """The columns of a mode, shape (states, columns): a view."""
-        moving = self._moving[mode]
-        return moving.split(moving.vectors[stages.Y])[1][:, : self.columns]
-
-    def state(self, mode: str) -> np.ndarray:
-        """The states of a mode: a view."""
-        return self._moving[mode].vectors[stages.Y, : len(self.machine.mode(mode).states)]
+        self.happened[told.LAST] = -1 if last is None else self.transitions.index(last)
+        self.happened[told.FIRST_OF_ALL] = -1 if first is None else self.transitions.index(first)
 
     def velocity(self, transition: str) -> np.ndarray:
         """The field right after a transition that has happened last."""

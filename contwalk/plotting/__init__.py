@@ -23,11 +23,13 @@ if TYPE_CHECKING:
     from contwalk.plotting.eigenvalues import plot_eigenvalues
     from contwalk.plotting.histogram import plot_histogram
     from contwalk.plotting.machine import plot_machine
+    from contwalk.plotting.multiplier_moduli import plot_multiplier_moduli
     from contwalk.plotting.multipliers import plot_multiplier_panels, plot_multipliers
     from contwalk.plotting.phase_panels import Portrait, plot_phase_panels
     from contwalk.plotting.phase_portrait import plot_phase_portrait
     from contwalk.plotting.quantities import units_of
     from contwalk.plotting.stability_map import plot_stability_map
+    from contwalk.plotting.stick_figure import plot_stick_figure, plot_stick_panels
     from contwalk.plotting.style import new_axes, save
     from contwalk.plotting.time_series import plot_time_series, plot_time_series_panels
     from contwalk.plotting.tradeoff import plot_tradeoff
@@ -40,11 +42,14 @@ __all__ = [
     "plot_eigenvalues",
     "plot_histogram",
     "plot_machine",
+    "plot_multiplier_moduli",
     "plot_multiplier_panels",
     "plot_multipliers",
     "plot_phase_panels",
     "plot_phase_portrait",
     "plot_stability_map",
+    "plot_stick_figure",
+    "plot_stick_panels",
     "plot_time_series",
     "plot_time_series_panels",
     "plot_tradeoff",
@@ -60,11 +65,14 @@ _MODULES = {
     "plot_eigenvalues": "eigenvalues",
     "plot_histogram": "histogram",
     "plot_machine": "machine",
+    "plot_multiplier_moduli": "multiplier_moduli",
     "plot_multiplier_panels": "multipliers",
     "plot_multipliers": "multipliers",
     "plot_phase_panels": "phase_panels",
     "plot_phase_portrait": "phase_portrait",
     "plot_stability_map": "stability_map",
+    "plot_stick_figure": "stick_figure",
+    "plot_stick_panels": "stick_figure",
     "plot_time_series": "time_series",
     "plot_time_series_panels": "time_series",
     "plot_tradeoff": "tradeoff",

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import to_hex, to_rgb
+from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 
 from contwalk.branch import Branch
@@ -15,13 +15,23 @@ from contwalk.plotting.labels import Label, place_labels
 from contwalk.plotting.quantities import axis_label, default_x, default_y, values, with_names, written
 from contwalk.plotting.segments import position, runs
 from contwalk.plotting.special_points import legend_entries, marker
-from contwalk.plotting.style import GREY, INK, PALETTE, dress, new_axes, title
+from contwalk.plotting.style import GREY, INK, PALETTE, dark, dress, light, new_axes, title
 
 MOST_NAMED_BRANCHES = 12
+MANY_LABELS, LARGE = 16, (9.0, 5.4)  # more labels than these need a larger figure, inches
 # Unstable lines are thinner too, so that a part shorter than one dash is not taken for a stable one.
 STABLE: dict[str, Any] = {"linestyle": "-", "linewidth": 1.9}
 UNSTABLE: dict[str, Any] = {"linestyle": "--", "linewidth": 1.1, "dashes": (4.5, 2.5)}
-INADMISSIBLE: dict[str, Any] = {"linestyle": ":", "linewidth": 2.2, "color": GREY}
+# Where the machine cannot move so, lines are light, on grey hatching across them.
+HATCHING: dict[str, Any] = {
+    "linestyle": "--",
+    "linewidth": 6.0,
+    "dashes": (0.16, 0.34),
+    "dash_capstyle": "butt",
+    "color": "#C9C9C9",
+}
+WHITE = 0.4  # share of white in their colour
+LIGHTER = 0.75  # their width, in widths of the others
 
 
 def plot_bifurcation_diagram(
@@ -35,7 +45,7 @@ def plot_bifurcation_diagram(
     xlim: tuple[float, float] | None = None,
     ylim: tuple[float, float] | None = None,
 ) -> Axes:
-    """Draw branches: stable solid, unstable dashed and thin, inadmissible light under grey dots.
+    """Draw branches: stable solid, unstable dashed and thin, not admissible light on grey hatching.
 
     The style changes exactly at the special points. Located ones are filled, unlocated ones hollow.
 
@@ -63,6 +73,7 @@ def plot_bifurcation_diagram(
     x = x or default_x(branches)
     y = y or default_y(branches)
     drawn = with_names(branches, [x, y])
+    own = ax is None
     ax = ax or new_axes("bifurcation_diagram")
     dress(ax, axis_label(x, units), axis_label(y, units))
     curves = {}
@@ -86,6 +97,8 @@ def plot_bifurcation_diagram(
     if 1 < len(drawn) <= MOST_NAMED_BRANCHES:
         labels += _names(ax, drawn, {n: _shown(ax, points) for n, points in curves.items()}, labels)
     labels = [label for label in labels if len(_shown(ax, np.array([[label.x, label.y]])))]
+    if own and len(labels) > MANY_LABELS:
+        ax.figure.canvas.figure.set_size_inches(*LARGE)
     place_labels(ax, labels, list(curves.values()))
     return ax
 
@@ -107,18 +120,6 @@ def _color(number: int) -> str:
     return PALETTE[number % len(PALETTE)]
 
 
-def _light(color: str) -> str:
-    """The colour mixed with two parts of white."""
-    red, green, blue = to_rgb(color)
-    return to_hex(((red + 2) / 3, (green + 2) / 3, (blue + 2) / 3))
-
-
-def _dark(color: str) -> str:
-    """The colour darkened by a third: text needs more contrast than a line."""
-    red, green, blue = to_rgb(color)
-    return to_hex((red * 2 / 3, green * 2 / 3, blue * 2 / 3))
-
-
 def _setting(name: str, value: float, units: Mapping[str, str] | None) -> str:
     unit = (units or {}).get(name, "1")
     return f"{name} = {value:g}" + ("" if unit in ("", "1") else f" {written(unit)}")
@@ -131,10 +132,11 @@ def _draw_branch(ax: Axes, branch: Branch, points: np.ndarray, color: str) -> No
         if len(part) == 1:  # a line of one point is invisible
             line |= {"marker": "o", "markersize": 4.0, "fillstyle": "full" if run.stable else "none"}
         kind = "stable" if run.stable else "unstable"
-        shade = color if run.admissible else _light(color)
-        ax.plot(*part.T, color=shade, gid=f"{branch.name}-{kind}-{number}", zorder=2, **line)
         if not run.admissible:
-            ax.plot(*part.T, gid=f"{branch.name}-inadmissible-{number}", zorder=2.2, **INADMISSIBLE)
+            ax.plot(*part.T, gid=f"{branch.name}-inadmissible-{number}", zorder=1.5, **HATCHING)
+            line["linewidth"] *= LIGHTER
+        shade = color if run.admissible else light(color, WHITE)
+        ax.plot(*part.T, color=shade, gid=f"{branch.name}-{kind}-{number}", zorder=2, **line)
 
 
 def _draw_special(ax: Axes, branch: Branch, points: np.ndarray, number: int) -> list[Label]:
@@ -146,7 +148,7 @@ def _draw_special(ax: Axes, branch: Branch, points: np.ndarray, number: int) -> 
         look = marker(point.label, color, located=point.status == "located")
         ax.plot(at[:1], at[1:], gid=f"{branch.name}-{point.name}", **look)
         if point.label != "EP":
-            labels.append(Label(point.name or point.label, at[0], at[1], _dark(color)))
+            labels.append(Label(point.name or point.label, at[0], at[1], dark(color)))
     return labels
 
 
@@ -166,7 +168,7 @@ def _names(
         apart = ax.transData.transform(mine)[:, None] - ax.transData.transform(np.reshape(others, (-1, 2)))
         room = np.hypot(apart[..., 0], apart[..., 1]).min(axis=1, initial=np.inf)
         x, y = mine[int(np.argmax(room))]
-        names.append(Label(drawn[number].name, float(x), float(y), _dark(_color(number)), bold=True))
+        names.append(Label(drawn[number].name, float(x), float(y), dark(_color(number)), bold=True))
     return names
 
 
@@ -208,18 +210,23 @@ def _legend(ax: Axes, drawn: Sequence[Branch], units: Mapping[str, str] | None) 
     """What the lines and markers mean, outside the axes; only what occurs."""
     parts = [run for branch in drawn for run in runs(branch)]
     points = [point for branch in drawn for point in branch.special_points if len(branch)]
-    handles: list[Line2D] = []
+    handles: list[Any] = []
     if any(run.stable for run in parts):
         handles.append(Line2D([], [], color=INK, label="stable", **STABLE))
     if any(not run.stable for run in parts):
         handles.append(Line2D([], [], color=INK, label="unstable", **UNSTABLE))
     if any(not run.admissible for run in parts):
-        handles.append(Line2D([], [], label="inadmissible", **INADMISSIBLE))
+        ties = Line2D([], [], label="not admissible", **HATCHING)
+        rail = {**STABLE, "linewidth": LIGHTER * STABLE["linewidth"]}
+        handles.append((ties, Line2D([], [], color=light(INK, WHITE), **rail)))
     handles += legend_entries(points)
     handles += _told_apart(drawn, units)
     if handles:
+        texts = [handle[0] if isinstance(handle, tuple) else handle for handle in handles]
         ax.legend(
-            handles=handles,
+            handles,
+            [str(text.get_label()) for text in texts],
+            handler_map={tuple: HandlerTuple(ndivide=1)},
             loc="upper left",
             bbox_to_anchor=(1.01, 1.0),
             borderaxespad=0.0,

@@ -69,7 +69,8 @@ def place_labels(ax: Axes, labels: Sequence[Label], curves: Sequence[np.ndarray]
         moved = offset_copy(ax.transData, root, offset[0], offset[1], units="points")
         text.set_transform(moved)
         if _gap(centre - anchor, size) > LEADER_FROM_POINTS * scale:
-            _leader(ax, label, moved)
+            edge = (_edge(centre, size, anchor) - anchor) / scale
+            _leader(ax, label, offset_copy(ax.transData, root, edge[0], edge[1], units="points"))
 
 
 def _merged(ax: Axes, labels: Sequence[Label], near: float) -> list[Label]:
@@ -108,14 +109,23 @@ def _text(ax: Axes, label: Label) -> Text:
     return text
 
 
-def _leader(ax: Axes, label: Label, moved: Transform) -> None:
+def _leader(ax: Axes, label: Label, edge: Transform) -> None:
+    """A line from the edge of a text to its point."""
     point = (label.x, label.y)
     leader = ConnectionPatch(
-        point, point, coordsA=moved, coordsB=ax.transData, arrowstyle="-", shrinkA=5, shrinkB=3
+        point, point, coordsA=edge, coordsB=ax.transData, arrowstyle="-", shrinkA=0, shrinkB=3
     )
     leader.set(linewidth=0.5, color=label.color, alpha=0.7, zorder=2.5)
     leader.set_in_layout(False)
     ax.add_artist(leader)
+
+
+def _edge(centre: np.ndarray, size: np.ndarray, anchor: np.ndarray) -> np.ndarray:
+    """Where the line from the centre of a box to a point outside leaves it."""
+    way = np.asarray(anchor - centre, dtype=float)
+    with np.errstate(divide="ignore"):
+        shares = size / 2 / np.abs(way)
+    return centre + min(float(shares.min()), 1.0) * way
 
 
 def _gap(offset: np.ndarray, size: np.ndarray) -> float:

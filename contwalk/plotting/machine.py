@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Mapping, Sequence
+from inspect import signature
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.text import Text
 
 from contwalk.errors import ContwalkError, PluginError
 from contwalk.plotting.style import new_axes
 from contwalk.plotting.style import title as write_title
 from contwalk.system import System
 from contwalk.system.declarations import ParameterValues, nearest
+
+SCENERY = "scenery"  # gid of what a plugin draws that stands still
 
 
 def plot_machine(
@@ -46,17 +51,74 @@ def plot_machine(
     PluginError
         If `draw` raises; the sentence names its line.
     """
+    x = _state(system, state)
+    p = ParameterValues(**parameters_of(system, parameters))
+    require_draw(system)
+    ax = ax or new_axes("machine")
+    ax.set_aspect("equal", adjustable="datalim")
+    draw_instant(system, ax, t, x, p)
+    if not ax.get_autoscale_on():  # limits that the plugin has set are kept
+        ax.set_adjustable("box")
+    hide_cut(ax, scenery(ax.get_children()))
+    if title:
+        write_title(ax, title)
+    return ax
+
+
+def require_draw(system: System) -> None:
+    """Refuse a system that cannot be drawn.
+
+    Raises
+    ------
+    ContwalkError
+        If it has no `draw`.
+    """
     if system.draw is None:
         raise ContwalkError(
             f"System '{system.name}' cannot be drawn: it declares no draw.",
             "Give the plugin a function draw(axes, t, x, p) and declare System(..., draw=draw).",
         )
-    x = _state(system, state)
-    p = ParameterValues(**_parameters(system, parameters))
-    ax = ax or new_axes("machine")
-    ax.set_aspect("equal", adjustable="datalim")
+
+
+def walks(system: System) -> bool:
+    """Whether the machine gets somewhere: its `draw` asks for the motion until then, `so_far`."""
+    if system.draw is None:
+        return False
     try:
-        system.draw(ax, t, x, p)
+        return "so_far" in signature(system.draw).parameters
+    except (TypeError, ValueError):  # a callable that does not tell
+        return False
+
+
+def draw_instant(
+    system: System,
+    ax: Axes,
+    t: float,
+    x: np.ndarray,
+    p: ParameterValues,
+    so_far: tuple[np.ndarray, np.ndarray] | None = None,
+) -> None:
+    """Draw the machine at one instant onto axes.
+
+    Parameters
+    ----------
+    system : System
+        It has a `draw`.
+    ax : Axes
+    t, x, p
+        Time in seconds, state of shape (n,), parameters by name.
+    so_far : tuple of ndarray, optional
+        Times and states until then, for a `draw` that asks for them.
+
+    Raises
+    ------
+    PluginError
+        If `draw` raises; the sentence names its line.
+    """
+    assert system.draw is not None
+    given = {"so_far": so_far} if so_far is not None and walks(system) else {}
+    try:
+        system.draw(ax, t, x, p, **given)
     except ContwalkError:
         raise
     except Exception as error:
@@ -66,9 +128,24 @@ def plot_machine(
             f"{type(error).__name__}: {error}.",
             "Correct the plugin's draw(axes, t, x, p).",
         ) from error
-    if title:
-        write_title(ax, title)
-    return ax
+
+
+def scenery(artists: Sequence[Artist]) -> list[Artist]:
+    """Those of the artists that stand still, such as the ground: a plugin marks them by their gid."""
+    return [artist for artist in artists if artist.get_gid() == SCENERY]
+
+
+def hide_cut(ax: Axes, artists: Sequence[Artist]) -> None:
+    """Hide those texts among artists that the side of the picture would cut."""
+    texts = [artist for artist in artists if isinstance(artist, Text)]
+    if not texts:
+        return
+    root = ax.figure.canvas.figure
+    root.draw_without_rendering()
+    frame = ax.get_window_extent()
+    for text in texts:
+        box = text.get_window_extent()
+        text.set_visible(frame.x0 <= box.x0 and box.x1 <= frame.x1)
 
 
 def _state(system: System, state: Sequence[float] | np.ndarray | Mapping[str, float]) -> np.ndarray:
@@ -90,7 +167,14 @@ def _state(system: System, state: Sequence[float] | np.ndarray | Mapping[str, fl
     return x
 
 
-def _parameters(system: System, parameters: Mapping[str, float]) -> dict[str, float]:
+def parameters_of(system: System, parameters: Mapping[str, float]) -> dict[str, float]:
+    """All parameters: the given ones, and defaults.
+
+    Raises
+    ------
+    ContwalkError
+        For a name that the system does not have.
+    """
     _require_known(system, "parameter", list(parameters), system.parameter_names)
     return {**system.defaults(), **{name: float(value) for name, value in parameters.items()}}
 

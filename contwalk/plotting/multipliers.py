@@ -8,41 +8,49 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 
-from contwalk.branch import Branch
+from contwalk.branch import ORBITS, Branch
+from contwalk.plotting.multiplier_moduli import OTHER, plot_multiplier_moduli
 from contwalk.plotting.spectrum import SHADE, choose, draw_spectra, with_margin
 from contwalk.plotting.style import INK, dress, new_axes, new_grid
 
-PROBLEMS = ("periodic_orbit", "hybrid_orbit")
-OTHER = "for equilibria use the figure `eigenvalues`"
 FARTHEST = 3.0  # modulus that is still shown: beyond it the unit circle would shrink to a dot
 
 
-COLUMNS = 2
+# Branches that have panels of their own; more share theirs.
+MOST_BRANCHES = 6
 
 
 def plot_multiplier_panels(
     branches: Sequence[Branch], *, units: Mapping[str, str] | None = None
 ) -> list[Axes]:
-    """Draw the multipliers of each branch in a panel of its own, with a colour scale of its own.
+    """Draw the multipliers of each branch in the plane and, beside it, their moduli over the parameter.
 
     Parameters
     ----------
     branches, units
-        As for `plot_multipliers`.
+        As for `plot_multipliers`. More than six branches share one pair of panels.
+
+    Returns
+    -------
+    list of Axes
+        The plane and the moduli of the first branch, then those of the next one.
 
     Raises
     ------
     ContwalkError
         If no branch is one of orbits with a spectrum.
     """
-    chosen = choose(branches, PROBLEMS, "multipliers", OTHER)
-    if len(chosen) == 1:
-        return [plot_multipliers(chosen, units=units)]
-    axes = new_grid("multipliers", len(chosen), COLUMNS)
-    for ax, branch in zip(axes, chosen, strict=True):
-        plot_multipliers([branch], ax, units=units)
-        origin = f", from {branch.info.origin}" if branch.info.origin else ""
-        ax.text(0.02, 0.98, branch.name + origin, transform=ax.transAxes, va="top", fontsize=9.5, color=INK)
+    chosen = choose(branches, ORBITS, "multipliers", OTHER)
+    groups = [[branch] for branch in chosen] if len(chosen) <= MOST_BRANCHES else [chosen]
+    axes = new_grid("multiplier_panels", 2 * len(groups), 2)
+    for number, group in enumerate(groups):
+        plane, moduli = axes[2 * number : 2 * number + 2]
+        plot_multipliers(group, plane, units=units)
+        plot_multiplier_moduli(group, ax=moduli, units=units)
+        if len(chosen) > 1 and len(group) == 1:
+            info = group[0].info
+            text = info.name + (f", from {info.origin}" if info.origin else "")
+            plane.text(0.02, 0.98, text, transform=plane.transAxes, va="top", fontsize=9.5, color=INK)
     return axes
 
 
@@ -69,7 +77,7 @@ def plot_multipliers(
     ContwalkError
         If no branch is one of orbits with a spectrum.
     """
-    chosen = choose(branches, PROBLEMS, "multipliers", OTHER)
+    chosen = choose(branches, ORBITS, "multipliers", OTHER)
     ax = ax or new_axes("multipliers")
     dress(ax, "real part", "imaginary part")
     numbers = draw_spectra(ax, chosen, units)

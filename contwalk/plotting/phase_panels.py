@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 
 from contwalk.errors import ContwalkError
 from contwalk.plotting.phase_portrait import plot_phase_portrait
-from contwalk.plotting.style import new_axes, new_grid, title
+from contwalk.plotting.style import new_grid, title
 
 COLUMNS = 2
 
@@ -23,6 +23,8 @@ class Portrait:
     orbits: Sequence[np.ndarray]
     labels: Sequence[str] = ()
     stable: Sequence[bool] = field(default=())
+    admissible: Sequence[bool] = field(default=())
+    jumps: Sequence[np.ndarray] = field(default=())
 
 
 def plot_phase_panels(
@@ -52,14 +54,23 @@ def plot_phase_panels(
         raise ContwalkError(
             "In space, one branch is drawn at a time.", "Name it, or leave out the third axis."
         )
-    if len(portraits) == 1:
-        axes = [new_axes("phase_portrait", projection="3d" if len(names) == 3 else None)]
-    else:
-        axes = new_grid("phase_panels", len(portraits), COLUMNS)
-    for ax, each in zip(axes, portraits, strict=True):
-        plot_phase_portrait(each.orbits, names, ax, labels=each.labels, stable=each.stable, units=units)
+    several = len(portraits) > 1
+    places = new_grid("phase_panels", len(portraits), COLUMNS) if several else [None]
+    axes = []
+    for place, each in zip(places, portraits, strict=True):
+        ax = plot_phase_portrait(
+            each.orbits,
+            names,
+            place,
+            labels=each.labels,
+            stable=each.stable,
+            admissible=each.admissible,
+            jumps=each.jumps,
+            units=units,
+        )
         title(ax, each.title)
-    if len(axes) > 1:
+        axes.append(ax)
+    if several:
         _together(axes)
     return axes
 

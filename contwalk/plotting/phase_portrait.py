@@ -7,14 +7,21 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
 from contwalk.errors import ContwalkError
 from contwalk.plotting.quantities import axis_label
-from contwalk.plotting.style import INK, PALETTE, dress, new_axes
+from contwalk.plotting.style import INK, PALETTE, dress, light, new_axes
 
 STABLE: dict[str, Any] = {"linestyle": "-", "linewidth": 1.4}
 UNSTABLE: dict[str, Any] = {"linestyle": "--", "linewidth": 1.0, "dashes": (4.5, 2.5)}
+# Where an event throws the state to; nothing moves along it.
+JUMP: dict[str, Any] = {"linestyle": ":", "linewidth": 0.8, "dashes": (1.0, 2.0)}
+WHITE = 0.5  # share of white in the colour of what is not admissible
+LONG = 24  # characters of a name that has its place below the axes
+LINE_OF_LEGEND = 0.19  # inches
 
 
 def plot_phase_portrait(
@@ -24,6 +31,8 @@ def plot_phase_portrait(
     *,
     labels: Sequence[str] = (),
     stable: Sequence[bool] = (),
+    admissible: Sequence[bool] = (),
+    jumps: Sequence[np.ndarray] = (),
     periods: Sequence[int] = (),
     units: Mapping[str, str] | None = None,
 ) -> Axes:
@@ -42,6 +51,10 @@ def plot_phase_portrait(
         A name for each orbit, shown beside the axes. None by default.
     stable : sequence of bool
         Stable orbits are solid, unstable ones dashed and thin. All stable by default.
+    admissible : sequence of bool
+        Orbits that the machine cannot move on are light. All admissible by default.
+    jumps : sequence of array, shape (j, 2, 2) or (j, 2, 3)
+        For each orbit, the points before and after each event, joined by thin dotted lines. None by default.
     periods : sequence of int
         How many periods of the basic orbit each takes to close, 1, 2, 4 ...; 0 where it does not close.
         Told with the label.
@@ -53,7 +66,10 @@ def plot_phase_portrait(
     ContwalkError
         If there is no orbit, or lengths or shapes do not fit each other.
     """
-    curves = _checked(orbits, names, labels=labels, stable=stable, periods=periods)
+    curves = _checked(
+        orbits, names, labels=labels, stable=stable, admissible=admissible, jumps=jumps, periods=periods
+    )
+    own = ax is None
     ax = ax or new_axes("phase_portrait", projection="3d" if len(names) == 3 else None)
     dress(ax, axis_label(names[0], units), axis_label(names[1], units))
     if len(names) == 3:
@@ -61,17 +77,27 @@ def plot_phase_portrait(
     handles = []
     for number, curve in enumerate(curves):
         steady = stable[number] if stable else True
-        look = {"color": PALETTE[number % len(PALETTE)], **(STABLE if steady else UNSTABLE)}
+        color = PALETTE[number % len(PALETTE)]
+        if admissible and not admissible[number]:
+            color = light(color, WHITE)
+        look = {"color": color, **(STABLE if steady else UNSTABLE)}
         if len(curve) == 1:
             look = {"color": look["color"], "linestyle": "none", "marker": "o", "markersize": 5.0}
             look["fillstyle"] = "full" if steady else "none"
         ax.plot(*curve.T, gid=f"orbit-{number}", zorder=2, **look)
+        for ends in jumps[number] if len(jumps) else ():
+            ax.plot(*np.asarray(ends).T, gid=f"jump-{number}", zorder=1.9, color=color, **JUMP)
         text = _text(number, labels, periods)
         if text:
             handles.append(Line2D([], [], label=text, **look))
+    if not all(admissible):
+        which = "light" if any(admissible) else "all"
+        handles.append(Line2D([], [], label=f"{which}: not admissible", color=light(INK, WHITE), **STABLE))
+    if any(len(each) for each in jumps):
+        handles.append(Line2D([], [], label="jump at an event", color=INK, **JUMP))
     ax.margins(0.06)
     if handles:
-        _legend(ax, handles)
+        _legend(ax, handles, own)
     return ax
 
 
@@ -107,21 +133,30 @@ def _text(number: int, labels: Sequence[str], periods: Sequence[int]) -> str:
 
 
 def _dress_depth(ax: Axes, label: str) -> None:
-    """The third axis in the style of the other two."""
+    """The third axis in the style of the other two, all with few numbers: they stand at an angle."""
     ax.set_zlabel(label, fontsize=10, color=INK, labelpad=14)  # type: ignore[attr-defined]
+    for axis in (ax.xaxis, ax.yaxis, ax.zaxis):  # type: ignore[attr-defined]
+        axis.set_major_locator(MaxNLocator(4))
+        axis.labelpad = 14
     ax.zaxis.set_tick_params(labelsize=8.5, labelcolor=INK, pad=7)  # type: ignore[attr-defined]
     ax.zaxis.get_offset_text().set_fontsize(8.5)  # type: ignore[attr-defined]
     ax.set_box_aspect(None, zoom=0.8)  # type: ignore[call-arg]  # room for the labels of the depth
 
 
-def _legend(ax: Axes, handles: list[Line2D]) -> None:
+def _legend(ax: Axes, handles: list[Line2D], own: bool) -> None:
+    """Names beside the axes; long ones below them, where they take no width."""
+    below = max(len(str(handle.get_label())) for handle in handles) > LONG
     ax.legend(
         handles=handles,
         loc="upper left",
-        bbox_to_anchor=(1.02, 1.0),
+        bbox_to_anchor=(0.0, -0.16) if below else (1.02, 1.0),
         borderaxespad=0.0,
         frameon=False,
         fontsize=8.5,
         labelcolor=INK,
         handlelength=2.6,
     )
+    figure = ax.figure
+    if below and own and isinstance(figure, Figure):
+        width, height = figure.get_size_inches()
+        figure.set_size_inches(width, height + LINE_OF_LEGEND * len(handles))

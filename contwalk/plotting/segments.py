@@ -49,6 +49,14 @@ def runs(branch: Branch) -> list[Run]:
     return [Run(a, b, not unstable[a], not inadmissible[a]) for a, b in zip(starts, ends, strict=True)]
 
 
+def admissible_segments(branch: Branch) -> np.ndarray:
+    """Whether each segment is admissible, of shape (k - 1,)."""
+    flags = np.ones(max(len(branch) - 1, 0), dtype=bool)
+    for run in runs(branch):
+        flags[run.first : run.last] = run.admissible
+    return flags
+
+
 def _sides(branch: Branch, unstable_row: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Whether the branch is unstable just before and just after each row, in the order of growing `s`."""
     before, after = unstable_row.copy(), unstable_row.copy()

@@ -14,12 +14,14 @@ from matplotlib.lines import Line2D
 from contwalk.branch import Branch
 from contwalk.errors import ContwalkError
 from contwalk.plotting.quantities import axis_label, default_x, values, with_names
+from contwalk.plotting.segments import admissible_segments
 from contwalk.plotting.style import INK
 
 _MARK: dict[str, Any] = {"linestyle": "none", "color": INK, "markerfacecolor": "none", "zorder": 4}
 _START = {**_MARK, "marker": "x", "markersize": 6.5, "markeredgewidth": 1.3, "label": "start"}
 _END = {**_MARK, "marker": "o", "markersize": 7.0, "markeredgewidth": 1.2, "label": "end"}
 COLORS = "viridis"
+WIDTH, THIN = 1.6, 0.9  # of lines where the machine can move so, and where it cannot
 SHADE = "#F1F1F1"  # of the unstable part of the plane
 
 
@@ -104,12 +106,16 @@ def _draw(ax: Axes, branch: Branch, color: np.ndarray, norm: Normalize) -> None:
     if len(branch) == 0:
         return
     loci = track(branch["spectrum"])
-    plane = np.stack([loci.real, loci.imag], axis=2)  # (k, m, 2)
-    pieces = np.stack([plane[:-1], plane[1:]], axis=2).reshape(-1, 2, 2)
-    middle = np.repeat((color[:-1] + color[1:]) / 2, loci.shape[1])
-    whole = np.isfinite(pieces).all(axis=(1, 2))
-    lines = LineCollection(list(pieces[whole]), cmap=COLORS, norm=norm, linewidths=1.4, zorder=3)
-    lines.set_array(middle[whole])
+    admissible = admissible_segments(branch)
+    pieces = [
+        (_joined(a, b), (color[row] + color[row + 1]) / 2, WIDTH if admissible[row] else THIN)
+        for row in range(len(loci) - 1)
+        for a, b in zip(loci[row], loci[row + 1], strict=True)
+        if np.isfinite(a) and np.isfinite(b)
+    ]
+    lines = LineCollection([piece for piece, _, _ in pieces], cmap=COLORS, norm=norm, zorder=3)
+    lines.set_linewidths([width for _, _, width in pieces])
+    lines.set_array([shade for _, shade, _ in pieces])
     lines.set_gid(f"{branch.name}-loci")
     ax.add_collection(lines)
     ax.scatter(
@@ -118,13 +124,21 @@ def _draw(ax: Axes, branch: Branch, color: np.ndarray, norm: Normalize) -> None:
         c=np.repeat(color, loci.shape[1]),
         cmap=COLORS,
         norm=norm,
-        s=5,
+        s=np.repeat(np.where(branch["admissible"], 5.0, 2.5), loci.shape[1]),
         linewidths=0,
         zorder=3.2,
         gid=f"{branch.name}-dots",
     )
     for row, mark in zip(_ends(branch), (_START, _END), strict=True):
         ax.plot(loci[row].real, loci[row].imag, **{**mark, "gid": f"{branch.name}-{mark['label']}"})
+
+
+def _joined(a: complex, b: complex) -> np.ndarray:
+    """The way between two neighbouring values; a real one that meets another does so on the axis."""
+    way = [a, b]
+    if (a.imag == 0.0) != (b.imag == 0.0):
+        way.insert(1, complex(b.real if a.imag == 0.0 else a.real, 0.0))
+    return np.array([[value.real, value.imag] for value in way])
 
 
 def _ends(branch: Branch) -> tuple[int, int]:
@@ -141,6 +155,8 @@ def _legend(ax: Axes, parameter: str, branches: Sequence[Branch], colors: Sequen
         }
         at = f": {parameter} = {shown.pop():g}" if len(shown) == 1 else ""
         handles.append(Line2D([], [], **{**mark, "label": f"{mark['label']}{at}"}))
+    if any(not admissible_segments(branch).all() for branch in branches):
+        handles.insert(1, Line2D([], [], color=INK, linewidth=THIN, label="thin: not admissible"))
     ax.legend(
         handles=handles,
         loc="lower left",

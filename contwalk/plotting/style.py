@@ -9,6 +9,7 @@ from typing import Any
 import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 
 from contwalk.errors import ContwalkError
@@ -25,8 +26,11 @@ PROPORTIONS = {
     "bifurcation_diagram": (7.2, 4.0),
     "eigenvalues": (6.4, 4.2),
     "multipliers": (5.8, 4.9),
+    "multiplier_panels": (5.2, 4.1),
     "stability_map": (6.4, 4.2),
     "machine": (4.2, 4.2),
+    "stick_figure": (7.2, 3.9),
+    "stick_panels": (2.4, 2.5),
     "phase_portrait": (6.4, 4.6),
     "phase_panels": (4.6, 4.6),
     "time_series": (7.2, 3.0),
@@ -94,6 +98,18 @@ def _new_figure(kind: str, panels: int) -> Figure:
     return figure
 
 
+def light(color: str, white: float = 0.6) -> str:
+    """The colour mixed with a share of white."""
+    red, green, blue = (part * (1.0 - white) + white for part in to_rgb(color))
+    return to_hex((red, green, blue))
+
+
+def dark(color: str) -> str:
+    """The colour darkened by a third: text needs more contrast than a line."""
+    red, green, blue = to_rgb(color)
+    return to_hex((red * 2 / 3, green * 2 / 3, blue * 2 / 3))
+
+
 def dress(ax: Axes, xlabel: str, ylabel: str) -> None:
     """Axis labels, ticks and spines in the one style of all figures."""
     ax.set_xlabel(xlabel, fontsize=10, color=INK)
@@ -107,9 +123,14 @@ def dress(ax: Axes, xlabel: str, ylabel: str) -> None:
         ax.spines[side].set(linewidth=0.7, color=INK)
 
 
-def title(ax: Axes, text: str) -> None:
-    """A title at the left, in the size of an axis label."""
-    ax.set_title(text, loc="left", fontsize=9.5, color=INK, pad=8)
+def title(ax: Axes, text: str, above: float = 0.0) -> None:
+    """A title at the left, in the size of an axis label; so many points above what stands on the axes."""
+    ax.set_title(text, loc="left", fontsize=9.5, color=INK, pad=8 + above)
+
+
+def whole_title(figure: Any, text: str) -> None:
+    """A title at the left of a whole figure, above everything else on it."""
+    figure.suptitle(text, fontsize=9.5, color=INK, x=0.01, ha="left")
 
 
 def save(figure: Figure | Axes, path: str | PathLike[str]) -> Path:

@@ -147,7 +147,8 @@ def _left_behind(happening: Happening, system: System, samples: Samples) -> list
         if not np.isfinite(after).all():
             continue
         own = [flow.transitions[i].name for i in numbers]
-        standing = departures(flow, t, after[flow.states], noise[flow.states], own)
+        given = after[flow.states], noise[flow.states], samples.scales[flow.states]
+        standing = departures(flow, t, *given, own)
         kinds = {standing[i].kind for i in numbers}
         if UNDEFINED not in kinds:
             found.append(kinds <= {CLEAR, LEAVING})

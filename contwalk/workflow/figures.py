@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from contwalk.branch import Branch
+import numpy as np
+
+from contwalk.branch import ORBITS, Branch
 from contwalk.errors import ContwalkError
 from contwalk.system import System
-
-# Branches whose multipliers have a panel each; more are drawn into one.
-MOST_PANELS = 6
 
 
 def draw_figure(
@@ -22,11 +21,12 @@ def draw_figure(
     Parameters
     ----------
     name : str
-        One of `run_values.FIGURES`.
+        One of `run_values.DIAGRAM_FIGURES`, or `time_series`.
     system : System, optional
-        For units, and for the figure `machine`.
+        For units, and for figures of machines and motions.
     options : mapping
-        `x`, `y` and `z` where the figure takes them; `points`, names of stored points, for a phase portrait.
+        `x`, `y` and `z` where the figure takes them; `points`, pairs of a branch and a stored point, for
+        figures of points.
     """
     from contwalk import plotting
 
@@ -40,58 +40,132 @@ def draw_figure(
     elif name == "eigenvalues":
         axes = plotting.plot_eigenvalues(branches, units=units)
     elif name == "multipliers":
-        several = 1 < sum(branch.info.problem != "equilibrium" for branch in branches) <= MOST_PANELS
-        drawn = plotting.plot_multiplier_panels if several else plotting.plot_multipliers
-        axes = drawn(branches, units=units)
+        axes = plotting.plot_multiplier_panels(branches, units=units)
     elif name == "stability_map":
         axes = plotting.plot_stability_map(branches, x or branches[0].info.free[0], str(y), units=units)
-    elif name == "machine":
-        axes = _machine(branches, system)
-    elif name == "phase_portrait":
-        axes = _phase_portrait(branches, system, options)
+    elif name in _OF_MACHINES:
+        if system is None:
+            raise ContwalkError(f"The figure '{name}' needs the system.", "Install it again.")
+        axes = _OF_MACHINES[name](branches, system, options)
     else:
         raise ContwalkError(f"There is no figure named '{name}'.", "See docs/reference/figures.md.")
     plotting.save(axes[0] if isinstance(axes, list) else axes, path)
     return path
 
 
-def _phase_portrait(branches: Sequence[Branch], system: System | None, options: Mapping[str, Any]) -> Any:
+def _phase_portrait(branches: Sequence[Branch], system: System, options: Mapping[str, Any]) -> Any:
     """Orbits of special points and ends, or of the points that are named, integrated once more."""
     from contwalk import plotting
-    from contwalk.workflow.stored_orbits import columns_of, orbit_at, orbits_of
+    from contwalk.workflow.stored_orbits import columns_of, jumps_of, orbit_at, orbits_of
 
-    if system is None:
-        raise ContwalkError("Orbits cannot be integrated without their system.", "Install it again.")
     x, y = (
         options.get(axis) or system.state_names[min(k, len(system.states) - 1)] for k, axis in enumerate("xy")
     )
     names = [x, y, *([options["z"]] if options.get("z") else [])]
     if options.get("points"):
-        groups = [[orbit_at(system, branch, point) for branch, point in options["points"]]]
+        orbits = [orbit_at(system, branch, point) for branch, point in options["points"]]
+        groups = [(", ".join(dict.fromkeys(orbit.branch for orbit in orbits)), orbits)]
     else:
-        groups = orbits_of(system, branches)
-    origins = {branch.name: branch.info.origin for branch in branches}
-    portraits = [
-        plotting.Portrait(
-            group[0].branch + (f", from {origins[group[0].branch]}" if origins.get(group[0].branch) else ""),
-            [columns_of(system, orbit, names) for orbit in group],
-            [orbit.label for orbit in group],
-            [orbit.stable for orbit in group],
+        origins = {branch.name: branch.info.origin for branch in branches}
+        groups = [
+            (", from ".join(filter(None, (orbits[0].branch, origins[orbits[0].branch]))), orbits)
+            for orbits in orbits_of(system, branches)
+        ]
+    portraits = []
+    for title, orbits in groups:
+        several = len({orbit.branch for orbit in orbits}) > 1
+        portraits.append(
+            plotting.Portrait(
+                title,
+                [columns_of(system, orbit, names) for orbit in orbits],
+                [f"{orbit.branch}/{orbit.label}" if several else orbit.label for orbit in orbits],
+                [orbit.stable for orbit in orbits],
+                [orbit.admissible for orbit in orbits],
+                [jumps_of(system, orbit, names) for orbit in orbits],
+            )
         )
-        for group in groups
-    ]
     return plotting.plot_phase_panels(portraits, names, units=plotting.units_of(system))[0]
 
 
-def _machine(branches: Sequence[Branch], system: System | None) -> Any:
+def _machine(branches: Sequence[Branch], system: System, options: Mapping[str, Any]) -> Any:
     """The machine at the start of the first branch that has points."""
     from contwalk import plotting
 
+    branch = next((branch for branch in branches if len(branch)), None)
+    if branch is None:
+        raise ContwalkError("There is no point to draw the machine at.", "Run the diagram first.")
+    row = branch.points[_start(branch)]
+    parameters = {**branch.info.parameters, branch.info.free[0]: float(row["free"][0])}
+    known = {name: parameters[name] for name in system.parameter_names if name in parameters}
+    return plotting.plot_machine(system, row["state"], known)
+
+
+def _stick_figure(branches: Sequence[Branch], system: System, options: Mapping[str, Any]) -> Any:
+    """The machine at instants of one orbit, by default that of the start."""
+    from contwalk import plotting
+    from contwalk.plotting.machine import require_draw, walks
+    from contwalk.workflow.orbit_motions import motion_along
+
+    require_draw(system)
+    orbit = _orbit(branches, system, options, "stick figure")
+    motion = motion_along(system, orbit)
+    given = system, motion.times, motion.states, orbit.parameters
+    title = _title(orbit)
+    if walks(system):
+        return plotting.plot_stick_figure(*given, title=title, events=motion.marks)
+    return plotting.plot_stick_panels(*given, title=title, events=motion.marks)
+
+
+def _time_series(branches: Sequence[Branch], system: System, options: Mapping[str, Any]) -> Any:
+    """States over one period of one orbit, by default that of the start."""
+    from contwalk import plotting
+    from contwalk.plotting.style import whole_title
+    from contwalk.workflow.orbit_motions import motion_along
+    from contwalk.workflow.stored_orbits import columns_by_name
+
+    names = [options["y"]] if options.get("y") else list(system.state_names)
+    columns = columns_by_name(system, names)
+    orbit = _orbit(branches, system, options, "time series")
+    motion = motion_along(system, orbit)
+    times, values = motion.columns(columns)
+    happened: dict[str, list[float]] = {}
+    for time, name in motion.events:
+        happened.setdefault(name, []).append(time)
+    units = plotting.units_of(system)
+    panels = plotting.plot_time_series_panels(times, values, names, events=happened, units=units)
+    whole_title(panels[0].figure, _title(orbit))
+    return panels
+
+
+def _title(orbit: Any) -> str:
+    return f"{orbit.branch}/{orbit.label}" + ("" if orbit.admissible else ",  not admissible")
+
+
+def _orbit(branches: Sequence[Branch], system: System, options: Mapping[str, Any], what: str) -> Any:
+    """The orbit of the point that is named, else of the start of the first branch of orbits."""
+    from contwalk.workflow.stored_orbits import orbit_at
+
+    if options.get("points"):
+        return orbit_at(system, *options["points"][0])
     for branch in branches:
-        if len(branch):
-            if system is None:
-                break
-            row = branch.points[int(abs(branch.points["s"]).argmin())]
-            parameters = {**branch.info.parameters, branch.info.free[0]: float(row["free"][0])}
-            return plotting.plot_machine(system, row["state"], parameters)
-    raise ContwalkError("There is no point to draw the machine at.", "Run the diagram first.")
+        if branch.info.problem in ORBITS and len(branch):
+            return orbit_at(system, branch, _start(branch))
+    raise ContwalkError(
+        f"No branch has periodic orbits, so there is no {what}.",
+        "Follow a Hopf point (diagram: {follow: [HB]}), or start on an orbit.",
+    )
+
+
+def _start(branch: Branch) -> int:
+    """The row at which a branch begins; where orbits were born of others, the one in the middle."""
+    if branch.info.parent is not None and branch.info.problem in ORBITS:
+        return len(branch) // 2
+    return int(np.abs(branch.points["s"]).argmin())
+
+
+_OF_MACHINES: dict[str, Callable[[Sequence[Branch], System, Mapping[str, Any]], Any]] = {
+    "machine": _machine,
+    "phase_portrait": _phase_portrait,
+    "stick_figure": _stick_figure,
+    "time_series": _time_series,
+}

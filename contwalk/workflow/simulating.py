@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +18,7 @@ from contwalk.workflow.run_simulate import SimulationFile
 from contwalk.workflow.run_starts import StartSpec
 
 if TYPE_CHECKING:
+    from contwalk.problems.stored_word import StoredWord
     from contwalk.workflow.simulated import Simulated
 
 
@@ -76,9 +77,12 @@ def simulate(
     tables = [run.file("trajectory.csv"), run.file("events.csv")]
     database = run.file("trajectory.h5")
     refuse_existing([database, *tables, *(path for _, path in names)], force)
-    state, parameters = start_of(run.system, run.start, str(run.path))
-    moves = _smoothly if run.smooth else _through_transitions
-    motion = moves(run, state + run.perturbation, parameters, progress or (lambda t: None))
+    state, parameters, word = start_of(run.system, run.start, str(run.path))
+    told = progress or (lambda t: None)
+    if run.smooth:
+        motion = _smoothly(run, state + run.perturbation, parameters, told)
+    else:
+        motion = _through_transitions(run, state, word, parameters, told)
     trajectory = _trajectory(run, parameters, motion)
     write_trajectory(database, trajectory)
     _write_tables(trajectory, tables)
@@ -87,8 +91,10 @@ def simulate(
     return SimulationResult(trajectory, [database, *tables], drawn, *counts, motion.reason)
 
 
-def start_of(system: Any, spec: StartSpec, where: str) -> tuple[np.ndarray, dict[str, float]]:
-    """The state that a motion begins with, and all parameters.
+def start_of(
+    system: Any, spec: StartSpec, where: str
+) -> tuple[np.ndarray, dict[str, float], StoredWord | None]:
+    """The state that a motion begins with, all parameters, and the word of a stored hybrid orbit.
 
     Raises
     ------
@@ -97,16 +103,16 @@ def start_of(system: Any, spec: StartSpec, where: str) -> tuple[np.ndarray, dict
     """
     parameters = dict(spec.parameters)
     if spec.kind == "state" and spec.state is not None:
-        return np.array(spec.state, dtype=float), parameters
+        return np.array(spec.state, dtype=float), parameters, None
     if spec.kind == "from":
         from contwalk.workflow.stored_points import stored_point
 
         assert spec.file is not None
         found = stored_point(spec.file, str(spec.point), system)
-        return found.state, {**found.parameters, **spec.given}
+        return found.state, {**found.parameters, **spec.given}, found.word
     with _placed(spec, where):
         states = system.named_states(str(spec.name), parameters)
-    return np.array(states[0], dtype=float), parameters
+    return np.array(states[0], dtype=float), parameters, None
 
 
 @contextmanager
@@ -167,13 +173,20 @@ def _smoothly(
 
 
 def _through_transitions(
-    run: SimulationFile, state: np.ndarray, parameters: Mapping[str, float], progress: Callable[[float], None]
+    run: SimulationFile,
+    state: np.ndarray,
+    word: StoredWord | None,
+    parameters: Mapping[str, float],
+    progress: Callable[[float], None],
 ) -> Simulated:
     """The motion of a machine with transitions that act."""
-    from contwalk.workflow.simulating_hybrid import Beginning, simulated
+    from contwalk.workflow.simulating_hybrid import Beginning, on_orbit, simulated
 
     settings = run.simulation
     beginning = Beginning(state, run.start.mode or run.system.modes[0].name, run.start.at)
+    if word is not None:
+        beginning = on_orbit(run.system, word)
+    beginning = replace(beginning, state=beginning.state + run.perturbation)
     given = settings.until, settings.tolerance, settings.method, settings.points
     with _placed(run.start, str(run.path)):
         return simulated(run.system, parameters, beginning, *given, run.report_at, progress)

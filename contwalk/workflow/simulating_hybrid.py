@@ -12,6 +12,8 @@ from contwalk.flow.events import Event
 from contwalk.flow.hybrid import Arc, HybridMachine, applied, hybrid_machine, parts
 from contwalk.flow.hybrid_scales import magnitudes
 from contwalk.flow.settling import Settling
+from contwalk.problems.hybrid.layout import Layout
+from contwalk.problems.stored_word import StoredWord
 from contwalk.system import System, Transition
 from contwalk.workflow.run_settings import ReportAt
 from contwalk.workflow.simulated import LONGEST, PARTS, Simulated
@@ -27,11 +29,26 @@ class Beginning:
     mode : str
     at : str, optional
         A transition that happens first.
+    last : str, optional
+        The transition that has just led to it.
+    time : float
     """
 
     state: np.ndarray
     mode: str
     at: str | None = None
+    last: str | None = None
+    time: float = 0.0
+
+
+def on_orbit(system: System, word: StoredWord) -> Beginning:
+    """Where the first leg of a stored orbit begins, right after the last one's transition."""
+    sizes = [len(system.states_of(mode)) for mode, _, _ in word.legs]
+    layout = Layout(sizes, system.period is not None, 0)
+    mode, state = word.legs[0][0], np.zeros(len(system.states))
+    state[list(system.states_of(mode))] = word.unknowns[layout.states[0]]
+    time = 0.0 if layout.start is None else float(word.unknowns[layout.start])
+    return Beginning(state, mode, last=word.legs[-1][1] or None, time=time)
 
 
 def simulated(
@@ -54,19 +71,20 @@ def simulated(
     """
     watching, names = _with_sections(system, place)
     machine = hybrid_machine(watching, parameters)
-    settles = until == "settled"
-    end = np.inf if settles else float(until)
+    settles, start = until == "settled", beginning.time
+    end = np.inf if settles else start + float(until)
     found: list[Arc] = []
     state, mode = machine.existing(beginning.mode, beginning.state), beginning.mode
     if beginning.at is not None:
-        after = applied(machine, beginning.at, 0.0, state)
-        found.append(Arc(mode, np.zeros(1), state[None], transition=beginning.at, after=after))
+        after = applied(machine, beginning.at, start, state)
+        found.append(Arc(mode, np.array([start]), state[None], transition=beginning.at, after=after))
         state, mode = after, machine.transition(beginning.at).target
+    last = beginning.at or beginning.last
     scales = [s.scale for s in system.states]
-    weights = magnitudes(machine, 0.0, state, mode, end, scales, method, beginning.at)
+    weights = magnitudes(machine, start, state, mode, end, scales, method, last)
     settling, settled = Settling([s.period for s in system.states]), False
     steps = 0
-    for part in parts(machine, 0.0, state, mode, end, tolerance, weights, method, beginning.at):
+    for part in parts(machine, start, state, mode, end, tolerance, weights, method, last):
         found.append(part)
         progress(float(part.times[-1]))
         own = len(part.times) - 1

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
@@ -11,10 +12,15 @@ from contwalk.branch import ORBITS, Branch, SpecialPoint
 from contwalk.continuation.reopening import reopened
 from contwalk.errors import ContwalkError
 from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.problem import Problem
 from contwalk.system import System
+from contwalk.system.declarations import nearest
 
 # Orbits of one branch, and branches, that one figure shows if it is not told which.
 MOST_ORBITS, MOST_BRANCHES = 5, 6
+# Labels whose orbits come after those of bifurcations, in this order; those of limits only where admissible.
+AFTER = {"UZ": 1, "GR": 2, "OC": 3, "AZ": 4, "EP": 5}
+LIMITS = ("GR", "OC", "AZ")
 # What a picture needs, and a little more.
 PICTURE = Discretization(accuracy=1e-7)
 
@@ -30,9 +36,24 @@ class Orbit:
     label : str
         The point with its parameter and period.
     states : ndarray, shape (k, n)
-        In the order of time, over the whole period; the last row is the first one's again.
+        In the order of time, over the whole period; the last row is the first one's again. Of a hybrid orbit,
+        both sides of each event, over one closure; the last row is the one before the event that closes it.
     stable : bool
         Whether it is stable on both sides of the point.
+    times : ndarray, shape (k,)
+        Seconds; at an event, the same time twice.
+    events : tuple of str
+        Names of the events in their order, the one that closes the orbit last.
+    breaks : tuple of int
+        The rows right after the events, all but the last event's, which is row 0.
+    closures : int
+        Repetitions of `states` in a period: two where names are swapped in each.
+    turns : ndarray, shape (n,), optional
+        By how much each state of a hybrid orbit is larger after a closure.
+    admissible : bool
+        Whether the machine can move so.
+    parameters : mapping
+        All of the system's, by name.
     """
 
     branch: str
@@ -40,12 +61,24 @@ class Orbit:
     label: str
     states: np.ndarray
     stable: bool
+    times: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    events: tuple[str, ...] = ()
+    breaks: tuple[int, ...] = ()
+    closures: int = 1
+    turns: np.ndarray | None = None
+    admissible: bool = True
+    parameters: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def period(self) -> float:
+        """The whole period, seconds."""
+        return self.closures * float(self.times[-1] - self.times[0])
 
 
 def orbits_of(system: System, branches: Sequence[Branch]) -> list[list[Orbit]]:
     """A handful of orbits of each branch of orbits: of its special points, then marked values, then ends.
 
-    If none of them is stable but others are, one of those is added.
+    If none of them is stable and admissible, one that is, or is stable at least, is added.
 
     Raises
     ------
@@ -61,7 +94,7 @@ def orbits_of(system: System, branches: Sequence[Branch]) -> list[list[Orbit]]:
     result = []
     for branch in chosen:
         orbits = [orbit_at(system, branch, point) for point in _handful(branch)]
-        if not any(orbit.stable for orbit in orbits):  # what one would see is shown in any case
+        if not any(orbit.stable and orbit.admissible for orbit in orbits):  # what one would see is shown
             orbits = [*[orbit_at(system, branch, row) for row in _typical(branch)], *orbits]
         result.append(orbits)
     return result
@@ -69,15 +102,21 @@ def orbits_of(system: System, branches: Sequence[Branch]) -> list[list[Orbit]]:
 
 def _handful(branch: Branch) -> list[SpecialPoint] | list[int]:
     """The points of a branch whose orbits are drawn, along the branch; its last one if none is special."""
-    points = [p for p in branch.special_points if p.unknowns and p.status == "located"]
-    first = sorted(points, key=lambda p: {"EP": 2, "UZ": 1}.get(p.label, 0))[:MOST_ORBITS]
+    points = [
+        p
+        for p in branch.special_points
+        if p.unknowns and p.status == "located" and (p.admissible or p.label not in (*LIMITS, "EP"))
+    ]
+    first = sorted(points, key=lambda p: AFTER.get(p.label, 0))[:MOST_ORBITS]
     return sorted(first, key=lambda p: p.s) if first else [len(branch) - 1]
 
 
 def _typical(branch: Branch) -> list[int]:
-    """The row in the middle of the stable part, where there is one."""
-    stable = np.flatnonzero(branch.points["stable"] & ~branch.points["special"])
-    return [int(stable[len(stable) // 2])] if len(stable) else []
+    """The row in the middle of the part that is stable and admissible, or else stable, where there is one."""
+    rows = branch.points
+    stable = rows["stable"] & ~rows["special"]
+    found = np.flatnonzero(stable & rows["admissible"] if np.any(stable & rows["admissible"]) else stable)
+    return [int(found[len(found) // 2])] if len(found) else []
 
 
 def orbit_at(system: System, branch: Branch, point: SpecialPoint | int) -> Orbit:
@@ -93,19 +132,109 @@ def orbit_at(system: System, branch: Branch, point: SpecialPoint | int) -> Orbit
             f"Branch {branch.name} is one of {branch.info.problem.replace('_', ' ')} points.",
             "Name a point on a branch of periodic orbits.",
         )
-    problem, sample = reopened(system, branch, point, PICTURE)
-    _, states = problem.motion_of(sample.z)  # type: ignore[attr-defined]
-    name, counts = str(point), [sample.unstable]
+    name, row, counts = str(point), point, []
     if isinstance(point, SpecialPoint):
-        name, counts = point.name, [point.unstable_before, point.unstable_after]
+        name, row, counts = point.name, point.index, [point.unstable_before, point.unstable_after]
+        admissible = point.admissible
+        point = point if point.unknowns else point.index  # one that is not located has a row at most
+    else:
+        admissible = bool(branch.points["admissible"][row])
+    problem, sample = reopened(system, branch, point, PICTURE)
+    hybrid = branch.info.problem == "hybrid_orbit"
+    times, states, breaks = _arcs(problem, sample.z) if hybrid else (*_motion(problem, sample.z), ())
     fold = int(branch.info.settings.get("fold", 1))
     free = branch.info.free[0]
-    label = f"{name}:  {free} = {sample.parameter:.6g},  T = {fold * sample.period:.4g} s"
-    return Orbit(branch.name, name, label, states, not any(counts))
+    value = f"{sample.parameter:.6g} {_unit(system, free)}".strip()
+    label = f"{name}:  {free} = {value},  T = {fold * sample.period:.4g} s"
+    events = tuple(name for _, name, _ in branch.info.settings["legs"] if name) if hybrid else ()
+    return Orbit(
+        branch.name,
+        name,
+        label,
+        states,
+        not any(counts or [sample.unstable]),
+        times=times,
+        events=events,
+        breaks=breaks,
+        closures=fold if hybrid else 1,
+        turns=np.array(branch.info.settings["turns"], dtype=float) if hybrid else None,
+        admissible=admissible,
+        parameters=problem.values_of(sample.z),
+    )
+
+
+def _unit(system: System, free: str) -> str:
+    """The free parameter's unit as figures write it; empty where it has none."""
+    from contwalk.plotting.quantities import written
+
+    unit = next((p.unit for p in system.parameters if p.name == free), "1")
+    return "" if unit in ("", "1") else written(unit)
+
+
+def _motion(problem: Problem, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Times and states of a smooth orbit, over the whole period."""
+    times, states = problem.motion_of(z)  # type: ignore[attr-defined]
+    kept = np.append(True, np.diff(times) > 0.0)  # segments share their ends
+    return times[kept], states[kept]
+
+
+def _arcs(problem: Problem, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[int, ...]]:
+    """Times and states of a hybrid orbit, and the rows with which an arc begins, without the first."""
+    from contwalk.problems.hybrid import observing
+
+    legs = observing.legs(problem, z)  # type: ignore[arg-type]
+    times = [t.copy() for t, _ in legs]
+    for before, after in pairwise(times):  # both sides of an event have one time, to the last bit
+        after[0] = before[-1]
+    breaks = np.cumsum([len(t) for t in times])[:-1]
+    return np.concatenate(times), np.concatenate([x for _, x in legs]), tuple(breaks.tolist())
 
 
 def columns_of(system: System, orbit: Orbit, names: Sequence[str]) -> np.ndarray:
-    """Some states of an orbit, shape (k, m); angles that turn are folded into one turn, NaN between.
+    """Some states of an orbit, shape (k, m); angles that turn are folded into one turn.
+
+    A row of NaN stands where the curve is broken: at an event, and where an angle comes round.
+
+    Raises
+    ------
+    ContwalkError
+        For a name that is no state.
+    """
+    columns, periods = columns_by_name(system, names), _folded(system, orbit, names)
+    curve = np.insert(orbit.states[:, columns], orbit.breaks, np.nan, axis=0)
+    for column, period in enumerate(periods):
+        if period:
+            turns = np.floor(curve[:, column] / period + 0.5)
+            curve[:, column] -= turns * period
+            changes = np.diff(turns)
+            breaks = np.flatnonzero(np.isfinite(changes) & (changes != 0.0)) + 1
+            curve = np.insert(curve, breaks, np.nan, axis=0)
+    return curve
+
+
+def jumps_of(system: System, orbit: Orbit, names: Sequence[str]) -> np.ndarray:
+    """Some states before and after each event, shape (j, 2, m), folded as those of `columns_of` are.
+
+    Raises
+    ------
+    ContwalkError
+        For a name that is no state.
+    """
+    columns, periods = columns_by_name(system, names), _folded(system, orbit, names)
+    after = [*orbit.breaks, 0] if orbit.events else []
+    ends = (
+        orbit.states[[[row - 1, row] for row in after]][..., columns]
+        if after
+        else np.zeros((0, 2, len(names)))
+    )
+    for column, period in enumerate(periods):
+        if period:
+            ends[..., column] -= np.floor(ends[..., column] / period + 0.5) * period
+    return ends
+
+
+def columns_by_name(system: System, names: Sequence[str]) -> list[int]:
+    """Positions of states.
 
     Raises
     ------
@@ -115,18 +244,16 @@ def columns_of(system: System, orbit: Orbit, names: Sequence[str]) -> np.ndarray
     known = system.state_names
     for name in names:
         if name not in known:
-            from contwalk.system.declarations import nearest
-
             raise ContwalkError(
                 f"'{name}' is not a state of '{system.name}'.",
                 f"{nearest(name, known)} Known: {', '.join(known)}.".strip(),
             )
-    curve = np.array([orbit.states[:, known.index(name)] for name in names]).T
-    for column, name in enumerate(names):
-        period = system.states[known.index(name)].period
-        if period and np.ptp(curve[:, column]) >= period * (1.0 - 1e-9):
-            turns = np.floor(curve[:, column] / period + 0.5)
-            curve[:, column] -= turns * period
-            breaks = np.flatnonzero(np.diff(turns)) + 1
-            curve = np.insert(curve, breaks, np.nan, axis=0)
-    return curve
+    return [known.index(name) for name in names]
+
+
+def _folded(system: System, orbit: Orbit, names: Sequence[str]) -> list[float]:
+    """Periods of the angles that go all the way round; 0 of what is drawn as it is."""
+    columns = columns_by_name(system, names)
+    ranges = np.ptp(orbit.states[:, columns], axis=0)
+    periods = [system.states[column].period or 0.0 for column in columns]
+    return [p if 0.0 < p * (1.0 - 1e-9) <= r else 0.0 for p, r in zip(periods, ranges, strict=True)]

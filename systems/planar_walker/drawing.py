@@ -17,8 +17,8 @@ from .plane import Vector, hanging
 from .states import Q1, Q2, Q3, Q6
 
 # Of the leg that stands, and of the one that swings; where legs keep their colours, when the motion begins.
-STANDING, SWINGING = ("#1f4e79", "standing leg"), ("#c0392b", "swinging leg")
-FIRST, SECOND = (STANDING[0], "leg that stands first"), (SWINGING[0], "leg that swings first")
+STANDING, SWINGING = ("#1f4e79", "leg 1, standing"), ("#c0392b", "leg 2, swinging")
+FIRST, SECOND = (STANDING[0], "leg that stands first"), (SWINGING[0], "the other leg")
 EARTH, SURFACE, JOINT = "#e3e6e8", "#5b6770", "white"
 SCENERY = "scenery"  # gid of what is there once, however many instants are drawn
 SOLE = 1.0  # half the angle of the sole at the centre of the foot, rad
@@ -74,16 +74,18 @@ def _draw_ground(axes: Any, size: float, alpha: float, first: float, last: float
     x, y = _upright([(low, 0.0), (high, 0.0)], alpha)
     axes.fill_between(x, y, y - 0.06 * size, color=EARTH, linewidth=0.0, zorder=0, gid=SCENERY)
     axes.plot(x, y, color=SURFACE, linewidth=1.4, zorder=1, gid=SCENERY)
-    distance = _round(0.6 * size)
+    distance = _round(0.14 * size)
     for number in range(math.ceil(low / distance), math.floor(high / distance) + 1):
-        place, half = number * distance, 0.008 * size
-        peg = [(place - half, 0.0), (place + half, 0.0), (place + half, -0.06 * size)]
-        peg.append((place - half, -0.06 * size))
+        place, half, told = number * distance, 0.006 * size, number % 5 == 0
+        depth = (0.06 if told else 0.03) * size
+        corners = [(-half, 0.0), (half, 0.0), (half, -depth), (-half, -depth)]
+        peg = [(place + along, away) for along, away in corners]
         axes.fill(*_upright(peg, alpha), color=SURFACE, linewidth=0.0, zorder=1, gid=SCENERY)
-        across, up = _upright((place, -0.09 * size), alpha)
-        text = axes.text(across, up, f"{place:g} m", gid=SCENERY, clip_on=True)
-        text.set(ha="center", va="top", color=SURFACE, fontsize=8, rotation=-math.degrees(alpha), zorder=1)
-        text.set_in_layout(False)
+        if told:
+            across, up = _upright((place, -0.09 * size), alpha)
+            text = axes.text(across, up, f"{place:g} m", gid=SCENERY, clip_on=True, zorder=1)
+            text.set(ha="center", va="top", color=SURFACE, fontsize=8, rotation=-math.degrees(alpha))
+            text.set_in_layout(False)
 
 
 def _round(length: float) -> float:

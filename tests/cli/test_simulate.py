@@ -171,7 +171,7 @@ def test_warmup_says_what_it_did_and_where(contwalk, monkeypatch, tmp_path):
         pass
 
     parts = {"contwalk.flow.explicit.warmup": compile_it, "contwalk.flow.radau.warmup": nothing}
-    for name, part in {**parts, "contwalk.flow.sampling.warmup": nothing}.items():
+    for name, part in {**parts, "contwalk.flow.sampling.warmup": nothing, "contwalk.flow.walk.warmup": nothing}.items():
         monkeypatch.setattr(name, part)
     done = contwalk("warmup")
     assert done.code == 0
@@ -181,4 +181,4 @@ def test_warmup_says_what_it_did_and_where(contwalk, monkeypatch, tmp_path):
     assert f"cache: {folder}" in done.out
     monkeypatch.setenv("CONTWALK_CACHE_DIR", str(tmp_path / "none"))
     monkeypatch.setattr("contwalk.flow.explicit.warmup", nothing)
-    assert [part.state for part in warming.warm()[0]] == ["not kept"] * 3
+    assert [part.state for part in warming.warm()[0]] == ["not kept"] * 4

@@ -8,6 +8,7 @@ import math
 import re
 from itertools import pairwise
 
+import numpy as np
 import pytest
 from code_blocks import ROOT, blocks, commands, run_command, run_python
 
@@ -224,3 +225,71 @@ def test_family_of_the_reference_builds_each_machine(tmp_path):
     (tmp_path / "chain.py").write_text(blocks(PLUGINS, "python")[1], encoding="utf-8")
     for links in (1, 5):
         assert len(load_system("chain.py", {"links": links}, base=tmp_path).states) == links
+
+
+# -- a machine that hits something -------------------------------------------------------------------------
+
+IMPACTS = "docs/tutorials/impact_oscillator.md"
+
+
+@pytest.fixture(scope="module")
+def hammer(tmp_path_factory):
+    """The tutorial's directory after all its commands, and their outputs."""
+    where = tmp_path_factory.mktemp("hammer")
+    (where / "hammer.py").write_text(blocks(IMPACTS, "python")[0], encoding="utf-8")
+    for name, text in zip(("knock", "graze"), blocks(IMPACTS, "yaml"), strict=True):
+        (where / f"{name}.yaml").write_text(text, encoding="utf-8")
+    return where, {line: run_command(line, where) for line in commands(IMPACTS)}
+
+
+def test_the_hammer_is_checked_and_knocks(hammer):
+    where, outputs = hammer
+    assert "0 warnings, 0 errors" in outputs["contwalk systems check hammer.py"]
+    with (where / "knock_events.csv").open(encoding="utf-8", newline="") as file:
+        times = [float(row["t"]) for row in csv.DictReader(file)]
+    assert len(times) == 12
+    # once in a period, to what the transient has left after eight of them
+    assert times[-1] - times[-2] == pytest.approx(2.0 * math.pi / 1.3, abs=2e-3)
+
+
+def test_the_grazing_is_where_the_closed_form_has_it(hammer):
+    where, outputs = hammer
+    silent, hammering = cw.open_database(where / "graze.h5").branches()
+    exact = math.sqrt((1.0 - 1.3**2) ** 2 + (2.0 * 0.1 * 1.3) ** 2)
+    graze = silent.special("GR1")
+    assert abs(graze.parameters["force"] - exact) <= graze.error + 2e-16
+    assert (graze.kind, silent.outcome.reason) == ("interior", "grazing")
+    assert "[impact] leave there" in silent.outcome.message
+    assert "0.737360156233" in outputs["contwalk continue graze.yaml"]
+    assert hammering.info.signature == ("impact",)
+    assert hammering.info.parent[0] == silent.name
+
+
+def test_the_hammering_is_what_the_text_says(hammer):
+    where, _ = hammer
+    _, hammering = cw.open_database(where / "graze.h5").branches()
+    text = (ROOT / IMPACTS).read_text(encoding="utf-8")
+    for name in ("LP1", "AZ1"):
+        assert f"{hammering.special(name).parameters['force']:.12g}" in text
+    fold = hammering.special("LP1")
+    assert (fold.unstable_before, fold.unstable_after) == (1, 0)
+    assert fold.state["speed"] == pytest.approx(0.87163, abs=5e-6)
+    # the product of the multipliers, to their own rounding, away from where the first is infinite
+    product = np.prod(hammering.points["spectrum"][5:], axis=1)
+    assert np.all(product.imag == 0.0)
+    assert product.real == pytest.approx(0.64 * math.exp(-0.2 * 2.0 * math.pi / 1.3), rel=1e-8)
+    beyond = hammering["force"] > hammering.special("AZ1").parameters["force"] + 1e-9
+    stable = hammering["stable"]
+    assert not hammering.points["admissible"][beyond & stable].any()
+    assert hammering.points["admissible"][~beyond & stable].all()
+
+
+def test_from_the_other_side_the_grazing_is_terminal(hammer):
+    where, _ = hammer
+    hammering, silent = cw.open_database(where / "back.h5").branches()
+    exact = math.sqrt((1.0 - 1.3**2) ** 2 + (2.0 * 0.1 * 1.3) ** 2)
+    graze = hammering.special("GR1")
+    assert abs(graze.parameters["force"] - exact) <= graze.error + 2e-16
+    assert graze.kind == "terminal"
+    assert silent.info.signature == ()
+    assert silent["stable"].all()

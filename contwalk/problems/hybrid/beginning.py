@@ -23,8 +23,8 @@ from contwalk.system.declarations import ParameterValues
 TOLERANCE = 1e-9
 # What a return misses by, in units of the variation: of a motion that has settled; at all.
 SETTLED, NEARLY = 1e-5, 0.2
-# Events that are looked back, and simulated at most.
-LOOK_BACK, MOST_EVENTS = 64, 4000
+# Events that are looked back; events and steps that are simulated at most.
+LOOK_BACK, MOST_EVENTS, MOST_STEPS = 64, 1000, 500_000
 # Periods of the forcing without an event before an orbit without events is looked for.
 QUIET = 4
 # How long to simulate at once, in units of what the fastest state needs to change by its own size; steps
@@ -92,7 +92,7 @@ def lap_from(
     x = np.array(state, dtype=float)
     if at is not None:
         x, mode = applied(machine, at, time, x), machine.transition(at).target
-    search = _Search(system, parameters, until)
+    search = _Search(system, parameters, None if until == 0 else until)
     if at is not None:
         search.begins_at(at)
     for arc in _motion(machine, time, x, mode, at, search):
@@ -123,6 +123,8 @@ def _motion(
             assert arc.after is not None
             quiet, t, x, last = 0, float(arc.times[-1]), arc.after, arc.transition
             mode = machine.transition(arc.transition).target
+            if search.exhausted:
+                return
             break
 
 
@@ -139,7 +141,10 @@ class _Search:
         self.low = np.full(len(system.states), np.inf)
         self.high = -self.low
         self.best: Lap | None = None
-        self.pending: Arc | None = None  # an arc whose beginning was no event, or has not ended
+        self.begun: tuple[float, np.ndarray] | None = (
+            None  # time and state at the start of a leg that goes on
+        )
+        self.steps = 0
         self.first = True
         self.ended: Arc | None = None
         self.last_state: tuple[float, np.ndarray, str] | None = None
@@ -171,8 +176,14 @@ class _Search:
         """Whether to go on although nothing has happened for so many steps."""
         return steps < (PATIENCE if self.until is not None or self.first else FIRST_PATIENCE)
 
+    @property
+    def exhausted(self) -> bool:
+        """Whether so many events, or steps, have passed that there will be no return."""
+        return len(self.stretches) > MOST_EVENTS or self.steps > MOST_STEPS
+
     def add(self, arc: Arc) -> Lap | None:
         """Take an arc in; the lap that it closes, if it does."""
+        self.steps += len(arc.times)
         self.low = np.minimum(self.low, arc.states.min(axis=0))
         self.high = np.maximum(self.high, arc.states.max(axis=0))
         self.last_state = float(arc.times[-1]), arc.states[-1], arc.mode
@@ -180,17 +191,15 @@ class _Search:
             self.ended = arc
             return None
         if arc.transition is None:
-            lap = self._strobed(arc)
-            self.first, self.pending = True, None
-            return lap
+            if not self.first and self.begun is None:  # the leg goes on
+                self.begun = float(arc.times[0]), arc.states[0]
+            return self._strobed(arc)
         transition = next(t for t in self.system.transitions if t.name == arc.transition)
         if not self.first:
             leg = Leg(arc.mode, transition, not arc.rising)
-            start = float(arc.times[0])
-            self.stretches.append(Stretch(leg, start, arc.states[0], float(arc.times[-1]) - start))
-        self.first = False
-        if len(self.stretches) > MOST_EVENTS:
-            return None
+            start, x = self.begun or (float(arc.times[0]), arc.states[0])
+            self.stretches.append(Stretch(leg, start, x, float(arc.times[-1]) - start))
+        self.first, self.begun = False, None
         return self._closed(arc) if self.stretches else None
 
     def _closed(self, arc: Arc) -> Lap | None:
@@ -244,7 +253,7 @@ class _Search:
         ------
         NotFinite, StartError
         """
-        if self.best is not None:
+        if self.best is not None and self.ended is not None:
             return self.best
         where = "" if self.last_state is None else f" at t = {self.last_state[0]:.6g} s"
         if self.ended is not None:
@@ -258,7 +267,8 @@ class _Search:
         raise StartError(
             f"The simulation did not come back to where it was{where}: it has not settled, settles on a "
             "motion that is not periodic, or meets no more events.",
-            "Simulate for longer with until: SECONDS, or start from another state.",
+            "Simulate for longer with until: SECONDS, or start from another state. Where it is near an "
+            "orbit that may be unstable, until: 0 takes its first near return.",
         )
 
     def _smooth(self) -> Lap:

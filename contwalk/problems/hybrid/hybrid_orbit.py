@@ -41,6 +41,10 @@ STAGES = {"dop853": 12, "verner98": 16, "radau5": 24, "radau9": 40}
 MOST_KEPT = 12
 # Solutions that are looked at again soon: at a step's ends.
 MOST_VIEWS = 4
+# A leg this short, against the closure, is none.
+COLLAPSED = 1e-13
+# Multipliers whose difference has a smaller square meet, to rounding.
+MEET = 1e-12
 # Two orbits whose periods and states differ by less than this part are one.
 ALIKE = 1e-6
 
@@ -583,6 +587,17 @@ class HybridOrbit:
         """The map that takes a section once round the orbit, for normal forms."""
         return EventMap(self, z)
 
+    def collapsed(self, z: np.ndarray) -> str:
+        """Name of an event that follows its predecessor at once, to rounding; empty if there is none.
+
+        A guard that is zero after its own reset has a second, spurious zero there: a leg without length.
+        """
+        shortest = int(np.argmin(z[self.layout.durations]))
+        lasts = float(z[self.layout.durations][shortest])
+        if not self.word.eventful or lasts > COLLAPSED * self.duration(z):
+            return ""
+        return self.word.legs[shortest].name
+
     def repeats(self, z: np.ndarray) -> int:
         """How many times the orbit of a word that repeats itself goes through the same states."""
         for times in range(self.layout.legs, 1, -1):
@@ -649,6 +664,11 @@ class HybridOrbit:
     def observables(self, z: np.ndarray, found: Multipliers) -> np.ndarray:
         """Values of `observable_names`, shape (o,)."""
         return self._observed(z, found, limits.margins(self, z))
+
+    def observable(self, name: str, z: np.ndarray) -> float:
+        """The value of one observable."""
+        found = self.multipliers(z, self.linearize(z).jacobian)
+        return float(self.observables(z, found)[self.observable_names.index(name)])
 
     def _observed(self, z: np.ndarray, found: Multipliers, margins: Any) -> np.ndarray:
         return np.array(observing.values(self, z, found, margins))
@@ -789,6 +809,9 @@ class HybridOrbit:
             if limit.test == "duration" and neighbours.corners(there, located.z, limit, sample.tangent):
                 kind = "corner"
             record = replace(record, kind=kind, note=limits.place_of(there, limit, located))
+        if label == "UZ" and abs(observing.split(sample.eigenvalues)) < MEET:
+            met = "two multipliers meet: each is known to the root of rounding only, their mean far better"
+            record = replace(record, note=met if record.note is None else f"{record.note}; {met}")
         values = limits.margins(there, located.z)
         return replace(record, admissible=values.admissible, margin=values.by_name)
 

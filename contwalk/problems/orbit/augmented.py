@@ -305,8 +305,10 @@ def observed(problem: Orbit, name: str, level: float, sample: Sample) -> Located
     from contwalk.problems.orbit import rates
 
     def value(there: Orbit, z: np.ndarray) -> float:
+        if name != there.observable_names[-1]:
+            return there.observable(name, z)
         found = there.multipliers(z, there.linearize(z).jacobian)
-        return float(there.observables(z, found)[there.observable_names.index(name)])
+        return float(there.observables(z, found)[-1])
 
     slope = rates.of_observable(problem, name, sample)
     if not np.isfinite(slope) or slope == 0.0:

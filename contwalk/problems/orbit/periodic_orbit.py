@@ -513,6 +513,13 @@ class PeriodicOrbit:
         largest = float(np.abs(found.values[0])) if len(found.values) else float("nan")
         return np.array([*values, largest**self.rounds])
 
+    def observable(self, name: str, z: np.ndarray) -> float:
+        """The value of one of the system's observables."""
+        function = next(o.function for o in self.system.observables if o.name == name)
+        t, x = self.motion_of(z)
+        p = ParameterValues(**self.values_of(z))
+        return float(called(f"observable '{name}'", function, t, x, p))
+
     @property
     def whole(self) -> tuple[str, int]:
         """How the orbit closes (`full`, or the name of a symmetry), and how many closures its period has."""

@@ -110,6 +110,10 @@ class Orbit(Protocol):
         """Values of `observable_names`."""
         ...
 
+    def observable(self, name: str, z: np.ndarray) -> float:
+        """The value of one observable that is not `max_abs`."""
+        ...
+
     def motion_of(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The whole motion: times and states."""
         ...

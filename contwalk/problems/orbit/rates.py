@@ -6,10 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contwalk.errors import called
 from contwalk.problems.orbit.augmented import null_vectors
 from contwalk.problems.orbit.multipliers import Multipliers
-from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
     from contwalk.problems.orbit.protocol import Orbit
@@ -63,11 +61,5 @@ def of_observable(problem: Orbit, name: str, sample: Sample) -> float:
         if not np.isfinite(rate):
             rate = of_modulus(problem, sample.z, sample.tangent, value)
         return problem.rounds * abs(value) ** (problem.rounds - 1) * rate
-    function = next(o.function for o in problem.system.observables if o.name == name)
-    values = []
-    for sign in (1.0, -1.0):
-        z = sample.z + sign * BESIDE * sample.tangent
-        t, x = problem.motion_of(z)
-        p = ParameterValues(**problem.values_of(z))
-        values.append(called(f"observable '{name}'", function, t, x, p))
-    return float(values[0] - values[1]) / (2.0 * BESIDE)
+    ahead, behind = (problem.observable(name, sample.z + h * sample.tangent) for h in (BESIDE, -BESIDE))
+    return (ahead - behind) / (2.0 * BESIDE)

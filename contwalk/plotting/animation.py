@@ -1,0 +1,213 @@
+"""A machine in motion, as a file that plays: GIF, MP4, or a page of HTML."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Mapping, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, HTMLWriter, PillowWriter
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from contwalk.errors import ContwalkError
+from contwalk.plotting.playback import Playback
+from contwalk.plotting.style import GREY, INK, PALETTE
+from contwalk.system import System
+
+ANIMATIONS = (".gif", ".mp4", ".html")
+MOST_FRAMES = 5000
+# Inches, and dots in an inch; 600 x 600 dots, even numbers as MP4 demands.
+SIZE, DPI = (6.0, 6.0), 100
+# Within the figure: the machine, and the line of time below it. Fixed, so that nothing jumps between frames.
+MACHINE, CLOCK = (0.01, 0.13, 0.98, 0.80), (0.06, 0.085, 0.88, 0.03)
+# Times between frames of a GIF are whole hundredths of a second, and browsers play none below two.
+HUNDREDTHS, LEAST_HUNDREDTHS = 100.0, 2
+MOST_BYTES = 500  # megabytes of frames in a page of HTML
+# How long the name of an event stays, in seconds of the animation.
+LINGER = 0.35
+
+
+def save_animation(
+    system: System,
+    times: Sequence[float] | np.ndarray,
+    states: Sequence[Sequence[float]] | np.ndarray,
+    parameters: Mapping[str, float],
+    path: str | PathLike[str],
+    *,
+    events: Sequence[tuple[float, str]] = (),
+    fps: float = 30.0,
+    slow: float = 1.0,
+    title: str = "",
+    progress: Callable[[int, int], None] | None = None,
+) -> int:
+    """Write a motion of a machine as an animation, by the suffix of `path`: GIF, MP4 (by ffmpeg) or HTML.
+
+    Frames are evenly spaced in time. The plugin's `draw` sets the limits of each: the camera follows a
+    machine that gets somewhere.
+
+    Parameters
+    ----------
+    system : System
+        It has a `draw`.
+    times, states : array of shape (k,), (k, n)
+        The motion; at an event, its instant twice, with the states on both sides.
+    parameters : mapping
+        Values by name; the system's defaults fill in what is not given.
+    path : path-like
+        The folder must exist; an existing file is replaced, when the new one is complete.
+    events : sequence of (float, str)
+        Times and names of events, which are marked on the line of time.
+    fps : float
+        Frames in a second. Those of a GIF last whole hundredths of a second, the nearest ones.
+    slow : float
+        A second of the motion lasts so many seconds.
+    title : str
+    progress : callable, optional
+        Told the number of frames that are done, and of all.
+
+    Returns
+    -------
+    int
+        The number of frames.
+
+    Raises
+    ------
+    ContwalkError
+        For another suffix, a missing ffmpeg, too many frames, a path that cannot be written, a system
+        without `draw`, or what does not fit it.
+    PluginError
+        If `draw` raises.
+    """
+    target = Path(path)
+    motion = Playback(system, times, states, parameters)
+    suffix = checked_suffix(target)
+    fps = played_fps(suffix, fps)
+    number = frames_of(motion.end - motion.begin, fps, slow)
+    instants = motion.begin + (motion.end - motion.begin) * np.arange(number) / number
+    figure = Figure(figsize=SIZE, dpi=DPI)
+    FigureCanvasAgg(figure)
+    stage, clock = figure.add_axes(MACHINE), figure.add_axes(CLOCK)
+    figure.text(0.02, 0.97, title, fontsize=10, color=INK, va="top")
+    hand = _draw_clock(clock, motion, events)
+    said = figure.text(0.98, 0.925, "", fontsize=10, color=INK, va="top", ha="right")
+    speed = "" if slow == 1.0 else f"  (1/{slow:g} of its speed)" if slow > 1.0 else f"  ({1 / slow:g} times its speed)"
+    partial = target.with_name(f".{target.stem}.partial{suffix}")
+    try:
+        with matplotlib.rc_context({"animation.embed_limit": MOST_BYTES}):
+            writer = _writer(suffix, fps)
+            with writer.saving(figure, str(partial), dpi=DPI):
+                for done, time in enumerate(instants.tolist(), start=1):
+                    stage.clear()
+                    motion.draw(stage, time)
+                    stage.set_aspect("equal", adjustable="datalim" if stage.get_autoscale_on() else "box")
+                    since = time - motion.begin
+                    hand.set_data([since], [0.0])
+                    said.set_text(_said(time, events, LINGER / slow))
+                    clock.set_xlabel(f"{since:.3f} s{speed}", fontsize=9, color=INK)
+                    writer.grab_frame()
+                    if progress is not None:
+                        progress(done, number)
+        os.replace(partial, target)
+    except OSError as error:
+        raise ContwalkError(
+            f"The animation cannot be written to {target}: {error.strerror or error}.",
+            "Name a file in an existing folder that you may write to.",
+        ) from error
+    finally:
+        partial.unlink(missing_ok=True)
+    return number
+
+
+def checked_suffix(path: Path) -> str:
+    """The suffix of an animation that can be written here.
+
+    Raises
+    ------
+    ContwalkError
+        For one that is not known, or MP4 where there is no ffmpeg.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in ANIMATIONS:
+        raise ContwalkError(
+            f"An animation cannot be written to {path}: the format {suffix or '(no suffix)'} is not known.",
+            f"Allowed: {', '.join(ANIMATIONS)}.",
+        )
+    if suffix == ".mp4" and not FFMpegWriter.isAvailable():
+        raise ContwalkError(
+            f"{path} cannot be written: MP4 needs the program ffmpeg, which is not there.",
+            "Install ffmpeg, or name a .gif or .html file.",
+        )
+    return suffix
+
+
+def played_fps(suffix: str, fps: float) -> float:
+    """Frames in a second that a format can play: those of a GIF last whole hundredths of a second."""
+    if suffix != ".gif":
+        return fps
+    return HUNDREDTHS / max(round(HUNDREDTHS / fps), LEAST_HUNDREDTHS)
+
+
+def frames_of(duration: float, fps: float, slow: float) -> int:
+    """The number of frames of a motion.
+
+    Raises
+    ------
+    ContwalkError
+        If there are too many.
+    """
+    wanted = duration * slow * fps
+    if not math.isfinite(wanted) or wanted > MOST_FRAMES:
+        raise ContwalkError(
+            f"The animation would have {wanted:.0f} frames, more than {MOST_FRAMES}.",
+            "Play fewer periods, slow the motion less, or show fewer frames in a second.",
+        )
+    return max(round(wanted), 1)
+
+
+def _writer(suffix: str, fps: float) -> AbstractMovieWriter:
+    """What writes a format. Equal animations are equal files: identifiers are not drawn by lot."""
+    if suffix == ".gif":
+        return PillowWriter(fps=fps)
+    if suffix == ".mp4":
+        return FFMpegWriter(fps=fps, codec="h264", extra_args=["-pix_fmt", "yuv420p"])
+    return HTMLWriter(fps=fps, embed_frames=True, default_mode="loop")
+
+
+def _draw_clock(ax: Axes, motion: Playback, events: Sequence[tuple[float, str]]) -> Any:
+    """The line of time with its events; the hand on it."""
+    ax.set_xlim(0.0, max(motion.end - motion.begin, 1e-300))
+    ax.set_ylim(-1.0, 1.0)
+    ax.axhline(0.0, color=GREY, linewidth=2.0, zorder=1)
+    ax.spines[:].set_visible(False)
+    ax.set_yticks([])
+    ax.tick_params(labelsize=8, color=INK, labelcolor=INK, width=0.7, length=3)
+    for number, name in enumerate(dict.fromkeys(name for _, name in events)):
+        at = [time - motion.begin for time, other in events if other == name]
+        ax.plot(
+            at,
+            np.zeros(len(at)),
+            linestyle="none",
+            marker="|",
+            markersize=11,
+            markeredgewidth=1.6,
+            color=PALETTE[number % len(PALETTE)],
+            zorder=2,
+            label=name,
+            gid=f"event-{name}",
+            clip_on=False,
+        )
+    (hand,) = ax.plot([0.0], [0.0], marker="o", markersize=8, color=INK, zorder=3, clip_on=False)
+    return hand
+
+
+def _said(time: float, events: Sequence[tuple[float, str]], linger: float) -> str:
+    """The event that has just happened."""
+    just = [name for at, name in events if 0.0 <= time - at <= linger]
+    return just[-1] if just else ""

@@ -1,0 +1,147 @@
+"""Moduli of multipliers over the free parameter: where, and how, an orbit loses its stability."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
+
+from contwalk.branch import ORBITS, Branch
+from contwalk.plotting.labels import Label, place_labels
+from contwalk.plotting.quantities import axis_label, default_x, values, with_names
+from contwalk.plotting.segments import position, runs
+from contwalk.plotting.special_points import marker
+from contwalk.plotting.spectrum import SHADE, choose, track
+from contwalk.plotting.style import INK, PALETTE, dark, dress, light, new_axes
+
+OTHER = "for equilibria use the figure `eigenvalues`"
+# What a multiplier can be, in the order of the palette.
+KINDS = ("positive", "negative", "complex pair")
+# Points at which a multiplier is on the unit circle.
+CROSSING = ("LP", "BP", "PD", "NS")
+LEAST = 1e-4  # modulus below which it does not matter how small
+PLAIN = 100.0  # ratio of the largest to the least up to which numbers are written out
+WHITE = 0.55  # share of white in the colour of what is not admissible
+
+
+def plot_multiplier_moduli(
+    branches: Sequence[Branch],
+    x: str | None = None,
+    ax: Axes | None = None,
+    *,
+    units: Mapping[str, str] | None = None,
+) -> Axes:
+    """Draw the moduli of multipliers over a parameter, on a logarithmic axis.
+
+    The colour tells positive and negative real multipliers and complex pairs apart, so that it tells a fold
+    or a branch point from a period doubling and a Neimark-Sacker point. The unstable side is shaded.
+
+    Parameters
+    ----------
+    branches : sequence of Branch
+        Branches of equilibria are left out: they have eigenvalues.
+    x : str, optional
+        What stands on the horizontal axis; the first free parameter by default.
+    ax : Axes, optional
+        Where to draw; new axes by default.
+    units : mapping, optional
+        Units by name, as from `units_of(system)`.
+
+    Raises
+    ------
+    ContwalkError
+        If no branch is one of orbits with a spectrum, or none has `x`.
+    """
+    chosen = choose(branches, ORBITS, "multipliers", OTHER)
+    x = x or default_x(chosen)
+    chosen = with_names(chosen, [x])
+    ax = ax or new_axes("multipliers")
+    dress(ax, axis_label(x, units), "modulus of multipliers")
+    ax.set_yscale("log")
+    drawn: set[tuple[int, bool]] = set()
+    curves, labels, largest, least = [], [], 1.0, 1.0
+    for branch in chosen:
+        across = np.asarray(values(branch, x))
+        loci = track(branch["spectrum"])
+        moduli = np.maximum(np.abs(loci), LEAST / 10.0)  # zero has no place on the axis
+        drawn |= _draw(ax, branch, across, loci, moduli)
+        finite = moduli[np.isfinite(moduli)]
+        largest, least = max(largest, finite.max(initial=0.0)), min(least, finite.min(initial=1.0))
+        curves += [np.stack([across, column], axis=1) for column in moduli.T]
+        for point in branch.special_points:
+            if point.label in CROSSING:
+                at = position(branch, across, point.index, point.s)
+                look = marker(point.label, PALETTE[-1], located=point.status == "located")
+                ax.plot([at], [1.0], gid=f"{branch.name}-{point.name}", **look)
+                name = point.name if len(chosen) == 1 else f"{branch.name}/{point.name}"
+                labels.append(Label(name, at, 1.0, dark(PALETTE[-1])))
+    ax.margins(x=0.04)
+    ax.autoscale_view(scaley=False)
+    _scale(ax, max(least, LEAST), largest)
+    ax.axhspan(1.0, 1e300, color=SHADE, linewidth=0, zorder=0)
+    ax.axhline(1.0, color=INK, linewidth=1.2, zorder=1, gid="unit-modulus")
+    _legend(ax, drawn)
+    place_labels(ax, labels, [*curves, np.array([[at, 1.0] for at in ax.get_xlim()])])
+    return ax
+
+
+def _scale(ax: Axes, least: float, largest: float) -> None:
+    """Limits with air in proportion, and plain numbers where they span little."""
+    air = max((largest / least) ** 0.06, 1.05)
+    ax.set_ylim(least / air, largest * air)
+    if largest < PLAIN * least:
+        wide = largest > 5.0 * least
+        ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)) if wide else MaxNLocator(6, steps=[1, 2, 5, 10]))
+        ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        ax.yaxis.set_minor_locator(NullLocator())
+
+
+def _draw(
+    ax: Axes, branch: Branch, across: np.ndarray, loci: np.ndarray, moduli: np.ndarray
+) -> set[tuple[int, bool]]:
+    """Draw the multipliers of one branch; which kinds there are, and whether admissible."""
+    kinds = np.where(loci.imag != 0.0, 2, np.where(loci.real < 0.0, 1, 0))
+    found = set()
+    for run in runs(branch):
+        rows = range(run.first, run.last + 1)
+        pieces: dict[int, list[np.ndarray]] = {}
+        for column in range(loci.shape[1]):
+            for a, b in pairwise(rows):
+                ends = np.array([[across[a], moduli[a, column]], [across[b], moduli[b, column]]])
+                signs = {int(kinds[a, column]), int(kinds[b, column])}
+                # A real multiplier that changes its sign passes zero, which no line can show.
+                if np.isfinite(ends).all() and signs != {0, 1}:
+                    pieces.setdefault(max(signs), []).append(ends)
+        for kind, segments in pieces.items():
+            color = PALETTE[kind] if run.admissible else light(PALETTE[kind], WHITE)
+            lines = LineCollection(segments, colors=color, linewidths=1.6, zorder=3, capstyle="round")
+            lines.set_gid(f"{branch.name}-{KINDS[kind]}")
+            ax.add_collection(lines)
+            found.add((kind, run.admissible))
+    return found
+
+
+def _legend(ax: Axes, drawn: set[tuple[int, bool]]) -> None:
+    handles = [
+        Line2D([], [], color=PALETTE[kind], linewidth=1.6, label=name)
+        for kind, name in enumerate(KINDS)
+        if any(each == kind for each, _ in drawn)
+    ]
+    if any(not admissible for _, admissible in drawn):
+        handles.append(Line2D([], [], color=light(INK, WHITE), linewidth=1.6, label="light: not admissible"))
+    ax.legend(
+        handles=handles,
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.01),
+        borderaxespad=0.0,
+        ncols=2,
+        frameon=False,
+        fontsize=8.5,
+        labelcolor=INK,
+        handlelength=1.6,
+    )

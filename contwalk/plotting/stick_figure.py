@@ -1,0 +1,220 @@
+"""The machine at several instants of a motion: in one picture where it gets somewhere, else side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from contwalk.plotting.machine import hide_cut, scenery
+from contwalk.plotting.playback import Playback
+from contwalk.plotting.slanted import tell
+from contwalk.plotting.style import INK, new_axes, new_grid, whole_title
+from contwalk.plotting.style import title as write_title
+from contwalk.system import System
+
+Events = Sequence[tuple[float, str]]
+
+# Instants of each arc between events, on average; of a motion without events.
+OF_AN_ARC, OF_A_MOTION = 4, 8
+# How light an instant is that is not one of events, and how thin both kinds are.
+SHADE, THIN, STRONG = 0.4, 0.5, 0.8
+AIR = 0.12  # beside the outermost instants, in heights of the picture
+# Inches: height of the picture, its least and greatest width, what text around it takes, and events above it.
+HEIGHT, NARROWEST, WIDEST, AROUND, ABOVE = 2.7, 5.6, 15.0, 0.85, 0.75
+COLUMNS = 4
+
+
+def plot_stick_figure(
+    system: System,
+    times: Sequence[float] | np.ndarray,
+    states: Sequence[Sequence[float]] | np.ndarray,
+    parameters: Mapping[str, float],
+    ax: Axes | None = None,
+    title: str | None = None,
+    *,
+    events: Events = (),
+) -> Axes:
+    """Draw a machine at several instants of a motion into one picture, each where the machine then is.
+
+    Instants are evenly spaced in time between events. Those of events, of the beginning and of the end are
+    strong, the others light.
+
+    Parameters
+    ----------
+    system : System
+        Its `draw` takes `so_far`, the motion until then, if the machine gets somewhere; else all instants lie
+        over one another, and `plot_stick_panels` is the better figure.
+    times, states : array of shape (k,), (k, n)
+        The motion; at an event, its instant twice, with the states on both sides.
+    parameters : mapping
+        Values by name; the system's defaults fill in what is not given.
+    ax : Axes, optional
+        Where to draw; new axes by default, whose figure is as long as the way is.
+    title : str, optional
+    events : sequence of (float, str)
+        Times and names of events, which are told beside their instants.
+
+    Raises
+    ------
+    ContwalkError
+        If the system has no `draw`, or what is given does not fit it.
+    PluginError
+        If `draw` raises.
+    """
+    motion = Playback(system, times, states, parameters)
+    own = ax is None
+    ax = ax or new_axes("stick_figure")
+    names = dict(events)
+    still: list[Artist] = []
+    limits, outlines, tops = [], [], {}
+    for time in instants(motion, events):
+        added = motion.draw(ax, time)
+        for artist in still:
+            artist.remove()
+        still = scenery(added)
+        machine = [artist for artist in added if artist not in still]
+        _shade(machine, time in names or time in (motion.begin, motion.end))
+        limits.append([*ax.get_xlim(), *ax.get_ylim()])
+        lines = [np.asarray(artist.get_xydata()) for artist in machine if isinstance(artist, Line2D)]
+        outlines += lines
+        if lines:
+            own_points = np.concatenate(lines)
+            tops[time] = own_points[np.argmax(own_points[:, 1])]
+    _frame(ax, np.array(limits), outlines)
+    if own:
+        _fit(ax, ABOVE if events else 0.0)
+    _legend(ax)
+    told = [(tops[time], f"{name}  {time - motion.begin:.3f} s") for time, name in events if time in tops]
+    reach = tell(ax, told)
+    if title and own:
+        whole_title(ax.figure, title)
+    elif title:
+        write_title(ax, title, above=reach)
+    hide_cut(ax, still)
+    return ax
+
+
+def plot_stick_panels(
+    system: System,
+    times: Sequence[float] | np.ndarray,
+    states: Sequence[Sequence[float]] | np.ndarray,
+    parameters: Mapping[str, float],
+    title: str | None = None,
+    *,
+    events: Events = (),
+) -> list[Axes]:
+    """Draw a machine at several instants of a motion side by side, in the order of time.
+
+    Parameters
+    ----------
+    system, times, states, parameters, title, events
+        As for `plot_stick_figure`.
+
+    Raises
+    ------
+    ContwalkError
+        If the system has no `draw`, or what is given does not fit it.
+    PluginError
+        If `draw` raises.
+    """
+    motion = Playback(system, times, states, parameters)
+    chosen = instants(motion, events)
+    if not len(events) and len(chosen) > 1 and np.allclose(motion.states[0], motion.states[-1]):
+        chosen = chosen[:-1]  # the motion is at its beginning again
+    axes = new_grid("stick_panels", len(chosen), COLUMNS)
+    names = dict(events)
+    for ax, time in zip(axes, chosen, strict=True):
+        motion.draw(ax, time)
+        ax.set_aspect("equal", adjustable="box")
+        name = f", {names[time]}" if time in names else ""
+        write_title(ax, f"{time - motion.begin:.4g} s{name}")
+    if title:
+        whole_title(axes[0].figure, title)
+    return axes
+
+
+def instants(motion: Playback, events: Events) -> list[float]:
+    """Times of the instants that are drawn: the ends, all events, and even steps between them."""
+    marks = np.unique([motion.begin, *(time for time, _ in events), motion.end])
+    lengths = np.diff(marks)
+    if not len(lengths):
+        return [motion.begin]
+    number = OF_AN_ARC * len(lengths) if len(events) else OF_A_MOTION
+    result = [motion.begin]
+    for start, end in pairwise(marks.tolist()):
+        steps = max(round(number * (end - start) / float(lengths.sum())), 1)
+        result += [start + (end - start) * k / steps for k in range(1, steps)]
+        result.append(end)
+    return result
+
+
+def _shade(artists: Sequence[Artist], strong: bool) -> None:
+    """What an instant adds: strong ones in front, the others light and thin."""
+    for artist in artists:
+        alpha = artist.get_alpha()
+        opaque = 1.0 if alpha is None else float(alpha)
+        if isinstance(artist, Line2D):
+            thin = STRONG if strong else THIN
+            artist.set_linewidth(thin * artist.get_linewidth())
+            artist.set_markersize(thin * artist.get_markersize())
+            artist.set_alpha(opaque if strong else SHADE * opaque)
+        else:  # areas, many of which lie over one another
+            artist.set_alpha((0.5 if strong else 0.15) * opaque)
+        if strong:
+            artist.set_zorder(artist.get_zorder() + 10)
+
+
+def _frame(ax: Axes, limits: np.ndarray, outlines: Sequence[np.ndarray]) -> None:
+    """Limits that show all instants: of those the plugin has set, what is not empty."""
+    left, low = limits[:, 0].min(), limits[:, 2].min()
+    right, high = limits[:, 1].max(), limits[:, 3].max()
+    if outlines:
+        points = np.concatenate(outlines)
+        points = points[np.isfinite(points).all(axis=1)]
+        air = AIR * (high - low)
+        left, right = max(left, points[:, 0].min() - air), min(right, points[:, 0].max() + air)
+        high = min(high, points[:, 1].max() + 0.3 * air)
+    ax.set_xlim(left, right)
+    ax.set_ylim(low, high)
+    ax.set_aspect("equal", adjustable="box")
+
+
+def _fit(ax: Axes, above: float) -> None:
+    """Make the figure as long as its axes need, with room above them."""
+    figure = ax.figure
+    assert isinstance(figure, Figure)
+    (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
+    aspect = (right - left) / (high - low)
+    width = min(max(HEIGHT * aspect, NARROWEST), WIDEST)
+    figure.set_size_inches(width, min(width / aspect, HEIGHT) + AROUND + above)
+
+
+def _legend(ax: Axes) -> None:
+    """The names that the plugin has given to what it draws, below the picture."""
+    handles, names = ax.get_legend_handles_labels()
+    first = {name: handle for handle, name in reversed(list(zip(handles, names, strict=True)))}
+    if first:
+        entries = [_entry(first[name], name) for name in sorted(first)]
+        ax.legend(
+            handles=entries,
+            loc="upper left",
+            bbox_to_anchor=(0.0, -0.01),
+            borderaxespad=0.0,
+            ncols=len(entries),
+            frameon=False,
+            fontsize=8.5,
+            labelcolor=INK,
+        )
+
+
+def _entry(artist: Artist, name: str) -> Artist:
+    """A line of the look of a drawn one, as strong as at an event."""
+    if not isinstance(artist, Line2D):
+        return artist
+    return Line2D([], [], color=artist.get_color(), linewidth=2.2, label=name)
