@@ -5,16 +5,18 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from os import PathLike
 from pathlib import Path
+from subprocess import CalledProcessError
 from typing import Any
 
 import matplotlib
 import numpy as np
 from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, HTMLWriter, PillowWriter
-from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from contwalk.errors import ContwalkError
 from contwalk.plotting.playback import Playback
@@ -26,7 +28,8 @@ MOST_FRAMES = 5000
 # Inches, and dots in an inch; 600 x 600 dots, even numbers as MP4 demands.
 SIZE, DPI = (6.0, 6.0), 100
 # Within the figure: the machine, and the line of time below it. Fixed, so that nothing jumps between frames.
-MACHINE, CLOCK = (0.01, 0.13, 0.98, 0.80), (0.06, 0.085, 0.88, 0.03)
+MACHINE, CLOCK = (0.01, 0.14, 0.98, 0.80), (0.06, 0.085, 0.88, 0.03)
+LOOKED_AT = 24  # instants, for limits that hold all of them
 # Times between frames of a GIF are whole hundredths of a second, and browsers play none below two.
 HUNDREDTHS, LEAST_HUNDREDTHS = 100.0, 2
 MOST_BYTES = 500  # megabytes of frames in a page of HTML
@@ -91,38 +94,124 @@ def save_animation(
     fps = played_fps(suffix, fps)
     number = frames_of(motion.end - motion.begin, fps, slow)
     instants = motion.begin + (motion.end - motion.begin) * np.arange(number) / number
-    figure = Figure(figsize=SIZE, dpi=DPI)
-    FigureCanvasAgg(figure)
-    stage, clock = figure.add_axes(MACHINE), figure.add_axes(CLOCK)
-    figure.text(0.02, 0.97, title, fontsize=10, color=INK, va="top")
-    hand = _draw_clock(clock, motion, events)
-    said = figure.text(0.98, 0.925, "", fontsize=10, color=INK, va="top", ha="right")
-    speed = "" if slow == 1.0 else f"  (1/{slow:g} of its speed)" if slow > 1.0 else f"  ({1 / slow:g} times its speed)"
+    film = _Film(motion, events, slow, title)
     partial = target.with_name(f".{target.stem}.partial{suffix}")
     try:
         with matplotlib.rc_context({"animation.embed_limit": MOST_BYTES}):
-            writer = _writer(suffix, fps)
-            with writer.saving(figure, str(partial), dpi=DPI):
-                for done, time in enumerate(instants.tolist(), start=1):
-                    stage.clear()
-                    motion.draw(stage, time)
-                    stage.set_aspect("equal", adjustable="datalim" if stage.get_autoscale_on() else "box")
-                    since = time - motion.begin
-                    hand.set_data([since], [0.0])
-                    said.set_text(_said(time, events, LINGER / slow))
-                    clock.set_xlabel(f"{since:.3f} s{speed}", fontsize=9, color=INK)
-                    writer.grab_frame()
-                    if progress is not None:
-                        progress(done, number)
+            _write(film, _writer(suffix, fps), partial, instants, progress)
         os.replace(partial, target)
     except OSError as error:
         raise ContwalkError(
             f"The animation cannot be written to {target}: {error.strerror or error}.",
             "Name a file in an existing folder that you may write to.",
         ) from error
+    except CalledProcessError as error:
+        said = (error.stderr or error.output or b"").decode(errors="replace").strip().splitlines()
+        raise ContwalkError(
+            f"ffmpeg could not write {target}: {said[-1] if said else error}.", "Name a .gif or .html file."
+        ) from error
     finally:
         partial.unlink(missing_ok=True)
     return number
+
+
+def _write(
+    film: _Film,
+    writer: AbstractMovieWriter,
+    path: Path,
+    instants: np.ndarray,
+    progress: Callable[[int, int], None] | None,
+) -> None:
+    """Write all frames."""
+    writer.setup(film.figure, str(path), DPI)
+    try:
+        for done, time in enumerate(instants.tolist(), start=1):
+            film.show(time)
+            writer.grab_frame()
+            if progress is not None:
+                progress(done, len(instants))
+    except BaseException:
+        with suppress(IndexError):  # of a writer that has seen no frame
+            writer.finish()
+        raise
+    writer.finish()
+
+
+class _Film:
+    """A figure that shows one instant of a motion after another."""
+
+    def __init__(
+        self, motion: Playback, events: Sequence[tuple[float, str]], slow: float, title: str
+    ) -> None:
+        self.motion, self.events = motion, tuple(events)
+        self.figure = Figure(figsize=SIZE, dpi=DPI)
+        FigureCanvasAgg(self.figure)
+        self.stage, clock = self.figure.add_axes(MACHINE), self.figure.add_axes(CLOCK)
+        self.figure.text(0.02, 0.975, title, fontsize=10, color=INK, va="top")
+        self.said = self.figure.text(0.98, 0.925, "", fontsize=11, va="top", ha="right", weight="bold")
+        self.linger = LINGER / slow
+        if slow != 1.0:
+            speed = f"1/{slow:g} of its speed" if slow > 1.0 else f"{1.0 / slow:g} times its speed"
+            self.figure.text(0.02, 0.925, speed, fontsize=9, color=GREY, va="top")
+        names = dict.fromkeys(name for _, name in self.events)
+        self.colors = {name: PALETTE[number % len(PALETTE)] for number, name in enumerate(names)}
+        self.clock = clock
+        self.hand = self._draw_clock()
+        self.limits = self._limits()
+
+    def show(self, time: float) -> None:
+        """Draw an instant."""
+        self._draw(time)
+        if self.limits is not None:
+            self.stage.set(xlim=self.limits[:2], ylim=self.limits[2:])
+        self.stage.set_aspect("equal", adjustable="box")
+        since = time - self.motion.begin
+        self.hand.set_data([since], [0.0])
+        self.clock.set_xlabel(f"time  {since:.3f} s", fontsize=9, color=INK)
+        just = [name for at, name in self.events if 0.0 <= time - at <= self.linger]
+        self.said.set(text=just[-1] if just else "", color=self.colors[just[-1]] if just else INK)
+
+    def _draw(self, time: float) -> None:
+        self.stage.clear()
+        self.motion.draw(self.stage, time)
+
+    def _limits(self) -> np.ndarray | None:
+        """Limits that hold all instants; None where the plugin sets its own."""
+        found = []
+        for time in np.linspace(self.motion.begin, self.motion.end, LOOKED_AT).tolist():
+            self._draw(time)
+            if not self.stage.get_autoscale_on():
+                return None
+            found.append([*self.stage.get_xlim(), *self.stage.get_ylim()])
+        least, largest = np.min(found, axis=0), np.max(found, axis=0)
+        return np.array([least[0], largest[1], least[2], largest[3]])
+
+    def _draw_clock(self) -> Line2D:
+        """The line of time with its events; the hand on it."""
+        ax, begin = self.clock, self.motion.begin
+        ax.set_xlim(0.0, max(self.motion.end - begin, 1e-300))
+        ax.set_ylim(-1.0, 1.0)
+        ax.axhline(0.0, color=GREY, linewidth=2.0, zorder=1)
+        ax.spines[:].set_visible(False)
+        ax.set_yticks([])
+        ax.tick_params(labelsize=8, color=INK, labelcolor=INK, width=0.7, length=3)
+        for name, color in self.colors.items():
+            at = [time - begin for time, other in self.events if other == name]
+            look: dict[str, Any] = {"linestyle": "none", "marker": "|", "markersize": 11, "color": color}
+            ax.plot(at, np.zeros(len(at)), markeredgewidth=1.8, label=name, clip_on=False, zorder=2, **look)
+        if self.colors:
+            ax.legend(
+                loc="lower right",
+                bbox_to_anchor=(1.0, 1.0),
+                borderaxespad=0.0,
+                ncols=len(self.colors),
+                frameon=False,
+                fontsize=8.5,
+                labelcolor=INK,
+                handletextpad=0.1,
+            )
+        (hand,) = ax.plot([0.0], [0.0], marker="o", markersize=8, color=INK, zorder=3, clip_on=False)
+        return hand
 
 
 def checked_suffix(path: Path) -> str:
@@ -172,42 +261,9 @@ def frames_of(duration: float, fps: float, slow: float) -> int:
 
 
 def _writer(suffix: str, fps: float) -> AbstractMovieWriter:
-    """What writes a format. Equal animations are equal files: identifiers are not drawn by lot."""
+    """What writes a format."""
     if suffix == ".gif":
-        return PillowWriter(fps=fps)
+        return PillowWriter(fps=fps * (1.0 - 1e-9))  # it cuts off what its durations have of a fraction
     if suffix == ".mp4":
         return FFMpegWriter(fps=fps, codec="h264", extra_args=["-pix_fmt", "yuv420p"])
     return HTMLWriter(fps=fps, embed_frames=True, default_mode="loop")
-
-
-def _draw_clock(ax: Axes, motion: Playback, events: Sequence[tuple[float, str]]) -> Any:
-    """The line of time with its events; the hand on it."""
-    ax.set_xlim(0.0, max(motion.end - motion.begin, 1e-300))
-    ax.set_ylim(-1.0, 1.0)
-    ax.axhline(0.0, color=GREY, linewidth=2.0, zorder=1)
-    ax.spines[:].set_visible(False)
-    ax.set_yticks([])
-    ax.tick_params(labelsize=8, color=INK, labelcolor=INK, width=0.7, length=3)
-    for number, name in enumerate(dict.fromkeys(name for _, name in events)):
-        at = [time - motion.begin for time, other in events if other == name]
-        ax.plot(
-            at,
-            np.zeros(len(at)),
-            linestyle="none",
-            marker="|",
-            markersize=11,
-            markeredgewidth=1.6,
-            color=PALETTE[number % len(PALETTE)],
-            zorder=2,
-            label=name,
-            gid=f"event-{name}",
-            clip_on=False,
-        )
-    (hand,) = ax.plot([0.0], [0.0], marker="o", markersize=8, color=INK, zorder=3, clip_on=False)
-    return hand
-
-
-def _said(time: float, events: Sequence[tuple[float, str]], linger: float) -> str:
-    """The event that has just happened."""
-    just = [name for at, name in events if 0.0 <= time - at <= linger]
-    return just[-1] if just else ""

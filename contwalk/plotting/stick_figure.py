@@ -129,11 +129,19 @@ def plot_stick_panels(
         chosen = chosen[:-1]  # the motion is at its beginning again
     axes = new_grid("stick_panels", len(chosen), COLUMNS)
     names = dict(events)
+    free: list[Axes] = []
     for ax, time in zip(axes, chosen, strict=True):
         motion.draw(ax, time)
         ax.set_aspect("equal", adjustable="box")
+        if ax.get_autoscale_on():
+            free.append(ax)
         name = f", {names[time]}" if time in names else ""
         write_title(ax, f"{time - motion.begin:.4g} s{name}")
+    if free:  # the plugin leaves the limits open: the same for all instants
+        box = np.array([[*ax.get_xlim(), *ax.get_ylim()] for ax in free])
+        for ax in free:
+            ax.set_xlim(box[:, 0].min(), box[:, 1].max())
+            ax.set_ylim(box[:, 2].min(), box[:, 3].max())
     if title:
         whole_title(axes[0].figure, title)
     return axes

@@ -21,6 +21,7 @@ STANDING, SWINGING = ("#1f4e79", "leg 1, standing"), ("#c0392b", "leg 2, swingin
 FIRST, SECOND = (STANDING[0], "leg that stands first"), (SWINGING[0], "the other leg")
 EARTH, SURFACE, JOINT = "#e3e6e8", "#5b6770", "white"
 SCENERY = "scenery"  # gid of what is there once, however many instants are drawn
+REACH = 1.5  # how far the slope goes on beyond the hip, in sizes of the walker
 SOLE = 1.0  # half the angle of the sole at the centre of the foot, rad
 
 
@@ -70,22 +71,22 @@ def _upright(points: Any, alpha: float) -> tuple[Any, Any]:
 
 def _draw_ground(axes: Any, size: float, alpha: float, first: float, last: float) -> None:
     """The slope as far as it has been walked on, with a peg at each round distance."""
-    low, high = first - 3.0 * size, last + 3.0 * size
+    low, high = first - REACH * size, last + REACH * size
     x, y = _upright([(low, 0.0), (high, 0.0)], alpha)
     axes.fill_between(x, y, y - 0.06 * size, color=EARTH, linewidth=0.0, zorder=0, gid=SCENERY)
     axes.plot(x, y, color=SURFACE, linewidth=1.4, zorder=1, gid=SCENERY)
-    distance = _round(0.14 * size)
+    distance, half = _round(0.14 * size), 0.006 * size
+    comb = []
     for number in range(math.ceil(low / distance), math.floor(high / distance) + 1):
-        place, half, told = number * distance, 0.006 * size, number % 5 == 0
+        place, told = number * distance, number % 5 == 0
         depth = (0.06 if told else 0.03) * size
-        corners = [(-half, 0.0), (half, 0.0), (half, -depth), (-half, -depth)]
-        peg = [(place + along, away) for along, away in corners]
-        axes.fill(*_upright(peg, alpha), color=SURFACE, linewidth=0.0, zorder=1, gid=SCENERY)
+        comb += [(place - half, 0.0), (place - half, -depth), (place + half, -depth), (place + half, 0.0)]
         if told:
             across, up = _upright((place, -0.09 * size), alpha)
             text = axes.text(across, up, f"{place:g} m", gid=SCENERY, clip_on=True, zorder=1)
             text.set(ha="center", va="top", color=SURFACE, fontsize=8, rotation=-math.degrees(alpha))
             text.set_in_layout(False)
+    axes.fill(*_upright(comb, alpha), color=SURFACE, linewidth=0.0, zorder=1, gid=SCENERY)
 
 
 def _round(length: float) -> float:

@@ -1,0 +1,168 @@
+"""Time of one whole step of a walker with the derivative of the map, at the accuracy reached.
+
+    python benchmarks/hybrid_step.py [--repeats 7] [--ways contwalk]
+
+The walker of `systems/planar_walker` goes through two modes, of 6 and of 4 states: from right after a heel
+strike over the knee strike to right after the next heel strike. Both events are located, the resets applied, and
+deviations carried through by their saltation matrices. SciPy's `solve_ivp` integrates the same machine code of
+field and Jacobian, with the same compiled guards as events.
+
+Each way runs at many tolerances. For each the error that is *reached* is measured (time, state and matrix), and the
+CPU time at an error of 1e-6, 1e-9 and 1e-12 is interpolated between them. All runs take turns, so that a busy
+machine slows all of them; medians. The reference is computed by another method, step by step, at 1e-14.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+import platform
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from orbit_and_monodromy import LEAST_SECONDS, TARGETS, Run, seconds_at
+
+from contwalk.flow.hybrid import HybridMachine, applied, hybrid_machine
+from contwalk.flow.hybrid_map import StepMap
+from contwalk.flow.saltation import saltation
+from contwalk.system import load_system
+
+Result = tuple[float, np.ndarray, np.ndarray]
+TOLERANCES = [10.0 ** (-k / 2) for k in range(5, 28)]
+BEFORE = np.array([-0.5196, 0.1528388, 0.0, 0.0, -1.933, -2.037, 0.0])
+WEIGHTS = np.array([0.5, 0.5, 1.0, 1.0, 2.0, 4.0, 10.0])
+FIRST, SECOND = ("three_link", "knee_strike"), ("two_link", "heel_strike")
+
+
+@dataclass(frozen=True, eq=False)
+class Way:
+    """A way to compute a step: `prepare(tolerance)` gives a function of no argument; `exact` is the answer."""
+
+    name: str
+    prepare: Callable[[float], Callable[[], Result]]
+    exact: Result
+    tolerances: list[float]
+
+    def error(self, found: Result) -> float:
+        """The largest of the errors of time, states in units of their weights, and matrix."""
+        t, x, matrix = (np.asarray(part) - exact for part, exact in zip(found, self.exact, strict=True))
+        size = np.abs(self.exact[2]).max()
+        return float(max(abs(t), np.abs(x / WEIGHTS).max(), np.abs(matrix).max() / size))
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--repeats", type=int, default=7)
+    parser.add_argument("--ways", nargs="*", default=[""], help="parts of the names; all by default")
+    given = parser.parse_args()
+    print(f"python {platform.python_version()}, numpy {np.__version__}, {os.cpu_count()} cores, CPU seconds")
+    chosen = [way for way in ways() if any(part in way.name for part in given.ways)]
+    measured = [[_run(way, tolerance) for tolerance in way.tolerances] for way in chosen]
+    for _ in range(given.repeats):
+        for run in (run for runs in measured for run in runs):
+            begin = time.process_time()
+            for _ in range(run.calls):
+                run.call()
+            run.seconds.append((time.process_time() - begin) / run.calls)
+    targets = "".join(f"{f'at {target:.0e}':>22}" for target in TARGETS)
+    print(f"{'microseconds, and ratio to the first line':44}{targets}{'best reached':>15}")
+    base = [seconds_at(measured[0], target) for target in TARGETS]
+    for way, runs in zip(chosen, measured, strict=True):
+        cells = ""
+        for target, unit in zip(TARGETS, base, strict=True):
+            seconds = seconds_at(runs, target)
+            ratio = f"({seconds / unit:.2f})" if seconds and unit else ""
+            cells += f"{f'{1e6 * seconds:.0f} {ratio:>9}' if seconds else '-':>22}"
+        print(f"{way.name:44}{cells}{min(run.error for run in runs):>15.0e}")
+
+
+def _run(way: Way, tolerance: float) -> Run:
+    call = way.prepare(tolerance)
+    error = way.error(call())
+    begin = time.process_time()
+    call()
+    calls = max(1, math.ceil(LEAST_SECONDS / max(time.process_time() - begin, 1e-6)))
+    return Run(tolerance, call, error if math.isfinite(error) else math.inf, calls, [])
+
+
+def ways() -> list[Way]:
+    """All of them, the compiled one first."""
+    system = load_system("planar_walker")
+    walker = hybrid_machine(system, system.defaults() | {"alpha": 0.09})
+    after = applied(walker, "heel_strike", 0.0, BEFORE)
+    whole = {"mode": "three_link", "events": 2, "just_after": "heel_strike"}
+    short = {"mode": "two_link", "events": 3, "at": "heel_strike"}
+    exact = _exact(walker, after, **whole)
+    fine, coarse = TOLERANCES, [t for t in TOLERANCES if t >= 1e-13]
+
+    def mapped(x: np.ndarray, method: str, **which: object) -> Callable[[float], Callable[[], Result]]:
+        step = StepMap(walker, weights=WEIGHTS, method=method, **which)
+        return lambda tolerance: lambda: step(0.0, x, tolerance)
+
+    return [
+        Way("contwalk, 6 columns", mapped(after, "dop853", **whole), exact, fine),
+        Way(
+            "contwalk, 4 columns, from before the strike",
+            mapped(BEFORE, "dop853", **short),
+            _exact(walker, BEFORE, **short),
+            fine,
+        ),
+        Way("contwalk verner98, arc by arc", mapped(after, "verner98", **whole), exact, fine),
+        Way("scipy DOP853", lambda tolerance: _scipy(walker, after, tolerance), exact, coarse),
+    ]
+
+
+def _exact(walker: HybridMachine, x: np.ndarray, **which: object) -> Result:
+    return StepMap(walker, weights=WEIGHTS, method="verner98", **which)(0.0, x, 1e-14)
+
+
+def _scipy(walker: HybridMachine, x: np.ndarray, tolerance: float) -> Callable[[], Result]:
+    """States and deviations by `solve_ivp`, with the compiled field, Jacobian and guards."""
+    from scipy.integrate import solve_ivp
+
+    def arc(t: float, x: np.ndarray, columns: np.ndarray, mode: str, name: str) -> Result:
+        flow = walker.mode(mode)
+        n, c = len(flow.states), flow.c
+        guard = flow.guards[[transition.name for transition in flow.transitions].index(name)]
+
+        def rates(t: float, y: np.ndarray) -> np.ndarray:
+            field = flow.field(t, y[:n], c)
+            return np.concatenate([field, (flow.field.jacobian(t, y[:n], c) @ y[n:].reshape(n, -1)).ravel()])
+
+        def event(t: float, y: np.ndarray) -> float:
+            # After the last transition a guard may be zero; it counts again when it has been left.
+            return 1.0 if t == start else guard(t, y[:n], flow.p)[0]
+
+        event.terminal, event.direction = True, guard.direction
+        start, own = t, x[flow.states]
+        found = solve_ivp(
+            rates,
+            (t, t + 5.0),
+            np.concatenate([own, columns.ravel()]),
+            method="DOP853",
+            events=event,
+            rtol=tolerance,
+            atol=tolerance * np.concatenate([WEIGHTS[flow.states], np.ones(columns.size)]),
+        )
+        t, y = float(found.t_events[0][0]), found.y_events[0][0]
+        before = walker.full(mode, y[:n])
+        columns = saltation(walker, name, t, before)[0] @ y[n:].reshape(n, -1)
+        return t, applied(walker, name, t, before), columns
+
+    def step() -> Result:
+        t, state, columns = arc(0.0, x, np.eye(6), *FIRST)
+        t, state, columns = arc(t, state, columns, *SECOND)
+        matrix = np.zeros((7, 7))
+        states = walker.mode("three_link").states
+        matrix[np.ix_(states, states)] = columns
+        return t, state, matrix
+
+    return step
+
+
+if __name__ == "__main__":
+    main()
