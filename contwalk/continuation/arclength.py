@@ -58,8 +58,9 @@ def walk(
             outcome = step
             break
         for place, found in _on_the_way(step, here, sign):
-            yield Point(place, found_record(problem, found, place.s, sign))
-            number += 1
+            if found.label != limits.SOFT:
+                yield Point(place, found_record(problem, found, place.s, sign))
+                number += 1
             if outcome := _stop(problem, found, settings, observer, sign):
                 place = replace(place, sample=replace(place.sample, unstable=found.after))
                 yield End(outcome, end_record(problem, place, outcome, sign))
@@ -112,6 +113,8 @@ def _stop(
     """The end of the branch: at a limit, where it meets its parent, or where a mark has a value of
     `stop_at`.
     """
+    if found.label == limits.SOFT:
+        return outcomes.softly(problem.limits[int(found.located.vectors["limit"])].name)
     if found.kind != "unlocated" and found.label in limits.LABELS:
         asked = limits.policy(problem, found.located, settings.events)
         if asked == "ignore":

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint
+from contwalk.continuation import outcomes
 from contwalk.continuation.arclength import End, Point, walk
 from contwalk.continuation.here import Here, begin, turned
 from contwalk.continuation.marks import Observer, marks_at, observer_of
@@ -223,6 +224,8 @@ class Diagram:
         """Whether the branches that leave a point are wanted."""
         if point.label in ("GR", "OC"):
             return self._plan.settings.events.get(point.label) == "switch"
+        if point.label == "EP":
+            return outcomes.JOINS in (point.note or "")
         return point.label in self._plan.follow
 
     def _grown(self, start: Start, problem: Problem, branch: Branch) -> Iterator[Start]:

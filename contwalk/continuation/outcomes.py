@@ -30,6 +30,7 @@ def stop_at(what: str) -> Outcome:
 
 
 _TO_GO_ON = "To go on"
+JOINS = "joins the signature or leaves it there"
 
 
 def limit(label: str, kind: str | None, asked: str, words: str) -> Outcome:
@@ -42,6 +43,15 @@ def limit(label: str, kind: str | None, asked: str, words: str) -> Outcome:
     ways = [] if kind == "terminal" else [f"past it with --set events.{label}=ignore"]
     ways += [] if label == "AZ" else [f"to orbits of another signature with --set events.{label}=switch"]
     return Outcome("stopped", reason, f"{words} {_TO_GO_ON} {', or '.join(ways)}.")
+
+
+def softly(name: str) -> Outcome:
+    """A soft transition joins the orbit's word, or leaves it."""
+    return Outcome(
+        "complete",
+        "order_change",
+        f"The soft transition '{name}' {JOINS}: the orbit goes on as another branch.",
+    )
 
 
 def max_points(number: int) -> Outcome:

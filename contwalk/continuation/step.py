@@ -257,7 +257,7 @@ def _with_counts(found: list[Found], count: int) -> list[Found]:
     """Marks take their unstable counts from the bifurcations before them, or at the same place."""
     result = []
     for point in found:
-        uncounted = point.label in ("UZ", *limits.LABELS)
+        uncounted = point.label in ("UZ", limits.SOFT, *limits.LABELS)
         result.append(replace(point, before=count, after=count) if uncounted else point)
         count = result[-1].after
     return result

@@ -69,6 +69,7 @@ def lap_from(
     at: str | None = None,
     until: float | str | None = "settled",
     time: float = 0.0,
+    after: str | None = None,
 ) -> Lap:
     """One lap of the orbit that a motion leads to.
 
@@ -78,6 +79,8 @@ def lap_from(
         In which the motion begins, the first one by default.
     at : str, optional
         The state is the one right before this transition.
+    after : str, optional
+        The state is the one right after this transition.
     until : float, "settled" or None
         Seconds to simulate before looking for a return; `settled` waits until returns agree closely; None
         takes the first that comes near: the state is on an orbit, perhaps an unstable one.
@@ -91,11 +94,11 @@ def lap_from(
     mode = mode or system.modes[0].name
     x = np.array(state, dtype=float)
     if at is not None:
-        x, mode = applied(machine, at, time, x), machine.transition(at).target
+        x, mode, after = applied(machine, at, time, x), machine.transition(at).target, at
     search = _Search(system, parameters, None if until == 0 else until)
-    if at is not None:
-        search.begins_at(at)
-    for arc in _motion(machine, time, x, mode, at, search):
+    if after is not None:
+        search.first = False  # the first arc is a whole leg
+    for arc in _motion(machine, time, x, mode, after, search):
         lap = search.add(arc)
         if lap is not None:
             return lap
@@ -148,10 +151,6 @@ class _Search:
         self.first = True
         self.ended: Arc | None = None
         self.last_state: tuple[float, np.ndarray, str] | None = None
-
-    def begins_at(self, transition: str) -> None:
-        """The motion begins right after an event."""
-        self.first = False
 
     def weights(self, x: np.ndarray) -> np.ndarray:
         """Typical magnitudes as far as they are known."""

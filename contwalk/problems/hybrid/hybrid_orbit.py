@@ -13,7 +13,7 @@ import numpy as np
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.errors import called
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.hybrid import limits, neighbours, observing, switching
+from contwalk.problems.hybrid import beyond, limits, neighbours, observing, switching
 from contwalk.problems.hybrid.layout import Layout
 from contwalk.problems.hybrid.limits import Limit
 from contwalk.problems.hybrid.passage import Passage, passage_of
@@ -772,7 +772,7 @@ class HybridOrbit:
 
     def locate(self, label: str, sample: Sample, which: int) -> Located | None:
         """The special point near a sample, by its defining system."""
-        if label in limits.LABELS:
+        if label in (*limits.LABELS, limits.SOFT):
             return limits.located(self, which, sample)
         return augmented.located(self, label, sample, which)
 
@@ -829,6 +829,8 @@ class HybridOrbit:
         """The branches that leave a special point."""
         if point.label in ("GR", "OC"):
             return self.neighbours(point)[0]
+        if point.label == "EP":
+            return beyond.seeds(self, point)[0]
         return switching.seeds(self, point)
 
     def neighbours(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:

@@ -8,6 +8,9 @@
 | `start`, `end` | a guard that is not the leg's own, at its ends | OC, of a watched one AZ |
 | `condition` | a declared condition at an event | AZ |
 
+The same tests of a soft transition are no special points: the field switches continuously there. The word
+changes all the same, and the orbit goes on as another branch.
+
 A grazing is `terminal` where the guard is the one that ends the leg: the leg then ends earlier. All guards
 have the sign with which they are positive on an admissible orbit. Every limit that passes zero is a special
 point like any other: a solution of the orbit's equations together with one or two more, exact derivatives
@@ -35,6 +38,8 @@ if TYPE_CHECKING:
     from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 
 LABELS = ("GR", "OC", "AZ")
+# A soft transition that joins the word, or leaves it: no special point, but another word from there on.
+SOFT = "soft"
 # A minimum is looked at if a sample beside it is below so many times the least one found before.
 DEEPER = 4.0
 # Parts of a guard's largest value: zero to rounding; below zero beyond doubt.
@@ -103,6 +108,8 @@ def limits_of(problem: HybridOrbit) -> tuple[Limit, ...]:
         own = leg.transition
         for other in problem.system.leaving(leg.mode):
             if other.role == "soft":
+                if other != own:
+                    found.append(Limit(SOFT, None, other.name, i, "dip"))
                 continue
             acts = other.role != "watched"
             found.append(Limit("GR", "terminal" if other == own else "interior", other.name, i, "dip", acts))
@@ -114,7 +121,9 @@ def limits_of(problem: HybridOrbit) -> tuple[Limit, ...]:
             continue
         if own.role == "hard":
             found.append(Limit("GR", "terminal", own.name, i, "rate"))
-        found.append(Limit("OC", "crossing", own.name, i, "duration"))
+            found.append(Limit("OC", "crossing", own.name, i, "duration"))
+        else:
+            found.append(Limit(SOFT, None, own.name, i, "duration"))
         for condition in problem.system.conditions:
             if condition.at == own.name:
                 found.append(Limit("AZ", condition.name, condition.name, i, "condition", False))

@@ -19,7 +19,7 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import ContwalkError, NotFinite
-from contwalk.problems.hybrid import limits
+from contwalk.problems.hybrid import beyond, limits
 from contwalk.problems.hybrid.following import follows
 from contwalk.problems.hybrid.solving import newton_on
 from contwalk.problems.hybrid.switching import discretized
@@ -62,7 +62,8 @@ def found(problem: HybridOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], st
         words = " ".join(neighbour.problem.word.signature) or "no events"
         seed = _seed(neighbour, point.label, words)
     except _None as reason:
-        return (), f"No neighbour to switch to: {reason}"
+        simulated, told = beyond.seeds(problem, point)
+        return simulated, f"No orbit of another signature passes there: {reason} {told}"
     except (NotFinite, np.linalg.LinAlgError) as error:
         return (), f"No neighbour to switch to: its equations have no solution there ({error})."
     return (seed,), f"The orbits with signature [{words}] leave there: a branch of their own."

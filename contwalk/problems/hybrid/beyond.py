@@ -1,0 +1,93 @@
+"""What the machine does a little beyond a limit: simulated, and its word read off.
+
+Where no orbit of another word passes through the limit itself, or a soft transition joins or leaves the
+word, the motion beyond still tells how the orbit goes on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+from contwalk.errors import ContwalkError
+from contwalk.problems.hybrid import limits
+from contwalk.problems.hybrid.solving import newton_on
+from contwalk.problems.hybrid.switching import discretized
+from contwalk.problems.linear import kernel_direction
+from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
+from contwalk.problems.problem import Seed
+
+if TYPE_CHECKING:
+    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
+
+# How far beyond, in the metric.
+STEPS = (1e-3, 1e-2, 1e-4)
+
+
+def seeds(problem: HybridOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
+    """The orbit of another word a little beyond a point, and in words what was found, or seen instead."""
+    z, tangent = np.array(point.unknowns), np.array(point.tangent)
+    outward = tangent if point.s >= 0.0 else -tangent
+    there = discretized(problem, z)
+    weights = filled_magnitudes(there, z)
+    told: list[str] = []
+    for step in STEPS:
+        guess = z + step * outward / float(np.linalg.norm(outward / weights))
+        try:
+            seed = _simulated(there, guess, outward, point.label)
+        except (ContwalkError, np.linalg.LinAlgError) as error:
+            told.append(str(error).split(". ")[0].rstrip("."))
+            continue
+        words = " ".join(seed.problem.word.signature) or "no events"  # type: ignore[attr-defined]
+        return (seed,), f"A little beyond, the motion has the signature [{words}]: a branch of its own."
+    return (), f"Beyond it: {'; '.join(dict.fromkeys(told))}."
+
+
+def _simulated(problem: HybridOrbit, guess: np.ndarray, outward: np.ndarray, label: str) -> Seed:
+    """The orbit that a simulation from a guess goes round in.
+
+    Raises
+    ------
+    ContwalkError
+        If it does not come back, or its orbit is not the machine's.
+    """
+    from contwalk.problems.hybrid.beginning import lap_from, orbit_of
+
+    values = problem.values_of(guess)
+    x = problem.passages[0].full(problem.layout.inputs(0, guess)[0])
+    legs = problem.word.legs
+    lap = lap_from(
+        problem.system,
+        values,
+        x,
+        legs[0].mode,
+        until=None,
+        time=float(problem.starting_times(guess)[0]),
+        after=legs[-1].name or None,
+    )
+    if lap.word == problem.word:
+        raise ContwalkError("the motion has the same signature still")
+    at = None if problem.path is None else float(guess[-1])
+    rough, start = orbit_of(
+        problem.system, values, problem.free, lap, problem.path, at, problem.discretization
+    )
+    weights = filled_magnitudes(rough, start)
+    normal = np.zeros(len(start))
+    normal[-1] = 1.0 / weights[-1]
+    start = newton_on(rough, start, weights, normal)
+    there = discretized(rough, start)
+    start = newton_on(there, start, weights, normal)
+    margins = limits.margins(there, start)
+    lost = [
+        o.name for o, r in zip(margins.limits, margins.relative, strict=True) if r < -limits.ZERO and o.acts
+    ]
+    if lost:
+        raise ContwalkError(f"the orbit that a simulation leads to violates '{lost[0]}'")
+    weights = filled_magnitudes(there, start)
+    tangent = kernel_direction(there.linearize(start).jacobian, weights)
+    tangent = tangent * (np.sign(tangent[-1]) * np.sign(outward[-1]) or 1.0)
+    walking = there.adapted_to(start, weights)
+    return Seed(label, start, tangent, amplitude(tangent), walking, one_sided=True)
