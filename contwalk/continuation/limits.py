@@ -43,19 +43,21 @@ def passed(segment: Segment) -> list[Found]:
         point = _located(segment, which, first, last)
         if point is not None:
             found.append(point)
-    found.sort(key=lambda f: f.theta)
     kept: list[Found] = []
-    for point in found:
-        limit = problem.limits[int(point.located.vectors["limit"])]
-        twins = [
-            f
-            for f in kept
-            if abs(f.theta - point.theta) < SAME_PLACE
-            and problem.limits[int(f.located.vectors["limit"])].name == limit.name
-        ]
-        if not twins:
+    for point in sorted(found, key=lambda f: problem.limits[int(f.located.vectors["limit"])].rank):
+        if not any(_told(problem, f, point) for f in kept):
             kept.append(point)
-    return kept
+    return sorted(kept, key=lambda f: f.theta)
+
+
+def _told(problem: Problem, one: Found, other: Found) -> bool:
+    """Whether two limits at the same place are one: of the same name, or of two events that happen
+    at once.
+    """
+    if abs(one.theta - other.theta) >= SAME_PLACE:
+        return False
+    a, b = (problem.limits[int(f.located.vectors["limit"])] for f in (one, other))
+    return a.name == b.name or a.label == b.label == "OC"
 
 
 def _located(segment: Segment, which: int, first: float, last: float) -> Found | None:

@@ -19,7 +19,7 @@ def to_row(info: BranchInfo, problem: Problem, here: Here, sign: float, special:
     eigenvalues[: len(sample.eigenvalues)] = sample.eigenvalues
     row["s"] = here.s
     row["free"] = sample.parameter
-    row["state"] = problem.reported(sample.z)
+    row["state"] = problem.reported(sample.z) if sample.reported is None else sample.reported
     row["observables"] = sample.observables
     row["period"] = sample.period
     row["trivial_error"] = sample.trivial_error

@@ -112,6 +112,8 @@ class Sample:
         Estimated error of z in the metric, from the errors of the equations.
     margins : ndarray
         What must stay positive for the motion to be the machine's, relative; those of `Problem.limits`.
+    reported : ndarray, shape (n,), optional
+        The state that stands for the solution, where it depends on the steps it was computed on.
     period, trivial_error : float
         Of orbits: duration of the closure in seconds, and |M f - f| / |f|.
     """
@@ -138,6 +140,7 @@ class Sample:
     sizes: np.ndarray | None = None
     error: float = float("nan")
     margins: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    reported: np.ndarray | None = None
 
     @property
     def parameter(self) -> float:
@@ -202,13 +205,18 @@ class Limit(Protocol):
     """Something that must stay positive along a branch for its solutions to be what the machine does.
 
     `label` and `kind` are those of the special point where it passes zero; `name` says what it is; `acts`
-    whether something happens there.
+    whether something happens there. Of two that pass zero at once for one reason, the lower `rank` tells it.
     """
 
     label: str
     kind: str | None
     name: str
     acts: bool
+
+    @property
+    def rank(self) -> int:
+        """Which of several that tell the same is told."""
+        ...
 
 
 class Problem(Protocol):

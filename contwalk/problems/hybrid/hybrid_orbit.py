@@ -659,6 +659,7 @@ class HybridOrbit:
             period=self.duration(z),
             trivial_error=trivial,
             margins=margins.relative if margins is not None else known.margins,  # type: ignore[union-attr]
+            reported=self.reported(z) if known is None else known.reported,
         )
 
     def observables(self, z: np.ndarray, found: Multipliers) -> np.ndarray:

@@ -57,6 +57,11 @@ class Limit:
     test: str
     acts: bool = True
 
+    @property
+    def rank(self) -> int:
+        """A duration that vanishes tells more than a guard that is zero at the leg's end."""
+        return {"duration": 0, "rate": 0, "start": 2, "end": 2}.get(self.test, 1)
+
 
 @dataclass(frozen=True, eq=False)
 class Margins:
@@ -325,7 +330,7 @@ def place_of(problem: HybridOrbit, limit: Limit, located: Located) -> str:
     before = problem.word.legs[limit.leg - 1].name or "the start of the period"
     seconds = float(located.vectors["seconds"])
     if limit.test == "duration":
-        return f"'{limit.name}' follows '{before}' at once: mode {leg.mode} lasts no time"
+        return f"'{limit.name}' follows '{before}' at once: between them mode {leg.mode} lasts no time"
     if limit.test == "condition":
         return f"'{limit.name}' is zero at '{leg.name}'"
     if limit.test == "rate":

@@ -27,6 +27,7 @@ from contwalk.problems.hybrid.word import Leg, Word
 from contwalk.problems.linear import kernel_direction
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.problem import Seed
+from contwalk.problems.spectrum import complement
 from contwalk.system import Transition
 
 if TYPE_CHECKING:
@@ -72,7 +73,8 @@ def found(problem: HybridOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], st
 def corners(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, tangent: np.ndarray) -> bool:
     """Whether the branch has a corner where two events are exchanged: its way before is not its way after.
 
-    `tangent` is that of the branch that arrives. Compared are the parameter and the starts of all other legs.
+    `tangent` is that of the branch that arrives. Compared are the parameter and the starts of all other legs,
+    across the flow.
     """
     try:
         neighbour = _built(problem, z, limit, 0.0)
@@ -85,15 +87,38 @@ def corners(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, tangent: n
     leaving = leaving * np.sign(leaving[own])
     arriving = tangent * -np.sign(tangent[problem.layout.durations.start + limit.leg])
 
-    def shared(orbit: HybridOrbit, vector: np.ndarray) -> np.ndarray:
-        places = [p for i, p in enumerate(orbit.layout.states) if i != limit.leg]
-        scaled = vector / weights
-        direction = np.concatenate([*(scaled[p] for p in places), scaled[-1:]])
-        return direction / max(float(np.linalg.norm(direction)), 1e-300)
-
     if there.layout.sizes != problem.layout.sizes:
         return bool(np.sign(arriving[-1]) != np.sign(leaving[-1]))
-    return float(np.linalg.norm(shared(problem, arriving) - shared(there, leaving))) > CORNER
+    scales = [there.extended(i) for i in range(there.layout.legs)]
+    before = _direction_of_orbit(discretized(problem, z), z, arriving, limit.leg, scales, weights[-1])
+    after = _direction_of_orbit(there, neighbour.z, leaving, limit.leg, scales, weights[-1])
+    return float(np.linalg.norm(before - after)) > CORNER
+
+
+def _direction_of_orbit(
+    problem: HybridOrbit,
+    z: np.ndarray,
+    vector: np.ndarray,
+    without: int,
+    scales: Sequence[np.ndarray],
+    weight: float,
+) -> np.ndarray:
+    """How an orbit changes along a direction, as a unit vector: starts of its legs across the flow, and
+    parameter.
+
+    Along the flow a start moves with the instant of its event, which says nothing about the orbit.
+    """
+    parts = []
+    for i in range(problem.layout.legs):
+        if i == without:
+            continue
+        own, scalars = problem.layout.inputs(i, vector)
+        scale = scales[i]
+        direction = (np.append(own, scalars[1]) if problem.forced else own) / scale
+        across = complement((problem.flow_direction(z, i) / scale)[:, None])
+        parts.append(across.T @ direction)
+    whole = np.concatenate([*parts, [vector[-1] / weight]])
+    return whole / max(float(np.linalg.norm(whole)), 1e-300)
 
 
 def _limit_of(problem: HybridOrbit, point: SpecialPoint) -> tuple[limits.Limit, float]:
