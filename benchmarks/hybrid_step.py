@@ -3,18 +3,20 @@
     python benchmarks/hybrid_step.py [--repeats 7] [--ways contwalk]
 
 The walker of `systems/planar_walker` goes through two modes, of 6 and of 4 states: from right after a heel
-strike over the knee strike to right after the next heel strike. Both events are located, the resets applied, and
-deviations carried through by their saltation matrices. SciPy's `solve_ivp` integrates the same machine code of
-field and Jacobian, with the same compiled guards as events.
+strike over the knee strike to right after the next heel strike. Both events are located, the resets applied,
+and deviations carried through by their saltation matrices. SciPy's `solve_ivp` integrates the same machine
+code of field and deviations, with the same compiled guards as events.
 
-Each way runs at many tolerances. For each the error that is *reached* is measured (time, state and matrix), and the
-CPU time at an error of 1e-6, 1e-9 and 1e-12 is interpolated between them. All runs take turns, so that a busy
-machine slows all of them; medians. The reference is computed by another method, step by step, at 1e-14.
+Each way runs at many tolerances. For each the error that is *reached* is measured (time, state and matrix),
+and the CPU time at an error of 1e-6, 1e-9 and 1e-12 is interpolated between them. All runs take turns, so
+that a busy machine slows all of them; medians. The reference is computed by another method, arc by arc, at
+1e-14.
 """
 
 from __future__ import annotations
 
 import argparse
+import ctypes
 import math
 import os
 import platform
@@ -25,6 +27,8 @@ from dataclasses import dataclass
 import numpy as np
 from orbit_and_monodromy import LEAST_SECONDS, TARGETS, Run, seconds_at
 
+from contwalk.flow import plan, stages
+from contwalk.flow.explicit import Call
 from contwalk.flow.hybrid import HybridMachine, applied, hybrid_machine
 from contwalk.flow.hybrid_map import StepMap
 from contwalk.flow.saltation import saltation
@@ -34,12 +38,13 @@ Result = tuple[float, np.ndarray, np.ndarray]
 TOLERANCES = [10.0 ** (-k / 2) for k in range(5, 28)]
 BEFORE = np.array([-0.5196, 0.1528388, 0.0, 0.0, -1.933, -2.037, 0.0])
 WEIGHTS = np.array([0.5, 0.5, 1.0, 1.0, 2.0, 4.0, 10.0])
+COLUMNS = 6
 FIRST, SECOND = ("three_link", "knee_strike"), ("two_link", "heel_strike")
 
 
 @dataclass(frozen=True, eq=False)
 class Way:
-    """A way to compute a step: `prepare(tolerance)` gives a function of no argument; `exact` is the answer."""
+    """A way to compute a step: `prepare(tolerance)` gives a function that does; `exact` is the answer."""
 
     name: str
     prepare: Callable[[float], Callable[[], Result]]
@@ -120,44 +125,56 @@ def _exact(walker: HybridMachine, x: np.ndarray, **which: object) -> Result:
     return StepMap(walker, weights=WEIGHTS, method="verner98", **which)(0.0, x, 1e-14)
 
 
+def _rates(walker: HybridMachine, mode: str) -> tuple[Callable[[float, np.ndarray], np.ndarray], int, int]:
+    """Rates of a mode's states and of deviations from them, by one call of machine code.
+
+    And where the deviations begin in a vector, and how wide their rows are: both are padded.
+    """
+    flow, code = walker.mode(mode), stages.code("dop853")
+    call = Call(flow.field, flow.c, "dop853", None, COLUMNS)
+    call.tangents(np.zeros((len(flow.states), COLUMNS)), [-1] * COLUMNS)
+    address, pointer = int(call.plan[plan.PROBLEM]), ctypes.c_void_p
+    evaluate = code.function("tangent", None, pointer, ctypes.c_double, pointer, pointer)
+
+    def rates(t: float, y: np.ndarray) -> np.ndarray:
+        given, out = np.ascontiguousarray(y), np.zeros(call.length)
+        evaluate(address, t, given.ctypes.data, out.ctypes.data)
+        return out
+
+    return rates, call.start, call.width
+
+
 def _scipy(walker: HybridMachine, x: np.ndarray, tolerance: float) -> Callable[[], Result]:
-    """States and deviations by `solve_ivp`, with the compiled field, Jacobian and guards."""
+    """States and deviations by `solve_ivp`."""
     from scipy.integrate import solve_ivp
 
+    prepared = {mode: _rates(walker, mode) for mode, _ in (FIRST, SECOND)}
+
     def arc(t: float, x: np.ndarray, columns: np.ndarray, mode: str, name: str) -> Result:
-        flow = walker.mode(mode)
-        n, c = len(flow.states), flow.c
+        flow, (rates, first, width) = walker.mode(mode), prepared[mode]
+        n, began = len(flow.states), t
         guard = flow.guards[[transition.name for transition in flow.transitions].index(name)]
 
-        def rates(t: float, y: np.ndarray) -> np.ndarray:
-            field = flow.field(t, y[:n], c)
-            return np.concatenate([field, (flow.field.jacobian(t, y[:n], c) @ y[n:].reshape(n, -1)).ravel()])
-
         def event(t: float, y: np.ndarray) -> float:
-            # After the last transition a guard may be zero; it counts again when it has been left.
-            return 1.0 if t == start else guard(t, y[:n], flow.p)[0]
+            # Right after a transition the guard may be zero; it counts when it has been left.
+            return 1.0 if t == began else guard(t, y[:n], flow.p)[0]
 
         event.terminal, event.direction = True, guard.direction
-        start, own = t, x[flow.states]
+        start, atol = np.zeros(first + n * width), np.full(first + n * width, tolerance)
+        start[:n], atol[:n] = x[flow.states], tolerance * WEIGHTS[flow.states]
+        start[first:].reshape(n, width)[:, :COLUMNS] = columns
         found = solve_ivp(
-            rates,
-            (t, t + 5.0),
-            np.concatenate([own, columns.ravel()]),
-            method="DOP853",
-            events=event,
-            rtol=tolerance,
-            atol=tolerance * np.concatenate([WEIGHTS[flow.states], np.ones(columns.size)]),
+            rates, (t, t + 5.0), start, method="DOP853", events=event, rtol=tolerance, atol=atol
         )
         t, y = float(found.t_events[0][0]), found.y_events[0][0]
         before = walker.full(mode, y[:n])
-        columns = saltation(walker, name, t, before)[0] @ y[n:].reshape(n, -1)
+        columns = saltation(walker, name, t, before)[0] @ y[first:].reshape(n, width)[:, :COLUMNS]
         return t, applied(walker, name, t, before), columns
 
     def step() -> Result:
-        t, state, columns = arc(0.0, x, np.eye(6), *FIRST)
+        t, state, columns = arc(0.0, x, np.eye(COLUMNS), *FIRST)
         t, state, columns = arc(t, state, columns, *SECOND)
-        matrix = np.zeros((7, 7))
-        states = walker.mode("three_link").states
+        matrix, states = np.zeros((7, 7)), walker.mode("three_link").states
         matrix[np.ix_(states, states)] = columns
         return t, state, matrix
 

@@ -174,10 +174,15 @@ def _leg(
 
 
 def check_hybrid_branch(
-    branch: Branch, system: System, every: int = 8, discretization: Discretization | None = None
+    branch: Branch,
+    system: System,
+    every: int = 8,
+    discretization: Discretization | None = None,
+    chosen: np.ndarray | None = None,
 ) -> None:
-    """Assert the invariants of a branch of hybrid orbits; each `every`-th row and the special ones are
-    integrated.
+    """Assert the invariants of a branch of hybrid orbits.
+
+    Each `every`-th row and the special ones are integrated; of `chosen` rows only, where given.
     """
     assert branch.complete
     assert branch.info.problem == "hybrid_orbit"
@@ -189,7 +194,8 @@ def check_hybrid_branch(
     walking = (discretization or Discretization(accuracy=1e-9)).walking
     for i, row in enumerate(branch.points):
         _check_counts(branch, row)
-        if i % every == 0 or row["special"]:
+        wanted = chosen is None or chosen[i]
+        if wanted and (i % every == 0 or row["special"]):
             _check_row(branch, system, row, walking)
 
 

@@ -23,6 +23,7 @@ _COMMANDS = {
     "sample": ("contwalk.cli.sample_command", "Measure many motions from drawn states and parameters."),
     "show": ("contwalk.cli.show_command", "Show what a database holds, as text or as JSON."),
     "plot": ("contwalk.cli.plot_command", "Draw a figure of a database."),
+    "animate": ("contwalk.cli.animate_command", "Play an orbit of a database as GIF, MP4 or HTML."),
     "verify": ("contwalk.cli.verify_command", "Recompute the special points of a database, and compare."),
     "tradeoff": ("contwalk.cli.tradeoff_command", "Measure what accuracy costs in a study."),
     "export": ("contwalk.cli.export_command", "Write a database as CSV tables."),

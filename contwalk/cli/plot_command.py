@@ -10,7 +10,7 @@ import click
 from contwalk.errors import ContwalkError
 
 if TYPE_CHECKING:
-    from contwalk.branch import Branch, SpecialPoint
+    from contwalk.branch import Branch
     from contwalk.system import System
 
 KINDS = (
@@ -58,6 +58,7 @@ def command(
     The axes take any parameter, state or observable; those of a phase portrait take states. For a stability
     map, -x is the free parameter and -y the swept one.
     """
+    from contwalk.cli.point_page import stored_point
     from contwalk.cli.stored_system import system_of
     from contwalk.storage import open_database
     from contwalk.workflow.figures import draw_figure
@@ -78,7 +79,7 @@ def command(
         if kind == "stability_map":
             y = y or _swept(branches)
         options: dict[str, Any] = {axis: name for axis, name in (("x", x), ("y", y), ("z", z)) if name}
-        options["points"] = [_stored(branch, point) for branch, point in pointed]
+        options["points"] = [(branch, stored_point(branch, point)) for branch, point in pointed]
         draw_figure(kind, branches, system, Path(output), options)
     click.echo(f"Wrote {output}.")
 
@@ -98,15 +99,6 @@ def _check_options(kind: str, x: str | None, y: str | None, z: str | None, point
         raise ContwalkError(f"The figure {kind} has no -x and -y.", "Leave them out.")
     if z and kind != "phase_portrait":
         raise ContwalkError(f"The figure {kind} has no -z.", "Leave it out.")
-
-
-def _stored(branch: Branch, point: str) -> tuple[Branch, SpecialPoint | int]:
-    """A branch with its special point, or the number of its row."""
-    from contwalk.cli.point_page import row_of, special_of
-
-    name = point.partition("/")[2]
-    row = row_of(branch, name)
-    return branch, special_of(branch, name) if row is None else row
 
 
 def _swept(branches: list[Branch]) -> str:

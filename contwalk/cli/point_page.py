@@ -6,6 +6,14 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from contwalk.cli.hybrid_page import (
+    admissible_line,
+    facts_at,
+    meaning_line,
+    print_legs,
+    print_margins,
+    signature_line,
+)
 from contwalk.cli.summary import free_value
 from contwalk.cli.terminal import line, table
 from contwalk.cli.words import exact, meaning, plural, rough, with_unit
@@ -16,6 +24,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from contwalk.branch import Branch, SpecialPoint
+    from contwalk.system import System
 
 
 def row_of(branch: Branch, name: str) -> int | None:
@@ -56,24 +65,50 @@ def special_of(branch: Branch, name: str) -> SpecialPoint:
     )
 
 
-def print_special(out: Console, branch: Branch, point: SpecialPoint, units: Mapping[str, str]) -> None:
+def stored_point(branch: Branch, point: str) -> SpecialPoint | int:
+    """The special point that `b1/HB1` names, or the number of the row that `b1/12` does.
+
+    Raises
+    ------
+    ContwalkError
+        If the branch has none.
+    """
+    name = point.partition("/")[2]
+    row = row_of(branch, name)
+    return special_of(branch, name) if row is None else row
+
+
+def print_special(
+    out: Console,
+    branch: Branch,
+    point: SpecialPoint,
+    units: Mapping[str, str],
+    system: System | None = None,
+) -> None:
     """A special point: where it is, what happens there, and the numbers that say so."""
+    hybrid = facts_at(system, branch, point)
     line(out, f"{branch.name}/{point.name}  {meaning(point.label, point.kind, point.status)}", style="bold")
     free = branch.info.free[0]
     error = f", estimated error {rough(point.error)}" if point.error is not None else ""
     facts = [f"{free} = {exact(free_value(branch, point))} {with_unit(free, units)}".strip() + error]
     facts.append(f"unstable directions: {point.unstable_before} -> {point.unstable_after}")
     facts += [f"criticality: {point.criticality}"] if point.criticality else []
+    facts += meaning_line(branch, point, hybrid, system)
     facts += [f"note: {point.note}"] if point.note else []
-    facts += [] if point.admissible else ["not admissible"]
+    facts += admissible_line(point.admissible, branch, hybrid)
+    facts += signature_line(branch)
     facts += [] if point.period is None else _of_orbit(branch, point.period, point.trivial_error)
     facts.append(f"point {point.index} of the branch, {branch.info.problem.replace('_', ' ')}")
     facts += _cost(branch.points[point.index]) if point.index < len(branch) else []
     for fact in facts:
         line(out, fact, indent=4)
+    print_legs(out, hybrid)
     _values(out, "parameter", point.parameters.items(), units)
     _values(out, "state", point.state.items(), units)
-    _values(out, "margin", point.margin.items(), {})
+    if hybrid is not None:
+        print_margins(out, hybrid)
+    else:
+        _values(out, "margin", point.margin.items(), {})
     _spectrum(out, branch, point.spectrum, "")
     _spectrum(out, branch, point.spectrum_full or (), " of the full orbit")
     if point.coefficients:
@@ -83,22 +118,29 @@ def print_special(out: Console, branch: Branch, point: SpecialPoint, units: Mapp
         )
 
 
-def print_row(out: Console, branch: Branch, row: int, units: Mapping[str, str]) -> None:
+def print_row(
+    out: Console, branch: Branch, row: int, units: Mapping[str, str], system: System | None = None
+) -> None:
     """Any other stored point."""
+    hybrid = facts_at(system, branch, row)
     info, point = branch.info, branch.points[row]
     line(out, f"{branch.name}/{row}  point of {info.problem.replace('_', ' ')}", style="bold")
     stable = "stable" if point["stable"] else "not stable"
     line(out, f"unstable directions: {int(point['unstable'])} ({stable})", indent=4)
-    if not point["admissible"]:
-        line(out, "not admissible", indent=4)
     period, trivial = float(point["period"]), float(point["trivial_error"])
     facts = _of_orbit(branch, period, None if math.isnan(trivial) else trivial) if period > 0.0 else []
-    for fact in [*facts, *_cost(point)]:
+    can = admissible_line(bool(point["admissible"]), branch, hybrid)
+    for fact in [*can, *signature_line(branch), *facts, *_cost(point)]:
         line(out, fact, indent=4)
+    print_legs(out, hybrid)
     parameters = {**info.parameters, **dict(zip(info.free, point["free"], strict=True))}
     _values(out, "parameter", parameters.items(), units)
     _values(out, "state", zip(info.states, point["state"], strict=True), units)
-    _values(out, "observable", zip(info.observables, point["observables"], strict=True), units)
+    told = {margin.name for margin in hybrid.margins} if hybrid is not None else set()
+    observables = zip(info.observables, point["observables"], strict=True)
+    _values(out, "observable", [(name, value) for name, value in observables if name not in told], units)
+    if hybrid is not None:
+        print_margins(out, hybrid)
     _spectrum(out, branch, point["spectrum"], "")
 
 

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import click
+
+from contwalk.errors import ContwalkError
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from contwalk.branch import Branch
     from contwalk.storage import Database
+    from contwalk.system import System
 
 
 @click.command("show")
@@ -82,15 +86,20 @@ def _print_text(database: Database, branch_name: str, point_name: str, points: b
 
 def _print_point(out: Console, database: Database, branch_name: str, point_name: str) -> None:
     from contwalk.cli.point_page import print_row, print_special, row_of, special_of
-    from contwalk.cli.stored_system import units_of_run
+    from contwalk.cli.stored_system import system_of
+    from contwalk.plotting.quantities import units_of
 
     branch = database.branch(branch_name)
     row = row_of(branch, point_name)
-    units = {} if database.path is None else units_of_run(database.header, database.path)
-    if row is None:
-        print_special(out, branch, special_of(branch, point_name), units)
-    else:
-        print_row(out, branch, row, units)
+    special = special_of(branch, point_name) if row is None else None
+    system: System | None = None
+    with suppress(ContwalkError):  # then there are no units
+        system = None if database.path is None else system_of(database.header, database.path)
+    units = {} if system is None else units_of(system)
+    if special is not None:
+        print_special(out, branch, special, units, system)
+    elif row is not None:
+        print_row(out, branch, row, units, system)
 
 
 def _print_points(out: Console, branch: Branch) -> None:

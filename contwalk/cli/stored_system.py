@@ -42,16 +42,6 @@ def system_of(header: RunHeader, database: Path) -> System:
     )
 
 
-def units_of_run(header: RunHeader, database: Path) -> dict[str, str]:
-    """Units by name; none where the system cannot be loaded."""
-    from contwalk.plotting.quantities import units_of
-
-    try:
-        return units_of(system_of(header, database))
-    except ContwalkError:
-        return {}
-
-
 def _reference(header: RunHeader) -> str:
     """What the run file said after `system:`."""
     from contwalk.workflow.yaml_lines import parse_yaml

@@ -6,6 +6,8 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.continuation import limits, outcomes
 from contwalk.continuation.here import Here, grown
@@ -66,10 +68,12 @@ def walk(
                 yield End(outcome, end_record(problem, place, outcome, sign))
                 return
         here = _arrived(problem, step, here, sign, settings, before)
-        yield Point(here)
         try:
             problem, sample = problem.adapted(here.sample)
+            # On new steps the solution may be another: then that one is the point.
+            yield Point(here if np.array_equal(sample.z, here.sample.z) else replace(here, sample=sample))
         except NotFinite as error:
+            yield Point(here)
             outcome = outcomes.stuck(
                 "not_finite", error.sentence, here.step, observer.parameter, here.sample.parameter
             )

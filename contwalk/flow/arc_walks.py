@@ -43,13 +43,17 @@ class ByWalk:
         t1: float,
         standing: Sequence[Departure],
         last: str | None,
+        noise: np.ndarray,
     ) -> Iterator[Arc]:
-        """As `by_paths`, which takes over where the walk is not sure."""
+        """As `by_paths`, which takes over where the walk is not sure.
+
+        The arc begins after the transition `last`, with these uncertainties of the states.
+        """
         walk, n = self._walk, len(flow.states)
         nodes, counts = walk.nodes[flow.name], walk.places[flow.name].counts
         weights = self._control.weights[flow.states]
         leaving = {i: guard.side for i, guard in enumerate(standing) if guard.kind == LEAVING}
-        walk.begin(t, x, flow.name, last)
+        walk.begin(t, x, flow.name, last, noise=noise)
         while t < t1:
             end = t1 if np.isfinite(t1) else t + far(flow, t, x[flow.states], weights)
             nodes[0, :n] = x[flow.states]

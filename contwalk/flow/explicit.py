@@ -44,7 +44,7 @@ def warmup() -> None:
         stages.code(name)
 
 
-class _Call:
+class Call:
     """The memory of one call, and the plan that tells a driver of it."""
 
     def __init__(self, field: Field, c: np.ndarray, method: str, x0: Vector | None, columns: int = 0) -> None:
@@ -155,7 +155,7 @@ def adaptive(
     """
     if not tolerance > 0.0:
         raise ValueError("the tolerance is positive")
-    call = _Call(field, c, method, x0)
+    call = Call(field, c, method, x0)
     call.weigh(weights)
     memory = call.give(plan.MEMORY, np.zeros(plan.MEMORY_LENGTH))
     counts = call.give(plan.COUNTS, np.zeros(plan.COUNTS_LENGTH, dtype=np.int64))
@@ -184,7 +184,7 @@ def adaptive(
 
 def along(field: Field, c: np.ndarray, times: Vector, x0: Vector, method: str = "dop853") -> np.ndarray:
     """The states at given times, shape (s + 1, n), a step from each to the next; NaN after one that fails."""
-    call = _Call(field, c, method, x0)
+    call = Call(field, c, method, x0)
     return call.march(times, True)[:, : field.n].copy()
 
 
@@ -221,7 +221,7 @@ def tangents(
     if q == 0:
         states = along(field, c, times, x0, method)
         return (states, np.empty((len(states), field.n, 0))) if every else (states[-1], start.copy())
-    call = _Call(field, c, method, x0, q)
+    call = Call(field, c, method, x0, q)
     call.tangents(start, sources)
     x, derivatives = call.split(call.march(times, every))
     x, derivatives = x.copy(), derivatives[..., :q].copy()
@@ -232,7 +232,7 @@ def errors_on(
     field: Field, c: np.ndarray, times: Vector, x0: Vector, method: str, weights: Vector
 ) -> np.ndarray:
     """Embedded error estimates of the steps of a grid, shape (s,): RMS in units of the weights."""
-    call = _Call(field, c, method, x0)
+    call = Call(field, c, method, x0)
     call.weigh(weights)
     errors = call.give(plan.ERRORS, np.empty(max(len(times) - 1, 1)))
     call.march(times, False)
@@ -257,7 +257,7 @@ def dense(
     at = wanted[inside]
     which = np.searchsorted(direction * grid, direction * at, side="right") - 1
     which = np.clip(which, 0, len(grid) - 2)
-    call = _Call(field, c, method, None)
+    call = Call(field, c, method, None)
     call.give(plan.TIMES, grid)
     call.give(plan.NODES, nodes)
     between = _interpolated if call.method.dense else _leapt
@@ -268,7 +268,7 @@ def dense(
     return found
 
 
-def _leapt(call: _Call, grid: np.ndarray, nodes: np.ndarray, which: np.ndarray, at: np.ndarray) -> np.ndarray:
+def _leapt(call: Call, grid: np.ndarray, nodes: np.ndarray, which: np.ndarray, at: np.ndarray) -> np.ndarray:
     """A step from the node before to each time."""
     call.give(plan.WHICH, np.ascontiguousarray(which, dtype=np.int64))
     out = call.give(plan.OUT, np.empty((len(at), call.length)))
@@ -278,7 +278,7 @@ def _leapt(call: _Call, grid: np.ndarray, nodes: np.ndarray, which: np.ndarray, 
 
 
 def _interpolated(
-    call: _Call, grid: np.ndarray, nodes: np.ndarray, which: np.ndarray, at: np.ndarray
+    call: Call, grid: np.ndarray, nodes: np.ndarray, which: np.ndarray, at: np.ndarray
 ) -> np.ndarray:
     """The polynomials of the steps, as many steps at once as memory allows."""
     found = np.empty((len(at), call.field.n))
@@ -298,7 +298,7 @@ def _interpolated(
 
 
 def _coefficients(
-    call: _Call, grid: np.ndarray, nodes: np.ndarray, chosen: np.ndarray, k: np.ndarray
+    call: Call, grid: np.ndarray, nodes: np.ndarray, chosen: np.ndarray, k: np.ndarray
 ) -> np.ndarray:
     """Coefficients of the polynomials of steps, shape (degree, steps, n) (Hairer, Norsett, Wanner, II.6)."""
     h = (grid[chosen + 1] - grid[chosen])[:, None]
@@ -336,7 +336,7 @@ class Interpolation:
         self._coefficients: np.ndarray | None = None
         steps = len(self._grid) - 1
         if steps and _method(method).dense and self._grid[-1] > self._grid[0]:
-            call = _Call(field, c, method, None)
+            call = Call(field, c, method, None)
             call.give(plan.TIMES, self._grid)
             call.give(plan.NODES, self._nodes)
             chosen = call.give(plan.WHICH, np.arange(steps, dtype=np.int64))

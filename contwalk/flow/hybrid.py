@@ -27,6 +27,9 @@ __all__ = ["Arc", "HybridMachine", "applied", "arcs", "hybrid_machine", "parts"]
 
 MOST_STEPS = 100_000
 
+# Where a field does not exist beyond a guard, steps get this near to it, in units of typical changes.
+EDGE = 1e-12
+
 
 def arcs(
     machine: HybridMachine,
@@ -111,18 +114,23 @@ def parts(
     walk = ByWalk(machine, control) if method == METHOD else None
     t, x, pace = float(t0), machine.existing(mode, x0), Pace(float(t0), t1)
     flow = machine.mode(mode)
-    standing, verdict = _stands(flow, t, x, EPSILON * np.abs(x), control.weights, just_after)
+    last, noise = just_after, EPSILON * np.abs(x)
+    standing, verdict = _stands(flow, t, x, noise, control.weights, just_after)
     if just_after is None:
         _refuse_beyond(flow, standing)
     if verdict.status != "ok":
         yield replace(_instant(flow, t, x), status=verdict.status, reason=verdict.reason)
         return
-    last = just_after
     while t < t1:
         number = _at_once(flow, standing)
         if number is None:
-            arc, given = None, (machine, flow, t, x, t1, control, standing)
-            for arc in by_paths(*given) if walk is None else walk.parts(flow, t, x, t1, standing, last):
+            if walk is None:
+                found = by_paths(machine, flow, t, x, t1, control, standing)
+            else:
+                found = walk.parts(flow, t, x, t1, standing, last, noise)
+            arc: Arc | None = None
+            for part in found:
+                arc = _at_edge(flow, part, control.weights)
                 if arc.transition is None:
                     yield arc
             if arc is None or arc.transition is None:
@@ -204,6 +212,21 @@ def _refuse_beyond(flow: ModeFlow, standing: Sequence[Departure]) -> None:
                 f"Start where it is {side}, or in another mode than '{flow.name}'. If the state is the one "
                 f"right before the transition, say so: at: {name}.",
             )
+
+
+def _at_edge(flow: ModeFlow, part: Arc, weights: np.ndarray) -> Arc:
+    """The part, ended by the transition on whose guard the field ceases to exist."""
+    if part.status not in ("not_finite", "step_too_small"):
+        return part
+    t, x = float(part.times[-1]), part.states[-1][flow.states]
+    room = EDGE * flow.scales(t, x, weights[flow.states], 1.0)
+    for i, guard in enumerate(flow.guards):
+        value, rate, _ = guard(t, x, flow.p).tolist()
+        nears = value * rate < 0.0 and guard.direction in (0, 1 if rate > 0.0 else -1)
+        if flow.acting(i) and nears and abs(value) <= room[i]:
+            name = flow.transitions[i].name
+            return replace(part, transition=name, rising=rate > 0.0, status="ok", reason="")
+    return part
 
 
 def _at_once(flow: ModeFlow, standing: Sequence[Departure]) -> int | None:

@@ -89,6 +89,7 @@ from contwalk.flow.stages import FIRST, NEXT, Y
 
 COINCIDE = 8.0
 ROUNDINGS, AFTER_RESET = 8.0, 1e3  # as in `departure`
+MOST_SHORTENED = 30  # times in a row, where a guard is not resolved
 MOST_BITS = 62  # further guards share the last one
 _EVENT = 100  # and more: the guard's number is added
 
@@ -197,7 +198,7 @@ def _arc(w: Any, m: Any, t1: float, tolerance: float, order: float, stable: floa
     p, clock = integers(m[MOVING], plan.PLAN_LENGTH), doubles(w[CLOCK], 1)
     memory, times = doubles(p[plan.MEMORY], plan.MEMORY_LENGTH), doubles(w[TIMES], w[ROOM] + 1)
     happened, marks = integers(w[HAPPENED], WORD), integers(w[MARKS], w[ROOM])
-    t, steps = clock[0], 0
+    t, steps, shortened = clock[0], 0, 0
     if happened[GOES_ON] == 0:
         status = _begin(m, happened[LAST], t)
         if status != ARRIVED:
@@ -213,9 +214,13 @@ def _arc(w: Any, m: Any, t1: float, tolerance: float, order: float, stable: floa
         end = memory[0]
         at, guard, marked = _first_event(m, t, end)
         if at == UNRESOLVED:
+            shortened += 1
+            if shortened > MOST_SHORTENED:  # a kink where the guard is zero
+                return UNSURE
             memory[0], memory[1] = t, 0.5 * (end - t)
             first_stage(p, t, Y)
             continue
+        shortened = 0
         if at != NONE:
             if not at > t:
                 return UNSURE

@@ -135,7 +135,7 @@ class StepMap:
 
     def _walked(self, walk: Walk, t: float, x: np.ndarray, tolerance: float) -> bool:
         """Whether compiled code, which leaves its results in the walk, is sure of them."""
-        walk.begin(t, x, self.mode, self.just_after, self.at)
+        walk.begin(t, np.asarray(x, dtype=float), self.mode, self.just_after, self.at)
         walk.places[self.mode].columns[:] = self._identity
         return walk(t + self._span, tolerance) == told.ARRIVED
 

@@ -9,7 +9,7 @@ import numpy as np
 from contwalk.flow import hybrid_plan as told
 from contwalk.flow import plan, stages
 from contwalk.flow.compiled import Entry
-from contwalk.flow.explicit import _Call as Call
+from contwalk.flow.explicit import Call
 from contwalk.flow.guard import EPSILON
 from contwalk.flow.hybrid_machine import HybridMachine
 from contwalk.flow.tableaus.dop853 import DOP853
@@ -191,13 +191,24 @@ class Walk:
             told.SLOPES: self._keep(np.zeros((outputs + 1) * (n + 1))),
         })  # fmt: skip
 
-    def begin(self, t: float, x: np.ndarray, mode: str, last: str | None, first: str | None = None) -> None:
-        """Put a full-length state in place, right after `last`, or right before `first`."""
+    def begin(
+        self,
+        t: float,
+        x: np.ndarray,
+        mode: str,
+        last: str | None,
+        first: str | None = None,
+        noise: np.ndarray | None = None,
+    ) -> None:
+        """Put a full-length state in place, right after `last`, or right before `first`.
+
+        `noise`, of full length, are its uncertainties; they are those of its own rounding by default.
+        """
         place = self.places[mode]
         self.clock[0] = t
         place.state[:] = x[place.states]
         place.noise[0] = EPSILON * abs(t)
-        np.multiply(np.abs(place.state), EPSILON, out=place.noise[1:])
+        place.noise[1:] = EPSILON * np.abs(place.state) if noise is None else noise[place.states]
         self.happened[:] = 0
         self.happened[told.MODE] = self.modes.index(mode)
         self.happened[told.LAST] = -1 if last is None else self.transitions.index(last)

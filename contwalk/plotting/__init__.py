@@ -19,6 +19,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from contwalk.plotting.animation import save_animation
     from contwalk.plotting.bifurcation_diagram import plot_bifurcation_diagram
     from contwalk.plotting.eigenvalues import plot_eigenvalues
     from contwalk.plotting.histogram import plot_histogram
@@ -55,6 +56,7 @@ __all__ = [
     "plot_tradeoff",
     "plot_tradeoff_panels",
     "save",
+    "save_animation",
     "units_of",
 ]
 
@@ -78,6 +80,7 @@ _MODULES = {
     "plot_tradeoff": "tradeoff",
     "plot_tradeoff_panels": "tradeoff_panels",
     "save": "style",
+    "save_animation": "animation",
     "units_of": "quantities",
 }
 

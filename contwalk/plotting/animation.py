@@ -33,8 +33,9 @@ LOOKED_AT = 24  # instants, for limits that hold all of them
 # Times between frames of a GIF are whole hundredths of a second, and browsers play none below two.
 HUNDREDTHS, LEAST_HUNDREDTHS = 100.0, 2
 MOST_BYTES = 500  # megabytes of frames in a page of HTML
+EVENTS = (*PALETTE[2:], *PALETTE[:2])  # colours; not the first ones, which a machine may well have
 # How long the name of an event stays, in seconds of the animation.
-LINGER = 0.35
+LINGER = 0.25
 
 
 def save_animation(
@@ -106,7 +107,7 @@ def save_animation(
             "Name a file in an existing folder that you may write to.",
         ) from error
     except CalledProcessError as error:
-        said = (error.stderr or error.output or b"").decode(errors="replace").strip().splitlines()
+        said = str(error.stderr or error.output or "").strip().splitlines()
         raise ContwalkError(
             f"ffmpeg could not write {target}: {said[-1] if said else error}.", "Name a .gif or .html file."
         ) from error
@@ -154,7 +155,7 @@ class _Film:
             speed = f"1/{slow:g} of its speed" if slow > 1.0 else f"{1.0 / slow:g} times its speed"
             self.figure.text(0.02, 0.925, speed, fontsize=9, color=GREY, va="top")
         names = dict.fromkeys(name for _, name in self.events)
-        self.colors = {name: PALETTE[number % len(PALETTE)] for number, name in enumerate(names)}
+        self.colors = {name: EVENTS[number % len(EVENTS)] for number, name in enumerate(names)}
         self.clock = clock
         self.hand = self._draw_clock()
         self.limits = self._limits()
@@ -262,8 +263,9 @@ def frames_of(duration: float, fps: float, slow: float) -> int:
 
 def _writer(suffix: str, fps: float) -> AbstractMovieWriter:
     """What writes a format."""
-    if suffix == ".gif":
-        return PillowWriter(fps=fps * (1.0 - 1e-9))  # it cuts off what its durations have of a fraction
+    kind: Any = {".gif": PillowWriter, ".mp4": FFMpegWriter, ".html": HTMLWriter}[suffix]
+    if suffix == ".gif":  # it cuts off what its durations have of a fraction
+        return kind(fps=fps * (1.0 - 1e-9))
     if suffix == ".mp4":
-        return FFMpegWriter(fps=fps, codec="h264", extra_args=["-pix_fmt", "yuv420p"])
-    return HTMLWriter(fps=fps, embed_frames=True, default_mode="loop")
+        return kind(fps=fps, codec="h264", extra_args=["-pix_fmt", "yuv420p"])
+    return kind(fps=fps, embed_frames=True, default_mode="loop")

@@ -63,6 +63,7 @@ def plot_multiplier_moduli(
     ax = ax or new_axes("multipliers")
     dress(ax, axis_label(x, units), "modulus of multipliers")
     ax.set_yscale("log")
+    ax.set_autoscaley_on(False)  # see `_scale`
     drawn: set[tuple[int, bool]] = set()
     curves, labels, largest, least = [], [], 1.0, 1.0
     for branch in chosen:
@@ -95,8 +96,8 @@ def _scale(ax: Axes, least: float, largest: float) -> None:
     air = max((largest / least) ** 0.06, 1.05)
     ax.set_ylim(least / air, largest * air)
     if largest < PLAIN * least:
-        wide = largest > 5.0 * least
-        ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)) if wide else MaxNLocator(6, steps=[1, 2, 5, 10]))
+        round_steps = MaxNLocator(6, steps=[1, 2, 5, 10])
+        ax.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)) if largest > 5.0 * least else round_steps)
         ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         ax.yaxis.set_minor_locator(NullLocator())
 

@@ -85,6 +85,7 @@ class Playback:
             If the plugin's `draw` raises.
         """
         there = set(ax.get_children())
+        ax.set_prop_cycle(None)  # the same colours at each instant
         times, states = self.until(time)
         draw_instant(self.system, ax, float(times[-1]), states[-1], self.parameters, (times, states))
         return [artist for artist in ax.get_children() if artist not in there]

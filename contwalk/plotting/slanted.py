@@ -47,12 +47,11 @@ def tell(ax: Axes, told: Sequence[tuple[np.ndarray, str]]) -> float:
     for i, start in zip(order, starts, strict=True):
         shift = start - pixels[i, 0]
         moved = offset_copy(ax.transData, root, shift, ABOVE, units="points")
-        text = ax.text(*points[i], told[i][1], transform=moved, fontsize=FONT_SIZE, color=INK, zorder=30)
-        text.set(ha="left", va="bottom", rotation=SLANT, rotation_mode="anchor")
+        x, y = points[i].tolist()
+        text = ax.text(x, y, told[i][1], transform=moved, fontsize=FONT_SIZE, color=INK, zorder=30)
+        text.set(gid="event", ha="left", va="bottom", rotation=SLANT, rotation_mode="anchor")
         text.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
-        line = ConnectionPatch(
-            tuple(points[i]), tuple(points[i]), coordsA=moved, coordsB=ax.transData, arrowstyle="-"
-        )
+        line = ConnectionPatch((x, y), (x, y), coordsA=moved, coordsB=ax.transData, arrowstyle="-")
         line.set(linewidth=0.6, color=INK, alpha=0.7, zorder=9)
         line.set_in_layout(False)
         ax.add_artist(line)

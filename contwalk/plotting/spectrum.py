@@ -114,7 +114,7 @@ def _draw(ax: Axes, branch: Branch, color: np.ndarray, norm: Normalize) -> None:
         if np.isfinite(a) and np.isfinite(b)
     ]
     lines = LineCollection([piece for piece, _, _ in pieces], cmap=COLORS, norm=norm, zorder=3)
-    lines.set_linewidths([width for _, _, width in pieces])
+    lines.set_linewidth([width for _, _, width in pieces])
     lines.set_array([shade for _, shade, _ in pieces])
     lines.set_gid(f"{branch.name}-loci")
     ax.add_collection(lines)

@@ -28,6 +28,7 @@ AIR = 0.12  # beside the outermost instants, in heights of the picture
 # Inches: height of the picture, its least and greatest width, what text around it takes, and events above it.
 HEIGHT, NARROWEST, WIDEST, AROUND, ABOVE = 2.7, 5.6, 15.0, 0.85, 0.75
 COLUMNS = 4
+BELOW_NUMBERS = -0.13  # where the legend begins if the plugin leaves the axes on, in heights of the axes
 
 
 def plot_stick_figure(
@@ -212,7 +213,7 @@ def _legend(ax: Axes) -> None:
         ax.legend(
             handles=entries,
             loc="upper left",
-            bbox_to_anchor=(0.0, -0.01),
+            bbox_to_anchor=(0.0, BELOW_NUMBERS if ax.axison else -0.01),
             borderaxespad=0.0,
             ncols=len(entries),
             frameon=False,

@@ -46,15 +46,14 @@ class Seen:
         """Take an arc in."""
         if arc.status in ("sticking", "chatter"):
             self.ends.setdefault(arc.status, (arc.reason, arc.transition))
-        if arc.transition is None:
+        if arc.transition is None or len(arc.times) == 1:  # none, or at once: a sampled state made it so
             return
         self.events.setdefault(arc.transition, []).append((float(arc.times[-1]), arc.states[-1]))
-        if len(arc.times) > 1:
-            flow = machine.mode(arc.mode)
-            number = [t.name for t in flow.transitions].index(arc.transition)
-            measured = flow.guards[number].along(arc.times, arc.states[:, flow.states], flow.p)
-            rates = np.abs(measured[:, 1])
-            self.rates.setdefault(arc.transition, []).append(float(rates[-1] / max(rates.max(), 1e-300)))
+        flow = machine.mode(arc.mode)
+        number = [t.name for t in flow.transitions].index(arc.transition)
+        measured = flow.guards[number].along(arc.times, arc.states[:, flow.states], flow.p)
+        rates = np.abs(measured[:, 1])
+        self.rates.setdefault(arc.transition, []).append(float(rates[-1] / max(rates.max(), 1e-300)))
 
 
 def check_motions(

@@ -105,12 +105,13 @@ def _stick_figure(branches: Sequence[Branch], system: System, options: Mapping[s
     from contwalk import plotting
     from contwalk.plotting.machine import require_draw, walks
     from contwalk.workflow.orbit_motions import motion_along
+    from contwalk.workflow.stored_orbits import titled
 
     require_draw(system)
     orbit = _orbit(branches, system, options, "stick figure")
     motion = motion_along(system, orbit)
     given = system, motion.times, motion.states, orbit.parameters
-    title = _title(orbit)
+    title = titled(orbit)
     if walks(system):
         return plotting.plot_stick_figure(*given, title=title, events=motion.marks)
     return plotting.plot_stick_panels(*given, title=title, events=motion.marks)
@@ -121,7 +122,7 @@ def _time_series(branches: Sequence[Branch], system: System, options: Mapping[st
     from contwalk import plotting
     from contwalk.plotting.style import whole_title
     from contwalk.workflow.orbit_motions import motion_along
-    from contwalk.workflow.stored_orbits import columns_by_name
+    from contwalk.workflow.stored_orbits import columns_by_name, titled
 
     names = [options["y"]] if options.get("y") else list(system.state_names)
     columns = columns_by_name(system, names)
@@ -133,12 +134,8 @@ def _time_series(branches: Sequence[Branch], system: System, options: Mapping[st
         happened.setdefault(name, []).append(time)
     units = plotting.units_of(system)
     panels = plotting.plot_time_series_panels(times, values, names, events=happened, units=units)
-    whole_title(panels[0].figure, _title(orbit))
+    whole_title(panels[0].figure, titled(orbit))
     return panels
-
-
-def _title(orbit: Any) -> str:
-    return f"{orbit.branch}/{orbit.label}" + ("" if orbit.admissible else ",  not admissible")
 
 
 def _orbit(branches: Sequence[Branch], system: System, options: Mapping[str, Any], what: str) -> Any:

@@ -20,6 +20,7 @@ DIAGRAM_FIGURES = (
     "stability_map",
     "machine",
     "phase_portrait",
+    "stick_figure",
 )
 MOTION_FIGURES = ("time_series", "phase_portrait")
 SAMPLE_FIGURES = ("histogram",)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +13,6 @@ from contwalk.branch import ORBITS, Branch, SpecialPoint
 from contwalk.continuation.reopening import reopened
 from contwalk.errors import ContwalkError
 from contwalk.problems.orbit.discretization import Discretization
-from contwalk.problems.problem import Problem
 from contwalk.system import System
 from contwalk.system.declarations import nearest
 
@@ -75,6 +75,11 @@ class Orbit:
         return self.closures * float(self.times[-1] - self.times[0])
 
 
+def titled(orbit: Orbit) -> str:
+    """The orbit's branch and label, and whether the machine can move so."""
+    return f"{orbit.branch}/{orbit.label}" + ("" if orbit.admissible else ",  not admissible")
+
+
 def orbits_of(system: System, branches: Sequence[Branch]) -> list[list[Orbit]]:
     """A handful of orbits of each branch of orbits: of its special points, then marked values, then ends.
 
@@ -132,14 +137,15 @@ def orbit_at(system: System, branch: Branch, point: SpecialPoint | int) -> Orbit
             f"Branch {branch.name} is one of {branch.info.problem.replace('_', ' ')} points.",
             "Name a point on a branch of periodic orbits.",
         )
-    name, row, counts = str(point), point, []
     if isinstance(point, SpecialPoint):
-        name, row, counts = point.name, point.index, [point.unstable_before, point.unstable_after]
-        admissible = point.admissible
+        name, admissible = point.name, point.admissible
+        stable = not (point.unstable_before or point.unstable_after)
         point = point if point.unknowns else point.index  # one that is not located has a row at most
     else:
-        admissible = bool(branch.points["admissible"][row])
-    problem, sample = reopened(system, branch, point, PICTURE)
+        row = branch.points[point]
+        name, admissible, stable = str(point), bool(row["admissible"]), not row["unstable"]
+    given, sample = reopened(system, branch, point, PICTURE)
+    problem: Any = given
     hybrid = branch.info.problem == "hybrid_orbit"
     times, states, breaks = _arcs(problem, sample.z) if hybrid else (*_motion(problem, sample.z), ())
     fold = int(branch.info.settings.get("fold", 1))
@@ -152,7 +158,7 @@ def orbit_at(system: System, branch: Branch, point: SpecialPoint | int) -> Orbit
         name,
         label,
         states,
-        not any(counts or [sample.unstable]),
+        stable,
         times=times,
         events=events,
         breaks=breaks,
@@ -171,18 +177,18 @@ def _unit(system: System, free: str) -> str:
     return "" if unit in ("", "1") else written(unit)
 
 
-def _motion(problem: Problem, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _motion(problem: Any, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Times and states of a smooth orbit, over the whole period."""
-    times, states = problem.motion_of(z)  # type: ignore[attr-defined]
+    times, states = problem.motion_of(z)
     kept = np.append(True, np.diff(times) > 0.0)  # segments share their ends
     return times[kept], states[kept]
 
 
-def _arcs(problem: Problem, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[int, ...]]:
+def _arcs(problem: Any, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[int, ...]]:
     """Times and states of a hybrid orbit, and the rows with which an arc begins, without the first."""
     from contwalk.problems.hybrid import observing
 
-    legs = observing.legs(problem, z)  # type: ignore[arg-type]
+    legs = observing.legs(problem, z)
     times = [t.copy() for t, _ in legs]
     for before, after in pairwise(times):  # both sides of an event have one time, to the last bit
         after[0] = before[-1]

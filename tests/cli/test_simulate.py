@@ -170,9 +170,9 @@ def test_warmup_says_what_it_did_and_where(contwalk, monkeypatch, tmp_path):
     def nothing():
         pass
 
-    parts = {"contwalk.flow.explicit.warmup": compile_it, "contwalk.flow.radau.warmup": nothing}
-    for name, part in {**parts, "contwalk.flow.sampling.warmup": nothing, "contwalk.flow.walk.warmup": nothing}.items():
-        monkeypatch.setattr(name, part)
+    parts = {"explicit": compile_it, "radau": nothing, "sampling": nothing, "walk": nothing}
+    for name, part in parts.items():
+        monkeypatch.setattr(f"contwalk.flow.{name}.warmup", part)
     done = contwalk("warmup")
     assert done.code == 0
     lines = done.out.splitlines()

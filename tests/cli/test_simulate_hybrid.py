@@ -157,6 +157,25 @@ def test_hybrid_motions_settle(contwalk, ball):
     assert "NOT" not in done.out
 
 
+def test_from_a_stored_orbit(contwalk, ball):
+    (ball / "o.yaml").write_text(
+        "system: impact_oscillator\nparameters: {force: 0.9}\n"
+        "start: {simulate: {state: {q: 0.0, v: 0.0}, until: settled}}\n"
+        "continue: {parameter: force, range: [0.8, 1.0], direction: up, max_points: 5}\n"
+    )
+    assert contwalk("continue", "o.yaml", "--quiet").code == 0
+    (ball / "p.yaml").write_text(
+        "system: impact_oscillator\nstart: {from: o.h5, point: b1/2}\nsimulate: {until: 25}\n"
+    )
+    assert contwalk("simulate", "p.yaml", "--quiet").code == 0
+    stored = read_trajectory(ball / "p_trajectory.h5")
+    period = 2.0 * math.pi / 1.3
+    # It begins right after an impact, at the time of it, and comes back after each period.
+    impacts = stored.times[0] + period * np.arange(1, 6)
+    np.testing.assert_allclose(stored.event_times, impacts, atol=1e-8)
+    np.testing.assert_allclose(stored.event_after, np.tile(stored.values[0], (5, 1)), atol=1e-7)
+
+
 def test_chatter_is_stored_and_told(contwalk, ball):
     done = contwalk("simulate", "b.yaml", "--set", "parameters.e=0.5", "--set", "simulate.until=settled")
     assert done.code == 1
@@ -188,7 +207,7 @@ def test_sticking_is_told(contwalk, ball):
         ("t.yaml", "start={state: {z: 1.0}, mode: flying}", "'z' does not exist in mode 'flying'"),
         ("t.yaml", "start={state: {z: 1.0}, mode: flying}", "no value for y, v"),
         ("t.yaml", "start={state: {y: 1.0, v: 0.0}, at: landed, mode: leaking}", "leads out of mode flying"),
-        ("t.yaml", "start={simulate: {state: {z: 1.0}}, mode: leaking}", "{simulate: {state: {...}, mode: NAME}}"),
+        ("t.yaml", "start={simulate: {state: {z: 1.0}}, mode: leaking}", "{state: {...}, mode: NAME}}"),
     ],
 )  # fmt: skip
 def test_bad_starts_are_sentences(contwalk, ball, file, change, said):

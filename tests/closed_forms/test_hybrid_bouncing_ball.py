@@ -1,9 +1,10 @@
-"""The bouncing ball: fold, period doubling, spectrum and motion of the orbits with one bounce in k periods of the table.
+"""The bouncing ball: orbits with one bounce in k periods of the table, in closed form.
 
-A flight of duration T = 2 pi k / omega between bounces at one height leaves at the velocity g T / 2, and the impact law
-gives the phase: (1 + e) A omega cos(phase) = (1 - e) g T / 2. In (time, velocity after) the derivative of a bounce
-has the determinant e^2 and the trace 1 + e^2 - (1 + e)^2 A omega^2 sin(phase) / g. So the fold is where cos(phase)
-is one, and the period doubles where A omega^2 sin(phase) is 2 g (1 + e^2) / (1 + e)^2.
+A flight of duration T = 2 pi k / omega between bounces at one height leaves at the velocity g T / 2, and the
+impact law gives the phase: (1 + e) A omega cos(phase) = (1 - e) g T / 2. In (time, velocity after) the
+derivative of a bounce has the determinant e^2 and the trace 1 + e^2 - (1 + e)^2 A omega^2 sin(phase) / g. So
+the fold is where cos(phase) is one, and the period doubles where A omega^2 sin(phase) is
+2 g (1 + e^2) / (1 + e)^2.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ def duration(k: int) -> float:
 
 
 def at_zero(e: float, k: int, amplitude: float) -> list[float]:
-    """The state when the table begins its last period of the flight, a while after a bounce at the stable phase."""
+    """The state when the table begins its next period, a while after a bounce at the stable phase."""
     speed = 0.5 * G * duration(k)
     bounce = math.acos(speed * (1.0 - e) / ((1.0 + e) * amplitude * OMEGA)) / OMEGA
     passed = duration(1) - bounce
@@ -175,7 +176,7 @@ def test_the_next_doubling_agrees_with_an_independent_solution(e, k):
     """Of the doubled orbit, whose two flights differ."""
     child = study(e, k)[1]
     (point,) = [p for p in child.special_points if p.label == "PD"]
-    y1, v1, y2, v2, first, _, begin = point.unknowns[:7]
+    _, v1, _, v2, first, _, begin = point.unknowns[:7]
     with mpmath.workdps(30):
         exact = two_bounces(mpmath.mpf(e), k, [begin, begin + first, v1, v2, point.parameters["A"]])
         assert_met(point, "A", float(exact))
@@ -184,7 +185,7 @@ def test_the_next_doubling_agrees_with_an_independent_solution(e, k):
 def test_an_elastic_ball_has_no_fold():
     """e = 1: the phase is pi / 2 at every amplitude, and the determinant is one.
 
-    A = 4 g / (omega^2 4) is the doubling; below it both multipliers lie on the unit circle, as far as is known.
+    A = g / omega^2 is the doubling; below it both multipliers lie on the unit circle, as far as is known.
     """
     amplitude = 0.5 * doubling_at(1.0, 1)
     state = at_zero(1.0, 1, amplitude)

@@ -211,7 +211,8 @@ def test_imports_of_the_reference(tmp_path):
 
 
 def test_bead_on_a_hoop_has_its_pitchfork(tmp_path):
-    (tmp_path / "bead.py").write_text(blocks(PLUGINS, "python")[2], encoding="utf-8")
+    (bead,) = [text for text in blocks(PLUGINS, "python") if 'name="bead"' in text]
+    (tmp_path / "bead.py").write_text(bead, encoding="utf-8")
     system = load_system("bead.py", base=tmp_path)
     problem = cw.Equilibrium(system, system.defaults(), free="omega")
     branch = cw.continue_branch(problem, "lowest", range=(0.5, 6.0))
@@ -219,6 +220,25 @@ def test_bead_on_a_hoop_has_its_pitchfork(tmp_path):
     # closed form: omega^2 = g / radius
     assert abs(point.parameters["omega"] - 9.81**0.5) <= 2.0 * point.error
     assert point.criticality == "supercritical"
+
+
+def test_the_trampoline_throws_once_in_a_period(tmp_path):
+    (text,) = [text for text in blocks(PLUGINS, "python") if 'name="trampoline"' in text]
+    (tmp_path / "trampoline.py").write_text(text, encoding="utf-8")
+    study = """
+contwalk: 1
+system: ./trampoline.py
+start: {simulate: {state: {ball: 0.3, speed: 0.0}, until: settled}}
+continue: {parameter: drive, range: [25, 125], direction: backward}
+output: trampoline.h5
+"""
+    (tmp_path / "trampoline.yaml").write_text(study, encoding="utf-8")
+    run_command("contwalk continue trampoline.yaml", tmp_path)
+    (branch,) = cw.open_database(tmp_path / "trampoline.h5").branches()
+    assert set(branch.info.signature) == {"landing", "takeoff"}
+    # two modes of two states each, and time: two multipliers
+    assert branch.info.spectrum == 2
+    assert [p.label for p in branch.special_points if p.label != "EP"] == ["LP"]
 
 
 def test_family_of_the_reference_builds_each_machine(tmp_path):

@@ -3,14 +3,9 @@
 from __future__ import annotations
 
 import math
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "flow"))
-
 from hybrid_systems import BALL, COUNTERS, DAMPER, KICKS, STOP
 
 from contwalk.flow.hybrid import arcs, hybrid_machine
@@ -128,6 +123,34 @@ def test_restitution_just_below_one_is_no_chatter():
     assert found[-1].status == "ok"
     durations = 2e-4 * 0.999999 ** np.arange(len(found) - 1)
     np.testing.assert_allclose(times_of(found), np.cumsum(durations), rtol=1e-11)
+
+
+@pytest.mark.parametrize("method", ["dop853", "verner98"])
+@pytest.mark.parametrize("apart", [0.3, 1e-3, 1e-9, 0.0])
+def test_the_first_of_two_feet_as_one_guard_with_a_kink(method, apart):
+    def sinks(t, x, p, dx):
+        dx[0] = x[2]
+        dx[1] = x[2] - 1.0
+        dx[2] = -1.0
+
+    def lowest(t, x, p):
+        return min(x[0], x[1])
+
+    feet = System(
+        "feet",
+        (State("heel"), State("toe"), State("speed")),
+        (),
+        (
+            Mode("falling", sinks),
+            Mode("lying", lambda t, x, p, dx: dx.__setitem__(slice(None), [0.0, 0.0, 0.0])),
+        ),
+        (Transition("touch", "falling", "lying", lowest),),
+    )
+    # The heel is at zero at t = 2; the toe passes it when it is `apart` above the ground.
+    found = run(machine(feet), [2.0, 4.0 - apart, 0.0], 3.0, method=method)
+    exact = np.roots([-0.5, -1.0, 4.0 - apart]).max()
+    assert [arc.transition for arc in found] == ["touch", None]
+    assert found[0].times[-1] == pytest.approx(min(exact, 2.0), abs=1e-9)
 
 
 # -- small, large, late --------------------------------------------------------------------------------------

@@ -374,6 +374,23 @@ def test_a_field_that_ends_is_named():
     assert "mode 'up'" in found[-1].reason
 
 
+@pytest.mark.parametrize("method", ["dop853", "verner98"])
+def test_a_field_that_does_not_exist_beyond_a_guard(method):
+    def drains(t, x, p, dx):
+        dx[0] = -math.sqrt(x[0]) - 0.5
+
+    def nothing(t, x, p, out):
+        out[0] = 0.0
+
+    modes = Mode("full", drains), Mode("dry", nothing)
+    empty = Transition("empty", "full", "dry", lambda t, x, p: x[0], reset=nothing)
+    system = System("tank", (State("level"),), (), modes, (empty,))
+    found = run(machine(system), [1.0], 3.0, method=method)
+    assert [arc.transition for arc in found] == ["empty", None]
+    # With s = sqrt(level), -2 s ds = (s + 1/2) dt.
+    assert found[0].times[-1] == pytest.approx(2.0 - math.log(3.0), abs=1e-9)
+
+
 def test_a_reset_without_a_value_is_named():
     def fails(t, x, p, x_plus):
         x_plus[0] = math.sqrt(x[0] - 1.0)

@@ -90,16 +90,34 @@ def test_an_unstable_branch_between_two_end_points_is_unstable():
     assert not lines(ax, "b1-stable")
 
 
-def test_inadmissible_parts_are_light_under_grey_dots():
+def test_inadmissible_parts_are_light_and_thin_on_hatching():
     admissible = np.array([True, True, True, False, False])
     made = branch({"mu": np.arange(5.0), "x": np.arange(5.0)}, admissible=admissible)
     ax = plot_bifurcation_diagram([made])
-    (dots,) = lines(ax, "b1-inadmissible")
-    assert dots.get_linestyle() == ":"
-    np.testing.assert_array_equal(dots.get_xdata(), [2, 3, 4])
+    (hatching,) = lines(ax, "b1-inadmissible")
+    assert hatching.get_linewidth() > 4.0
+    np.testing.assert_array_equal(hatching.get_xdata(), [2, 3, 4])
     first, second = lines(ax, "b1-stable")
     assert first.get_color() != second.get_color()
-    assert "inadmissible" in [text.get_text() for text in ax.get_legend().get_texts()]
+    assert first.get_linewidth() > second.get_linewidth()
+    assert hatching.get_zorder() < second.get_zorder()
+    assert "not admissible" in [text.get_text() for text in ax.get_legend().get_texts()]
+    whole = plot_bifurcation_diagram([branch({"mu": np.arange(5.0), "x": np.arange(5.0)})])
+    assert "not admissible" not in [text.get_text() for text in whole.get_legend().get_texts()]
+
+
+def test_what_is_not_admissible_is_still_stable_or_not():
+    made = branch({"mu": np.arange(4.0), "x": np.arange(4.0)}, unstable=1, admissible=False)
+    (line,) = lines(plot_bifurcation_diagram([made]), "b1-unstable")
+    assert line.get_linestyle() == "--"
+
+
+def test_many_names_have_a_larger_figure_unless_the_axes_are_given():
+    few, many = plot_bifurcation_diagram([crowd(9)]), plot_bifurcation_diagram([crowd(30)])
+    assert many.figure.get_size_inches()[1] > few.figure.get_size_inches()[1]
+    given = new_axes("bifurcation_diagram")
+    plot_bifurcation_diagram([crowd(30)], ax=given)
+    assert tuple(given.figure.get_size_inches()) == tuple(few.figure.get_size_inches())
 
 
 def test_special_points_are_labelled_once_and_end_points_not():

@@ -43,6 +43,39 @@ def test_an_equilibrium_is_a_dot_and_an_unstable_one_a_ring():
     assert ax.get_legend() is None
 
 
+def test_jumps_are_thin_dotted_connections_in_the_colour_of_the_orbit():
+    broken = np.insert(CIRCLE, 25, np.nan, axis=0)
+    jumps = [np.array([[CIRCLE[24], CIRCLE[25]], [CIRCLE[-1], CIRCLE[0]]]), np.zeros((0, 2, 2))]
+    ax = plot_phase_portrait([broken, 2.0 * CIRCLE], ("x", "v"), jumps=jumps)
+    (orbit,), connections = by_gid(ax, "orbit-0"), by_gid(ax, "jump-0")
+    assert len(connections) == 2
+    assert not by_gid(ax, "jump-1")
+    for line in connections:
+        assert line.is_dashed()
+        assert line.get_linewidth() < orbit.get_linewidth()
+        assert line.get_color() == orbit.get_color()
+    assert legend(ax) == ["jump at an event"]
+
+
+def test_orbits_that_are_not_admissible_are_light():
+    orbits, names = [CIRCLE, 2.0 * CIRCLE], ("x", "v")
+    ax = plot_phase_portrait(orbits, names, admissible=[True, False])
+    plain = plot_phase_portrait(orbits, names)
+    colors = [[by_gid(each, f"orbit-{k}")[0].get_color() for k in (0, 1)] for each in (ax, plain)]
+    assert colors[0][0] == colors[1][0]
+    assert colors[0][1] != colors[1][1]
+    assert legend(ax) == ["light: not admissible"]
+    assert legend(plot_phase_portrait(orbits, names, admissible=[False, False])) == ["all: not admissible"]
+
+
+def test_long_names_stand_below_the_axes_of_a_taller_figure():
+    name = "PD1:  alpha = 0.0982189 rad,  T = 1.459 s"
+    ax = plot_phase_portrait([CIRCLE], ("x", "v"), labels=[name])
+    ax.figure.canvas.draw()
+    assert ax.get_legend().get_window_extent().y1 < ax.bbox.y0
+    assert ax.figure.get_size_inches()[1] > new_axes("phase_portrait").figure.get_size_inches()[1]
+
+
 def test_three_names_make_axes_in_space():
     helix = np.column_stack([CIRCLE, TURN])
     ax = plot_phase_portrait([helix], ("x", "y", "t"), units={"t": "s"}, periods=[0])

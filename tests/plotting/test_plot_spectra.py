@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from synthetic_branches import branch, hopf
 
+from contwalk.branch import SpecialPoint
 from contwalk.errors import ContwalkError
-from contwalk.plotting import plot_eigenvalues, plot_multipliers
+from contwalk.plotting import plot_eigenvalues, plot_multiplier_moduli, plot_multipliers
 from contwalk.plotting.spectrum import track
 
 
@@ -110,3 +111,76 @@ def test_multipliers_have_the_unit_circle_and_eigenvalues_leave_orbits_out():
         plot_eigenvalues([orbit])
     with pytest.raises(ContwalkError, match="figure `eigenvalues`"):
         plot_multipliers([hopf()])
+
+
+def doubling(admissible=True):
+    """A multiplier that passes -1 at mu = 0 (row 20), one that changes its sign, and a pair that meets."""
+    mu = np.linspace(-1.0, 1.0, 41)
+    pair = np.sqrt((mu - 0.525).astype(complex))  # imaginary before, real after
+    spectrum = np.stack([-1.0 - mu / 2, 0.2 * (mu + 0.025) + 0j, 0.4 + pair / 4, 0.4 - pair / 4], axis=1)
+    special = (SpecialPoint("PD", 20.0, unstable_before=0, unstable_after=1),)
+    return branch(
+        {"mu": mu, "x": mu},
+        spectrum=spectrum,
+        problem="hybrid_orbit",
+        unstable=(mu > 1e-9).astype(int),
+        admissible=admissible,
+        special=special,
+    )
+
+
+def test_moduli_tell_the_kinds_of_multipliers_apart():
+    ax = plot_multiplier_moduli([doubling()], units={"mu": "m"})
+    kinds = {"positive": [], "negative": [], "complex pair": []}
+    for artist in ax.collections:
+        kind = (artist.get_gid() or "").removeprefix("b1-")
+        kinds.setdefault(kind, []).extend(artist.get_segments())
+    negative = np.concatenate(kinds["negative"])
+    np.testing.assert_allclose(negative[:, 1].max(), 1.5)  # |-1 - mu / 2|
+    assert np.concatenate(kinds["complex pair"])[:, 0].max() < 0.6
+    # Where a real multiplier changes its sign there is a gap: it passes zero.
+    crossing = [s for s in (*kinds["positive"], *kinds["negative"]) if s[0, 0] < -0.025 < s[1, 0]]
+    assert all(abs(s[:, 1]).min() > 0.3 for s in crossing)
+    (mark,) = [line for line in ax.lines if line.get_gid() == "b1-PD1"]
+    assert mark.get_ydata()[0] == 1.0
+    assert mark.get_xdata()[0] == pytest.approx(0.0, abs=1e-15)
+    assert [text.get_text() for text in ax.texts] == ["PD1"]
+    legend = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert legend == ["positive", "negative", "complex pair"]
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("mu (m)", "modulus of multipliers")
+
+
+def test_moduli_and_loci_of_what_is_not_admissible_are_told():
+    half = np.arange(41) < 10
+    ax = plot_multiplier_moduli([doubling(half)])
+    assert "light: not admissible" in [text.get_text() for text in ax.get_legend().get_texts()]
+    plane = plot_multipliers([doubling(half)])
+    assert "thin: not admissible" in [text.get_text() for text in plane.get_legend().get_texts()]
+    widths = by_gid(plane, "b1-loci").get_linewidths()
+    assert len(set(np.asarray(widths))) == 2
+    whole = plot_multipliers([doubling()])
+    assert len(whole.get_legend().get_texts()) == 2
+
+
+def test_a_pair_meets_on_the_real_axis():
+    segments = by_gid(plot_multipliers([doubling()]), "b1-loci").get_segments()
+    bent = [s for s in segments if len(s) == 3]
+    assert len(bent) == 2  # both of the pair, once
+    for piece in bent:
+        assert piece[1, 1] == 0.0
+        assert piece[1, 0] == pytest.approx(0.4)
+
+
+def test_moduli_need_orbits():
+    with pytest.raises(ContwalkError, match="figure `eigenvalues`"):
+        plot_multiplier_moduli([hopf()])
+
+
+@pytest.mark.parametrize("k", [0, 1, 2])
+def test_moduli_of_few_points(k):
+    made = branch(
+        {"mu": np.arange(float(k)), "x": np.ones(k)},
+        spectrum=np.zeros((k, 1), dtype=complex),
+        problem="hybrid_orbit",
+    )
+    plot_multiplier_moduli([made]).figure.canvas.draw()

@@ -1,4 +1,6 @@
-"""Paper 3, Fig. 5: multipliers, impulse and friction as the feet shrink, along rf = 0.12 - 0.11 s, lf = 0.123 - 0.018 s.
+"""Paper 3, Fig. 5: multipliers, impulse and friction as the feet shrink.
+
+The feet are rf = 0.12 - 0.11 s and lf = 0.123 - 0.018 s.
 
 Numbers are verified ones, of two codes that are not contwalk; the run is that of `runs/planar_feet.yaml`.
 """

@@ -127,7 +127,8 @@ MISTAKES = {
         "symmetry 'legs'", "Applied twice it does not give the state back: left is", "def swapped",
     ),
     "guard that only comes to zero": (
-        "def height(t, x, p):\n    return x[Y] - 1.0", "def height(t, x, p):\n    return (x[Y] - 1.0) ** 3", "error",
+        "def height(t, x, p):\n    return x[Y] - 1.0", "def height(t, x, p):\n    return (x[Y] - 1.0) ** 3",
+        "error",
         "guard of transition 'touch_down'", "does not pass zero, it only comes to it", "def height",
     ),
     "condition that raises": (

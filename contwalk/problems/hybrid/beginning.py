@@ -23,13 +23,15 @@ from contwalk.system.declarations import ParameterValues
 TOLERANCE = 1e-9
 # What a return misses by, in units of the variation: of a motion that has settled; at all.
 SETTLED, NEARLY = 1e-5, 0.2
+# A part of a lap that misses by less than so many times as much is the lap.
+ROUND = 100.0
 # Events that are looked back; events and steps that are simulated at most.
 LOOK_BACK, MOST_EVENTS, MOST_STEPS = 64, 1000, 500_000
 # Periods of the forcing without an event before an orbit without events is looked for.
 QUIET = 4
 # How long to simulate at once, in units of what the fastest state needs to change by its own size; steps
 # without an event after which there will be none, for a start that is said to be on an orbit and otherwise.
-STRETCH, FIRST_PATIENCE, PATIENCE = 30.0, 2_000, 20_000
+STRETCH, FIRST_PATIENCE, PATIENCE = 300.0, 2_000, 20_000
 LEAST = 1e-3
 # A return that is as good as this times the best one so far is as good.
 AS_GOOD = 0.5
@@ -108,27 +110,28 @@ def lap_from(
 def _motion(
     machine: HybridMachine, t: float, x: np.ndarray, mode: str, last: str | None, search: _Search
 ) -> Iterator[Arc]:
-    """Arcs of the motion, in stretches short enough to notice that nothing happens."""
+    """Arcs of the motion, in stretches short enough to notice that nothing happens.
+
+    A stretch ends between events: right after one, a new start would not know what of a guard is rounding.
+    """
     quiet = 0
     while True:
         weights = search.weights(x)
         length = search.stretch(machine, t, x, mode, weights)
         for arc in arcs(machine, t, x, mode, t + length, TOLERANCE, weights, just_after=last):
             yield arc
-            if arc.status != "ok":
+            if arc.status != "ok" or search.exhausted:
                 return
+            t = float(arc.times[-1])
             if arc.transition is None:
                 quiet += len(arc.times)
-                t, x, last = float(arc.times[-1]), arc.states[-1], None
-                if not search.waits(quiet):
-                    return
-                break
-            assert arc.after is not None
-            quiet, t, x, last = 0, float(arc.times[-1]), arc.after, arc.transition
-            mode = machine.transition(arc.transition).target
-            if search.exhausted:
-                return
-            break
+                x, last = arc.states[-1], None
+            else:
+                assert arc.after is not None
+                quiet, x, last = 0, arc.after, arc.transition
+                mode = machine.transition(arc.transition).target
+        if not search.waits(quiet):
+            return
 
 
 class _Search:
@@ -210,6 +213,7 @@ class _Search:
         end = float(arc.times[-1])
         count = len(self.stretches)
         target = next(t for t in self.system.transitions if t.name == arc.transition).target
+        shorter: list[Lap] = []
         for back in range(1, min(LOOK_BACK, count) + 1):
             first = self.stretches[count - back]
             if first.leg.mode != target or self._led_in(count - back) not in (None, arc.transition):
@@ -223,12 +227,27 @@ class _Search:
                 missed = max(missed, abs(laps - round(laps)) / 0.05) if round(laps) > 0 else np.inf
             lap = Lap(tuple(self.stretches[count - back :]), scale, missed)
             if missed < SETTLED:
-                return lap
+                return self._shortest(lap, shorter)
+            shorter.append(lap)
             if missed < NEARLY and (self.best is None or missed < AS_GOOD * self.best.missed):
                 self.best = lap
                 if self.until is None:
                     return lap
         return None
+
+    @staticmethod
+    def _shortest(lap: Lap, shorter: list[Lap]) -> Lap:
+        """The shortest lap that a longer one repeats: an approach that alternates looks settled there later."""
+        for part in shorter:
+            times = len(lap.stretches) // len(part.stretches)
+            whole = len(part.stretches) * times == len(lap.stretches)
+            if (
+                whole
+                and lap.word == part.word.repeated(times)
+                and part.missed < ROUND * max(lap.missed, 0.1 * SETTLED)
+            ):
+                return part
+        return lap
 
     def _led_in(self, k: int) -> str | None:
         """The transition that leads into stretch k; None where it is not known."""

@@ -20,9 +20,10 @@ from contwalk.problems.hybrid.passage import Passage, passage_of
 from contwalk.problems.hybrid.period import period_map
 from contwalk.problems.hybrid.return_map import EventMap
 from contwalk.problems.hybrid.shooting import LegMesh, Piece, meshed
+from contwalk.problems.hybrid.solving import newton_on
 from contwalk.problems.hybrid.view import LegView, view_of
 from contwalk.problems.hybrid.word import Word
-from contwalk.problems.linear import EPSILON, Factored, solution_error
+from contwalk.problems.linear import EPSILON, Factored, solution_error, tangent_along
 from contwalk.problems.orbit import augmented, branching, describing, ending, rates
 from contwalk.problems.orbit.discretization import FINEST, Discretization
 from contwalk.problems.orbit.motion import PLAIN, TANGENT
@@ -41,6 +42,8 @@ STAGES = {"dop853": 12, "verner98": 16, "radau5": 24, "radau9": 40}
 MOST_KEPT = 12
 # Solutions that are looked at again soon: at a step's ends.
 MOST_VIEWS = 4
+# Residuals so many times above their level are no solution's.
+MISSED = 3e4
 # A leg this short, against the closure, is none.
 COLLAPSED = 1e-13
 # Multipliers whose difference has a smaller square meet, to rounding.
@@ -375,7 +378,7 @@ class HybridOrbit:
         """Estimated error of each equation: that of the steps, beside what it is solved to."""
         errors = linearization.levels[0].copy()
         last = self.layout.guards + self.layout.legs
-        errors[:last] += GLOBAL * self.mesh.tolerance * self.equation_scales[:last]
+        errors[:last] += GLOBAL * self.mesh.growth * self.mesh.tolerance * self.equation_scales[:last]
         return errors
 
     def magnitudes_near(self, z: np.ndarray) -> np.ndarray:
@@ -508,7 +511,8 @@ class HybridOrbit:
             own = v[list(self.passages[smallest].states)]
             directions.append(np.append(own, 0.0) if len(product) > len(own) else own)
         neutral = np.array(directions).reshape(len(directions), len(product)).T
-        return multipliers([product], [neutral], self.extended(smallest), self.mesh.tolerance)
+        tolerance = self.mesh.growth * self.mesh.tolerance
+        return multipliers([product], [neutral], self.extended(smallest), tolerance)
 
     def trivial_error(self, z: np.ndarray, jacobian: np.ndarray) -> float:
         """How well each leg's map forgets where on the orbit it started, relative; NaN for a forced one.
@@ -639,6 +643,7 @@ class HybridOrbit:
         trivial = self.trivial_error(z, linearization.jacobian)
         bordered = np.vstack([linearization.jacobian, unit / weights**2])
         margins = limits.margins(self, z) if known is None else None
+        error = solution_error(bordered, self._errors(linearization), weights)
         return Sample(
             z=z,
             tangent=unit,
@@ -652,9 +657,10 @@ class HybridOrbit:
             observables=self._observed(z, found, margins) if known is None else known.observables,
             magnitudes=linearization.magnitudes,
             excess=linearization.excess_in(weights),
-            error=solution_error(bordered, self._errors(linearization), weights),
+            error=error,
             critical=1.0,
-            spectrum_error=max(found.accuracy, 2.0 * float(np.nan_to_num(trivial))),
+            # What the orbit itself is not known to, its multipliers are not either.
+            spectrum_error=max(found.accuracy, 2.0 * float(np.nan_to_num(trivial)), error),
             sizes=np.nan_to_num(linearization.magnitudes),
             period=self.duration(z),
             trivial_error=trivial,
@@ -683,13 +689,29 @@ class HybridOrbit:
         return observing.reported(self, z)
 
     def adapted(self, sample: Sample) -> tuple[HybridOrbit, Sample]:
-        """The problem on steps made for a solution, and the solution's sample on it."""
+        """The problem on steps made for a solution, and the solution's sample on it.
+
+        Where a leg passes a saddle, what was a solution on the steps of the last orbit may be none on these:
+        it is then corrected.
+        """
         problem = self.adapted_to(sample.z, sample.weights)
+        if problem.linearize(sample.z).excess_in(sample.weights) > MISSED:
+            return problem._corrected(sample)
         tangent = problem.into_section(sample.z, sample.tangent)
         linearization = problem.linearize(sample.z)
         again = problem.examine(sample.z, tangent, sample.weights, linearization, sample.unstable, sample)
         orientation = 0.0 if sample.orientation == 0.0 else again.orientation
         return problem, replace(again, orientation=orientation)
+
+    def _corrected(self, sample: Sample) -> tuple[HybridOrbit, Sample]:
+        """A solution of other steps corrected on these, and steps made for what it has become."""
+        normal = sample.tangent / sample.weights**2
+        z = newton_on(self, sample.z, sample.weights, normal)
+        problem = self.adapted_to(z, sample.weights)
+        there = problem.linearize(z)
+        tangent = tangent_along(there.jacobian, normal, sample.weights)
+        again = problem.examine(z, tangent, sample.weights, there, sample.unstable)
+        return problem, replace(again, iterations=sample.iterations)
 
     def into_section(self, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
         """A tangent moved along the flow into the section of an orbit without events."""

@@ -44,10 +44,9 @@ class Layout:
         self.sum = total + m if forced else None
         self.held = first
 
-    def local(self, i: int) -> tuple[np.ndarray, np.ndarray]:
-        """Positions in z of leg i's own inputs (states, T, drifts, parameter), and of those that add
-        up to s.
-        """
+        self._local = [self._positions(i) for i in range(m)]
+
+    def _positions(self, i: int) -> tuple[np.ndarray, np.ndarray]:
         own = np.concatenate(
             [
                 np.arange(self.states[i].start, self.states[i].stop),
@@ -58,6 +57,10 @@ class Layout:
         ).astype(int)
         before = np.arange(self.durations.start, self.durations.start + i)
         return own, np.append(before, self.start).astype(int) if self.start is not None else before[:0]
+
+    def local(self, i: int) -> tuple[np.ndarray, np.ndarray]:
+        """Positions in z of leg i's own inputs (states, T, drifts, parameter), and of the summands of s."""
+        return self._local[i]
 
     def spread(self, i: int, rows: np.ndarray) -> np.ndarray:
         """Derivatives by a leg's inputs, (r, n_i + k), as derivatives by z, (r, N + 1)."""

@@ -25,14 +25,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contwalk.flow import Field
-from contwalk.problems.hybrid.passage import Passage
 from contwalk.problems.hybrid.shooting import Piece
 from contwalk.problems.hybrid.view import LegView, turn
 from contwalk.problems.orbit import augmented
 from contwalk.problems.orbit.motion import PLAIN
 from contwalk.problems.problem import Located, Sample
-from contwalk.system import Condition, Transition
+from contwalk.system import Transition
 
 if TYPE_CHECKING:
     from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
@@ -172,10 +170,7 @@ def margins(problem: HybridOrbit, z: np.ndarray) -> Margins:
         if limit.test == "duration":
             found = view.duration, problem.mesh.total, 1.0
         elif limit.test == "condition":
-            condition = problem.named_conditions[limit.name]
-            map_ = _condition_map(view.piece.passage, condition)
-            c = map_.constants(view.piece.values(view.scalars))
-            found = float(map_(1.0, view.end, c)[0]), 1.0, 1.0
+            found = view.conditions[limit.name], 1.0, 1.0
         else:
             if (i, limit.name) not in known:
                 known[i, limit.name] = _watch(problem, i, view, problem.named_transitions[limit.name])
@@ -228,12 +223,6 @@ def _of_watch(test: str, watch: _Watch, duration: float) -> tuple[float, float, 
         if value < least:
             least, place = value, time
     return least, scale, place
-
-
-def _condition_map(passage: Passage, condition: Condition) -> Field:
-    if condition.side == "after":
-        return passage.after(condition.name, condition.function)
-    return passage.watched(condition.name, condition.function)
 
 
 def guard_scales(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
@@ -300,7 +289,7 @@ def _rows(problem: HybridOrbit, limit: Limit, y: np.ndarray, share: float) -> tu
     x, scalars = layout.inputs(i, z)
     n = len(x)
     if limit.test == "condition":
-        map_ = _condition_map(piece.passage, problem.named_conditions[limit.name])
+        map_ = piece.passage.condition(problem.named_conditions[limit.name])
     else:
         transition = problem.named_transitions[limit.name]
         map_ = piece.passage.watched(transition.name, transition.guard)

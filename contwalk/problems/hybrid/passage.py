@@ -23,7 +23,7 @@ from contwalk.flow import Field
 from contwalk.problems.hybrid.word import Leg
 from contwalk.problems.orbit.motion import DIRECTIONS, PLAIN, STATES, TANGENT, lifted
 from contwalk.problems.tracing import parameter_symbols
-from contwalk.system import Neutral, System
+from contwalk.system import Condition, Neutral, System, Transition
 from contwalk.system.declarations import ParameterValues
 
 Scalar = Callable[[Any, Any, Any], Any]
@@ -177,34 +177,93 @@ class Passage:
     def watched(self, name: str, function: Scalar) -> Field:
         """A scalar along the leg as a map: its value and its rate over the leg's own time, T dh/dt."""
         key = "watched", name, True
-        if key in self._fields:
-            return self._fields[key]
-        program = self.watched_program(function)
+        if key not in self._fields:
+            self._compiled(key, self._with_rates([function]), PLAIN, 2)
+        return self._fields[key]
+
+    @cached_property
+    def leaving(self) -> tuple[Transition, ...]:
+        """The transitions out of the leg's mode, watched ones included."""
+        return self.system.leaving(self.leg.mode)
+
+    def guards(self) -> Field:
+        """The guards of `leaving`, each with its rate as `watched` has it, evaluated together.
+
+        Raises
+        ------
+        UnsupportedOperation
+            If together they compare the state in too many ways.
+        """
+        key = "guards", True
+        if key not in self._fields:
+            program = self._with_rates([transition.guard for transition in self.leaving])
+            self._compiled(key, program, PLAIN, 2 * len(self.leaving))
+        return self._fields[key]
+
+    def _with_rates(self, functions: Sequence[Scalar]) -> Program:
+        """Scalars along the leg, each followed by its rate."""
+        copies = [rebound(function) for function in functions]
+
+        def all_of(tracer: Tracer) -> list[Any]:
+            given = self._arguments(tracer)
+            return [*(copy(*given) for copy in copies), *self._rates(tracer)]
+
+        program = trace(all_of)
         graph = program.graph
 
         def measured(outputs: tuple[int, ...]) -> list[int]:
-            value, *rates = outputs
+            values, rates = outputs[: len(copies)], outputs[len(copies) :]
             inputs = [graph.input("u", k) for k in range(len(self.states))]
             moving = {graph.input("t", 0): graph.one, **dict(zip(inputs, rates, strict=True))}
-            return [value, *directional(graph, [value], moving)]
+            changes = directional(graph, list(values), moving)
+            return [node for pair in zip(values, changes, strict=True) for node in pair]
 
-        return self._compiled(key, program.transformed(measured), PLAIN, 2)
+        return program.transformed(measured)
 
-    def after(self, name: str, function: Scalar) -> Field:
-        """A scalar of the state after the transition, as a map of the state before it."""
-        key = "after", name, True
-        if key in self._fields:
-            return self._fields[key]
-        copy = rebound(function)
+    @cached_property
+    def conditions(self) -> tuple[Condition, ...]:
+        """The conditions at the leg's transition."""
+        return tuple(c for c in self.system.conditions if c.at == self.leg.name)
 
-        def value(tracer: Tracer) -> list[Any]:
-            t, x, p = self._arguments(tracer)
-            there = np.full(len(x), 0.0, dtype=object)
-            for i, entry in zip(self.following, self._after(tracer), strict=True):
-                there[i] = entry
-            return [copy(t, there, p)]
+    def conditioned(self) -> Field:
+        """All conditions at the leg's transition, as a map of the state before it.
 
-        return self._compiled(key, trace(value), PLAIN, 1)
+        Raises
+        ------
+        UnsupportedOperation
+            If together they compare the state in too many ways.
+        """
+        key = "conditions", True
+        if key not in self._fields:
+            copies = [(rebound(c.function), c.side) for c in self.conditions]
+
+            def all_of(tracer: Tracer) -> list[Any]:
+                t, x, p = self._arguments(tracer)
+                after = self._full_after(tracer) if any(side == "after" for _, side in copies) else x
+                return [copy(t, after if side == "after" else x, p) for copy, side in copies]
+
+            self._compiled(key, trace(all_of), PLAIN, len(copies))
+        return self._fields[key]
+
+    def condition(self, condition: Condition) -> Field:
+        """One condition at the leg's transition, as a map of the state before it."""
+        key = "condition", condition.name, True
+        if key not in self._fields:
+            copy, after = rebound(condition.function), condition.side == "after"
+
+            def value(tracer: Tracer) -> list[Any]:
+                t, x, p = self._arguments(tracer)
+                return [copy(t, self._full_after(tracer) if after else x, p)]
+
+            self._compiled(key, trace(value), PLAIN, 1)
+        return self._fields[key]
+
+    def _full_after(self, tracer: Tracer) -> np.ndarray:
+        """The state after the transition, of full length."""
+        there = np.full(len(self.system.states), 0.0, dtype=object)
+        for i, entry in zip(self.following, self._after(tracer), strict=True):
+            there[i] = entry
+        return there
 
     def full(self, x: np.ndarray) -> np.ndarray:
         """States of the mode (k, n_i) or (n_i,) as states of the system; those that do not exist are zero."""

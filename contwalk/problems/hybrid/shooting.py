@@ -16,14 +16,19 @@ import numpy as np
 from contwalk import flow
 from contwalk.flow.method import Carried, choose
 from contwalk.problems.hybrid.passage import Passage
+from contwalk.problems.orbit.discretization import TIGHTEST
 from contwalk.problems.orbit.motion import PLAIN, TANGENT
-from contwalk.problems.orbit.shooting import CONSTANT, LEAST_SHARE, Mesh, arrived
+from contwalk.problems.orbit.shooting import CONSTANT, LEAST_SHARE, Mesh, arrived, growth_of
+
+# Local errors may grow by so much over a leg before its steps are made finer.
+SAFE = 30.0
 
 
 @dataclass(frozen=True, eq=False)
 class LegMesh(Mesh):
     """Steps of each leg, in its own time from 0 to 1.
 
+    `growth` is what local errors grow by at most over a leg, in units of the tolerance.
     `total` is the duration of the closure, `guards` the largest value of each leg's own guard on it, shape
     (m,): the units of durations and of guards.
     """
@@ -148,13 +153,28 @@ def meshed(
     if np.any(smaller < 0.2 * variation):
         variation = smaller
         paths, chosen, reason = _passed(passages, starts, scalars, fixed, variation, tolerance, method)
+    # Over a leg that passes a saddle, an error grows with whatever else does: its steps have to be finer.
+    growth, finer = _growth(passages, paths, variation), tolerance
+    while growth * finer > SAFE * tolerance and finer > TIGHTEST:
+        finer = max(0.5 * tolerance * SAFE / growth, TIGHTEST)
+        paths, chosen, reason = _passed(passages, starts, scalars, fixed, variation, finer, method)
+        growth = _growth(passages, paths, variation)
+    amplified = max(growth * finer / tolerance, 1.0)
     steps = [path.times for path in paths]
     if alike:
         half = len(steps) // 2
         for i in range(half):
             longer = max(steps[i], steps[i + half], key=len)
             steps[i] = steps[i + half] = longer
-    return LegMesh(tuple(steps), chosen, tolerance, variation, magnitudes, 1.0, reason)
+    return LegMesh(tuple(steps), chosen, tolerance, variation, magnitudes, amplified, reason)
+
+
+def _growth(passages: Sequence[Passage], paths: Sequence[flow.Path], variation: np.ndarray) -> float:
+    """How much a deviation grows at most over a leg, from any time on."""
+    return max(
+        growth_of(path.states[:, len(p.states) :] / variation[list(p.states)])
+        for p, path in zip(passages, paths, strict=True)
+    )
 
 
 def _variation(passages: Sequence[Passage], paths: Sequence[flow.Path], magnitudes: np.ndarray) -> np.ndarray:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contwalk import flow
+from contwalk.errors import UnsupportedOperation
 from contwalk.problems.hybrid.shooting import Piece
 from contwalk.problems.orbit.motion import PLAIN
 from contwalk.system import Transition
@@ -83,11 +84,32 @@ class LegView:
 
     def guard(self, transition: Transition) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Instants in 0..1, a transition's guard there, and its rate over the leg's own time."""
-        map_ = self.piece.passage.watched(transition.name, transition.guard)
-        c = map_.constants(self.piece.values(self.scalars))
-        times, states = self.times[::GUARDED], self.states[::GUARDED]
-        found = map_.along(times, states, c)
-        return times, found[:, 0], found[:, 1]
+        k = self.piece.passage.leaving.index(transition)
+        return self.times[::GUARDED], self._guards[:, 2 * k], self._guards[:, 2 * k + 1]
+
+    @cached_property
+    def _guards(self) -> np.ndarray:
+        """All guards out of the mode with their rates, at every `GUARDED`-th sample."""
+        times, states, values = self.times[::GUARDED], self.states[::GUARDED], self.piece.values(self.scalars)
+        passage = self.piece.passage
+        try:
+            maps = [passage.guards()]
+        except UnsupportedOperation:  # together they compare too often; each alone does not
+            maps = [passage.watched(t.name, t.guard) for t in passage.leaving]
+        return np.hstack([map_.along(times, states, map_.constants(values)) for map_ in maps])
+
+    @cached_property
+    def conditions(self) -> dict[str, float]:
+        """Values of the conditions at the leg's transition, by name."""
+        passage, values = self.piece.passage, self.piece.values(self.scalars)
+        if not passage.conditions:
+            return {}
+        try:
+            maps = [passage.conditioned()]
+        except UnsupportedOperation:
+            maps = [passage.condition(c) for c in passage.conditions]
+        found = np.concatenate([map_(1.0, self.end, map_.constants(values)) for map_ in maps])
+        return dict(zip([c.name for c in passage.conditions], found.tolist(), strict=True))
 
     def guard_at(self, transition: Transition, times: np.ndarray, states: np.ndarray) -> np.ndarray:
         """A guard and its rate at some instants, shape (k, 2)."""

@@ -36,12 +36,13 @@ def described(problem: Orbit, label: str, located: Located, sample: Sample, s: f
     values = problem.values_of(z)
     duration, (_, fold) = problem.duration(z), problem.whole
     spectrum = tuple(complex(v) for v in sample.eigenvalues)
+    state = there.reported(z) if sample.reported is None else sample.reported
     return SpecialPoint(
         label="BP" if label == "SB" else label,
         s=s,
         kind=kind,
         parameters=values | ({problem.free: float(z[-1])} if problem.path is not None else {}),
-        state=dict(zip(problem.system.state_names, there.reported(z).tolist(), strict=True)),
+        state=dict(zip(problem.system.state_names, state.tolist(), strict=True)),
         period=duration,
         period_full=duration * fold,
         spectrum=spectrum,

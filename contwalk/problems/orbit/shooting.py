@@ -211,7 +211,7 @@ def meshed(
         if np.any(_variation(motion, values, finer[0], magnitudes, tolerance) >= SHRINKS * smaller):
             variation = smaller
             paths, chosen, reason = finer
-    growth = max(_growth(path.states[:, len(variation) :] / variation) for path in paths)
+    growth = max(growth_of(path.states[:, len(variation) :] / variation) for path in paths)
     steps = tuple(path.times for path in paths)
     if parts > 1:
         steps = repeating(steps, parts)
@@ -247,7 +247,7 @@ def _still(motion: Motion, values: np.ndarray, paths: Sequence[flow.Path], magni
     return True
 
 
-def _growth(deviations: np.ndarray) -> float:
+def growth_of(deviations: np.ndarray) -> float:
     """How much a deviation grows at most from any time on."""
     sizes = np.linalg.norm(deviations, axis=1)
     return float(np.max(sizes / np.minimum.accumulate(np.maximum(sizes, 1e-300))))

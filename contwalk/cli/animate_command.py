@@ -1,0 +1,97 @@
+"""`contwalk animate`: the machine in motion."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from contwalk.branch import Branch, SpecialPoint
+    from contwalk.system import System
+    from contwalk.workflow.animating import Animated
+
+
+@click.command("animate")
+@click.argument("db")
+@click.argument("point", metavar="BRANCH/POINT")
+@click.option("-o", "output", metavar="FILE", required=True, help="The file to write: GIF, MP4 or HTML.")
+@click.option(
+    "--periods", type=click.IntRange(1), default=1, show_default=True, help="Periods that are played."
+)
+@click.option(
+    "--fps", type=click.FloatRange(1.0, 120.0), default=30.0, show_default=True, help="Frames in a second."
+)
+@click.option(
+    "--slow",
+    type=click.FloatRange(0.001, 1000.0),
+    default=1.0,
+    show_default=True,
+    help="A second of the motion lasts so many seconds.",
+)
+@click.option("--force", is_flag=True, help="Replace a file that exists.")
+@click.option("--quiet", is_flag=True, help="Print errors only.")
+def command(
+    db: str, point: str, output: str, periods: int, fps: float, slow: float, force: bool, quiet: bool
+) -> None:
+    """Play the orbit of a stored point of the database DB, as the system draws its machine.
+
+    The point is one of a branch of periodic orbits, named as b1/PD1, or by its number along the branch as
+    b1/12. Frames are evenly spaced in time; the camera follows a machine that gets somewhere. MP4 needs the
+    program ffmpeg.
+    """
+    from contwalk.cli.point_page import stored_point
+    from contwalk.cli.stored_system import system_of
+    from contwalk.storage import open_database
+
+    with open_database(db) as database:
+        branch = database.branch(point.partition("/")[0])
+        where = stored_point(branch, point)
+        system = system_of(database.header, Path(db))
+    done = _animate(system, branch, where, Path(output), periods, fps, slow, force, quiet)
+    if not quiet:
+        click.echo(f"Wrote {done.path}: {_told(done, periods)}.")
+
+
+def _animate(
+    system: System,
+    branch: Branch,
+    point: SpecialPoint | int,
+    path: Path,
+    periods: int,
+    fps: float,
+    slow: float,
+    force: bool,
+    quiet: bool,
+) -> Animated:
+    """With a live bar where somebody watches a terminal."""
+    from contwalk.workflow.animating import animate
+
+    if quiet or not (sys.stdout.isatty() and sys.stderr.isatty()):
+        return animate(system, branch, point, path, periods=periods, fps=fps, slow=slow, force=force)
+    from rich.progress import Progress
+
+    from contwalk.cli.terminal import console
+
+    with Progress(console=console(stderr=True), transient=True) as bar:
+        task = bar.add_task("frames", total=None)
+        return animate(
+            system,
+            branch,
+            point,
+            path,
+            periods=periods,
+            fps=fps,
+            slow=slow,
+            force=force,
+            progress=lambda done, number: bar.update(task, completed=done, total=number),
+        )
+
+
+def _told(done: Animated, periods: int) -> str:
+    from contwalk.cli.words import plural
+
+    shown = f"{plural(periods, 'period')} of {done.motion / periods:.4g} s"
+    return f"{plural(done.frames, 'frame')}, {shown} in {done.seconds:.4g} s"

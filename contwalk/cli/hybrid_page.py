@@ -1,0 +1,115 @@
+"""What is told of an orbit with events beside what is told of any other."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from contwalk.cli.terminal import table
+from contwalk.cli.words import exact
+from contwalk.errors import ContwalkError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from contwalk.branch import Branch, SpecialPoint
+    from contwalk.system import System
+    from contwalk.workflow.stored_legs import HybridFacts, MarginFact
+
+
+def facts_at(system: System | None, branch: Branch, point: SpecialPoint | int) -> HybridFacts | None:
+    """Legs and margins; None of other orbits, and where the system cannot be had or has changed."""
+    if system is None or branch.info.problem != "hybrid_orbit":
+        return None
+    from contwalk.workflow.stored_legs import facts_of
+
+    try:
+        return facts_of(system, branch, point)
+    except ContwalkError:
+        return None
+
+
+def admissible_line(admissible: bool, branch: Branch, facts: HybridFacts | None) -> list[str]:
+    """Whether the machine can move so, and what is against it; of what has no events only if it cannot."""
+    if branch.info.problem != "hybrid_orbit":
+        return [] if admissible else ["not admissible"]
+    if admissible:
+        return ["admissible"]
+    violated = facts.violated if facts is not None else []
+    return ["not admissible" + (f": {', '.join(violated)} below zero" if violated else "")]
+
+
+def meaning_line(
+    branch: Branch, point: SpecialPoint, facts: HybridFacts | None, system: System | None
+) -> list[str]:
+    """What happens at a limit, and on which side of it the machine can move so."""
+    own = None if facts is None else facts.nearest(point.label)
+    text = _meaning(point, own, system)
+    if not text:
+        return []
+    rows = branch.points
+    regular = [row for row in (point.index - 1, point.index + 1) if 0 <= row < len(rows)]
+    flags = [bool(rows["admissible"][row]) for row in regular]
+    if len(flags) == 2 and flags[0] != flags[1]:
+        sides = "before it, not after it" if flags[0] else "after it, not before it"
+        text += f" The branch is admissible {sides}, in the order of its points."
+    return [f"meaning: {text}"]
+
+
+def _meaning(point: SpecialPoint, own: MarginFact | None, system: System | None) -> str:
+    """A limit in a sentence."""
+    name = f"'{own.name}'" if own is not None else "a guard"
+    if point.label == "GR" and point.kind == "terminal":
+        return (
+            f"the guard that ends a leg, {name}, is touched before the leg's end, or arrives there without "
+            "speed; where it passes zero there, the leg ends earlier."
+        )
+    if point.label == "GR":
+        about = _about(system, own.name if own is not None else "")
+        acts = system is None or own is None or own.name not in system.margins
+        beyond = "the event happens, and the signature changes" if acts else "the machine cannot move so"
+        return f"{name}{about} is touched between two events and not passed; where it is passed, {beyond}."
+    if point.label == "OC":
+        return "two events happen at once; beyond this point their order would be another one."
+    if point.label == "AZ":
+        about = _about(system, str(point.kind))
+        return f"'{point.kind}'{about} is zero; where it is negative, the machine cannot move so."
+    return ""
+
+
+def _about(system: System | None, name: str) -> str:
+    if system is None:
+        return ""
+    declared: list[Any] = [*system.conditions, *system.transitions]
+    about = next((each.about for each in declared if each.name == name), "")
+    return f" ({about})" if about else ""
+
+
+def print_legs(out: Console, facts: HybridFacts | None) -> None:
+    """The legs of the closure with their modes and durations."""
+    if facts is None:
+        return
+    out.print()
+    rows = [
+        [str(number), leg.mode, exact(leg.duration), "s", leg.event or "the period ends"]
+        for number, leg in enumerate(facts.legs, start=1)
+    ]
+    table(out, ["leg", "mode", "duration", "unit", "ended by"], rows, indent=4)
+
+
+def print_margins(out: Console, facts: HybridFacts) -> None:
+    """What must be positive, the least first."""
+    from contwalk.workflow.stored_legs import BELOW, ZERO
+
+    out.print()
+    rows = []
+    for margin in facts.margins:
+        zero, below = abs(margin.share) < ZERO, margin.share < BELOW
+        remark = ": zero here" if zero else ": BELOW ZERO" if below else ""
+        share = "0 %" if zero else f"{100.0 * margin.share:.3g} %"
+        rows.append([margin.name, exact(margin.value + 0.0), margin.unit, share, margin.what + remark])
+    table(out, ["margin, least first", "value", "unit", "of its largest", "of what"], rows, indent=4)
+
+
+def signature_line(branch: Branch) -> list[str]:
+    """The events of the closure in their order."""
+    return [f"signature: {' '.join(branch.info.signature)}"] if branch.info.signature else []

@@ -1,0 +1,100 @@
+"""A stored orbit as an animation of its machine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from contwalk.branch import Branch, SpecialPoint
+from contwalk.errors import ContwalkError
+from contwalk.system import System
+
+
+@dataclass(frozen=True)
+class Animated:
+    """What was written.
+
+    Parameters
+    ----------
+    path : Path
+    frames : int
+    seconds : float
+        How long it plays.
+    motion : float
+        How long the motion lasts that it shows, seconds.
+    """
+
+    path: Path
+    frames: int
+    seconds: float
+    motion: float
+
+
+def animate(
+    system: System,
+    branch: Branch,
+    point: SpecialPoint | int,
+    path: Path,
+    *,
+    periods: int = 1,
+    fps: float = 30.0,
+    slow: float = 1.0,
+    force: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+) -> Animated:
+    """Play the orbit of a stored point.
+
+    Parameters
+    ----------
+    system : System
+    branch : Branch
+    point : SpecialPoint or int
+        A special point of the branch, or the number of a row.
+    path : Path
+        GIF, MP4 or HTML by its suffix.
+    periods : int
+        How many are played.
+    fps : float
+        Frames in a second.
+    slow : float
+        A second of the motion lasts so many seconds.
+    force : bool
+        Replace a file that exists.
+    progress : callable, optional
+        Told the number of frames that are done, and of all.
+
+    Raises
+    ------
+    ContwalkError
+        Before anything is written, for a point that is no orbit, a system without `draw`, a suffix that is
+        not known or cannot be written here, a file that exists, and more frames than one file should have.
+    """
+    from contwalk.plotting.animation import checked_suffix, frames_of, played_fps, save_animation
+    from contwalk.plotting.machine import require_draw
+    from contwalk.workflow.orbit_motions import motion_along
+    from contwalk.workflow.stored_orbits import orbit_at, titled
+
+    suffix = checked_suffix(path)
+    if path.exists() and not force:
+        raise ContwalkError(f"{path} exists.", "Name another file, or replace it with --force.")
+    if not path.parent.is_dir():
+        raise ContwalkError(f"The folder {path.parent} does not exist.", "Make it, or name another one.")
+    require_draw(system)
+    orbit = orbit_at(system, branch, point)
+    rate = played_fps(suffix, fps)
+    frames_of(periods * orbit.period, rate, slow)
+    motion = motion_along(system, orbit, periods)
+    frames = save_animation(
+        system,
+        motion.times,
+        motion.states,
+        orbit.parameters,
+        path,
+        events=motion.marks,
+        fps=fps,
+        slow=slow,
+        title=titled(orbit),
+        progress=progress,
+    )
+    return Animated(path, frames, frames / rate, periods * orbit.period)

@@ -1,0 +1,231 @@
+"""`contwalk animate`, and the figures of single orbits: stick figures and time series."""
+
+from __future__ import annotations
+
+import pytest
+from PIL import Image
+
+WHEEL = """\
+import math
+from dataclasses import replace
+
+from contwalk_systems.rimless_wheel import SYSTEM as WHEEL
+
+
+def draw(axes, t, x, p, so_far=None):
+    times = [] if so_far is None else so_far[0].tolist()
+    steps = sum(after == before for before, after in zip(times[:-1], times[1:]))
+    foot = 2.0 * p.l * math.sin(p.a) * steps
+    axes.plot([foot, foot + p.l * math.sin(x[0])], [0.0, p.l * math.cos(x[0])], label="spoke", gid="spoke")
+    axes.set_xlim(foot - 1.5, foot + 1.5)
+    axes.set_ylim(-0.2, 1.4)
+
+
+SYSTEM = replace(WHEEL, name="wheel", draw=draw)
+"""
+
+RUN = """\
+contwalk: 1
+system: ./wheel.py
+parameters: {gamma: 0.1}
+start: {simulate: {state: {theta: -0.2, omega_: 1.5}, until: settled}}
+continue: {parameter: gamma, range: [0.08, 0.12], max_points: 4}
+diagram: none
+output: wheel.h5
+"""
+
+CIRCLE = """\
+from contwalk.system import Mode, Parameter, Start, State, System
+
+
+def field(t, x, p, dx):
+    growth = p.mu - x[0] ** 2 - x[1] ** 2
+    dx[0] = growth * x[0] - x[1]
+    dx[1] = x[0] + growth * x[1]
+
+
+def draw(axes, t, x, p):
+    axes.plot([0.0, x[0]], [0.0, x[1]], gid="arm")
+
+
+SYSTEM = System(
+    name="circle",
+    states=(State("x", "m"), State("y", "m")),
+    parameters=(Parameter("mu", -0.2, "N"),),
+    modes=(Mode("turning", field),),
+    starts=(Start("rest", lambda p: [[0.0, 0.0]]),),
+    draw=draw,
+)
+"""
+
+TURNS = """\
+contwalk: 1
+system: ./circle.py
+start: {equilibrium: rest}
+continue: {parameter: mu, range: [-0.2, 0.3]}
+diagram: {follow: [HB], depth: 1}
+output: circle.h5
+figures: [stick_figure]
+"""
+
+
+@pytest.fixture
+def wheel(contwalk, folder):
+    """Orbits with one heel strike."""
+    (folder / "wheel.py").write_text(WHEEL, encoding="utf-8")
+    (folder / "wheel.yaml").write_text(RUN, encoding="utf-8")
+    assert contwalk("continue", "wheel.yaml", "--quiet").code == 0
+    return "wheel.h5"
+
+
+@pytest.fixture
+def circle(contwalk, folder):
+    """An equilibrium, and circles of period 2 pi."""
+    (folder / "circle.py").write_text(CIRCLE, encoding="utf-8")
+    (folder / "circle.yaml").write_text(TURNS, encoding="utf-8")
+    assert contwalk("continue", "circle.yaml", "--quiet").code == 0
+    return "circle.h5"
+
+
+def frames(path):
+    with Image.open(path) as image:
+        return image.n_frames
+
+
+def test_a_gait_is_played(contwalk, wheel, folder):
+    done = contwalk("animate", wheel, "b1/0", "-o", "gait.gif", "--fps", "10", "--periods", "2")
+    assert (done.code, done.err) == (0, "")
+    assert done.out == "Wrote gait.gif: 15 frames, 2 periods of 0.7548 s in 1.5 s.\n"
+    assert frames(folder / "gait.gif") == 15
+
+
+def test_a_smooth_orbit_is_played_as_a_page(contwalk, circle, folder):
+    done = contwalk("animate", circle, "b2/EP1", "-o", "turn.html", "--fps", "2", "--slow", "0.5")
+    assert done.code == 0
+    assert done.out.startswith("Wrote turn.html: 6 frames, 1 period of 6.283 s in 3 s.")
+    text = (folder / "turn.html").read_text(encoding="utf-8")
+    assert text.count("data:image/png;base64") == 6
+
+
+def test_quiet(contwalk, wheel):
+    done = contwalk("animate", wheel, "b1/EP1", "-o", "gait.gif", "--fps", "2", "--quiet")
+    assert (done.code, done.out, done.err) == (0, "", "")
+
+
+def test_a_file_that_exists_is_replaced_only_with_force(contwalk, wheel, folder):
+    (folder / "gait.gif").write_bytes(b"mine")
+    given = ("animate", wheel, "b1/0", "-o", "gait.gif", "--fps", "2")
+    done = contwalk(*given)
+    assert done.code == 2
+    assert done.err == "error: gait.gif exists. Name another file, or replace it with --force.\n"
+    assert (folder / "gait.gif").read_bytes() == b"mine"
+    assert contwalk(*given, "--force").code == 0
+    assert frames(folder / "gait.gif") == 2
+
+
+@pytest.mark.parametrize(
+    ("point", "options", "said"),
+    [
+        ("b1/HB1", ("-o", "a.gif"), "Branch b1 is one of equilibrium points. Name a point on a branch of"),
+        ("b2/XX1", ("-o", "a.gif"), "has no special point 'XX1'"),
+        ("b2/1000", ("-o", "a.gif"), "Its points are 0 to"),
+        ("b9/1", ("-o", "a.gif"), "has no branch 'b9'"),
+        ("b2/5", ("-o", "a.avi"), "the format .avi is not known. Allowed: .gif, .mp4, .html."),
+        ("b2/5", ("-o", "nowhere/a.gif"), "The folder nowhere does not exist."),
+        ("b2/5", ("-o", "a.gif", "--slow", "1000"), "frames, more than 5000. Play fewer periods"),
+        ("b2/5", ("-o", "a.gif", "--periods", "0"), "--periods"),
+        ("b2/5", ("-o", "a.gif", "--fps", "0"), "--fps"),
+        ("b2/5", (), "Missing option '-o'"),
+    ],
+)
+def test_what_cannot_be_played(contwalk, circle, folder, point, options, said):
+    before = {path.name for path in folder.iterdir()}
+    done = contwalk("animate", circle, point, *options)
+    assert (done.code, done.out) == (2, "")
+    assert said in done.err
+    assert {path.name for path in folder.iterdir()} == before
+
+
+def test_without_ffmpeg_there_is_a_remedy(contwalk, circle, monkeypatch):
+    monkeypatch.setenv("PATH", "")
+    done = contwalk("animate", circle, "b2/5", "-o", "a.mp4")
+    assert done.code == 2
+    assert "MP4 needs the program ffmpeg, which is not there. Install ffmpeg, or name a .gif" in done.err
+
+
+def test_a_system_without_draw(contwalk, wheel, folder):
+    (folder / "wheel.py").write_text(WHEEL.replace(", draw=draw", ""), encoding="utf-8")
+    for command in (
+        ("animate", wheel, "b1/0", "-o", "a.gif"),
+        ("plot", wheel, "--kind", "stick_figure", "-o", "a.png"),
+    ):
+        done = contwalk(*command)
+        assert done.code == 2
+        assert "System 'wheel' cannot be drawn: it declares no draw. Give the plugin a function" in done.err
+
+
+def test_stick_figures_of_one_point_or_the_start(contwalk, wheel, folder):
+    for options, title in (((), "b1/0:"), (("--point", "b1/EP2"), "b1/EP2:")):
+        assert contwalk("plot", wheel, "--kind", "stick_figure", "-o", "s.svg", *options).code == 0
+        text = (folder / "s.svg").read_text(encoding="utf-8")
+        assert f"<!-- {title}  gamma = 0.1" in text
+        assert text.count('id="event"') == 2
+        # The beginning, three instants between, and the end.
+        assert text.count('id="spoke"') == 5
+
+
+def test_a_run_file_draws_the_stick_figure_of_the_start(circle, folder):
+    assert (folder / "circle_stick_figure.png").exists()
+
+
+def test_time_series_have_the_events(contwalk, wheel, circle, folder):
+    for options in (("--point", "b1/0"), ()):
+        assert contwalk("plot", wheel, "--kind", "time_series", "-o", "t.svg", *options).code == 0
+        text = (folder / "t.svg").read_text(encoding="utf-8")
+        assert "<!-- heel_strike (1) -->" in text
+        assert 'id="series-theta"' in text
+        assert 'id="series-omega_"' in text
+    assert contwalk("plot", circle, "--kind", "time_series", "-y", "x", "-o", "t.svg").code == 0
+    text = (folder / "t.svg").read_text(encoding="utf-8")
+    assert "<!-- x (m) -->" in text
+    assert 'id="series-y"' not in text
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--kind", "time_series", "-y", "z"), "'z' is not a state of 'circle'"),
+        (("--kind", "time_series", "-x", "x"), "has no -x: it is time"),
+        (("--kind", "stick_figure", "-y", "x"), "has no -x and -y"),
+        (("--kind", "stick_figure", "--point", "b2/1", "--point", "b2/2"), "drawn at one point"),
+        (("--kind", "stick_figure", "--point", "b1/HB1"), "one of equilibrium points"),
+        (("--kind", "stick_figure", "--branch", "b1"), "No branch has periodic orbits"),
+    ],
+)
+def test_what_cannot_be_drawn(contwalk, circle, options, said):
+    done = contwalk("plot", circle, "-o", "a.png", *options)
+    assert done.code == 2
+    assert said in done.err
+
+
+def test_show_tells_legs_and_margins(contwalk, wheel):
+    for point in ("b1/0", "b1/EP1"):
+        lines = [line.split() for line in contwalk("show", wheel, point).out.splitlines()]
+        assert ["admissible"] in lines
+        assert ["signature:", "heel_strike"] in lines
+        head = lines.index(["leg", "mode", "duration", "unit", "ended", "by"])
+        assert lines[head + 1][:2] == ["1", "rolling"]
+        assert float(lines[head + 1][2]) == pytest.approx(0.7548, rel=1e-3)  # as the page shows the period
+        assert lines[head + 1][3:] == ["s", "heel_strike"]
+        head = next(row for row, line in enumerate(lines) if line[:3] == ["margin,", "least", "first"])
+        shares = [float(line[line.index("%") - 1]) for line in lines[head + 1 : head + 5]]
+        assert shares == sorted(shares)
+        assert "turns_back" in [line[0] for line in lines[head + 1 : head + 5]]
+
+
+def test_show_without_the_system_tells_what_is_stored(contwalk, wheel, folder):
+    (folder / "wheel.py").unlink()
+    done = contwalk("show", wheel, "b1/EP1")
+    assert done.code == 0
+    assert "admissible" in done.out
+    assert "of its largest" not in done.out

@@ -1,0 +1,168 @@
+"""Motions as files that play."""
+
+from __future__ import annotations
+
+import stat
+
+import matplotlib
+import numpy as np
+import pytest
+from machines import CLOCK, EVENTS, HOPPER, STATES, TIMES, TURN_STATES, TURN_TIMES, machine
+from PIL import Image
+
+from contwalk.errors import ContwalkError, PluginError
+from contwalk.plotting import save_animation
+from contwalk.plotting.animation import _Film
+from contwalk.plotting.playback import Playback
+
+
+def durations(path):
+    """Milliseconds that each frame of a GIF lasts."""
+    with Image.open(path) as image:
+        found = []
+        for frame in range(image.n_frames):
+            image.seek(frame)
+            found.append(image.info["duration"])
+    return found
+
+
+@pytest.mark.parametrize(("fps", "lasts"), [(10.0, 100), (30.0, 30), (60.0, 20), (8.0, 120)])
+def test_a_gif_plays_as_long_as_the_motion_lasts(tmp_path, fps, lasts):
+    path = tmp_path / "walk.gif"
+    times, states = TIMES[:11] / 2.0, STATES[:11]
+    number = save_animation(HOPPER, times, states, {}, path, fps=fps)
+    assert number == round(0.5 * 1000 / lasts)
+    # What equal frames cannot show is half of one at most.
+    assert sum(durations(path)) == pytest.approx(500, abs=lasts / 2)
+
+
+def test_slow_motion_has_more_frames(tmp_path):
+    path = tmp_path / "slow.gif"
+    assert save_animation(HOPPER, TIMES, STATES, {}, path, events=EVENTS, fps=5.0, slow=3.0) == 30
+    assert sum(durations(path)) == 6000
+
+
+def test_html_is_a_page_that_needs_nothing_else(tmp_path):
+    path = tmp_path / "walk.html"
+    assert save_animation(CLOCK, TURN_TIMES, TURN_STATES, {}, path, fps=1.0) == 4
+    text = path.read_text(encoding="utf-8")
+    assert text.count("data:image/png;base64") == 4
+    assert [found.name for found in tmp_path.iterdir()] == ["walk.html"]
+
+
+def test_the_camera_follows_and_time_is_told():
+    film = _Film(Playback(HOPPER, TIMES, STATES, {}), EVENTS, 2.0, "walk")
+    for time, place in ((0.5, 0.5), (1.5, 1.5)):
+        film.show(time)
+        assert film.stage.get_xlim() == pytest.approx((place - 1.0, place + 1.0))
+        assert film.clock.get_xlabel() == f"time  {time:.3f} s"
+        assert film.hand.get_xdata() == [time]
+        assert film.said.get_text() == ""
+    film.show(1.05)
+    assert film.said.get_text() == "landing"
+
+
+def test_a_plugin_that_sets_no_limits_has_the_same_ones_in_all_frames():
+    film = _Film(Playback(CLOCK, TURN_TIMES, TURN_STATES, {"height": 1.0}), (), 1.0, "")
+    seen = set()
+    for time in (0.0, 1.0, 3.0):
+        film.show(time)
+        seen.add((*film.stage.get_xlim(), *film.stage.get_ylim()))
+    (limits,) = seen
+    assert limits[0] < -0.99
+    assert limits[3] > 0.99
+
+
+def test_progress_is_told(tmp_path):
+    told = []
+    save_animation(
+        CLOCK, TURN_TIMES, TURN_STATES, {}, tmp_path / "a.gif", fps=1.0, progress=lambda *n: told.append(n)
+    )
+    assert told == [(1, 4), (2, 4), (3, 4), (4, 4)]
+
+
+@pytest.mark.parametrize("name", ["walk.avi", "walk"])
+def test_other_formats_are_refused(tmp_path, name):
+    with pytest.raises(ContwalkError, match=r"Allowed: \.gif, \.mp4, \.html"):
+        save_animation(HOPPER, TIMES, STATES, {}, tmp_path / name)
+    assert not list(tmp_path.iterdir())
+
+
+def test_mp4_needs_ffmpeg(tmp_path):
+    with (
+        matplotlib.rc_context({"animation.ffmpeg_path": str(tmp_path / "no-ffmpeg")}),
+        pytest.raises(ContwalkError, match=r"ffmpeg, which is not there.*Install ffmpeg, or name a \.gif"),
+    ):
+        save_animation(HOPPER, TIMES, STATES, {}, tmp_path / "walk.mp4")
+
+
+def script(folder, text):
+    """A program in the place of ffmpeg."""
+    path = folder / "ffmpeg"
+    path.write_text(f"#!/bin/sh\n{text}\n", encoding="utf-8")
+    path.chmod(path.stat().st_mode | stat.S_IXUSR)
+    return str(path)
+
+
+def test_mp4_is_what_ffmpeg_makes_of_the_frames(tmp_path):
+    # The last argument is the file; the frames come as 600 x 600 x 4 bytes each.
+    program = script(tmp_path, 'for last; do :; done; cat > "$last"')
+    with matplotlib.rc_context({"animation.ffmpeg_path": program}):
+        save_animation(CLOCK, TURN_TIMES, TURN_STATES, {}, tmp_path / "a.mp4", fps=1.0)
+    assert (tmp_path / "a.mp4").stat().st_size == 4 * 600 * 600 * 4
+
+
+def test_an_ffmpeg_that_fails_is_told_and_leaves_nothing(tmp_path):
+    program = script(tmp_path, "cat > /dev/null; echo 'Unknown encoder h264' >&2; exit 1")
+    with (
+        matplotlib.rc_context({"animation.ffmpeg_path": program}),
+        pytest.raises(ContwalkError, match=r"ffmpeg could not write .*Unknown encoder h264"),
+    ):
+        save_animation(CLOCK, TURN_TIMES, TURN_STATES, {}, tmp_path / "a.mp4", fps=1.0)
+    assert [path.name for path in tmp_path.iterdir()] == ["ffmpeg"]
+
+
+def test_too_many_frames_are_refused(tmp_path):
+    with pytest.raises(ContwalkError, match="6000 frames, more than 5000"):
+        save_animation(HOPPER, TIMES, STATES, {}, tmp_path / "a.html", fps=30.0, slow=100.0)
+
+
+def test_an_error_in_draw_leaves_what_was_there(tmp_path):
+    path = tmp_path / "a.gif"
+    path.write_bytes(b"before")
+
+    def broken(axes, t, x, p):
+        if t > 1.0:
+            raise RuntimeError("no ink")
+        axes.set_xlim(0.0, 1.0)
+        axes.set_ylim(0.0, 1.0)
+
+    with pytest.raises(PluginError, match="no ink"):
+        save_animation(machine(broken), TIMES, STATES, {}, path, fps=5.0)
+    assert path.read_bytes() == b"before"
+    assert [found.name for found in tmp_path.iterdir()] == ["a.gif"]
+
+
+def test_an_error_in_the_first_frame_is_that_error(tmp_path):
+    def broken(axes, t, x, p):
+        raise RuntimeError("no ink")
+
+    with pytest.raises(PluginError, match="no ink"):
+        save_animation(machine(broken), TIMES, STATES, {}, tmp_path / "a.gif")
+
+
+def test_a_folder_that_is_not_there(tmp_path):
+    with pytest.raises(ContwalkError, match="existing folder"):
+        save_animation(CLOCK, TURN_TIMES, TURN_STATES, {}, tmp_path / "no" / "a.gif", fps=1.0)
+
+
+def test_frames_are_evenly_spaced_in_time(tmp_path):
+    film_times = []
+
+    def draw(axes, t, x, p):
+        film_times.append(t)
+        axes.set_xlim(0.0, 1.0)
+        axes.set_ylim(0.0, 1.0)
+
+    save_animation(machine(draw), TURN_TIMES, TURN_STATES, {}, tmp_path / "a.gif", fps=2.0)
+    np.testing.assert_allclose(np.diff(film_times[1:]), 0.5)  # the first one looks for limits
