@@ -18,7 +18,7 @@ from contwalk.system import System
 
 @dataclass(frozen=True)
 class Start:
-    """One entry of the queue. `opening` is an `Outcome` where the start failed."""
+    """One entry of the queue. `opening` is an `Outcome` where the start failed; `orbit`: of an orbit."""
 
     system: System
     free: str
@@ -27,6 +27,7 @@ class Start:
     origin: str
     parent: tuple[str, float] | None = None
     depth: int = 0
+    orbit: bool = False
 
 
 @dataclass(frozen=True)
@@ -74,6 +75,8 @@ def _facts(start: Start) -> dict[str, Any]:
         return start.opening.problem.branch_facts()
     system, n = start.system, len(start.system.states)
     kind, largest = ("equilibrium", MAX_RE) if system.period is None else ("periodic_orbit", MAX_ABS)
+    if system.acting and start.orbit:
+        kind, largest = "hybrid_orbit", MAX_ABS
     observables = (*[o.name for o in system.observables], largest)
     return {"problem": kind, "observables": observables, "unknowns": n, "spectrum": n}
 

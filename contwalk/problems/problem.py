@@ -27,8 +27,8 @@ from contwalk.problems.linear import EPSILON
 # Observables that every problem has: the largest real part of an equilibrium, the largest modulus of an
 # orbit.
 MAX_RE, MAX_ABS = "max_re", "max_abs"
-# A relative margin this far below zero is zero still.
-NO_MARGIN = 1e-9
+# A relative margin this far below zero is zero still: on the steps of a branch it is not known better.
+NO_MARGIN = 1e-7
 
 
 class Linearization:

@@ -314,7 +314,8 @@ class System:
     presets : mapping, optional
         Named parameter sets: `{"name": {"parameter": value}}`.
     draw : callable, optional
-        `draw(axes, t, x, p)` draws the machine at one instant on matplotlib axes.
+        `draw(axes, t, x, p)` draws the machine at one instant on matplotlib axes. One that takes `so_far`,
+        the motion until then, draws it where it has got to.
     reference : str
         Where the equations come from.
     """

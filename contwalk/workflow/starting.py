@@ -125,4 +125,5 @@ def starts(
                 opening = opened_orbit(*given, place.period, place.until, place.mode, place.event)
         else:
             opening = opened(*given)
-        yield Start(system, free, place.parameters, opening, place.origin)
+        orbit = place.orbit or system.period is not None
+        yield Start(system, free, place.parameters, opening, place.origin, orbit=orbit)

@@ -23,6 +23,7 @@ AFTER = {"UZ": 1, "GR": 2, "OC": 3, "AZ": 4, "EP": 5}
 LIMITS = ("GR", "OC", "AZ")
 # What a picture needs, and a little more.
 PICTURE = Discretization(accuracy=1e-7)
+SMOOTH = 128  # even parts of a leg, so that its curve has no corners
 
 
 @dataclass(frozen=True)
@@ -107,10 +108,14 @@ def orbits_of(system: System, branches: Sequence[Branch]) -> list[list[Orbit]]:
 
 def _handful(branch: Branch) -> list[SpecialPoint] | list[int]:
     """The points of a branch whose orbits are drawn, along the branch; its last one if none is special."""
+    located = [p for p in branch.special_points if p.unknowns and p.status == "located"]
+    # An orbit is drawn once: a branch may end at a special point.
+    others = [p.s for p in located if p.label != "EP"]
     points = [
         p
-        for p in branch.special_points
-        if p.unknowns and p.status == "located" and (p.admissible or p.label not in (*LIMITS, "EP"))
+        for p in located
+        if (p.admissible or p.label not in (*LIMITS, "EP"))
+        and (p.label != "EP" or not np.any(np.isclose(p.s, others, rtol=1e-9, atol=0.0)))
     ]
     first = sorted(points, key=lambda p: AFTER.get(p.label, 0))[:MOST_ORBITS]
     return sorted(first, key=lambda p: p.s) if first else [len(branch) - 1]
@@ -186,14 +191,15 @@ def _motion(problem: Any, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _arcs(problem: Any, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[int, ...]]:
     """Times and states of a hybrid orbit, and the rows with which an arc begins, without the first."""
-    from contwalk.problems.hybrid import observing
-
-    legs = observing.legs(problem, z)
-    times = [t.copy() for t, _ in legs]
+    times, states = [], []
+    for leg in problem.view(z):
+        shares = np.union1d(leg.times, np.linspace(0.0, 1.0, SMOOTH + 1))
+        times.append(leg.start + leg.duration * shares)
+        states.append(leg.full(leg.at(shares)))
     for before, after in pairwise(times):  # both sides of an event have one time, to the last bit
         after[0] = before[-1]
     breaks = np.cumsum([len(t) for t in times])[:-1]
-    return np.concatenate(times), np.concatenate([x for _, x in legs]), tuple(breaks.tolist())
+    return np.concatenate(times), np.concatenate(states), tuple(breaks.tolist())
 
 
 def columns_of(system: System, orbit: Orbit, names: Sequence[str]) -> np.ndarray:

@@ -25,6 +25,9 @@ TOLERANCE = 1e-9
 SETTLED, NEARLY = 1e-5, 0.2
 # A part of a lap that misses by less than so many times as much is the lap.
 ROUND = 100.0
+# Laps that each last so much less than the one before accumulate.
+SHRINKS = 0.95
+ROUNDING = 1e-9
 # Events that are looked back; events and steps that are simulated at most.
 LOOK_BACK, MOST_EVENTS, MOST_STEPS = 64, 1000, 500_000
 # Periods of the forcing without an event before an orbit without events is looked for.
@@ -161,7 +164,8 @@ class _Search:
         reached = np.where(np.isfinite(self.low), np.maximum(np.abs(self.low), np.abs(self.high)), 0.0)
         known = np.maximum(seen, LEAST * np.maximum(np.abs(x), reached))
         largest = float(known.max())
-        return np.where(known > 0.0, known, LEAST * largest if largest > 0.0 else 1.0)
+        # What is zero, or nothing against the others, will be more than that.
+        return np.where(known > ROUNDING * largest, known, LEAST * largest if largest > 0.0 else 1.0)
 
     def stretch(
         self, machine: HybridMachine, t: float, x: np.ndarray, mode: str, weights: np.ndarray
@@ -226,7 +230,7 @@ class _Search:
                 laps = (end - first.start) / self.period
                 missed = max(missed, abs(laps - round(laps)) / 0.05) if round(laps) > 0 else np.inf
             lap = Lap(tuple(self.stretches[count - back :]), scale, missed)
-            if missed < SETTLED:
+            if missed < SETTLED and not self._accumulates(back):
                 return self._shortest(lap, shorter)
             shorter.append(lap)
             if missed < NEARLY and (self.best is None or missed < AS_GOOD * self.best.missed):
@@ -235,9 +239,17 @@ class _Search:
                     return lap
         return None
 
+    def _accumulates(self, back: int) -> bool:
+        """Whether the last events came in ever shorter time: they return to a point, not to an orbit."""
+        durations = [stretch.duration for stretch in self.stretches[-3 * back :]]
+        if len(durations) < 3 * back:
+            return False
+        first, second, third = (sum(durations[k * back : (k + 1) * back]) for k in range(3))
+        return third < SHRINKS * second and second < SHRINKS * first
+
     @staticmethod
     def _shortest(lap: Lap, shorter: list[Lap]) -> Lap:
-        """The shortest lap that a longer one repeats: an approach that alternates looks settled there later."""
+        """The shortest lap that a longer one repeats: one that alternates looks settled there later."""
         for part in shorter:
             times = len(lap.stretches) // len(part.stretches)
             whole = len(part.stretches) * times == len(lap.stretches)

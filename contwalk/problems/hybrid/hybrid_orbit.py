@@ -46,6 +46,8 @@ MOST_VIEWS = 4
 MISSED = 3e4
 # A leg this short, against the closure, is none.
 COLLAPSED = 1e-13
+# An orbit that moves less than this part of its states is a point.
+STILL = 1e-9
 # Multipliers whose difference has a smaller square meet, to rounding.
 MEET = 1e-12
 # Two orbits whose periods and states differ by less than this part are one.
@@ -596,6 +598,10 @@ class HybridOrbit:
 
         A guard that is zero after its own reset has a second, spurious zero there: a leg without length.
         """
+        moved = max(float(np.max(np.ptp(view.nodes, axis=0))) for view in self.view(z))
+        largest = max(float(np.max(np.abs(view.nodes))) for view in self.view(z))
+        if self.word.eventful and moved <= STILL * largest:
+            return self.word.legs[0].name
         shortest = int(np.argmin(z[self.layout.durations]))
         lasts = float(z[self.layout.durations][shortest])
         if not self.word.eventful or lasts > COLLAPSED * self.duration(z):

@@ -29,7 +29,7 @@ from contwalk.problems.hybrid.shooting import Piece
 from contwalk.problems.hybrid.view import LegView, turn
 from contwalk.problems.orbit import augmented
 from contwalk.problems.orbit.motion import PLAIN
-from contwalk.problems.problem import Located, Sample
+from contwalk.problems.problem import NO_MARGIN, Located, Sample
 from contwalk.system import Transition
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ class Margins:
     @property
     def admissible(self) -> bool:
         """Whether none is negative."""
-        return bool(np.all(self.relative >= -ZERO))
+        return bool(np.all(self.relative >= -NO_MARGIN))
 
     @cached_property
     def by_name(self) -> dict[str, float]:

@@ -14,7 +14,7 @@ from contwalk_systems.bouncing_ball import SYSTEM as BALL
 from contwalk_systems.planar_walker import SYSTEM as WALKER
 from contwalk_systems.rimless_wheel import SYSTEM as WHEEL
 from hybrid_invariants import after, written
-from hybrid_runs import machine, solution
+from hybrid_runs import ACCURACY, machine, solution
 from scipy.integrate import solve_ivp
 
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
@@ -228,10 +228,10 @@ CASES = {
 
 
 @cache
-def orbit(name: str) -> tuple[HybridOrbit, np.ndarray]:
+def orbit(name: str, accuracy: float = ACCURACY) -> tuple[HybridOrbit, np.ndarray]:
     """The problem of a case and a solution of it."""
     case = CASES[name]
-    return solution(case.system, case.free, case.state, case.parameters, **case.options)
+    return solution(case.system, case.free, case.state, case.parameters, accuracy=accuracy, **case.options)
 
 
 def simulated(
