@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contwalk.branch import ORBITS, Branch, SpecialPoint
+from contwalk.continuation.limits import LABELS as LIMITS
 from contwalk.continuation.newton import correct
 from contwalk.continuation.reopening import problem_of, reopened, stored_place
 from contwalk.errors import ContwalkError
@@ -212,7 +213,10 @@ def _found(
             return _extremum(problem, sample, name)
         located = problem.locate_mark(name, level, sample)
     else:
-        label, which = _search(point, sample)
+        if point.label in LIMITS:
+            label, which = point.label, problem.limit_of(point)
+        else:
+            label, which = _search(point, sample)
         located = problem.locate(label, sample, which)
     return None if located is None else located.settled()
 

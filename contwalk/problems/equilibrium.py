@@ -360,6 +360,10 @@ class Equilibrium:
 
     limits = ()
 
+    def limit_of(self, point: SpecialPoint) -> int:
+        """There is no limit."""
+        raise ValueError("a smooth problem has no limits")
+
     def stopped(self, label: str, located: Located, sample: Sample) -> str:
         """There is no limit."""
         raise ValueError("a smooth problem has no limits")

@@ -257,6 +257,10 @@ class Problem(Protocol):
         """The limits whose margins samples tell, each a `Limit`."""
         ...
 
+    def limit_of(self, point: SpecialPoint) -> int:
+        """Which of the limits a special point is one of."""
+        ...
+
     def stopped(self, label: str, located: Located, sample: Sample) -> str:
         """In words, why solutions beyond a limit are not the machine's, and what is nearest to it."""
         ...

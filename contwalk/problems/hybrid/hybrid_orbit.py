@@ -844,6 +844,12 @@ class HybridOrbit:
         values = limits.margins(there, located.z)
         return replace(record, admissible=values.admissible, margin=values.by_name)
 
+    def limit_of(self, point: SpecialPoint) -> int:
+        """Which of the limits a special point is one of."""
+        z = np.array(point.unknowns)
+        there = self if self._mesh is not None else switching.discretized(self, z)
+        return limits.nearest(limits.margins(there, z), point)
+
     def stopped(self, label: str, located: Located, sample: Sample) -> str:
         """Why an orbit beyond a limit is not the machine's, and what lies next to it."""
         return limits.sentence(self, label, located, sample)

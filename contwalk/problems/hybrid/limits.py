@@ -25,6 +25,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from contwalk.branch import SpecialPoint
+from contwalk.errors import StartError
 from contwalk.problems.hybrid.shooting import Piece
 from contwalk.problems.hybrid.view import LegView, turn
 from contwalk.problems.orbit import augmented
@@ -38,6 +40,8 @@ if TYPE_CHECKING:
 LABELS = ("GR", "OC", "AZ")
 # A soft transition that joins the word, or leaves it: no special point, but another word from there on.
 SOFT = "soft"
+# Margins larger than this are not those that a special point is a zero of.
+HIDDEN = 1e-6
 # A minimum is looked at if a sample beside it is below so many times the least one found before.
 DEEPER = 4.0
 # Parts of a guard's largest value: zero to rounding; below zero beyond doubt.
@@ -235,6 +239,26 @@ def guard_scales(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
         largest = float(np.abs(found[:, 0]).max())
         scales[i] = largest if np.isfinite(largest) and largest > 0.0 else 1.0
     return scales
+
+
+def nearest(found: Margins, point: SpecialPoint) -> int:
+    """The limit that a special point is one of: the smallest margin under its label, and kind where
+    it has one.
+    """
+
+    def fits(limit: Limit) -> bool:
+        return limit.label == point.label and (limit.label == "OC" or limit.kind == point.kind)
+
+    def off(k: int) -> float:
+        """How far from zero; a guard that is zero at a leg's end is left out of the margins just there."""
+        if np.isfinite(found.values[k]):
+            return abs(float(found.relative[k]))
+        return HIDDEN if found.limits[k].test == "end" else np.inf
+
+    fitting = [k for k in range(len(found.limits)) if fits(found.limits[k]) and off(k) < np.inf]
+    if fitting:
+        return min(fitting, key=lambda k: (off(k), found.limits[k].rank))
+    raise StartError(f"{point.label} at {dict(point.parameters)} is no limit of these orbits.", "")
 
 
 # -- locating ----------------------------------------------------------------------------------------------

@@ -122,23 +122,15 @@ def _direction_of_orbit(
 
 
 def _limit_of(problem: HybridOrbit, point: SpecialPoint) -> tuple[limits.Limit, float]:
-    """Which limit a stored point is, and where on its leg, 0..1.
-
-    The smallest margin of those with its label tells; a margin that is missing at the point itself is looked
-    for beside it.
-    """
+    """Which limit a stored point is, and where on its leg, 0..1."""
     z = np.array(point.unknowns)
     there = discretized(problem, z)
     values = limits.margins(there, z)
-    order = np.argsort(np.abs(values.relative))
-    for k in order.tolist():
-        limit = values.limits[k]
-        if limit.label == point.label and limit.acts and np.isfinite(values.values[k]):
-            if point.kind in ("interior", "terminal") and limit.kind != point.kind:
-                continue
-            place = float(values.places[k])
-            return limit, _turning(there, z, limit, place) if limit.test == "dip" else place
-    raise _None("the event that is met there acts on nothing.")
+    k = limits.nearest(values, point)
+    limit, place = values.limits[k], float(values.places[k])
+    if not limit.acts:
+        raise _None("the event that is met there acts on nothing.")
+    return limit, _turning(there, z, limit, place) if limit.test == "dip" else place
 
 
 def _turning(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, place: float) -> float:

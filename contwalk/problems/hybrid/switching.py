@@ -17,6 +17,9 @@ from contwalk.problems.problem import Seed
 if TYPE_CHECKING:
     from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 
+# Size of a state that starts show nothing of, against the largest; tolerance of steps for magnitudes only.
+UNSEEN, ROUGH = 1e-2, 1e-7
+
 
 def seeds(problem: HybridOrbit, point: SpecialPoint) -> Sequence[Seed]:
     """The branches that leave a special point."""
@@ -34,8 +37,18 @@ def seeds(problem: HybridOrbit, point: SpecialPoint) -> Sequence[Seed]:
 
 def discretized(problem: HybridOrbit, z: np.ndarray) -> HybridOrbit:
     """The problem on fine steps for a stored solution."""
-    sizes = np.maximum(np.abs(z), 1e-6)
-    rough = problem.adapted_to(z, sizes)
+    layout = problem.layout
+    reached = np.zeros(problem.states)
+    for place, passage in zip(layout.states, problem.passages, strict=True):
+        own = list(passage.states)
+        reached[own] = np.maximum(reached[own], np.abs(z[place]))
+    largest = float(reached.max()) or 1.0
+    # What is zero at the starts of legs is not zero on them.
+    reached = np.maximum(reached, UNSEEN * largest)
+    sizes = np.ones(len(z))
+    for place, passage in zip(layout.states, problem.passages, strict=True):
+        sizes[place] = reached[list(passage.states)] * np.sqrt(layout.legs)
+    rough = problem.adapted_to(z, sizes, max(problem.discretization.walking, ROUGH))
     return rough.adapted_to(z, filled_magnitudes(rough, z), problem.discretization.locating)
 
 

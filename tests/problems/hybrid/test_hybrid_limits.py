@@ -54,7 +54,7 @@ class TestClocks:
             diagram(
                 clock.system(),
                 "b",
-                (b - 0.45, b + 0.2),
+                (clock.parameter(0.0) - 0.3, b + 0.1),
                 [0.0, clock.at_zero(0.25)],
                 {"b": b},
                 events={"OC": policy},
@@ -64,7 +64,12 @@ class TestClocks:
     @pytest.mark.parametrize(("clock", "kind"), CLOCKS)
     def test_place_and_kind(self, clock, kind):
         """Where `second` is at 0.4; a corner where the branch's slopes on both sides differ."""
-        assert (abs(clock.slope(0.0) - clock.slope(0.0, -1e-3)) > 1e-6) == (kind == "corner")
+        # v at the end, and b, on both sides.
+        ends = [
+            (clock.at(d, 1.0) - clock.at(0.0, 1.0)) / d / clock.slope(0.0, h)
+            for d, h in ((1e-6, 1e-3), (-1e-6, -1e-3))
+        ]
+        assert (abs(ends[1] - ends[0]) > 1e-3) == (kind == "corner")
         branch = self.study(clock)[0]
         point = next(p for p in branch.special_points if p.label == "OC")
         located(point, "b", clock.parameter(0.0))
@@ -127,7 +132,7 @@ def with_watched(*transitions: Transition, conditions: tuple[Condition, ...] = (
 
 
 class TestImpactOscillator:
-    """Watched guards and conditions on the motion with one impact, omega = 1.3, zeta = 0.1, restitution 0.8."""
+    """Watched guards and conditions on the motion with one impact: omega 1.3, zeta 0.1, restitution 0.8."""
 
     P = parameters(1.3, 0.1)
     RANGE = (0.6, 2.2)
@@ -191,16 +196,16 @@ class TestImpactOscillator:
     @pytest.mark.parametrize("side", ["before", "after"])
     @pytest.mark.parametrize("policy", ["stop", "ignore"])
     def test_a_condition_at_an_event(self, side, policy):
-        """The impact may not be faster than 1.5, or not leave faster than 1.2 (its 0.8)."""
+        """The impact may not be faster than 3, or not leave faster than 2.4 (its 0.8)."""
         if side == "before":
-            soft = Condition("soft", lambda t, x, p: 1.5 - x[1], "impact")
+            soft = Condition("soft", lambda t, x, p: 3.0 - x[1], "impact")
         else:
-            soft = Condition("soft", lambda t, x, p: 1.2 + x[1], "impact", side="after")
+            soft = Condition("soft", lambda t, x, p: 2.4 + x[1], "impact", side="after")
         branch = self.branch(with_watched(conditions=(soft,)), events={"AZ": policy})
         (point,) = [p for p in branch.special_points if p.label == "AZ"]
         exact = self.exact()
         force = brentq(
-            lambda f: float(exact.velocity(mpmath.mpf(f), faster=True)) + 1.2, 0.6, 2.0, xtol=1e-14
+            lambda f: float(exact.velocity(mpmath.mpf(f), faster=True)) + 2.4, 0.6, 2.2, xtol=1e-14
         )
         located(point, "force", force)
         assert point.kind == "soft"
@@ -216,7 +221,7 @@ class TestImpactOscillator:
         assert np.array_equal(branch["admissible"][~branch["special"]], ~beyond[~branch["special"]])
         # The margin is an observable of the branch.
         speeds = -branch.points["unknowns"][:, 1]
-        expected = 1.5 - speeds / 0.8 if side == "before" else 1.2 - speeds
+        expected = 3.0 - speeds / 0.8 if side == "before" else 2.4 - speeds
         np.testing.assert_allclose(branch["soft"], expected, rtol=0, atol=1e-6)
 
     @pytest.mark.parametrize("phase", [0.0, 0.4])
