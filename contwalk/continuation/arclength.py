@@ -63,7 +63,7 @@ def walk(
             if found.label != limits.SOFT:
                 yield Point(place, found_record(problem, found, place.s, sign))
                 number += 1
-            if outcome := _stop(problem, found, settings, observer, sign):
+            if outcome := _stop(problem, found, settings, observer, place.s):
                 place = replace(place, sample=replace(place.sample, unstable=found.after))
                 yield End(outcome, end_record(problem, place, outcome, sign))
                 return
@@ -112,10 +112,10 @@ def _arrived(
 
 
 def _stop(
-    problem: Problem, found: Found, settings: Settings, observer: Observer, sign: float
+    problem: Problem, found: Found, settings: Settings, observer: Observer, s: float
 ) -> Outcome | None:
-    """The end of the branch: at a limit, where it meets its parent, or where a mark has a value of
-    `stop_at`.
+    """The end of the branch at a point of arclength s: at a limit, where it meets its parent, or where a
+    mark has a value of `stop_at`.
     """
     if found.label == limits.SOFT:
         return outcomes.softly(problem.limits[int(found.located.vectors["limit"])].name)
@@ -125,7 +125,7 @@ def _stop(
             return None
         words = problem.stopped(found.label, found.located, found.sample)
         if asked == "switch":
-            _, told = problem.neighbours(found_record(problem, found, 0.0, sign))
+            _, told = problem.neighbours(found_record(problem, found, s, 1.0 if s >= 0.0 else -1.0))
             words = f"{words} {told}"
         kind = problem.limits[int(found.located.vectors["limit"])].kind
         return outcomes.limit(found.label, kind, asked, words)

@@ -31,6 +31,14 @@ def _speed(t: Any, x: Any, p: Any) -> Any:
     return way.sum() / (t[-1] - t[0])
 
 
+def _step_time(t: Any, x: Any, p: Any) -> Any:
+    """Mean time of a step: each has two impacts, and the motion ends right before the last of them."""
+    if len(t) == 1:
+        return 0.0
+    impacts = np.count_nonzero(np.diff(t) == 0.0) + 1
+    return 2.0 * (t[-1] - t[0]) / impacts
+
+
 def _friction_heel(t: Any, x: Any, p: Any) -> Any:
     along, away = heel_strike(x, p).foot
     return abs(along / away)
@@ -67,6 +75,7 @@ OBSERVABLES = (
         "way along the slope in a step that repeats",
         at="heel_strike",
     ),
+    Observable("step_time", _step_time, "s", "mean time of a step"),
     Observable("speed", _speed, "m/s", "mean speed along the slope"),
     Observable(
         "friction_heel", _friction_heel, "1", "friction needed at heel strike, |R_x / R_y|", at="heel_strike"

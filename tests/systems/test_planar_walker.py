@@ -230,6 +230,7 @@ def test_observables_of_the_gait():
     assert observed("impulse_knee", motion) == pytest.approx(float(GAIT["knee_impulse"][1]), abs=NEAR)
     speed = float(GAIT["step_length"]) / float(GAIT["T_step"])
     assert observed("speed", motion) == pytest.approx(speed, abs=NEAR)
+    assert observed("step_time", motion) == pytest.approx(float(GAIT["T_step"]), abs=NEAR)
 
 
 def test_what_is_lost_at_impacts_is_what_the_slope_gives():
@@ -251,6 +252,8 @@ def test_speed_counts_all_steps_of_a_motion():
         for begin, end in (parts[:2], parts[2:])
     )
     assert OBSERVABLES["speed"].function(*joined(parts), p) == pytest.approx(way / parts[-1].end, rel=1e-12)
+    # two steps, which are not alike
+    assert OBSERVABLES["step_time"].function(*joined(parts), p) == pytest.approx(parts[-1].end / 2, rel=1e-12)
 
 
 def test_speed_of_a_single_instant_is_zero():
