@@ -1,5 +1,11 @@
 """What holds for every test."""
 
+# ruff: noqa: E402  (the number of threads is settled before NumPy is imported)
+import os
+
+for library in ("OPENBLAS", "MKL", "OMP"):  # as the command line does: two workers on two cores are enough
+    os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+
 from collections.abc import Iterator
 from pathlib import Path
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 import contwalk as cw
-from contwalk.branch import Branch, Outcome
+from contwalk.branch import Branch, Outcome, SpecialPoint
 from contwalk.continuation.diagram import Diagram, Plan
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.opening_orbits import opened_orbit
@@ -120,3 +120,13 @@ def branch_of(*given: Any, **options: Any) -> Branch:
     """The one branch of a diagram that follows nothing; arguments as for `diagram`."""
     (branch,) = diagram(*given, **options)
     return branch
+
+
+def assert_met(point: SpecialPoint, name: str, truth: float, accuracy: float = ACCURACY) -> None:
+    """The claimed error is an upper bound of the true one, and the accuracy that was asked for is met."""
+    assert point.status == "located", point.note
+    assert point.error is not None
+    off = abs(point.parameters[name] - truth)
+    # `truth` is a float, and a root of something that is known to some roundings.
+    assert off <= point.error + 1e-15 * max(abs(truth), 1.0), (point.name, off, point.error)
+    assert point.error <= accuracy * max(abs(truth), 1e-3), (point.name, point.error)

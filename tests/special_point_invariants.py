@@ -69,7 +69,8 @@ def _check_interval(branch: Branch, point: SpecialPoint, value: float) -> None:
     them.
     """
     free, i = branch["free"][:, 0], point.index
-    assert 0 < i < len(branch) - 1 or point.label in ("UZ", *LIMITS), "a bifurcation at an end"
+    ends = point.label in ("UZ", *LIMITS) or "the branch ends on it" in (point.note or "")
+    assert 0 < i < len(branch) - 1 or ends, "a bifurcation at an end"
     if not 0 < i < len(branch) - 1:
         return
     slack = float(point.error or 0.0) + 4.0 * float(np.spacing(abs(value)))

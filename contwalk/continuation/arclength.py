@@ -111,9 +111,7 @@ def _arrived(
     return Here(sample, here.s + sign * step.segment.length, step.next_length)
 
 
-def _stop(
-    problem: Problem, found: Found, settings: Settings, observer: Observer, s: float
-) -> Outcome | None:
+def _stop(problem: Problem, found: Found, settings: Settings, observer: Observer, s: float) -> Outcome | None:
     """The end of the branch at a point of arclength s: at a limit, where it meets its parent, or where a
     mark has a value of `stop_at`.
     """

@@ -24,7 +24,10 @@ def found_record(problem: Problem, found: Found, s: float, sign: float) -> Speci
         if found.kind is not None:
             record = replace(record, kind=found.kind)
     tangent = tuple(sign * t for t in record.tangent)  # stored towards growing arclength
-    return replace(record, tangent=tangent, unstable_before=before, unstable_after=after)
+    admissible = record.admissible and not found.sample.forbidden
+    return replace(
+        record, tangent=tangent, unstable_before=before, unstable_after=after, admissible=admissible
+    )
 
 
 def end_record(problem: Problem, here: Here, outcome: Outcome, sign: float) -> SpecialPoint:
@@ -38,6 +41,7 @@ def end_record(problem: Problem, here: Here, outcome: Outcome, sign: float) -> S
         tangent=tuple(sign * t for t in record.tangent),
         unstable_before=count,
         unstable_after=count,
+        admissible=record.admissible and not here.sample.forbidden,
         note=outcome.message,
     )
 

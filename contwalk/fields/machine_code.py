@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 
 from contwalk.fields.derivative import arguments_of
 from contwalk.fields.expression import CONDITIONS, RELATIONS, Graph
-from contwalk.fields.trace import Fork, Outputs, Program, Raises, Tree
+from contwalk.fields.trace import Fork, Outputs, Program, Raises, Tree, roots
 
 Input = tuple[str, int]
 
@@ -171,13 +171,6 @@ def _shared(body: _Body, tree: Fork) -> list[int]:
         set(_needed(body.graph, roots(side), body.inputs)) for side in (tree.then, tree.otherwise)
     )
     return sorted(then & otherwise)
-
-
-def roots(tree: Tree) -> list[int]:
-    """Outputs and conditions of a tree."""
-    if isinstance(tree, Fork):
-        return [tree.condition, *roots(tree.then), *roots(tree.otherwise)]
-    return list(tree.nodes) if isinstance(tree, Outputs) else []
 
 
 def _needed(graph: Graph, nodes: Iterable[int], known: Mapping[int, object]) -> list[int]:

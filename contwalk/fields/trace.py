@@ -60,6 +60,22 @@ class Program:
 
         return Program(self.graph, walk(self.tree))
 
+    def reads(self, group: str) -> bool:
+        """Whether a result, or a comparison, depends on an input of this group."""
+        stack, seen = list(roots(self.tree)), set[int]()
+        while stack:
+            node = stack.pop()
+            if node in seen:
+                continue
+            seen.add(node)
+            key = self.graph.nodes[node]
+            if key[0] == "input":
+                if key[1] == group:
+                    return True
+            elif key[0] != "const":
+                stack.extend(key[1:])
+        return False
+
     def leaves(self) -> list[Outputs | Raises]:
         """All leaves."""
 
@@ -163,6 +179,13 @@ def _leaf(function: Callable[[Tracer], Sequence[Any]], tracer: Tracer) -> Output
         return Raises(f"{plugin_line(error)}: {type(error).__name__}: {error}")
     zero = Expression(tracer.graph, tracer.graph.zero, tracer)
     return Outputs(tuple(zero.lift(result) for result in results))
+
+
+def roots(tree: Tree) -> list[int]:
+    """Nodes of a tree's outputs and conditions."""
+    if isinstance(tree, Fork):
+        return [tree.condition, *roots(tree.then), *roots(tree.otherwise)]
+    return list(tree.nodes) if isinstance(tree, Outputs) else []
 
 
 def _tree(paths: list[tuple[list[tuple[int, bool]], Outputs | Raises]], depth: int) -> Tree:

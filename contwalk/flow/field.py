@@ -13,8 +13,8 @@ import numpy as np
 from contwalk.fields.derivative import jacobian
 from contwalk.fields.hoisting import hoisted
 from contwalk.fields.llvm import Code, code_of
-from contwalk.fields.machine_code import Input, function, module, roots
-from contwalk.fields.trace import Outputs, Program
+from contwalk.fields.machine_code import Input, function, module
+from contwalk.fields.trace import Outputs, Program, roots
 from contwalk.flow.products import product_text
 
 _POINTER = ctypes.c_void_p

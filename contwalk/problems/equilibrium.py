@@ -17,6 +17,7 @@ from contwalk.problems.description import described
 from contwalk.problems.equations import equations_of
 from contwalk.problems.linear import Factored, solution_error
 from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.passed_over import passed_over
 from contwalk.problems.problem import MAX_RE, Linearization, Located, Sample, Seed
 from contwalk.problems.spectrum import EPSILON, Spectrum, spectrum
 from contwalk.problems.switching import branch_point_seeds, second_direction, tangent_through
@@ -255,6 +256,7 @@ class Equilibrium:
             magnitudes=linearization.magnitudes,
             excess=linearization.excess_in(weights),
             error=solution_error(bordered, linearization.levels[0], weights),
+            forbidden=passed_over(self.system, np.zeros(1), z[None, : self.states], self.values_of(z)),
         )
 
     def solve_states(self, z: np.ndarray, right: np.ndarray) -> np.ndarray:

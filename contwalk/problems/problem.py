@@ -114,6 +114,8 @@ class Sample:
         What must stay positive for the motion to be the machine's, relative; those of `Problem.limits`.
     reported : ndarray, shape (n,), optional
         The state that stands for the solution, where it depends on the steps it was computed on.
+    forbidden : bool
+        Whether an event of the machine would happen on it, which these equations do not have.
     period, trivial_error : float
         Of orbits: duration of the closure in seconds, and |M f - f| / |f|.
     """
@@ -141,6 +143,7 @@ class Sample:
     error: float = float("nan")
     margins: np.ndarray = field(default_factory=lambda: np.zeros(0))
     reported: np.ndarray | None = None
+    forbidden: bool = False
 
     @property
     def parameter(self) -> float:
@@ -149,8 +152,8 @@ class Sample:
 
     @property
     def admissible(self) -> bool:
-        """Whether no margin is negative beyond rounding."""
-        return bool(np.all(self.margins >= -NO_MARGIN))
+        """Whether no margin is negative beyond rounding, and no event is passed over."""
+        return not self.forbidden and bool(np.all(self.margins >= -NO_MARGIN))
 
 
 @dataclass(frozen=True)

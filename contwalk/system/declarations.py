@@ -385,14 +385,14 @@ class System:
                         f"Mode '{mode.name}' has the state '{name}', which is not declared.",
                         f"Declared states: {', '.join(state_names)}. {nearest(name, state_names)}".strip(),
                     )
-        happening = [transition.name for transition in self.transitions]
+        happening = [transition.name for transition in self.acting]
         places = {entry.name: entry.at for entry in self.conditions}
         places |= {entry.name: entry.at for entry in self.observables if entry.at is not None}
         for name, place in places.items():
             if place not in happening:
                 raise SystemDefinitionError(
-                    f"'{name}' is taken at '{place}', which is no transition.",
-                    f"Declared transitions: {', '.join(happening) or 'none'}.",
+                    f"'{name}' is taken at '{place}', which is no transition that acts.",
+                    f"Transitions that act: {', '.join(happening) or 'none'}.",
                 )
         for neutral in self.neutral:
             if neutral.pin is not None and neutral.pin not in state_names:

@@ -27,8 +27,8 @@ from contwalk.workflow.run_values import (
     Numbers,
     Positive,
     Range,
+    StartUntil,
     Texts,
-    Until,
     Values,
     as_diagram,
     as_figure,
@@ -44,7 +44,7 @@ MODE, AT = "the name of a mode of the system", "the transition that the state co
 
 class Simulate(Section):
     state: Values = Field(description="{state: value, ...} with every state")
-    until: Until = Field(default="settled", description="settled, or a positive number of seconds")
+    until: StartUntil = Field(default="settled", description="settled, a positive number of seconds, or 0")
     mode: str | None = Field(default=None, description=MODE)
     at: str | None = Field(default=None, description=AT)
 

@@ -90,6 +90,10 @@ def _until(value: Any) -> float | str:
     return _within(0.0, math.inf, "settled, or a positive number of seconds")(value)
 
 
+def _until_or_at_once(value: Any) -> float | str:
+    return 0.0 if value == 0 and not isinstance(value, bool) else _until(value)
+
+
 def _mark_value(value: Any) -> float | str:
     if value == "extremum":
         return "extremum"
@@ -144,6 +148,7 @@ Angle = Annotated[float, PlainValidator(_within(0.0, 90.0, "degrees above 0, up 
 Accuracy = Annotated[float, PlainValidator(_accuracy)]
 Tolerance = Annotated[float, PlainValidator(_tolerance)]
 Until = Annotated[float | str, PlainValidator(_until)]
+StartUntil = Annotated[float | str, PlainValidator(_until_or_at_once)]
 MarkValue = Annotated[float | str, PlainValidator(_mark_value)]
 FileName = Annotated[str, PlainValidator(_file_name)]
 Numbers = Annotated[tuple[Number, ...], BeforeValidator(as_tuple)]

@@ -145,6 +145,10 @@ class _Search:
         self.period = 0.0
         if system.period is not None:
             self.period = float(called("period", system.period, ParameterValues(**parameters)))
+            if not (np.isfinite(self.period) and self.period > 0.0):
+                raise StartError(
+                    f"The period of '{system.name}' is {self.period:.6g} s there.", "It must be positive."
+                )
         self.turns = np.array([s.period or 0.0 for s in system.states])
         self.stretches: list[Stretch] = []
         self.low = np.full(len(system.states), np.inf)

@@ -90,4 +90,4 @@ def _simulated(problem: HybridOrbit, guess: np.ndarray, outward: np.ndarray, lab
     tangent = kernel_direction(there.linearize(start).jacobian, weights)
     tangent = tangent * (np.sign(tangent[-1]) * np.sign(outward[-1]) or 1.0)
     walking = there.adapted_to(start, weights)
-    return Seed(label, start, tangent, amplitude(tangent), walking, one_sided=True)
+    return Seed(label, start, tangent, amplitude(tangent), walking)

@@ -44,6 +44,8 @@ MOST_KEPT = 12
 MOST_VIEWS = 4
 # Residuals so many times above their level are no solution's.
 MISSED = 3e4
+# A guard that changes by less than this part of itself in a closure, at its rate at the event, has no rate.
+NO_RATE = 1e-7
 # A leg this short, against the closure, is none.
 COLLAPSED = 1e-13
 # An orbit that moves less than this part of its states is a point.
@@ -480,6 +482,15 @@ class HybridOrbit:
             result.append(whole)
         return result
 
+    def _arrives_without_rate(self, jacobian: np.ndarray) -> bool:
+        """Whether an event is a terminal grazing, to rounding: there the map has no derivative."""
+        if not self.word.eventful:
+            return False
+        rows = np.arange(self.layout.guards, self.layout.guards + self.layout.legs)
+        own = np.arange(self.layout.durations.start, self.layout.durations.stop)
+        rates = np.abs(jacobian[rows, own]) * self.mesh.total
+        return bool(np.any(rates <= NO_RATE * self._guard_scales))
+
     def extended(self, i: int) -> np.ndarray:
         """Typical magnitudes of the coordinates at the start of leg i: its states, and time if forced."""
         own = self.mesh.variation[list(self.passages[i].states)]
@@ -494,6 +505,9 @@ class HybridOrbit:
 
     def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
         """Multipliers of the closure, of the map of the smallest section."""
+        if self._arrives_without_rate(jacobian):
+            size = self.spectrum_size
+            return Multipliers(np.full(size, np.nan + 0j), np.full(size, np.inf), float("inf"))
         factors = self.factors(jacobian)
         smallest = int(np.argmin(self.layout.sizes))
         product = np.eye(len(self.extended(smallest)))
@@ -731,7 +745,12 @@ class HybridOrbit:
 
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
         """Why the branch ends between two neighbouring solutions; limits are the engine's business."""
-        return ending.homoclinic(self, a, b)
+        at_rest = None if self.word.eventful else ending.at_a_point(self, a, b)
+        return at_rest or ending.homoclinic(self, a, b)
+
+    def velocity(self, z: np.ndarray) -> np.ndarray:
+        """dx/dt at the start."""
+        return self.flow_direction(z, 0)
 
     def lengthening(self, tangent: np.ndarray) -> float:
         """How fast the closure's duration grows along a tangent."""

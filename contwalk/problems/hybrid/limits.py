@@ -28,7 +28,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.errors import StartError
 from contwalk.problems.hybrid.shooting import Piece
-from contwalk.problems.hybrid.view import LegView, turn
+from contwalk.problems.hybrid.view import LegView, turns
 from contwalk.problems.orbit import augmented
 from contwalk.problems.orbit.motion import PLAIN
 from contwalk.problems.problem import NO_MARGIN, Located, Sample
@@ -214,13 +214,16 @@ def _of_watch(test: str, watch: _Watch, duration: float) -> tuple[float, float, 
         # A guard that has just been zero, or that two events share, is no limit of its own there.
         return (float(v[k]) if abs(v[k]) > ZERO * scale else np.inf), scale, float(t[k])
     least, place = np.inf, np.nan
-    for k in np.flatnonzero((r[:-1] < 0.0) & (r[1:] >= 0.0)).tolist():
+    dips = np.flatnonzero((r[:-1] < 0.0) & (r[1:] >= 0.0))
+    if not len(dips):
+        return least, scale, place
+    times = turns(t[dips], t[dips + 1], v[dips], v[dips + 1], r[dips], r[dips + 1])
+    for k, time in zip(dips.tolist(), times.tolist(), strict=True):
         first, last = k == 0, k == len(t) - 2
         if last and watch.own and abs(v[-1]) < ZERO * scale:
             continue  # what turns just before its own event is told by the rate there
         if min(v[k], v[k + 1]) > DEEPER * least:
             continue
-        time = turn(t[k], t[k + 1], v[k], v[k + 1], r[k], r[k + 1])
         value = watch.at(time)
         if first and abs(v[0]) < ZERO * scale and value > -BELOW * scale:
             continue  # it has just been zero, and leaves
@@ -349,7 +352,7 @@ def place_of(problem: HybridOrbit, limit: Limit, located: Located) -> str:
     if limit.test == "rate":
         return (
             f"'{limit.name}' arrives with no rate, {seconds:.10g} s after '{before}', in mode {leg.mode}: "
-            "multipliers grow beyond all bounds, as the inverse of its rate"
+            "multipliers are not defined there; towards it they mostly grow as the inverse of its rate"
         )
     return f"'{limit.name}' is touched {seconds:.10g} s after '{before}', in mode {leg.mode}"
 

@@ -28,6 +28,8 @@ from contwalk.system.declarations import ParameterValues
 
 Scalar = Callable[[Any, Any, Any], Any]
 ORDERS = {"plain": 1, "tangent": 2, "jet": 4}
+# The time in a system that nobody has declared to depend on it.
+TIME = "time"
 
 
 class Passage:
@@ -88,8 +90,9 @@ class Passage:
         x = np.full(len(self.system.states), 0.0, dtype=object)
         for k, i in enumerate(self.states):
             x[i] = tracer.symbol("u", k)
-        t = tracer.symbol("T", 0) * tracer.symbol("t", 0)
-        return (tracer.symbol("s", 0) + t if self.forced else t), x, p
+        if not self.forced:  # whatever reads it is refused: see `_compiled`
+            return tracer.symbol(TIME, 0), x, p
+        return tracer.symbol("s", 0) + tracer.symbol("T", 0) * tracer.symbol("t", 0), x, p
 
     def _rates(self, tracer: Tracer) -> list[Any]:
         t, x, p = self._arguments(tracer)
@@ -143,6 +146,8 @@ class Passage:
         if key not in self._fields:
             states = [(group, i) for group in STATES[lift] for i in range(len(self.states))]
             groups = {**self.groups, **{group: len(self.columns) for group in DIRECTIONS[lift]}}
+            if not self.forced:
+                self._refuse_time(program)
             made = lifted(program, len(self.states), self.columns, lift)
             self._fields[key] = Field(
                 made,
@@ -154,6 +159,15 @@ class Passage:
                 outputs=outputs,
             )
         return self._fields[key]
+
+    def _refuse_time(self, program: Program) -> None:
+        """Refuse functions that depend on time in a system that is not declared to."""
+        if program.reads(TIME):
+            raise SystemDefinitionError(
+                f"A function of mode '{self.leg.mode}' depends on the time t, but system '{self.system.name}' "
+                "has no period.",
+                "Declare period=..., in seconds, of what repeats itself.",
+            )
 
     def field(self, lift: str, implicit: bool = False) -> Field:
         """The compiled field of a lift; an implicit method needs the Jacobian of any."""

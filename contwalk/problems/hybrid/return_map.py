@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 
 ORDERS = 3
+# Gauss-Legendre quadrature over a leg's own time: deviations are smooth between events.
+INSTANTS, SHARES = (0.5 * values for values in np.polynomial.legendre.leggauss(48))
+INSTANTS = INSTANTS + 0.5
 
 
 class EventMap(SectionMap):
@@ -164,11 +167,7 @@ class EventMap(SectionMap):
         factors = problem.factors(problem.linearize(self.z).jacobian)
         total, m = 0.0, layout.legs
         whole = abs(problem.duration(self.z))
-        states = [
-            piece.passage.full(piece.nodes(*inputs))
-            for piece, inputs in zip(problem.pieces, self._inputs, strict=True)
-        ]
-        half = 0.5 * np.ptp(np.concatenate(states), axis=0)
+        half = 0.5 * np.ptp(problem.motion_of(self.z)[1], axis=0)
         half = np.where(half > MOVES * problem.mesh.magnitudes, half, problem.mesh.magnitudes)
         for k in range(m):
             i = (self.first + k) % m
@@ -179,16 +178,16 @@ class EventMap(SectionMap):
                 direction[1] = v[n]
             c = field.constants(piece.values(scalars, direction))
             nodes = flow.along(field, c, piece.steps, np.concatenate([x, v[:n]]), piece.method)
+            states = flow.interpolation(field, c, piece.steps, nodes, piece.method)(INSTANTS)
             scale = half[list(piece.passage.states)]
-            deviations = nodes[:, n:] / scale
+            deviations = states[:, n:] / scale
             if not problem.forced:
                 plain = piece.passage.field(PLAIN)
                 own = plain.constants(piece.values(scalars))
-                along = plain.along(piece.steps, nodes[:, :n], own) / scale
+                along = plain.along(INSTANTS, states[:, :n], own) / scale
                 along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)
                 deviations -= np.sum(deviations * along, axis=1, keepdims=True) * along
-            squares = np.sum(deviations**2, axis=1)
-            mean = float(np.sum(0.5 * (squares[1:] + squares[:-1]) * np.diff(piece.steps)))
+            mean = float(SHARES @ np.sum(deviations**2, axis=1))
             total += mean * abs(float(scalars[0])) / max(whole, 1e-300)
             v = factors[i] @ v
         return total

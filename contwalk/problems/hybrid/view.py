@@ -22,8 +22,8 @@ from contwalk.system import Transition
 if TYPE_CHECKING:
     from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 
-# Samples of each step, and of each that guards are looked at.
-PARTS, GUARDED = 8, 2
+# Samples of each step.
+PARTS = 4
 
 
 class LegView:
@@ -85,12 +85,12 @@ class LegView:
     def guard(self, transition: Transition) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Instants in 0..1, a transition's guard there, and its rate over the leg's own time."""
         k = self.piece.passage.leaving.index(transition)
-        return self.times[::GUARDED], self._guards[:, 2 * k], self._guards[:, 2 * k + 1]
+        return self.times, self._guards[:, 2 * k], self._guards[:, 2 * k + 1]
 
     @cached_property
     def _guards(self) -> np.ndarray:
-        """All guards out of the mode with their rates, at every `GUARDED`-th sample."""
-        times, states, values = self.times[::GUARDED], self.states[::GUARDED], self.piece.values(self.scalars)
+        """All guards out of the mode with their rates, at the samples."""
+        times, states, values = self.times, self.states, self.piece.values(self.scalars)
         passage = self.piece.passage
         try:
             maps = [passage.guards()]
@@ -129,17 +129,10 @@ class LegView:
         return self.start + self.duration * times, self.full(states)
 
     def _extrema(self) -> np.ndarray:
-        """Instants at which a state is largest or smallest on the leg, in growing order."""
+        """Instants at which a state turns on the leg, in growing order."""
         t, x, r = self.times, self.states, self.rates
-        found = []
-        for j in range(x.shape[1]):
-            passes = np.flatnonzero(r[:-1, j] * r[1:, j] < 0.0)
-            if not len(passes):
-                continue
-            # Only the largest and the smallest matter.
-            for k in {int(passes[np.argmax(x[passes, j])]), int(passes[np.argmin(x[passes, j])])}:
-                found.append(turn(t[k], t[k + 1], x[k, j], x[k + 1, j], r[k, j], r[k + 1, j]))
-        return np.unique(found)
+        k, j = np.nonzero(r[:-1] * r[1:] < 0.0)
+        return np.unique(turns(t[k], t[k + 1], x[k, j], x[k + 1, j], r[k, j], r[k + 1, j]))
 
 
 def view_of(problem: HybridOrbit, z: np.ndarray) -> tuple[LegView, ...]:
@@ -151,19 +144,19 @@ def view_of(problem: HybridOrbit, z: np.ndarray) -> tuple[LegView, ...]:
     )
 
 
-def turn(a: float, b: float, va: float, vb: float, ra: float, rb: float) -> float:
-    """Where the cubic through two values with their rates turns between them."""
+def turns(
+    a: np.ndarray, b: np.ndarray, va: np.ndarray, vb: np.ndarray, ra: np.ndarray, rb: np.ndarray
+) -> np.ndarray:
+    """Where the cubics through two values with their rates, of opposite signs, turn between them."""
     h = b - a
     d = (vb - va) / h
     # derivative of the Hermite cubic: ra + 2 (3 d - 2 ra - rb) s + 3 (ra + rb - 2 d) s^2
     c1, c2 = 2.0 * (3.0 * d - 2.0 * ra - rb), 3.0 * (ra + rb - 2.0 * d)
-    root = c1 * c1 - 4.0 * c2 * ra
-    simple = ra / (ra - rb)
-    if abs(c2) < 1e-12 * abs(c1) or root < 0.0:
-        return float(a + h * simple)
-    # The one of two zeros that keeps its digits, and lies between.
-    q = -0.5 * (c1 + (np.sqrt(root) if c1 >= 0.0 else -np.sqrt(root)))
-    for s in (q / c2, ra / q if q != 0.0 else simple):
-        if 0.0 <= s <= 1.0:
-            return float(a + h * s)
-    return float(a + h * simple)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        simple = ra / (ra - rb)
+        # The one of two zeros that keeps its digits, and lies between.
+        root = np.sqrt(np.maximum(c1 * c1 - 4.0 * c2 * ra, 0.0))
+        q = -0.5 * (c1 + np.where(c1 >= 0.0, root, -root))
+        one, other = q / c2, ra / q
+    s = np.where((one >= 0.0) & (one <= 1.0), one, np.where((other >= 0.0) & (other <= 1.0), other, simple))
+    return a + h * s

@@ -15,6 +15,7 @@ from contwalk.problems.orbit.transport import carried_to
 from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
+    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
     from contwalk.problems.orbit.protocol import Orbit
     from contwalk.problems.problem import Sample
@@ -31,10 +32,10 @@ REST = 10.0
 
 def ended(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:
     """Why the branch ends between two neighbouring orbits, if it does."""
-    return _at_a_point(problem, a, b) or homoclinic(problem, a, b)
+    return at_a_point(problem, a, b) or homoclinic(problem, a, b)
 
 
-def _at_a_point(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:
+def at_a_point(problem: PeriodicOrbit | HybridOrbit, a: Sample, b: Sample) -> Outcome | None:
     """The orbit shrinks to an equilibrium: beyond it the same orbits follow, half a period later."""
     if problem.forced or problem.section is None:
         return None

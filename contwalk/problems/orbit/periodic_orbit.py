@@ -23,6 +23,7 @@ from contwalk.problems.orbit.sampling import crossing, with_extrema
 from contwalk.problems.orbit.section import Reference, Section, better_phase, reference_of, section_at
 from contwalk.problems.orbit.shooting import Mesh, Shooting, meshed, velocity
 from contwalk.problems.orbit.transport import moved, recut
+from contwalk.problems.passed_over import passed_over
 from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
@@ -427,6 +428,8 @@ class PeriodicOrbit:
             sizes=np.nan_to_num(linearization.magnitudes),
             period=self.duration(z),
             trivial_error=trivial,
+            forbidden=bool(self.system.acting)
+            and passed_over(self.system, *self.motion_of(z), self.values_of(z)),
         )
 
     def factors(self, jacobian: np.ndarray) -> list[np.ndarray]:

@@ -12,24 +12,12 @@ import pytest
 from clocks import FIRST, Clock
 from contwalk_systems.impact_oscillator import SYSTEM as OSCILLATOR
 from hybrid_invariants import check_hybrid_branch
-from hybrid_runs import ACCURACY, branch_of, diagram
+from hybrid_runs import ACCURACY, assert_met, branch_of, diagram
 from one_impact import OneImpact, parameters
 from scipy.optimize import brentq
 
-from contwalk.branch import Branch, SpecialPoint
+from contwalk.branch import Branch
 from contwalk.system import Condition, Transition
-
-# Roots are found to this by brentq, in motions that are known to rounding.
-ROOT = 1e-12
-
-
-def located(point: SpecialPoint, parameter: str, truth: float) -> None:
-    """The claimed error covers the true one, and the accuracy is met."""
-    assert point.status == "located", point.note
-    assert point.error is not None
-    off = abs(point.parameters[parameter] - truth)
-    assert off <= point.error + ROOT, (point.name, off, point.error)
-    assert point.error <= ACCURACY * max(abs(truth), 1e-3)
 
 
 class TestClocks:
@@ -72,7 +60,7 @@ class TestClocks:
         assert (abs(ends[1] - ends[0]) > 1e-3) == (kind == "corner")
         branch = self.study(clock)[0]
         point = next(p for p in branch.special_points if p.label == "OC")
-        located(point, "b", clock.parameter(0.0))
+        assert_met(point, "b", clock.parameter(0.0))
         assert point.kind == kind
         assert "'second_later' follows 'first' at once" in point.note
         assert point.period == pytest.approx(1.0, rel=ACCURACY)
@@ -115,13 +103,13 @@ class TestClocks:
         other = self.study(clock)[1]
         (fold,) = [p for p in other.special_points if p.label == "LP"]
         d = brentq(lambda u: clock.slope(u, -1e-3), -0.3, -1e-3, xtol=1e-13)
-        located(fold, "b", clock.parameter(d))
+        assert_met(fold, "b", clock.parameter(d))
         # `second` comes with no speed where k v' = 1, at the end of the phase before both events.
         graze = next(p for p in other.special_points if p.label == "GR")
         d = brentq(
             lambda u: clock.k * (clock.pushes[0] - clock.at(u, FIRST + u)) - 1.0, -0.39, -1e-3, xtol=1e-14
         )
-        located(graze, "b", clock.parameter(d))
+        assert_met(graze, "b", clock.parameter(d))
         assert graze.kind == "terminal"
         assert "arrives with no rate" in graze.note
 
@@ -173,7 +161,7 @@ class TestImpactOscillator:
         bottom = Transition("bottom", "free", "free", lambda t, x, p: x[0] + 2.0, role="watched")
         branch = self.branch(with_watched(bottom), events={"GR": policy})
         (point,) = [p for p in branch.special_points if p.label == "GR"]
-        located(point, "force", brentq(lambda f: self.lowest(f) + 2.0, 1.0, 2.0, xtol=1e-13))
+        assert_met(point, "force", brentq(lambda f: self.lowest(f) + 2.0, 1.0, 2.0, xtol=1e-13))
         assert point.kind == "interior"
         assert point.margin["bottom"] == pytest.approx(0.0, abs=ACCURACY)
         beyond = branch["force"] > point.parameters["force"] * (1.0 + 1e-9)
@@ -207,7 +195,7 @@ class TestImpactOscillator:
         force = brentq(
             lambda f: float(exact.velocity(mpmath.mpf(f), faster=True)) + 2.4, 0.6, 2.2, xtol=1e-14
         )
-        located(point, "force", force)
+        assert_met(point, "force", force)
         assert point.kind == "soft"
         assert point.note == "'soft' is zero at 'impact'"
         assert point.margin["soft"] == pytest.approx(0.0, abs=ACCURACY)
@@ -253,5 +241,5 @@ class TestImpactOscillator:
         ]
         assert len(roots) == len(found)
         for point, root in zip(sorted(found, key=lambda q: q.parameters["force"]), roots, strict=True):
-            located(point, "force", root)
+            assert_met(point, "force", root)
             assert point.kind == "late"
