@@ -56,6 +56,12 @@ def from_row(problem: Problem, row: np.void, sign: float, born: bool) -> tuple[P
     weights, tangent = np.array(row["weights"][: size + 1]), sign * np.array(row["tangent"][: size + 1])
     problem = problem.at_stored(z, weights)
     sample = problem.examine(z, tangent, weights, problem.linearize(z), int(row["unstable"]))
+    # What was told of it then is told again: the walk goes on with the same numbers, to the last bit.
+    sample = replace(
+        sample,
+        observables=np.array(row["observables"]),
+        reported=None if sample.reported is None else np.array(row["state"]),
+    )
     if born and row["s"] == 0.0:
         sample = replace(sample, orientation=0.0)  # not defined at a branch point
     problem, sample = problem.adapted(sample)

@@ -468,8 +468,10 @@ class HybridOrbit:
                 return [x]
             own, guard = layout.durations.start + i, layout.guards + i
             by_duration, guard_x = jacobian[rows, own], jacobian[guard, place]
+            # An event without rate: those multipliers that stay finite have a limit, and this is near it.
+            least = NO_RATE * float(self._guard_scales[i]) / self.mesh.total
             rate = jacobian[guard, own]
-            rate = rate if rate != 0.0 else 1e-300
+            rate = rate if abs(rate) > least else (-least if self.word.legs[i].falls else least)
             if layout.start is not None:
                 x = np.hstack([x, jacobian[rows, layout.start, None]])
                 guard_x = np.append(guard_x, jacobian[guard, layout.start])
@@ -483,7 +485,7 @@ class HybridOrbit:
         return result
 
     def _arrives_without_rate(self, jacobian: np.ndarray) -> bool:
-        """Whether an event is a terminal grazing, to rounding: there the map has no derivative."""
+        """Whether an event is a terminal grazing, to rounding: there multipliers may be infinite."""
         if not self.word.eventful:
             return False
         rows = np.arange(self.layout.guards, self.layout.guards + self.layout.legs)
@@ -505,9 +507,6 @@ class HybridOrbit:
 
     def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
         """Multipliers of the closure, of the map of the smallest section."""
-        if self._arrives_without_rate(jacobian):
-            size = self.spectrum_size
-            return Multipliers(np.full(size, np.nan + 0j), np.full(size, np.inf), float("inf"))
         factors = self.factors(jacobian)
         smallest = int(np.argmin(self.layout.sizes))
         product = np.eye(len(self.extended(smallest)))
@@ -528,7 +527,12 @@ class HybridOrbit:
             directions.append(np.append(own, 0.0) if len(product) > len(own) else own)
         neutral = np.array(directions).reshape(len(directions), len(product)).T
         tolerance = self.mesh.growth * self.mesh.tolerance
-        return multipliers([product], [neutral], self.extended(smallest), tolerance)
+        found = multipliers([product], [neutral], self.extended(smallest), tolerance)
+        if self._arrives_without_rate(jacobian):
+            endless = np.abs(found.values) > 0.01 / NO_RATE
+            limit = np.where(endless, complex(np.inf, 0.0), found.values)
+            return Multipliers(limit, np.where(endless, 0.0, found.errors), max(found.accuracy, NO_RATE))
+        return found
 
     def trivial_error(self, z: np.ndarray, jacobian: np.ndarray) -> float:
         """How well each leg's map forgets where on the orbit it started, relative; NaN for a forced one.
@@ -654,15 +658,15 @@ class HybridOrbit:
         before: int | None,
         known: Sample | None = None,
     ) -> Sample:
-        """Everything that is watched at a solution; of `known`, on other steps, what changes little
-        with them.
+        """Everything that is watched at a solution; of `known`, its sample on other steps, the observables
+        and the reported state are taken over.
         """
         length = float(np.linalg.norm(tangent / weights))
         unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
         found = self.multipliers(z, linearization.jacobian)
         trivial = self.trivial_error(z, linearization.jacobian)
         bordered = np.vstack([linearization.jacobian, unit / weights**2])
-        margins = limits.margins(self, z) if known is None else None
+        margins = limits.margins(self, z)
         error = solution_error(bordered, self._errors(linearization), weights)
         return Sample(
             z=z,
@@ -671,7 +675,7 @@ class HybridOrbit:
             orientation=Factored(bordered, weights).orientation(),
             eigenvalues=found.values,
             errors=found.errors,
-            rates=rates.of_moduli(self, z, unit, found) if known is None else known.rates,
+            rates=rates.of_moduli(self, z, unit, found),
             measures=found.measures,
             unstable=found.unstable(before),
             observables=self._observed(z, found, margins) if known is None else known.observables,
@@ -684,7 +688,7 @@ class HybridOrbit:
             sizes=np.nan_to_num(linearization.magnitudes),
             period=self.duration(z),
             trivial_error=trivial,
-            margins=margins.relative if margins is not None else known.margins,  # type: ignore[union-attr]
+            margins=margins.relative,
             reported=self.reported(z) if known is None else known.reported,
         )
 

@@ -352,7 +352,7 @@ def place_of(problem: HybridOrbit, limit: Limit, located: Located) -> str:
     if limit.test == "rate":
         return (
             f"'{limit.name}' arrives with no rate, {seconds:.10g} s after '{before}', in mode {leg.mode}: "
-            "multipliers are not defined there; towards it they mostly grow as the inverse of its rate"
+            "multipliers that grow beyond all bounds do so as the inverse of its rate"
         )
     return f"'{limit.name}' is touched {seconds:.10g} s after '{before}', in mode {leg.mode}"
 

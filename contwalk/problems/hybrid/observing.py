@@ -54,9 +54,9 @@ def split(multipliers: np.ndarray) -> float:
 
     It is smooth where two real multipliers meet and become a pair, and passes zero there.
     """
-    best = np.nan
-    for k, a in enumerate(multipliers):
-        for b in multipliers[k + 1 :]:
+    best, finite = np.nan, multipliers[np.isfinite(multipliers)]
+    for k, a in enumerate(finite):
+        for b in finite[k + 1 :]:
             square = (a - b) ** 2
             if (a.imag == 0.0) != (b.imag == 0.0) or (a.imag != 0.0 and b != np.conj(a)):
                 continue

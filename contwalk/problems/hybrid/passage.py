@@ -164,8 +164,8 @@ class Passage:
         """Refuse functions that depend on time in a system that is not declared to."""
         if program.reads(TIME):
             raise SystemDefinitionError(
-                f"A function of mode '{self.leg.mode}' depends on the time t, but system '{self.system.name}' "
-                "has no period.",
+                f"A function of mode '{self.leg.mode}' depends on the time t, but '{self.system.name}' has "
+                "no period.",
                 "Declare period=..., in seconds, of what repeats itself.",
             )
 

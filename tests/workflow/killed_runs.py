@@ -1,0 +1,152 @@
+"""Runs in processes of their own that are killed, and databases compared bit by bit."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import random
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from contwalk.storage import open_database
+from contwalk.workflow.run_file import read_run_file
+from contwalk.workflow.runner import Reporter, run
+
+# Parts of the time of an uninterrupted run after which a run is killed: early ones and late ones.
+SHORTEST, LONGEST = 0.05, 0.6
+
+
+class Ending(Reporter):
+    """Ends the process, as a kill would, at the report of a given number."""
+
+    def __init__(self, number: int) -> None:
+        self._left = number
+
+    def _count(self) -> None:
+        if self._left == 0:
+            os._exit(9)
+        self._left -= 1
+
+    def point(self, info, parameter, step, unstable, number):
+        self._count()
+
+    def special(self, info, point):
+        self._count()
+
+
+def compute(path: Path, overrides: Sequence[str], output: Path, number: int = -1) -> None:
+    """A run that goes on with what there is; ended at the report of this number."""
+    run_file = read_run_file(path, overrides, str(output))
+    run(run_file, resume=True, figures=False, reporter=Ending(number))
+
+
+class Runs:
+    """A run file as processes.
+
+    Parameters
+    ----------
+    path : Path
+    folder : Path
+        Where databases go.
+    overrides : sequence of str
+    """
+
+    def __init__(self, path: Path, folder: Path, overrides: Sequence[str] = ()) -> None:
+        self.path, self.folder, self.overrides = path, folder, tuple(overrides)
+        self.context = multiprocessing.get_context("forkserver")
+        self.context.set_forkserver_preload(["contwalk.workflow.runner", "contwalk.workflow.run_file"])
+
+    def start(self, output: str, number: int = -1) -> multiprocessing.Process:
+        given = self.path, self.overrides, self.folder / output, number
+        process = self.context.Process(target=compute, args=given)
+        process.start()
+        return process
+
+    def ended(self, output: str, number: int = -1) -> int | None:
+        """Exit code of a run that is waited for."""
+        process = self.start(output, number)
+        process.join()
+        return process.exitcode
+
+    def whole(self) -> float:
+        """Run without interruption into whole.h5; seconds that its branches took."""
+        assert self.ended("warm.h5") == 0  # what is compiled once is in the cache now
+        (self.folder / "warm.h5").unlink()
+        assert self.ended("whole.h5") == 0
+        with open_database(self.folder / "whole.h5") as db:
+            return sum(branch.cost["seconds"] for branch in db.branches())
+
+    def killed(self, seconds: float, kills: int, problem: str, seed: int = 11) -> int:
+        """Kill runs at random moments until so many were killed, each goes on with what the one before left.
+
+        Returns the most points of `problem` that a killed run left.
+        """
+        moments, path, done, finished, rows = random.Random(seed), self.folder / "killed.h5", 0, 0, []
+        while done < kills and finished < 3 * kills:
+            process = self.start(path.name)
+            process.join(moments.uniform(SHORTEST, LONGEST) * max(seconds, 0.5))
+            if process.exitcode is None:
+                process.kill()
+                process.join()
+                done += 1
+                rows.append(stored(path, problem))
+            else:
+                assert process.exitcode == 0
+                finished += 1
+                assert_same(self.folder / "whole.h5", path)
+                path.unlink()
+        assert self.ended(path.name) == 0
+        assert_same(self.folder / "whole.h5", path)
+        assert done == kills
+        return max(rows)
+
+
+def stored(path: Path, problem: str) -> int:
+    """Number of stored points of branches of a kind."""
+    if not path.exists():
+        return 0
+    with open_database(path) as db:
+        return sum(len(b) for b in db.branches() if b.info.problem == problem)
+
+
+def assert_same(whole: Path, path: Path) -> None:
+    """The two databases hold the same diagram, to the last bit."""
+    with open_database(whole) as a, open_database(path) as b:
+        assert a.branch_names() == b.branch_names()
+        for one, other in zip(a.branches(), b.branches(), strict=True):
+            assert one.info == other.info
+            columns = ("s", "free", "state", "period", "unknowns", "tangent", "weights", "spectrum")
+            more = ("observables", "trivial_error", "unstable", "stable", "admissible", "special", "step")
+            for column in (*columns, *more):
+                same = np.array_equal(one.points[column], other.points[column], equal_nan=True)
+                assert same, (one.name, column)
+            assert one.outcome == other.outcome
+            assert described(one) == described(other)
+
+
+def described(branch) -> list[tuple]:
+    """Special points as plain values."""
+    fields = (
+        "name",
+        "kind",
+        "index",
+        "s",
+        "parameters",
+        "state",
+        "period",
+        "period_full",
+        "error",
+        "spectrum",
+    )
+    more = (
+        "criticality",
+        "coefficients",
+        "margin",
+        "admissible",
+        "note",
+        "unstable_before",
+        "unstable_after",
+    )
+    return [tuple(getattr(p, name) for name in (*fields, *more)) for p in branch.special_points]
