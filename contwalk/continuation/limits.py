@@ -18,8 +18,9 @@ from contwalk.problems.problem import Located, Problem
 LABELS = ("GR", "OC", "AZ")
 # A change of the problem's form without anything special: the branch goes on as another one.
 SOFT = "soft"
-# A branch that was born at a limit begins with a margin of zero: it takes the sign that follows.
-BORN = 1e-7
+# A branch that was born at a limit begins with a margin of zero, which is positive; of one that begins next
+# to a limit the sign is known.
+BORN, ROUNDED = 1e-7, 1e-10
 # Margins on both sides of a bracket this narrow that are still this large jump.
 NARROW, JUMPS = 1e-6, 1e-4
 # Two limits that pass zero at the same place, in parts of the segment, are one if their names agree.
@@ -38,7 +39,11 @@ def passed(segment: Segment) -> list[Found]:
     found: list[Found] = []
     for which in range(len(a.margins)):
         first, last = float(a.margins[which]), float(b.margins[which])
-        if abs(first) <= BORN or (first > 0.0) == (last > 0.0):
+        if abs(first) <= BORN and last > 0.0:
+            continue  # born there, or begun next to it, and gone to the machine's side
+        if abs(first) <= ROUNDED:
+            first = ROUNDED
+        if (first > 0.0) == (last > 0.0):
             continue
         point = _located(segment, which, first, last)
         if point is not None:

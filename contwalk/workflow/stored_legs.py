@@ -94,7 +94,7 @@ def facts_of(system: System, branch: Branch, point: SpecialPoint | int) -> Hybri
     for limit, value, scale in zip(margins.limits, margins.values, margins.scales, strict=True):
         if not np.isfinite(value):
             continue
-        derived = limit.test in ("rate", "duration")
+        derived = limit.test in limits.DERIVED
         name = f"{limit.name}_{limit.test}" if derived else limit.name
         if name in branch.info.observables:
             column = np.abs(branch[name])
@@ -126,6 +126,8 @@ def _what(limit: object, legs: tuple[LegFact, ...]) -> str:
         return f"how long {leg.mode} lasts"
     if limit.test == "rate":
         return "rate at which the guard arrives"
+    if limit.test == "leaving":
+        return "how the guard goes on that its own event left without rate"
     if limit.test == "condition":
         return f"condition at {leg.event}"
     return f"guard on the way, in {leg.mode}"

@@ -77,7 +77,6 @@ class TestRestitution:
         assert off <= point.error + 1e-23
         assert point.error <= 1e-6 * self.fold(e)  # rounding of the phase allows no more
 
-    @pytest.mark.xfail(strict=True, reason="a guard that does not leave its own event is no limit yet")
     def test_without_restitution_the_ball_stays_on_a_slow_table(self):
         """It leaves where the table falls faster than g: A omega^2 sin(phase) > g. There is a limit."""
         branch = self.branch(0.0)
@@ -183,7 +182,7 @@ class TestEventsAtOnce:
         "apart",
         [
             1e-12,
-            pytest.param(1e-9, marks=pytest.mark.xfail(strict=True, reason="a start near a limit passes it")),
+            1e-9,
             1e-5,
         ],
     )

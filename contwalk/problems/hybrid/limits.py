@@ -38,6 +38,8 @@ if TYPE_CHECKING:
     from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 
 LABELS = ("GR", "OC", "AZ")
+# Limits whose numbers are not the guard's own: margins tell them under names of their own.
+DERIVED = ("rate", "duration", "leaving")
 # A soft transition that joins the word, or leaves it: no special point, but another word from there on.
 SOFT = "soft"
 # Margins larger than this are not those that a special point is a zero of.
@@ -50,7 +52,12 @@ ZERO, BELOW = 1e-9, 1e-7
 
 @dataclass(frozen=True)
 class Limit:
-    """One number that must stay positive; `acts` says whether something happens where it is not."""
+    """One number that must stay positive; `acts` says whether something happens where it is not.
+
+    `test` says what the number is: a guard's value where it is least inside the leg (`dip`), at its `start`
+    or at its `end`; how fast the own guard arrives (`rate`); how a guard that its own event leaves without
+    rate goes on (`leaving`: its second derivative); the leg's `duration`; a `condition`.
+    """
 
     label: str
     kind: str | None
@@ -98,7 +105,7 @@ class Margins:
         """The smallest value under each name, where there is one."""
         found: dict[str, float] = {}
         for limit, value in zip(self.limits, self.values.tolist(), strict=True):
-            key = limit.name if limit.test not in ("rate", "duration") else f"{limit.name}_{limit.test}"
+            key = limit.name if limit.test not in DERIVED else f"{limit.name}_{limit.test}"
             if np.isfinite(value):
                 found[key] = min(found.get(key, np.inf), value)
         return found
@@ -124,6 +131,8 @@ def limits_of(problem: HybridOrbit) -> tuple[Limit, ...]:
                 label, kind = ("AZ", other.name) if other.role == "watched" else ("OC", "crossing")
                 found.append(Limit(label, kind, other.name, i, "start", acts))
                 found.append(Limit(label, kind, other.name, i, "end", acts))
+            if other.role == "hard" and other.name == problem.word.legs[i - 1].name:
+                found.append(Limit("GR", "interior", other.name, i, "leaving"))
         if own is None:
             continue
         if own.role == "hard":
@@ -178,10 +187,24 @@ def margins(problem: HybridOrbit, z: np.ndarray) -> Margins:
         else:
             if (i, limit.name) not in known:
                 known[i, limit.name] = _watch(problem, i, view, problem.named_transitions[limit.name])
-            found = _of_watch(limit.test, known[i, limit.name], view.duration)
+            watch = known[i, limit.name]
+            if limit.test == "leaving":
+                found = _leaving(watch)
+            else:
+                found = _of_watch(limit.test, watch, view.duration)
         rows.append(found)
     values, scales, places = np.array(rows).reshape(len(rows), 3).T
     return Margins(problem.limits, values, scales, places)
+
+
+def _leaving(watch: _Watch) -> tuple[float, float, float]:
+    """Value, scale and place of how a guard goes on that its own event has left without rate."""
+    fastest = max(float(np.abs(watch.rates).max()), 1e-300)
+    if abs(watch.rates[0]) > ZERO * fastest or abs(watch.values[0]) > ZERO * watch.scale:
+        return np.inf, fastest, 0.0
+    view, map_ = watch.view, watch.view.piece.passage.bending(watch.transition)
+    c = map_.constants(view.piece.values(view.scalars))
+    return watch.sign * float(map_(0.0, view.x, c)[0]), fastest, 0.0
 
 
 def _watch(problem: HybridOrbit, i: int, view: LegView, transition: Transition) -> _Watch:
@@ -300,7 +323,7 @@ def _system(problem: HybridOrbit, which: int, limit: Limit, sample: Sample) -> a
 
     def vectors(there: Any, y: np.ndarray) -> dict:
         seconds = float(y[-1]) if limit.test == "dip" else float(y[there.layout.durations][i])
-        return {"limit": which, "seconds": 0.0 if limit.test == "start" else seconds}
+        return {"limit": which, "seconds": 0.0 if limit.test in ("start", "leaving") else seconds}
 
     return augmented.Augmented(evaluate, start, scale, vectors)
 
@@ -320,7 +343,9 @@ def _rows(problem: HybridOrbit, limit: Limit, y: np.ndarray, share: float) -> tu
     else:
         transition = problem.named_transitions[limit.name]
         map_ = piece.passage.watched(transition.name, transition.guard)
-    if limit.test == "start":
+    if limit.test == "leaving":
+        map_ = piece.passage.bending(transition)
+    if limit.test in ("start", "leaving"):
         c = map_.constants(piece.values(scalars))
         return map_(0.0, x, c)[:1], layout.spread(i, map_.jacobian(0.0, x, c)[:1])
     if limit.test == "dip":
@@ -354,6 +379,8 @@ def place_of(problem: HybridOrbit, limit: Limit, located: Located) -> str:
             f"'{limit.name}' arrives with no rate, {seconds:.10g} s after '{before}', in mode {leg.mode}: "
             "multipliers that grow beyond all bounds do so as the inverse of its rate"
         )
+    if limit.test == "leaving":
+        return f"'{limit.name}' is not left again: right after it, in mode {leg.mode}, its guard has no rate"
     return f"'{limit.name}' is touched {seconds:.10g} s after '{before}', in mode {leg.mode}"
 
 

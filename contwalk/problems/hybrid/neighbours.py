@@ -167,6 +167,8 @@ def _built(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, place: floa
         return _removed(problem, z, limit, transition)
     if limit.test == "duration":
         return _exchanged(problem, z, limit)
+    if limit.test == "leaving":
+        raise _None(f"'{limit.name}' would happen again at once, for ever: the machine rests there.")
     raise _None(
         f"'{limit.name}' and '{problem.word.legs[limit.leg].name}' happen at once there, and no word with "
         "both is known."

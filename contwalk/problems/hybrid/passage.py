@@ -214,8 +214,16 @@ class Passage:
             self._compiled(key, program, PLAIN, 2 * len(self.leaving))
         return self._fields[key]
 
-    def _with_rates(self, functions: Sequence[Scalar]) -> Program:
-        """Scalars along the leg, each followed by its rate."""
+    def bending(self, transition: Transition) -> Field:
+        """The second derivative of a guard over the leg's own time, as a map."""
+        key = "bending", transition.name, True
+        if key not in self._fields:
+            program = self._with_rates([transition.guard], orders=2)
+            self._compiled(key, program.transformed(lambda outputs: [outputs[2]]), PLAIN, 1)
+        return self._fields[key]
+
+    def _with_rates(self, functions: Sequence[Scalar], orders: int = 1) -> Program:
+        """Scalars along the leg, each followed by its derivatives over the leg's own time."""
         copies = [rebound(function) for function in functions]
 
         def all_of(tracer: Tracer) -> list[Any]:
@@ -229,8 +237,10 @@ class Passage:
             values, rates = outputs[: len(copies)], outputs[len(copies) :]
             inputs = [graph.input("u", k) for k in range(len(self.states))]
             moving = {graph.input("t", 0): graph.one, **dict(zip(inputs, rates, strict=True))}
-            changes = directional(graph, list(values), moving)
-            return [node for pair in zip(values, changes, strict=True) for node in pair]
+            found = [list(values)]
+            for _ in range(orders):
+                found.append(directional(graph, found[-1], moving))
+            return [node for row in zip(*found, strict=True) for node in row]
 
         return program.transformed(measured)
 
