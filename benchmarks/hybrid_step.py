@@ -98,7 +98,7 @@ def ways() -> list[Way]:
     """All of them, the compiled one first."""
     system = load_system("planar_walker")
     walker = hybrid_machine(system, system.defaults() | {"alpha": 0.09})
-    after = applied(walker, "heel_strike", 0.0, BEFORE)
+    after = applied(walker, walker.transition("heel_strike"), 0.0, BEFORE)
     whole = {"mode": "three_link", "events": 2, "just_after": "heel_strike"}
     short = {"mode": "two_link", "events": 3, "at": "heel_strike"}
     exact = _exact(walker, after, **whole)
@@ -168,8 +168,11 @@ def _scipy(walker: HybridMachine, x: np.ndarray, tolerance: float) -> Callable[[
         )
         t, y = float(found.t_events[0][0]), found.y_events[0][0]
         before = walker.full(mode, y[:n])
-        columns = saltation(walker, name, t, before)[0] @ y[first:].reshape(n, width)[:, :COLUMNS]
-        return t, applied(walker, name, t, before), columns
+        columns = (
+            saltation(walker, walker.transition(name), t, before)[0]
+            @ y[first:].reshape(n, width)[:, :COLUMNS]
+        )
+        return t, applied(walker, walker.transition(name), t, before), columns
 
     def step() -> Result:
         t, state, columns = arc(0.0, x, np.eye(COLUMNS), *FIRST)

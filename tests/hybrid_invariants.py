@@ -21,8 +21,8 @@ from contwalk.system import System, Transition
 
 # What may become, at the end of a leg, of local errors that a run asks for; and what scipy misses by itself.
 GLOBAL, INDEPENDENT = 100.0, 1e-11
-# scipy's DOP853 takes no less.
-RELATIVE = 3e-14
+# scipy's DOP853 takes no less; of variational equations the differences are known to 1e-13 only.
+RELATIVE, VARIED = 3e-14, 1e-12
 # Differences of fourth order with this part of a state's size: truncation 1e-13, rounding 1e-13.
 STEP = 1e-3
 # A margin nearer to zero than this part of the guard's largest value has no certain sign.
@@ -105,14 +105,59 @@ def legs_of(branch: Branch, system: System, row: np.void) -> list[Leg]:
         x = np.zeros(len(system.states))
         x[place] = z[ends[k] : ends[k + 1]]
         starts.append(x)
-    found = []
-    for k, (mode, name, _) in enumerate(word):
-        target = places[(k + 1) % len(word)]
-        found.append(
-            _leg(system, p, mode, by_name.get(name), places[k], target, starts[k], time, float(durations[k]))
-        )
-        time += float(durations[k])
-    return found
+    begins = time + np.concatenate([[0.0], np.cumsum(durations)])
+    motions = [
+        _motion(system, p, word[k][0], starts[k], float(begins[k]), float(durations[k]))
+        for k in range(len(word))
+    ]
+    size = _sizes(motions)
+    return [
+        _leg(system, p, mode, by_name.get(name), size, motion)
+        for (mode, name, _), motion in zip(word, motions, strict=True)
+    ]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A motion in one mode: from where, from when and for how long; `at` takes shares of its duration."""
+
+    x: np.ndarray
+    start: float
+    duration: float
+    end: np.ndarray
+    at: Callable[[np.ndarray], np.ndarray]
+
+
+def _full(system: System, place: list[int], y: np.ndarray) -> np.ndarray:
+    result = np.zeros(len(system.states))
+    result[place] = y
+    return result
+
+
+def _motion(
+    system: System, p: SimpleNamespace, mode: str, x: np.ndarray, start: float, duration: float
+) -> Motion:
+    place, field = list(system.states_of(mode)), system.mode(mode).field
+
+    def right(tau: float, y: np.ndarray) -> np.ndarray:
+        return duration * written(field, start + tau * duration, _full(system, place, y), p)[place]
+
+    solved = solve_ivp(
+        right, (0.0, 1.0), x[place], "DOP853", rtol=RELATIVE, atol=1e-15, dense_output=True, max_step=0.05
+    )
+    assert solved.success, solved.message
+
+    def at(times: np.ndarray) -> np.ndarray:
+        return np.array([_full(system, place, y) for y in solved.sol(times).T])
+
+    return Motion(x, start, duration, _full(system, place, solved.y[:, -1]), at)
+
+
+def _sizes(motions: list[Motion]) -> np.ndarray:
+    """Half the range of each state over the orbit, not less than a thousandth of its size."""
+    states = np.concatenate([motion.at(np.linspace(0.0, 1.0, 40)) for motion in motions])
+    half, largest = 0.5 * np.ptp(states, axis=0), np.abs(states).max(axis=0)
+    return np.maximum(np.maximum(half, 1e-3 * largest), 1e-12)
 
 
 def _leg(
@@ -120,46 +165,41 @@ def _leg(
     p: SimpleNamespace,
     mode: str,
     transition: Transition | None,
-    own: list[int],
-    target: list[int],
-    x: np.ndarray,
-    start: float,
-    duration: float,
+    sizes: np.ndarray,
+    motion: Motion,
 ) -> Leg:
-    field, n = system.mode(mode).field, len(own)
-    size = np.where(np.abs(x[own]) > 1e-3, np.abs(x[own]), 1e-3)
-
-    def full(y: np.ndarray) -> np.ndarray:
-        result = np.zeros(len(system.states))
-        result[own] = y
-        return result
+    """A leg with the variational equations, in units of the states' sizes."""
+    own, field, start, duration = (
+        list(system.states_of(mode)),
+        system.mode(mode).field,
+        motion.start,
+        motion.duration,
+    )
+    n, size = len(own), sizes[own]
 
     def rate(t: float, y: np.ndarray) -> np.ndarray:
-        return written(field, t, full(y), p)[own]
+        return written(field, t, _full(system, own, y), p)[own]
 
     def right(tau: float, y: np.ndarray) -> np.ndarray:
-        t = start + tau * duration
-        slopes = differentiated(lambda u: rate(t, u), y[:n], size)
-        return duration * np.concatenate([rate(t, y[:n]), (slopes @ y[n:].reshape(n, n)).ravel()])
+        t, x = start + tau * duration, size * y[:n]
+        slopes = differentiated(lambda u: rate(t, u), x, size) / size[:, None] * size
+        return duration * np.concatenate([rate(t, x) / size, (slopes @ y[n:].reshape(n, n)).ravel()])
 
-    first = np.concatenate([x[own], np.eye(n).ravel()])
-    solved = solve_ivp(right, (0.0, 1.0), first, "DOP853", rtol=RELATIVE, atol=1e-15, dense_output=True)
+    first = np.concatenate([motion.x[own] / size, np.eye(n).ravel()])
+    solved = solve_ivp(right, (0.0, 1.0), first, "DOP853", rtol=VARIED, atol=0.1 * VARIED)
     assert solved.success, solved.message
-    end, moved, t = solved.y[:n, -1], solved.y[n:, -1].reshape(n, n), start + duration
-
-    def at(times: np.ndarray) -> np.ndarray:
-        return np.array([full(y) for y in solved.sol(times)[:n].T])
-
+    moved = solved.y[n:, -1].reshape(n, n) * size[:, None] / size
+    end, t = motion.end[own], start + duration
     if transition is None:
-        return Leg(mode, None, start, duration, x, full(end), full(end), moved, at)
-    later = after(system, transition, t, full(end), p)
-    size = np.where(np.abs(end) > 1e-3, np.abs(end), 1e-3)
+        return Leg(mode, None, start, duration, motion.x, motion.end, motion.end, moved, motion.at)
+    target = list(system.states_of(transition.target))
+    later = after(system, transition, t, motion.end, p)
 
     def mapped(time: float, y: np.ndarray) -> np.ndarray:
-        return after(system, transition, time, full(y), p)[target]
+        return after(system, transition, time, _full(system, own, y), p)[target]
 
     def guard(time: float, y: np.ndarray) -> float:
-        return float(transition.guard(time, full(y), p))
+        return float(transition.guard(time, _full(system, own, y), p))
 
     seconds = np.array([max(abs(duration), 1e-3)])
     g_x = differentiated(lambda y: mapped(t, y), end, size)
@@ -170,7 +210,7 @@ def _leg(
     following = written(system.mode(transition.target).field, t, later, p)[target]
     # A later arrival: what the guard is off by is made up for by a longer leg and a shorter next one.
     jump = g_x + np.outer(following - g_x @ before - g_t, h_x) / (h_x @ before + h_t)
-    return Leg(mode, transition, start, duration, x, full(end), later, jump @ moved, at)
+    return Leg(mode, transition, start, duration, motion.x, motion.end, later, jump @ moved, motion.at)
 
 
 def check_hybrid_branch(
@@ -228,7 +268,7 @@ def _check_counts(branch: Branch, row: np.void) -> None:
 def _check_row(branch: Branch, system: System, row: np.void, walking: float) -> None:
     where = f"{branch.info.free[0]} = {row['free'][0]}"
     p, legs = parameters_at(branch, system, row), legs_of(branch, system, row)
-    size = _sizes(system, legs)
+    size = _sizes([Motion(leg.x, leg.start, leg.duration, leg.end, leg.at) for leg in legs])
     total = sum(leg.duration for leg in legs)
     assert abs(total - row["period"]) <= 1e-14 * abs(total)
     if system.period is not None:
@@ -250,13 +290,6 @@ def _check_row(branch: Branch, system: System, row: np.void, walking: float) -> 
             assert value <= noise * largest, f"the guard is {value} at the end of leg {k} at {where}"
     _check_spectrum(branch, system, row, legs, size, noise, where)
     _check_admissible(system, row, legs, p, noise, where)
-
-
-def _sizes(system: System, legs: list[Leg]) -> np.ndarray:
-    """Half the range of each state over the orbit, not less than a thousandth of its size."""
-    states = np.concatenate([leg.at(np.linspace(0.0, 1.0, 40)) for leg in legs])
-    half, largest = 0.5 * np.ptp(states, axis=0), np.abs(states).max(axis=0)
-    return np.maximum(np.maximum(half, 1e-3 * largest), 1e-12)
 
 
 def _scaled(system: System, legs: list[Leg], k: int, size: np.ndarray) -> np.ndarray:

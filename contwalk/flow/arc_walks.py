@@ -33,7 +33,7 @@ class ByWalk:
 
     def __init__(self, machine: HybridMachine, control: Control) -> None:
         self._machine, self._control = machine, control
-        self._walk = Walk(machine, control.weights, room=ROOM, marks=True)
+        self._walks: dict[str, Walk] = {}
 
     def parts(
         self,
@@ -49,7 +49,11 @@ class ByWalk:
 
         The arc begins after the transition `last`, with these uncertainties of the states.
         """
-        walk, n = self._walk, len(flow.states)
+        if flow.name not in self._walks:
+            self._walks[flow.name] = Walk(
+                self._machine, self._control.weights, [flow.name], room=ROOM, marks=True
+            )
+        walk, n = self._walks[flow.name], len(flow.states)
         nodes, counts = walk.nodes[flow.name], walk.places[flow.name].counts
         weights = self._control.weights[flow.states]
         leaving = {i: guard.side for i, guard in enumerate(standing) if guard.kind == LEAVING}
@@ -65,8 +69,8 @@ class ByWalk:
                 seen = self._watched(flow, times, states, walk.marks[:steps], leaving)
                 part = part_of(self._machine, flow, times, states, seen, int(counts[plan.EVALUATIONS]))
                 t, x, leaving = float(times[-1]), part.states[-1], {}
-            if answer == told.ARRIVED:
-                name = walk.transitions[walk.happened[told.WORD]]
+            if answer in (told.ARRIVED, told.AWAY):
+                name = walk.transitions[walk.happened[told.WORD]].name
                 yield replace(part, transition=name, rising=self._rises(flow, name, t, states[-1]))
                 return
             if answer in _STATUS:

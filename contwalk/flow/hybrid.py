@@ -139,9 +139,9 @@ def parts(
             rising = standing[number].side > 0
             arc = replace(_instant(flow, t, x), transition=flow.transitions[number].name, rising=rising)
         last = name = str(arc.transition)
-        t = float(arc.times[-1])
-        x, noise = landed(machine, name, t, arc.states[-1])
-        flow = machine.mode(machine.transition(name).target)
+        t, happening = float(arc.times[-1]), machine.transition(name, flow.name)
+        x, noise = landed(machine, happening, t, arc.states[-1])
+        flow = machine.mode(happening.target)
         standing, verdict = _stands(flow, t, x, noise, control.weights, name)
         if verdict.status == "ok":
             verdict = pace.verdict(t, name, [d for i, d in enumerate(standing) if flow.acting(i)])

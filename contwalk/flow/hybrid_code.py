@@ -69,7 +69,7 @@ class HybridCode:
     def __init__(self, system: System) -> None:
         self.system = system
         self._modes: dict[str, ModeCode] = {}
-        self._jumps: dict[str, Field] = {}
+        self._jumps: dict[tuple[str, str], Field] = {}
 
     def mode(self, name: str) -> ModeCode:
         """A mode by its name."""
@@ -79,10 +79,11 @@ class HybridCode:
 
     def jump(self, transition: Transition) -> Field:
         """Reset, then relabelling: from (t, x) in the source's states to the target's, and the guard last."""
-        if transition.name not in self._jumps:
+        key = transition.name, transition.source
+        if key not in self._jumps:
             program = _jump_program(self.system, transition)
-            self._jumps[transition.name] = _of_time_and_state(self.system, transition.source, program)
-        return self._jumps[transition.name]
+            self._jumps[key] = _of_time_and_state(self.system, transition.source, program)
+        return self._jumps[key]
 
 
 _KNOWN: dict[int, HybridCode] = {}

@@ -30,6 +30,7 @@ from contwalk.flow.guard_kernel import (
 )
 from contwalk.flow.hybrid_plan import (
     ARRIVED,
+    AWAY,
     BEGINS,
     CLOCK,
     COLUMN,
@@ -326,10 +327,12 @@ def _through(w: Any, number: int) -> int:
 
 @inlined
 def _happens(w: Any, number: int) -> int:
-    """Write down a transition, and apply it."""
+    """Write down a transition, and apply it, unless it leads where the walk knows nothing."""
     happened = integers(w[HAPPENED], WORD + w[EVENTS])
     happened[WORD + happened[COUNT]] = number
     happened[COUNT] += 1
+    if integers(w[TRANSITIONS] + 8 * number * TRANSITION_LENGTH, TRANSITION_LENGTH)[TARGET] < 0:
+        return AWAY
     return _through(w, number)
 
 

@@ -85,7 +85,7 @@ class HybridMachine:
         self.parameters = {name: float(parameters[name]) for name in self.system.parameter_names}
         self.p = np.array(list(self.parameters.values()), dtype=float)
         self._modes: dict[str, ModeFlow] = {}
-        self._constants: dict[str, np.ndarray] = {}
+        self._constants: dict[tuple[str, str], np.ndarray] = {}
 
     def at(self, parameters: Mapping[str, float]) -> HybridMachine:
         """The same machine with these parameters changed; nothing is compiled anew."""
@@ -97,19 +97,20 @@ class HybridMachine:
             self._modes[name] = ModeFlow(self.code.mode(name), self.p)
         return self._modes[name]
 
-    def transition(self, name: str) -> Transition:
-        """A transition by its name."""
-        return next(transition for transition in self.system.transitions if transition.name == name)
+    def transition(self, name: str, source: str | None = None) -> Transition:
+        """A transition by its name, and the mode it leads out of where several have the name."""
+        return self.system.transition(name, source)
 
-    def jump(self, name: str) -> tuple[Field, np.ndarray]:
+    def jump(self, transition: Transition) -> tuple[Field, np.ndarray]:
         """Reset and relabelling of a transition as a map, and its constants.
 
         The map's inputs are the time and the states of the source, its outputs the states of the target and,
         last, the guard.
         """
-        if name not in self._constants:
-            self._constants[name] = self.code.jump(self.transition(name)).constants(self.p)
-        return self.code.jump(self.transition(name)), self._constants[name]
+        key, jump = (transition.name, transition.source), self.code.jump(transition)
+        if key not in self._constants:
+            self._constants[key] = jump.constants(self.p)
+        return jump, self._constants[key]
 
     def full(self, mode: str, x: np.ndarray) -> np.ndarray:
         """States of a mode among all states; those that do not exist are 0."""
@@ -127,26 +128,26 @@ def hybrid_machine(system: System, parameters: Mapping[str, float]) -> HybridMac
     return HybridMachine(hybrid_code(system), parameters)
 
 
-def applied(machine: HybridMachine, transition: str, t: float, x: np.ndarray) -> np.ndarray:
+def applied(machine: HybridMachine, transition: Transition, t: float, x: np.ndarray) -> np.ndarray:
     """The full-length state after a transition: its reset, then its relabelling; NaN where they fail."""
     jump, c = machine.jump(transition)
-    ends = machine.transition(transition)
-    before = np.asarray(x, dtype=float)[machine.mode(ends.source).states]
-    return machine.full(ends.target, jump(0.0, np.concatenate([[t], before]), c)[:-1])
+    before = np.asarray(x, dtype=float)[machine.mode(transition.source).states]
+    return machine.full(transition.target, jump(0.0, np.concatenate([[t], before]), c)[:-1])
 
 
-def landed(machine: HybridMachine, transition: str, t: float, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def landed(
+    machine: HybridMachine, transition: Transition, t: float, x: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """As `applied`, with how far rounding carries each state after it.
 
     Before it the states are rounded, and so is the time, which moves them as fast as they go.
     """
     jump, c = machine.jump(transition)
-    ends = machine.transition(transition)
-    source = machine.mode(ends.source)
+    source = machine.mode(transition.source)
     before = np.asarray(x, dtype=float)[source.states]
     at, rounding = np.concatenate([[t], before]), EPSILON * abs(t)
     moved = np.abs(source.field(t, before, source.c)) * rounding
     given = np.concatenate([[rounding], EPSILON * np.abs(before) + moved])
     after = jump(0.0, at, c)[:-1]
     noise = EPSILON * np.abs(after) + np.abs(jump.jacobian(0.0, at, c)[:-1]) @ given
-    return machine.full(ends.target, after), machine.full(ends.target, noise)
+    return machine.full(transition.target, after), machine.full(transition.target, noise)

@@ -7,6 +7,7 @@ on their steps.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -69,6 +70,8 @@ class StepMap:
         The state is the one right before this transition, which is the first event.
     just_after : str, optional
         The state is one right after this transition.
+    modes : sequence of str, optional
+        The modes that it leads through; all of them by default.
     method : str
         One of `flow.METHODS`.
     longest : float
@@ -89,15 +92,18 @@ class StepMap:
         *,
         at: str | None = None,
         just_after: str | None = None,
+        modes: Sequence[str] | None = None,
         method: str = METHOD,
         longest: float = np.inf,
     ) -> None:
-        ends = [at and machine.transition(at).source, just_after and machine.transition(just_after).target]
-        if mode != (ends[0] or ends[1] or mode):
+        system = machine.system
+        into = [t.target for t in system.transitions if t.name == just_after]
+        if (at and mode not in system.sources(at)) or (just_after and mode not in into):
             raise ValueError(f"a map from mode '{mode}' cannot begin with '{at or just_after}'")
         self.machine, self.mode, self.events = machine, mode, events
         self.weights = np.asarray(weights, dtype=float)
-        self.at, self.just_after, self.method, self.longest = at, just_after, method, longest
+        self.at = None if at is None else machine.transition(at, mode)
+        self.just_after, self.method, self.longest = just_after, method, longest
         self._columns = machine.mode(mode).states
         self._identity = np.eye(len(self._columns))
         self._span = longest
@@ -105,7 +111,10 @@ class StepMap:
             flow = machine.mode(mode)
             self._span = far(flow, 0.0, self.weights[flow.states], self.weights[flow.states])
         self._entries: dict[str, np.ndarray] = {}
-        self._walk = Walk(machine, self.weights, len(self._columns), events) if method == METHOD else None
+        through = modes or [each.name for each in system.modes]
+        self._walk = (
+            Walk(machine, self.weights, through, len(self._columns), events) if method == METHOD else None
+        )
 
     def __call__(self, t0: float, x0: np.ndarray, tolerance: float) -> tuple[float, np.ndarray, np.ndarray]:
         """Time, full-length state and monodromy after the events; see `Mapped`."""
@@ -128,8 +137,9 @@ class StepMap:
         if walk is None or not self._walked(walk, t0, x0, tolerance):
             return self._step_by_step(float(t0), np.asarray(x0, dtype=float), tolerance)
         mode, state, monodromy = self._arrived(walk)
-        word = tuple(walk.transitions[number] for number in walk.happened[told.WORD :])
-        shift, velocity = self.machine.full(self.mode, walk.shift), walk.velocity(word[-1])
+        happened = [walk.transitions[number] for number in walk.happened[told.WORD :]]
+        word = tuple(transition.name for transition in happened)
+        shift, velocity = self.machine.full(self.mode, walk.shift), walk.velocity(happened[-1])
         velocity, steps = self.machine.full(mode, velocity), int(walk.happened[told.STEPS])
         return Mapped(float(walk.clock[0]), state, mode, monodromy, shift, velocity, word, steps)
 
@@ -162,7 +172,7 @@ class StepMap:
         if self.at is not None:
             matrix, own = saltation(self.machine, self.at, t, x)
             columns, shift, x = matrix, own, applied(self.machine, self.at, t, x)
-            mode, last, word = self.machine.transition(self.at).target, self.at, [self.at]
+            mode, last, word = self.at.target, self.at.name, [self.at.name]
         if len(word) < self.events:
             motion = arcs(
                 self.machine, t, x, mode, t + self.longest, tolerance, self.weights, self.method, last
@@ -171,9 +181,10 @@ class StepMap:
                 columns = self._along(arc, columns)
                 if arc.transition is None or arc.after is None:
                     raise NotFinite(_ended(arc, len(word), self.events), "Start elsewhere.")
-                matrix, own = saltation(self.machine, arc.transition, float(arc.times[-1]), arc.states[-1])
+                happening = self.machine.transition(arc.transition, arc.mode)
+                matrix, own = saltation(self.machine, happening, float(arc.times[-1]), arc.states[-1])
                 columns, shift = matrix @ columns, own @ columns
-                t, x, mode = float(arc.times[-1]), arc.after, self.machine.transition(arc.transition).target
+                t, x, mode = float(arc.times[-1]), arc.after, happening.target
                 word.append(arc.transition)
                 steps += len(arc.times) - 1
                 if len(word) == self.events:

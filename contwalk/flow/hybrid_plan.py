@@ -30,8 +30,8 @@ COEFFICIENTS, STAGES, ROUNDING = range(15, 18)
 MODE_LENGTH = 18
 
 # A transition: its map with the Jacobian, constants, rows and columns of the entries; scratch for what it
-# takes and gives; number of states it leads to; number of the mode; scratch for speeds before and after, for
-# derivatives.
+# takes and gives; number of states it leads to; number of the mode, -1 if it is none of the walk's; scratch
+# for speeds before and after, for derivatives.
 JUMP, CONSTANTS, ROWS, ENTRIES, TAKEN, GIVEN, OUTPUTS, TARGET, SPEEDS, SLOPES = range(10)
 TRANSITION_LENGTH = 10
 
@@ -40,4 +40,5 @@ VALUE, RATE, BEGINS, FASTEST = range(4)
 OF_GUARD = 4
 
 # How it ended. `UNSURE`: there is something that only the careful way can tell, such as transitions at once.
-ARRIVED, NOT_FINITE, STEP_TOO_SMALL, FULL, UNSURE, TIME_UP = range(6)
+# `AWAY`: at a transition to a mode that the walk does not know, before its reset.
+ARRIVED, NOT_FINITE, STEP_TOO_SMALL, FULL, UNSURE, TIME_UP, AWAY = range(7)

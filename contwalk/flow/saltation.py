@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.flow.hybrid_machine import HybridMachine
+from contwalk.system import Transition
 
 
 def saltation(
-    machine: HybridMachine, transition: str, t: float, x: np.ndarray
+    machine: HybridMachine, transition: Transition, t: float, x: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """How deviations go through a transition, in the states that exist on its sides.
 
@@ -30,8 +31,7 @@ def saltation(
         s, the derivative of the instant.
     """
     jump, c = machine.jump(transition)
-    ends = machine.transition(transition)
-    source, target = machine.mode(ends.source), machine.mode(ends.target)
+    source, target = machine.mode(transition.source), machine.mode(transition.target)
     before = np.asarray(x, dtype=float)[source.states]
     at = np.concatenate([[t], before])
     after, slopes = jump(0.0, at, c)[:-1], jump.jacobian(0.0, at, c)

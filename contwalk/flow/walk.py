@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,6 +60,8 @@ class Walk:
     machine : HybridMachine
     weights : ndarray, shape (n,)
         Typical magnitudes of the states, of full length.
+    modes : sequence of str
+        A transition that leads to another one ends the walk before its reset.
     columns : int
         Derivatives that are moved along.
     events : int
@@ -74,14 +77,15 @@ class Walk:
         self,
         machine: HybridMachine,
         weights: np.ndarray,
+        modes: Sequence[str],
         columns: int = 0,
         events: int = 1,
         room: int = ROOM,
         marks: bool = False,
     ) -> None:
         self.machine, self.columns, self._marks = machine, columns, marks
-        self.modes = [mode.name for mode in machine.system.modes]
-        self.transitions = [transition.name for transition in machine.system.transitions]
+        self.modes = list(modes)
+        self.transitions = [each for mode in modes for each in machine.system.leaving(mode)]
         self._kept: list[np.ndarray] = []
         self.clock, self.happened = np.zeros(1), np.zeros(told.WORD + events, dtype=np.int64)
         self.times, self.marks = np.empty(room + 1), np.zeros(room, dtype=np.int64)
@@ -89,12 +93,12 @@ class Walk:
         self.places: dict[str, Place] = {}
         self.nodes: dict[str, np.ndarray] = {}
         self._calls: list[Call] = []
-        self._speeds: dict[str, np.ndarray] = {}
-        modes = [self._mode(name, weights) for name in self.modes]
-        transitions = [self._transition(name) for name in self.transitions]
+        self._speeds: dict[tuple[str, str], np.ndarray] = {}
+        places = [self._mode(name, weights) for name in self.modes]
+        transitions = [self._transition(transition) for transition in self.transitions]
         width = -(-columns // stages.WIDTH) * stages.WIDTH
         self.plan = self._integers(told.WALK_LENGTH, {
-            told.MODES: self._keep(np.array(modes, dtype=np.int64)),
+            told.MODES: self._keep(np.array(places, dtype=np.int64)),
             told.TRANSITIONS: self._keep(np.array(transitions, dtype=np.int64)),
             told.CLOCK: self._keep(self.clock),
             told.HAPPENED: self._keep(self.happened),
@@ -169,15 +173,14 @@ class Walk:
 
     def _number(self, transition: Transition) -> int:
         """Of a transition that acts; -1 for one that is watched."""
-        return -1 if transition.role == "watched" else self.transitions.index(transition.name)
+        return -1 if transition.role == "watched" else self.transitions.index(transition)
 
-    def _transition(self, name: str) -> np.ndarray:
-        transition = self.machine.transition(name)
-        if transition.role == "watched":
-            return np.zeros(told.TRANSITION_LENGTH, dtype=np.int64)
-        jump, c = self.machine.jump(name)
+    def _transition(self, transition: Transition) -> np.ndarray:
+        if transition.role == "watched" or transition.target not in self.modes:
+            return self._integers(told.TRANSITION_LENGTH, {told.TARGET: -1})
+        jump, c = self.machine.jump(transition)
         n, outputs = jump.n - 1, jump.m - 1
-        self._speeds[name] = speeds = np.zeros(n + outputs)
+        self._speeds[transition.name, transition.source] = speeds = np.zeros(n + outputs)
         return self._integers(told.TRANSITION_LENGTH, {
             told.JUMP: jump.rhs_jac_address,
             told.CONSTANTS: self._keep(c),
@@ -197,10 +200,10 @@ class Walk:
         x: np.ndarray,
         mode: str,
         last: str | None,
-        first: str | None = None,
+        first: Transition | None = None,
         noise: np.ndarray | None = None,
     ) -> None:
-        """Put a full-length state in place, right after `last`, or right before `first`.
+        """Put a full-length state in place, right after one named `last`, or right before `first`.
 
         `noise`, of full length, are its uncertainties; they are those of its own rounding by default.
         """
@@ -211,13 +214,18 @@ class Walk:
         place.noise[1:] = EPSILON * np.abs(place.state) if noise is None else noise[place.states]
         self.happened[:] = 0
         self.happened[told.MODE] = self.modes.index(mode)
-        self.happened[told.LAST] = -1 if last is None else self.transitions.index(last)
+        self.happened[told.LAST] = -1 if last is None else self._own(last, mode)
         self.happened[told.FIRST_OF_ALL] = -1 if first is None else self.transitions.index(first)
 
-    def velocity(self, transition: str) -> np.ndarray:
+    def _own(self, last: str, mode: str) -> int:
+        """Number of the transition out of a mode that has the name of the one that led into it, or -1."""
+        same = [i for i, t in enumerate(self.transitions) if t.name == last and t.source == mode]
+        return same[0] if same else -1
+
+    def velocity(self, transition: Transition) -> np.ndarray:
         """The field right after a transition that has happened last."""
         jump = self.machine.jump(transition)[0]
-        return self._speeds[transition][jump.n - 1 :]
+        return self._speeds[transition.name, transition.source][jump.n - 1 :]
 
     def __call__(self, t1: float, tolerance: float) -> int:
         """Walk on; the answer is one of `hybrid_plan.ARRIVED`, .."""

@@ -13,9 +13,11 @@ Rules of the contract
 from __future__ import annotations
 
 import keyword
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
+from functools import cached_property
 from types import SimpleNamespace
 from typing import Any
 
@@ -195,13 +197,16 @@ class Symmetry:
     """A map of the state space that takes motions to motions: `map(t, x, p, x_image)`.
 
     `role` is `relabel` (both configurations are the same thing with names swapped) or `spatial` (the image
-    is another motion).
+    is another motion). `modes` and `events` name the images of modes and of transitions, as far as they
+    differ from themselves: the left foot's touchdown is the right foot's in a mirror.
     """
 
     name: str
     role: str
     map: Callable[..., None]
     about: str = ""
+    modes: Mapping[str, str] = field(default_factory=dict)
+    events: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         _require_name("A symmetry", self.name)
@@ -300,6 +305,11 @@ class Start:
         _require_callable(f"The states of start '{self.name}'", self.states)
 
 
+def _identity(entry: Any) -> tuple[str, str]:
+    """What no two declarations of a kind may share: a name, of transitions with the mode they leave."""
+    return entry.name, entry.source if isinstance(entry, Transition) else ""
+
+
 @dataclass(frozen=True)
 class System:
     """A machine: states, parameters, modes, transitions, and what is known about them.
@@ -351,12 +361,14 @@ class System:
                         f"System '{self.name}': {what} contains {entry!r}.",
                         f"Each entry must be a {kind.__name__}(...).",
                     )
-            names = [entry.name for entry in entries]
-            for name in names:
-                if names.count(name) > 1:
-                    raise SystemDefinitionError(
-                        f"System '{self.name}': {what} has '{name}' twice.", "Names must differ."
-                    )
+            twice = [
+                key for key, count in Counter(_identity(entry) for entry in entries).items() if count > 1
+            ]
+            if twice:
+                where = f", both times from mode '{twice[0][1]}'" if twice[0][1] else ""
+                raise SystemDefinitionError(
+                    f"System '{self.name}': {what} has '{twice[0][0]}' twice{where}.", "Names must differ."
+                )
             object.__setattr__(self, what, entries)
         for what in ("states", "modes"):
             if not getattr(self, what):
@@ -369,7 +381,7 @@ class System:
             raise SystemDefinitionError(
                 f"System '{self.name}': '{shared}' is a state and a parameter.", "Rename one of them."
             )
-        modes = [mode.name for mode in self.modes]
+        modes = {mode.name: mode for mode in self.modes}
         for transition in self.transitions:
             for end in (transition.source, transition.target):
                 if end not in modes:
@@ -378,6 +390,8 @@ class System:
                         f"Declared modes: {', '.join(modes)}.",
                     )
             self._check_relabel(transition)
+        for symmetry in self.symmetries:
+            self._check_images(symmetry)
         for mode in self.modes:
             for name in mode.states or ():
                 if name not in state_names:
@@ -385,7 +399,7 @@ class System:
                         f"Mode '{mode.name}' has the state '{name}', which is not declared.",
                         f"Declared states: {', '.join(state_names)}. {nearest(name, state_names)}".strip(),
                     )
-        happening = [transition.name for transition in self.acting]
+        happening = list(dict.fromkeys(transition.name for transition in self.acting))
         places = {entry.name: entry.at for entry in self.conditions}
         places |= {entry.name: entry.at for entry in self.observables if entry.at is not None}
         for name, place in places.items():
@@ -414,6 +428,17 @@ class System:
                         nearest(name, parameter_names),
                     )
 
+    def _check_images(self, symmetry: Symmetry) -> None:
+        events = {transition.name for transition in self.transitions}
+        known = {"mode": {mode.name for mode in self.modes}, "transition": events}
+        for what, images in (("mode", symmetry.modes), ("transition", symmetry.events)):
+            for name in [*images, *images.values()]:
+                if name not in known[what]:
+                    raise SystemDefinitionError(
+                        f"Symmetry '{symmetry.name}' names the {what} '{name}', which is not declared.",
+                        nearest(name, sorted(known[what])) or f"Name declared {what}s.",
+                    )
+
     def _check_relabel(self, transition: Transition) -> None:
         known = [symmetry.name for symmetry in self.symmetries if symmetry.role == "relabel"]
         if transition.relabel is not None and transition.relabel not in known:
@@ -439,7 +464,11 @@ class System:
 
     def mode(self, name: str) -> Mode:
         """The mode of this name."""
-        return next(mode for mode in self.modes if mode.name == name)
+        return self._modes[name]
+
+    @cached_property
+    def _modes(self) -> dict[str, Mode]:
+        return {mode.name: mode for mode in self.modes}
 
     def states_of(self, mode: str) -> tuple[int, ...]:
         """Positions of the states that exist in a mode, in the order of the states."""
@@ -448,7 +477,42 @@ class System:
 
     def leaving(self, mode: str) -> tuple[Transition, ...]:
         """The transitions out of a mode, watched ones included, in their order."""
-        return tuple(transition for transition in self.transitions if transition.source == mode)
+        return self._leaving.get(mode, ())
+
+    @cached_property
+    def _leaving(self) -> dict[str, tuple[Transition, ...]]:
+        found: dict[str, list[Transition]] = {}
+        for transition in self.transitions:
+            found.setdefault(transition.source, []).append(transition)
+        return {mode: tuple(transitions) for mode, transitions in found.items()}
+
+    def transition(self, name: str, source: str | None = None) -> Transition:
+        """A transition by its name, and by the mode that it leads out of where several have the name.
+
+        Raises
+        ------
+        ValueError
+            If there is none, or more than one.
+        """
+        found = [source] if source is not None else self.sources(name)
+        if len(found) != 1:
+            raise ValueError(f"{len(found)} transitions '{name}'")
+        return next(transition for transition in self.leaving(found[0]) if transition.name == name)
+
+    def sources(self, name: str) -> tuple[str, ...]:
+        """The modes that transitions of a name lead out of."""
+        return self._sources.get(name, ())
+
+    @cached_property
+    def _sources(self) -> dict[str, tuple[str, ...]]:
+        found: dict[str, list[str]] = {}
+        for transition in self.transitions:
+            found.setdefault(transition.name, []).append(transition.source)
+        return {name: tuple(sources) for name, sources in found.items()}
+
+    def symmetry(self, name: str) -> Symmetry:
+        """The symmetry of this name."""
+        return next(symmetry for symmetry in self.symmetries if symmetry.name == name)
 
     @property
     def margins(self) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contwalk.system import Condition, Observable, System
+from contwalk.system import Condition, Observable, System, Transition
 from contwalk.workflow.check_events import Happening
 from contwalk.workflow.check_findings import Report, place_of, place_of_error
 from contwalk.workflow.check_samples import Samples
@@ -31,7 +31,7 @@ def check_at_event(
     """A number for an instant and the state before or after the transition `entry.at`."""
     kind = "condition" if isinstance(entry, Condition) else "observable"
     what, place = f"{kind} '{entry.name}'", place_of(entry.function)
-    transition = next(t for t in system.transitions if t.name == entry.at)
+    transition = _where(entry, system)
     mode = transition.source if entry.side == "before" else transition.target
     form = number_form("function(t, x, p)")
     if traced(report, what, entry.function, system, form, mode=mode) is None:
@@ -64,6 +64,12 @@ def check_at_event(
         report.ok(what, f"gives a finite number {where}.", place)
 
 
+def _where(entry: Condition | Observable, system: System) -> Transition:
+    """The transition, the first one of its name."""
+    name = str(entry.at)
+    return system.transition(name, system.sources(name)[0])
+
+
 def _states(
     entry: Condition | Observable,
     system: System,
@@ -81,5 +87,5 @@ def _states(
         from contwalk.flow.hybrid_machine import applied, hybrid_machine  # compiled flows
 
         machine = hybrid_machine(system, samples.parameters)
-        states = [(t, applied(machine, str(entry.at), t, x)) for t, x in states]
+        states = [(t, applied(machine, _where(entry, system), t, x)) for t, x in states]
     return [(t, x) for t, x in states if np.isfinite(x).all()]

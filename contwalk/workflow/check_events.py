@@ -48,7 +48,7 @@ def _check_reset(report: Report, transition: Transition, system: System, samples
     """Check the reset, if there is one; what is wrong with the relabelling is found with the symmetry."""
     needed: Collection[int] = system.states_of(transition.target)
     if transition.relabel is not None:
-        own = next(s for s in system.symmetries if s.name == transition.relabel)
+        own = system.symmetry(transition.relabel)
         try:
             relabel = Traced(own.map, system, vector_form(system, "map", "x_image"))
         except ContwalkError:
@@ -143,7 +143,7 @@ def _left_behind(happening: Happening, system: System, samples: Samples) -> list
     flow, found = machine.mode(transition.target), []
     numbers = [i for i, t in enumerate(flow.transitions) if t.guard is transition.guard]
     for t, x in happening.before:
-        after, noise = landed(machine, transition.name, t, x)
+        after, noise = landed(machine, transition, t, x)
         if not np.isfinite(after).all():
             continue
         own = [flow.transitions[i].name for i in numbers]

@@ -68,7 +68,7 @@ def check_motions(
         if happening.transition.role != "watched":
             target = happening.transition.target
             for t, x in happening.before[:MOST_STARTS]:
-                after = applied(machine, happening.transition.name, t, x)
+                after = applied(machine, happening.transition, t, x)
                 _follow(seen, machine, t, after, target, happening.transition.name, samples)
     _tell(report, system, seen)
     return seen

@@ -186,7 +186,7 @@ def _value(
 
 def _smooth_only(problems: Problems, system: System) -> None:
     """Note a problem for machines whose motion is not smooth."""
-    acting = [transition.name for transition in system.acting]
+    acting = list(dict.fromkeys(transition.name for transition in system.acting))
     if len(system.modes) > 1 or acting:
         problems.add(
             ("system",),

@@ -172,7 +172,7 @@ def report_place(problems: Problems, system: System, place: ReportPlace | None) 
     if place is None:
         return None
     if place.event is not None:
-        events = tuple(transition.name for transition in system.transitions)
+        events = tuple(dict.fromkeys(transition.name for transition in system.transitions))
         if place.event not in events:
             problems.add(
                 ("report_at", "event"),

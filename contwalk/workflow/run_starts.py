@@ -148,23 +148,29 @@ class StartReader:
     def _mode(self, key: Key, mode: str | None, at: str | None) -> str:
         """The mode that a state is of: the one named, else that of the transition, else the first."""
         system = self.system
-        modes, acting = [m.name for m in system.modes], [t.name for t in system.acting]
+        modes, acting = [m.name for m in system.modes], list(dict.fromkeys(t.name for t in system.acting))
         if mode is not None and mode not in modes:
             self.problems.add(
                 (*key, "mode"), f"'{mode}' is no mode of '{system.name}'.", allowed(modes, mode)
             )
             return modes[0]
         if at is not None and at not in acting:
-            watched = at in [transition.name for transition in system.transitions]
-            sentence = f"'{at}' is watched and changes nothing." if watched else f"'{at}' is no transition."
+            known = bool(system.sources(at))
+            sentence = f"'{at}' is watched and changes nothing." if known else f"'{at}' is no transition."
             self.problems.add((*key, "at"), sentence, allowed(acting, at))
             return mode or modes[0]
-        source = next((t.source for t in system.acting if t.name == at), None)
-        if mode is not None and source not in (None, mode):
+        sources = () if at is None else system.sources(at)
+        if at is not None and mode is None and len(sources) > 1:
             self.problems.add(
-                (*key, "mode"), f"is {mode}, but '{at}' leads out of mode {source}.", "Leave it out."
+                (*key, "at"),
+                f"'{at}' leads out of several modes.",
+                f"Name the one it leads out of with mode: {' | '.join(sources[:5])}.",
             )
-        return mode or source or modes[0]
+        if mode is not None and sources and mode not in sources:
+            self.problems.add(
+                (*key, "mode"), f"is {mode}, but '{at}' leads out of mode {sources[0]}.", "Leave it out."
+            )
+        return mode or (sources[0] if sources else modes[0])
 
     def _state(self, key: Key, values: Mapping[str, float], mode: str) -> np.ndarray:
         """The state as an array in the system's order; NaN where a problem has been noted.

@@ -76,9 +76,10 @@ def simulated(
     found: list[Arc] = []
     state, mode = machine.existing(beginning.mode, beginning.state), beginning.mode
     if beginning.at is not None:
-        after = applied(machine, beginning.at, start, state)
+        happening = machine.transition(beginning.at, mode)
+        after = applied(machine, happening, start, state)
         found.append(Arc(mode, np.array([start]), state[None], transition=beginning.at, after=after))
-        state, mode = after, machine.transition(beginning.at).target
+        state, mode = after, happening.target
     last = beginning.at or beginning.last
     scales = [s.scale for s in system.states]
     weights = magnitudes(machine, start, state, mode, end, scales, method, last)
@@ -146,7 +147,7 @@ def _events(machine: HybridMachine, found: list[Arc]) -> list[Event]:
     for part in found:
         events += part.watched
         if part.transition is not None and part.after is not None:
-            target = machine.transition(part.transition).target
+            target = machine.transition(part.transition, part.mode).target
             time, before = float(part.times[-1]), part.states[-1]
             events.append(Event(part.transition, time, part.rising, before, part.after, target))
     return events
@@ -173,5 +174,6 @@ def _stored(
     if begins and found[-1].after is not None:
         times.append(found[-1].times[-1:])
         values.append(found[-1].after[None])
-        modes.append(np.array([numbers.index(machine.transition(str(found[-1].transition)).target)]))
+        into = machine.transition(str(found[-1].transition), found[-1].mode).target
+        modes.append(np.array([numbers.index(into)]))
     return np.concatenate(times), np.concatenate(values), np.concatenate(modes)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from functools import cache
 
+import mpmath
 import numpy as np
 import pytest
 from clocks import Clock
@@ -85,6 +86,45 @@ class TestRestitution:
         assert len(found) == 1
         assert found[0].parameters["A"] == pytest.approx(leaves, rel=1e-6)
         assert branch.outcome.reason == "grazing"
+
+    @classmethod
+    def touched(cls, e: float) -> tuple[float, float]:
+        """Amplitude at which the ball just touches the table again after a bounce, and how long after it."""
+        with mpmath.workdps(30):
+            g, omega, small = mpmath.mpf(cls.G), mpmath.mpf(cls.OMEGA), mpmath.mpf(e)
+            speed = mpmath.pi * g / omega
+
+            def amplitude(phase: mpmath.mpf) -> mpmath.mpf:
+                return speed * (1 - small) / ((1 + small) * omega * mpmath.cos(phase))
+
+            def above(phase: mpmath.mpf, t: mpmath.mpf) -> list[mpmath.mpf]:
+                a = amplitude(phase)
+                height = speed * t - g * t**2 / 2 - a * (mpmath.sin(phase + omega * t) - mpmath.sin(phase))
+                return [height / t, speed - g * t - a * omega * mpmath.cos(phase + omega * t)]
+
+            guess = mpmath.atan(1 / mpmath.pi) * (1 - mpmath.sqrt(small) / 2), mpmath.sqrt(small) / 20
+            phase, t = mpmath.findroot(above, guess)
+            return float(amplitude(phase)), float(t)
+
+    @pytest.mark.parametrize(
+        "e",
+        [
+            0.05,
+            0.01,
+            1e-4,
+            pytest.param(1e-6, marks=pytest.mark.xfail(strict=True, reason="too shallow a dip to be seen")),
+        ],
+    )
+    def test_the_ball_touches_the_table_again(self, e):
+        """With little restitution, soon after a bounce."""
+        amplitude, seconds = self.touched(e)
+        branch = self.branch(e)
+        (point,) = [p for p in branch.special_points if p.label == "GR"]
+        assert_met(point, "A", amplitude)
+        told = float(point.note.split("touched ")[1].split(" s ")[0])
+        assert told == pytest.approx(seconds, rel=1e-5)
+        assert branch.outcome.reason == "grazing"
+        assert np.all(branch["admissible"][~branch["special"]])
 
     @pytest.mark.parametrize("restitution", [0.0, 1e-6, 0.999999, 1.0])
     def test_impact_oscillator(self, restitution):

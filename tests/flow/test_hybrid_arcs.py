@@ -225,8 +225,12 @@ def test_watched_transitions_are_reported_and_do_nothing():
 
 
 def test_applied_is_reset_and_relabelling():
-    np.testing.assert_array_equal(applied(machine(SWAP), "full", 0.0, np.array([1.0, 0.5])), [0.5, 1.0])
-    np.testing.assert_array_equal(applied(machine(CHANGING), "empty", 0.0, [9.0, 0.5, 9.0]), [0.0, 0.0, 2.0])
+    np.testing.assert_array_equal(
+        applied(machine(SWAP), SWAP.transition("full"), 0.0, np.array([1.0, 0.5])), [0.5, 1.0]
+    )
+    np.testing.assert_array_equal(
+        applied(machine(CHANGING), CHANGING.transition("empty"), 0.0, [9.0, 0.5, 9.0]), [0.0, 0.0, 2.0]
+    )
 
 
 # -- where it begins -----------------------------------------------------------------------------------------

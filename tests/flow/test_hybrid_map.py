@@ -164,7 +164,7 @@ def test_a_soft_transition_changes_no_deviation():
     found, _ = mapped(mover, [-1.0, 0.1], 2, mode="extending")
     agrees(found, exact, [0, 1])
     assert found.word == ("turns_in", "turns_out")
-    matrix, _ = saltation(mover, "turns_in", 0.0, np.array([1.0, 0.0]))
+    matrix, _ = saltation(mover, mover.transition("turns_in"), 0.0, np.array([1.0, 0.0]))
     np.testing.assert_array_equal(matrix, np.eye(2))
 
 
@@ -258,7 +258,7 @@ def test_the_compiled_way_and_the_careful_one_agree_on_a_walker(at):
     begins = {"at": "heel_strike"} if at else {"just_after": "heel_strike"}
     x0, mode, events = before, "two_link", 3
     if not at:
-        matrix, _ = saltation(walker, "heel_strike", 0.0, before)
+        matrix, _ = saltation(walker, walker.transition("heel_strike"), 0.0, before)
         assert matrix.shape == (6, 4)
         x0 = StepMap(walker, "two_link", 1, weights, at="heel_strike").mapped(0.0, before, 1e-10).state
         mode, events = "three_link", 2
@@ -316,6 +316,6 @@ def test_a_mode_that_does_not_fit_is_refused():
 
 def test_a_graze_has_no_derivative():
     # It comes to rest at the stop: the instant of the event has an infinite derivative.
-    matrix, shift = saltation(machine(STOP, gap=1.0), "stop", 0.0, np.array([1.0, 0.0]))
+    matrix, shift = saltation(machine(STOP, gap=1.0), STOP.transition("stop"), 0.0, np.array([1.0, 0.0]))
     assert not np.isfinite(shift).all()
     assert not np.isfinite(matrix).all()

@@ -99,7 +99,8 @@ def lap_from(
     mode = mode or system.modes[0].name
     x = np.array(state, dtype=float)
     if at is not None:
-        x, mode, after = applied(machine, at, time, x), machine.transition(at).target, at
+        happening = machine.transition(at, None if len(system.sources(at)) == 1 else mode)
+        x, mode, after = applied(machine, happening, time, x), happening.target, at
     search = _Search(system, parameters, None if until == 0 else until)
     if after is not None:
         search.first = False  # the first arc is a whole leg
@@ -132,7 +133,7 @@ def _motion(
             else:
                 assert arc.after is not None
                 quiet, x, last = 0, arc.after, arc.transition
-                mode = machine.transition(arc.transition).target
+                mode = machine.transition(arc.transition, arc.mode).target
         if not search.waits(quiet):
             return
 
@@ -204,7 +205,7 @@ class _Search:
             if not self.first and self.begun is None:  # the leg goes on
                 self.begun = float(arc.times[0]), arc.states[0]
             return self._strobed(arc)
-        transition = next(t for t in self.system.transitions if t.name == arc.transition)
+        transition = self.system.transition(arc.transition, arc.mode)
         if not self.first:
             leg = Leg(arc.mode, transition, not arc.rising)
             start, x = self.begun or (float(arc.times[0]), arc.states[0])
@@ -220,7 +221,7 @@ class _Search:
         scale = self.weights(arc.after)
         end = float(arc.times[-1])
         count = len(self.stretches)
-        target = next(t for t in self.system.transitions if t.name == arc.transition).target
+        target = self.system.transition(str(arc.transition), arc.mode).target
         shorter: list[Lap] = []
         for back in range(1, min(LOOK_BACK, count) + 1):
             first = self.stretches[count - back]

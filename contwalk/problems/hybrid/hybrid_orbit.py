@@ -214,10 +214,9 @@ class HybridOrbit:
             self._views[key] = view_of(self, z)
         return self._views[key]
 
-    @cached_property
-    def named_transitions(self) -> dict[str, Transition]:
-        """The system's transitions by name."""
-        return {transition.name: transition for transition in self.system.transitions}
+    def transition_of(self, limit: Limit) -> Transition:
+        """The transition that a limit is about, out of its leg's mode."""
+        return self.system.transition(limit.name, self.word.legs[limit.leg].mode)
 
     @cached_property
     def named_conditions(self) -> dict[str, Condition]:

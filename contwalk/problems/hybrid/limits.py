@@ -186,7 +186,7 @@ def margins(problem: HybridOrbit, z: np.ndarray) -> Margins:
             found = view.conditions[limit.name], 1.0, 1.0
         else:
             if (i, limit.name) not in known:
-                known[i, limit.name] = _watch(problem, i, view, problem.named_transitions[limit.name])
+                known[i, limit.name] = _watch(problem, i, view, problem.transition_of(limit))
             watch = known[i, limit.name]
             if limit.test == "leaving":
                 found = _leaving(watch)
@@ -341,7 +341,7 @@ def _rows(problem: HybridOrbit, limit: Limit, y: np.ndarray, share: float) -> tu
     if limit.test == "condition":
         map_ = piece.passage.condition(problem.named_conditions[limit.name])
     else:
-        transition = problem.named_transitions[limit.name]
+        transition = problem.transition_of(limit)
         map_ = piece.passage.watched(transition.name, transition.guard)
     if limit.test == "leaving":
         map_ = piece.passage.bending(transition)

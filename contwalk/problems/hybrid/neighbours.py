@@ -136,7 +136,7 @@ def _limit_of(problem: HybridOrbit, point: SpecialPoint) -> tuple[limits.Limit, 
 def _turning(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, place: float) -> float:
     """Where on its leg a guard turns, by the secant method on its exact rate from nearly there."""
     piece, (x, scalars) = problem.pieces[limit.leg], problem.layout.inputs(limit.leg, z)
-    transition = next(t for t in problem.system.transitions if t.name == limit.name)
+    transition = problem.transition_of(limit)
     map_ = piece.passage.watched(transition.name, transition.guard)
     c, nodes = map_.constants(piece.values(scalars)), piece.nodes(x, scalars)
 
@@ -160,7 +160,7 @@ def _built(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, place: floa
     ------
     _None
     """
-    transition = next(t for t in problem.system.transitions if t.name == limit.name)
+    transition = problem.transition_of(limit)
     if limit.test == "dip":
         return _inserted(problem, z, limit, place, transition)
     if limit.test == "rate":
@@ -197,7 +197,7 @@ def _after(problem: HybridOrbit, leg: Leg, x: np.ndarray, t: float, z: np.ndarra
     from contwalk.flow.hybrid import applied, hybrid_machine
 
     assert leg.transition is not None
-    return applied(hybrid_machine(problem.system, problem.values_of(z)), leg.transition.name, t, x)
+    return applied(hybrid_machine(problem.system, problem.values_of(z)), leg.transition, t, x)
 
 
 def _of_legs(
@@ -266,7 +266,7 @@ def _inserted(
 def _falls(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> bool:
     """Whether a guard of direction `both` comes down to zero: it is positive elsewhere on its leg."""
     piece, (x, scalars) = problem.pieces[limit.leg], problem.layout.inputs(limit.leg, z)
-    transition = next(t for t in problem.system.transitions if t.name == limit.name)
+    transition = problem.transition_of(limit)
     map_ = piece.passage.watched(transition.name, transition.guard)
     values = map_.along(piece.steps, piece.nodes(x, scalars), map_.constants(piece.values(scalars)))[:, 0]
     return bool(values[int(np.argmax(np.abs(values)))] > 0.0)

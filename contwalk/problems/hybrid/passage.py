@@ -118,7 +118,7 @@ class Passage:
             out = np.full(len(x), None, dtype=object)
             rebound(transition.reset)(t, x, p, out)
         if transition.relabel is not None:
-            symmetry = next(s for s in self.system.symmetries if s.name == transition.relabel)
+            symmetry = self.system.symmetry(transition.relabel)
             given = np.array([0.0 if entry is None else entry for entry in out], dtype=object)
             out = np.full(len(x), None, dtype=object)
             rebound(symmetry.map)(t, given, p, out)

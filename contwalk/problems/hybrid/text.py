@@ -33,9 +33,8 @@ def equations_text(system: System, free: str | None) -> str:
             texts.append(source(watched, _INPUTS))
         else:
             texts.append(source(passage.end_program, _INPUTS))
-    sources = {transition.name: transition.source for transition in system.transitions}
     for condition in system.conditions:
-        mode, copy = sources[condition.at], rebound(condition.function)
+        mode, copy = system.sources(condition.at)[0], rebound(condition.function)
 
         def value(tracer: Tracer, mode: str = mode, copy: Any = copy) -> list[Any]:
             return [copy(*arguments(tracer, system, mode))]

@@ -100,5 +100,9 @@ class Word:
 
 def named_word(system: System, legs: Sequence[tuple[str, str, bool]]) -> Word:
     """The word of stored legs: mode, transition (empty for none) and whether its guard falls."""
-    by_name = {transition.name: transition for transition in system.transitions}
-    return Word(tuple(Leg(mode, by_name.get(name), bool(falls)) for mode, name, falls in legs))
+    return Word(
+        tuple(
+            Leg(mode, system.transition(name, mode) if name else None, bool(falls))
+            for mode, name, falls in legs
+        )
+    )

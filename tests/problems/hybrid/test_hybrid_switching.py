@@ -161,8 +161,8 @@ class TestNormalForms:
             found.append((row["free"][0] - at) * slope / xi**2)
         distance = beside["free"][:, 0] - at
         c = np.polynomial.Polynomial.fit(distance, found, 2)(0.0)
-        # The parabola through four points, and the distance across the flow only.
-        assert point.coefficients["c"] == pytest.approx(c, rel=0.01)
+        # A parabola through four points; of the walker, the distance is not across the flow alone.
+        assert point.coefficients["c"] == pytest.approx(c, rel=1e-4 if name == "ball" else 0.01)
 
     def test_fold(self):
         """The two orbits of an amplitude are 2 xi apart, with b mu + a xi^2 = 0."""
@@ -191,13 +191,12 @@ class TestNormalForms:
         values = problem.values_of(z)
         passed = 2.0 * math.pi / values["omega"] - float(z[3])
         state = [z[0] + z[1] * passed - 0.5 * 9.81 * passed**2, z[1] - 9.81 * passed]
-        for accuracy in (1e-5, 1e-8, 1e-11):
+        for accuracy in (1e-5, 1e-9):
             (branch,) = diagram(BALL, "A", (0.0083, 0.0126), state, values, accuracy=accuracy)
             (fold,) = [p for p in branch.special_points if p.label == "LP"]
             (doubling,) = [p for p in branch.special_points if p.label == "PD"]
             found.append([fold.coefficients["a"], fold.coefficients["b"], doubling.coefficients["c"]])
-        np.testing.assert_allclose(found[0], found[2], rtol=1e-4)
-        np.testing.assert_allclose(found[1], found[2], rtol=1e-5)
+        np.testing.assert_allclose(found[0], found[1], rtol=1e-9)
 
 
 class TestParts:
