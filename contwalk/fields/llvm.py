@@ -105,6 +105,11 @@ def compiled(text: str) -> bytes:
         return bytes(target.emit_object(module))
 
 
+def known_to_the_linker(symbol: str, address: int) -> None:
+    """Let code that is linked from now on call a function in memory, which must outlive it, by a name."""
+    binding.add_symbol(symbol, address)
+
+
 @cache
 def _find_mathematics() -> None:
     """Make the functions of the C library known to the linker where the process does not export them."""

@@ -9,14 +9,18 @@ Rules
 4. Nothing here allocates in a loop, shares memory between calls, or holds the interpreter's lock.
 """
 
+from contwalk.flow.compiled_field import CompiledField
 from contwalk.flow.field import Field
 from contwalk.flow.path import Path
+from contwalk.flow.restricted import Restricted
 from contwalk.flow.verbs import METHODS, adaptive, along, dense, errors_on, interpolation, tangents, warmup
 
 __all__ = [
     "METHODS",
+    "CompiledField",
     "Field",
     "Path",
+    "Restricted",
     "adaptive",
     "along",
     "dense",

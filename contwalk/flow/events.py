@@ -16,7 +16,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from contwalk.flow.field import Field
+from contwalk.flow.compiled_field import CompiledField
 from contwalk.flow.guard import EPSILON, Guard
 from contwalk.flow.verbs import along, dense
 
@@ -95,7 +95,7 @@ class _Trial:
 
 
 def crossings(
-    field: Field,
+    field: CompiledField,
     c: np.ndarray,
     p: np.ndarray,
     times: np.ndarray,
@@ -166,7 +166,7 @@ class _Locator:
 
     def __init__(
         self,
-        field: Field,
+        field: CompiledField,
         c: np.ndarray,
         p: np.ndarray,
         times: np.ndarray,

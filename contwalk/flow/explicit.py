@@ -13,7 +13,7 @@ import numpy as np
 
 from contwalk.flow import plan, stages
 from contwalk.flow.compiled import Entry
-from contwalk.flow.field import Field
+from contwalk.flow.compiled_field import CompiledField
 from contwalk.flow.path import Path
 from contwalk.flow.tableaus.runge_kutta import RungeKutta
 
@@ -47,7 +47,9 @@ def warmup() -> None:
 class Call:
     """The memory of one call, and the plan that tells a driver of it."""
 
-    def __init__(self, field: Field, c: np.ndarray, method: str, x0: Vector | None, columns: int = 0) -> None:
+    def __init__(
+        self, field: CompiledField, c: np.ndarray, method: str, x0: Vector | None, columns: int = 0
+    ) -> None:
         self.field, self.method = field, _method(method)
         self.start = _padded(field.n)
         self.width = _padded(columns)
@@ -122,7 +124,7 @@ class Call:
 
 
 def adaptive(
-    field: Field,
+    field: CompiledField,
     c: np.ndarray,
     t0: float,
     x0: Vector,
@@ -182,14 +184,16 @@ def adaptive(
     )
 
 
-def along(field: Field, c: np.ndarray, times: Vector, x0: Vector, method: str = "dop853") -> np.ndarray:
+def along(
+    field: CompiledField, c: np.ndarray, times: Vector, x0: Vector, method: str = "dop853"
+) -> np.ndarray:
     """The states at given times, shape (s + 1, n), a step from each to the next; NaN after one that fails."""
     call = Call(field, c, method, x0)
     return call.march(times, True)[:, : field.n].copy()
 
 
 def tangents(
-    field: Field,
+    field: CompiledField,
     c: np.ndarray,
     times: Vector,
     x0: Vector,
@@ -229,7 +233,7 @@ def tangents(
 
 
 def errors_on(
-    field: Field, c: np.ndarray, times: Vector, x0: Vector, method: str, weights: Vector
+    field: CompiledField, c: np.ndarray, times: Vector, x0: Vector, method: str, weights: Vector
 ) -> np.ndarray:
     """Embedded error estimates of the steps of a grid, shape (s,): RMS in units of the weights."""
     call = Call(field, c, method, x0)
@@ -240,7 +244,12 @@ def errors_on(
 
 
 def dense(
-    field: Field, c: np.ndarray, times: Vector, states: np.ndarray, t_values: Vector, method: str = "dop853"
+    field: CompiledField,
+    c: np.ndarray,
+    times: Vector,
+    states: np.ndarray,
+    t_values: Vector,
+    method: str = "dop853",
 ) -> np.ndarray:
     """States between the nodes of a path, shape (len(t_values), n); NaN at times outside it.
 
@@ -327,7 +336,7 @@ class Interpolation:
     """
 
     def __init__(
-        self, field: Field, c: np.ndarray, times: Vector, states: np.ndarray, method: str = "dop853"
+        self, field: CompiledField, c: np.ndarray, times: Vector, states: np.ndarray, method: str = "dop853"
     ) -> None:
         self._given = field, c, times, states
         self._method = method

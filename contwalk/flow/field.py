@@ -15,6 +15,7 @@ from contwalk.fields.hoisting import hoisted
 from contwalk.fields.llvm import Code, code_of
 from contwalk.fields.machine_code import Input, function, module
 from contwalk.fields.trace import Outputs, Program, roots
+from contwalk.flow.compiled_field import CompiledField
 from contwalk.flow.products import product_text
 
 _POINTER = ctypes.c_void_p
@@ -22,7 +23,7 @@ _POINTER = ctypes.c_void_p
 _MOST_CONSTANTS = 64
 
 
-class Field:
+class Field(CompiledField):
     """dx/dt = f(t, x, p), compiled.
 
     Parameters
@@ -41,14 +42,6 @@ class Field:
         Whether its Jacobian may be asked for: what is prepared for it has a price.
     outputs : int, optional
         Of a map of the state that is no vector field: a reset with its guard, a condition.
-
-    Attributes
-    ----------
-    n, k, m : int
-        Numbers of states, of columns, and of outputs.
-    row_ptr, col : ndarray of int64
-        Entries of the Jacobian that can be nonzero, row by row: those of row i are in columns
-        ``col[row_ptr[i]:row_ptr[i + 1]]`` of the n + k.
 
     Raises
     ------
@@ -69,7 +62,7 @@ class Field:
     ) -> None:
         self.n, self.k = len(states), len(columns)
         self.m = self.n if outputs is None else outputs
-        self.parameter_count = sum(parameters.values())
+        super().__init__(sum(parameters.values()))
         self._program = program
         graph = program.graph
         self._states = {graph.input(*state): ("x", i) for i, state in enumerate(states)}
@@ -119,12 +112,12 @@ class Field:
         return jacobian(self._program.graph, outputs, self._along)
 
     @cached_property
-    def row_ptr(self) -> np.ndarray:
+    def row_ptr(self) -> np.ndarray:  # type: ignore[override]
         """Positions of the rows' first entries in `col`, and their number; (m + 1,)."""
         return np.cumsum([0, *(len(row) for row in self._rows)], dtype=np.int64)
 
     @cached_property
-    def col(self) -> np.ndarray:
+    def col(self) -> np.ndarray:  # type: ignore[override]
         """Columns of the entries."""
         return np.array([k for row in self._rows for k in row], dtype=np.int64)
 
@@ -154,19 +147,29 @@ class Field:
         """Length of c."""
         return len(self._hoisted)
 
-    def _compiled(self, name: str, program: Program) -> Code:
+    def _text(self, name: str, program: Program) -> str:
         inputs = {**self._states, **self._time, **{node: ("c", i) for i, node in enumerate(self._hoisted)}}
-        return code_of(module([function(name, program, ("x", "c"), inputs, time=True)]), (name,))
+        return module([function(name, program, ("x", "c"), inputs, time=True)])
 
     @cached_property
-    def _rhs(self) -> Code:
-        with self._lock:
-            return self._compiled("rhs", self._program)
+    def rhs_text(self) -> str:
+        """Its LLVM IR."""
+        return self._text("rhs", self._program)
 
     @cached_property
-    def _rhs_jac(self) -> Code:
+    def rhs_jac_text(self) -> str:
+        """LLVM IR of the field with its Jacobian."""
+        return self._text("rhs_jac", self._linearization)
+
+    @cached_property
+    def _rhs(self) -> Code:  # type: ignore[override]
         with self._lock:
-            return self._compiled("rhs_jac", self._linearization)
+            return code_of(self.rhs_text, ("rhs",))
+
+    @cached_property
+    def _rhs_jac(self) -> Code:  # type: ignore[override]
+        with self._lock:
+            return code_of(self.rhs_jac_text, ("rhs_jac",))
 
     @cached_property
     def _constants(self) -> Any:
@@ -175,28 +178,17 @@ class Field:
         with self._lock:
             return code_of(text, ("constants",)).function("constants", None, _POINTER, _POINTER)
 
-    @property
-    def rhs_address(self) -> int:
-        """Address of ``rhs(double t, double* x, double* c, double* out)``; compiled when first asked for."""
-        return self._rhs.addresses["rhs"]
-
-    @property
-    def rhs_jac_address(self) -> int:
-        """Address of ``rhs_jac(t, x, c, out)``: `out` is f, then the entries of the Jacobian."""
-        return self._rhs_jac.addresses["rhs_jac"]
-
     @cached_property
-    def _product(self) -> Code:
+    def ones(self) -> list[int]:
+        """Positions of the entries of the Jacobian that are always 1."""
         leaves = [leaf.nodes[self.n :] for leaf in self._linearization.leaves() if isinstance(leaf, Outputs)]
         one = self._program.graph.one
-        ones = [i for i in range(len(self.col)) if all(leaf[i] == one for leaf in leaves)]
-        with self._lock:
-            return code_of(product_text(self._rows, self.n, ones), ("product",))
+        return [i for i in range(len(self.col)) if all(leaf[i] == one for leaf in leaves)]
 
-    @property
-    def product_address(self) -> int:
-        """Address of the product of the Jacobian with several tangents; see `products`."""
-        return self._product.addresses["product"]
+    @cached_property
+    def _product(self) -> Code:  # type: ignore[override]
+        with self._lock:
+            return code_of(product_text(self._rows, self.n, self.ones), ("product",))
 
     # -- calls from Python -------------------------------------------------------------------------------
 
@@ -221,43 +213,3 @@ class Field:
                 self._known_constants.clear()
             self._known_constants[key] = known
         return known
-
-    def __call__(self, t: float, x: Sequence[float] | np.ndarray, c: np.ndarray) -> np.ndarray:
-        """f, shape (m,); NaN throughout where one entry does not exist."""
-        return self._called(self._rhs_function, t, x, c, self.m)
-
-    def along(self, times: np.ndarray, states: np.ndarray, c: np.ndarray) -> np.ndarray:
-        """f at many instants: times (k,), states (k, n) -> (k, m)."""
-        times = np.asarray(times, dtype=float)
-        states = np.ascontiguousarray(states, dtype=float)
-        if states.shape != (len(times), self.n) or c.shape != (max(self.constant_count, 1),):
-            raise ValueError(f"states {states.shape} and {c.shape} constants for {len(times)} times")
-        out, call, given = np.empty((len(times), self.m)), self._rhs_function, c.ctypes.data
-        state, result, width, size = states.ctypes.data, out.ctypes.data, 8 * self.n, 8 * self.m
-        for k, t in enumerate(times.tolist()):
-            call(t, state + k * width, given, result + k * size)
-        return out
-
-    def jacobian(self, t: float, x: Sequence[float] | np.ndarray, c: np.ndarray) -> np.ndarray:
-        """Exact derivatives by the states and the columns, shape (m, n + k); NaN where they do not exist."""
-        out = self._called(self._rhs_jac_function, t, x, c, self.m + len(self.col))
-        dense = np.zeros((self.m, self.n + self.k))
-        dense[np.repeat(np.arange(self.m), np.diff(self.row_ptr)), self.col] = out[self.m :]
-        return dense if np.isfinite(out[0]) else np.full_like(dense, np.nan)
-
-    @cached_property
-    def _rhs_function(self) -> Any:
-        return self._rhs.function("rhs", None, ctypes.c_double, _POINTER, _POINTER, _POINTER)
-
-    @cached_property
-    def _rhs_jac_function(self) -> Any:
-        return self._rhs_jac.function("rhs_jac", None, ctypes.c_double, _POINTER, _POINTER, _POINTER)
-
-    def _called(
-        self, call: Any, t: float, x: Sequence[float] | np.ndarray, c: np.ndarray, m: int
-    ) -> np.ndarray:
-        state, out = np.ascontiguousarray(x, dtype=float), np.empty(m)
-        if state.shape != (self.n,) or c.shape != (max(self.constant_count, 1),):
-            raise ValueError(f"a state of shape {state.shape} and {c.shape} constants for {self.n} states")
-        call(t, state.ctypes.data, c.ctypes.data, out.ctypes.data)
-        return out if np.isfinite(out).all() else np.full(m, np.nan)

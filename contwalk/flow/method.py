@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.flow.field import Field
+from contwalk.flow.compiled_field import CompiledField
 from contwalk.flow.path import Path
 from contwalk.flow.verbs import adaptive
 
@@ -49,7 +49,7 @@ REPEATED = 4
 class Carried:
     """Tangents that are to be computed on the steps of a path: of which field, and how many columns."""
 
-    field: Field
+    field: CompiledField
     columns: int
 
 
@@ -85,7 +85,7 @@ def explicit_pair(tolerance: float) -> str:
 
 
 def choose(
-    field: Field,
+    field: CompiledField,
     c: np.ndarray,
     t0: float,
     x0: Sequence[float] | np.ndarray,
@@ -130,12 +130,12 @@ def choose(
     return _chosen(IMPLICIT, _against(explicit, spent, work), implicit, explicit, spent, work)
 
 
-def _rhs(field: Field) -> float:
+def _rhs(field: CompiledField) -> float:
     """Nanoseconds of a right-hand side with its share of a step, as they were measured; no timing here."""
     return 10.0 + 1.5 * len(field.col)
 
 
-def explicit_work(field: Field, path: Path, carried: Carried | None = None) -> float:
+def explicit_work(field: CompiledField, path: Path, carried: Carried | None = None) -> float:
     """Work of an explicit path and of tangents on its steps, in units of a right-hand side of `field`.
 
     Per evaluation and column of tangents: a product with the Jacobian and about six sums of vectors.
@@ -148,7 +148,7 @@ def explicit_work(field: Field, path: Path, carried: Carried | None = None) -> f
     return work / _rhs(field)
 
 
-def implicit_work(field: Field, path: Path, carried: Carried | None = None) -> float:
+def implicit_work(field: CompiledField, path: Path, carried: Carried | None = None) -> float:
     """Work of an implicit path and of tangents on its steps, in units of a right-hand side of `field`.
 
     Tangents of a step need the Jacobians of five stages, 125 n^3 / 3 products for the factors, and 25 n^2 a
@@ -162,7 +162,7 @@ def implicit_work(field: Field, path: Path, carried: Carried | None = None) -> f
     return work / _rhs(field)
 
 
-def _newton(field: Field, path: Path) -> float:
+def _newton(field: CompiledField, path: Path) -> float:
     """Nanoseconds of a path by Newton's method: stages of its passes, and steps with their factors."""
     n, rhs, steps = field.n, _rhs(field), _steps(path)
     stages = path.evaluations - steps

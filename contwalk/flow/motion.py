@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contwalk.flow.compiled_field import CompiledField
 from contwalk.flow.events import Event, crossings
-from contwalk.flow.field import Field
 from contwalk.flow.guard import Guard
 from contwalk.flow.verbs import adaptive
 
@@ -22,14 +22,14 @@ class Machine:
 
     Parameters
     ----------
-    field : Field
+    field : CompiledField
     p, c : ndarray
         Parameters, and the field's constants made from them.
     guards : sequence of Guard
     mode : str
     """
 
-    field: Field
+    field: CompiledField
     p: np.ndarray
     c: np.ndarray
     guards: Sequence[Guard]

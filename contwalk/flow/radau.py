@@ -14,7 +14,7 @@ from functools import cache
 import numpy as np
 
 from contwalk.flow.compiled import Entry
-from contwalk.flow.field import Field
+from contwalk.flow.compiled_field import CompiledField
 from contwalk.flow.path import Path
 from contwalk.flow.tableaus.radau import RADAU5, RADAU9, Collocation
 
@@ -70,7 +70,7 @@ class _Call:
     """What every kernel takes first, and last: a field and a tableau by their addresses, and scratch."""
 
     def __init__(
-        self, field: Field, c: np.ndarray, tableau: Collocation, more: int = 0, pivots: int = 0
+        self, field: CompiledField, c: np.ndarray, tableau: Collocation, more: int = 0, pivots: int = 0
     ) -> None:
         n, s, entries = field.n, tableau.stages, len(field.col)
         modes = (s - 1) // 2
@@ -94,7 +94,7 @@ def _packed(tableau: Collocation) -> np.ndarray:
 
 
 def adaptive(
-    field: Field,
+    field: CompiledField,
     c: np.ndarray,
     t0: float,
     x0: Sequence[float] | np.ndarray,
@@ -149,7 +149,7 @@ def adaptive(
 
 
 def _march(
-    field: Field,
+    field: CompiledField,
     c: np.ndarray,
     times: np.ndarray,
     x0: Sequence[float] | np.ndarray,
@@ -170,14 +170,18 @@ def _march(
 
 
 def along(
-    field: Field, c: np.ndarray, times: np.ndarray, x0: Sequence[float] | np.ndarray, method: str = "radau9"
+    field: CompiledField,
+    c: np.ndarray,
+    times: np.ndarray,
+    x0: Sequence[float] | np.ndarray,
+    method: str = "radau9",
 ) -> np.ndarray:
     """The states at given times, shape (s + 1, n), a step from each to the next; NaN after one that fails."""
     return _march(field, c, times, x0, method)
 
 
 def errors_on(
-    field: Field,
+    field: CompiledField,
     c: np.ndarray,
     times: np.ndarray,
     x0: Sequence[float] | np.ndarray,
@@ -191,7 +195,7 @@ def errors_on(
 
 
 def tangents(
-    field: Field,
+    field: CompiledField,
     c: np.ndarray,
     times: np.ndarray,
     x0: Sequence[float] | np.ndarray,
@@ -236,7 +240,7 @@ def tangents(
 
 
 def dense(
-    field: Field,
+    field: CompiledField,
     c: np.ndarray,
     times: np.ndarray,
     states: np.ndarray,

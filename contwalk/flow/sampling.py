@@ -11,7 +11,7 @@ import numpy as np
 
 from contwalk.flow import sampling_plan as plan
 from contwalk.flow.compiled import Entry
-from contwalk.flow.field import Field
+from contwalk.flow.compiled_field import CompiledField
 from contwalk.flow.guard import Guard
 from contwalk.flow.stages import FIRST, WIDTH, code, vectors
 from contwalk.flow.tableaus.dop853 import DOP853
@@ -34,7 +34,7 @@ class Motions:
 
     Parameters
     ----------
-    field : Field
+    field : CompiledField
     guard : Guard
         Its crossings of zero, in its direction, are what is measured.
     starts : ndarray, shape (k, n)
@@ -49,7 +49,7 @@ class Motions:
         Whether the first crossing is wanted, which ends a motion, or the last one before it rests.
     """
 
-    field: Field
+    field: CompiledField
     guard: Guard
     starts: np.ndarray
     parameters: np.ndarray

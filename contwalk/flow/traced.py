@@ -2,30 +2,68 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
 from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import Program, Tracer, trace
+from contwalk.flow.compiled_field import CompiledField
 from contwalk.flow.field import Field
-from contwalk.system import System
+from contwalk.flow.restricted import Restricted
+from contwalk.system import Mode, System
 from contwalk.system.declarations import ParameterValues
 
-TIME, STATE, PARAMETER = "t", "x", "p"
+TIME, STATE, PARAMETER, CONSTANT = "t", "x", "p", "m"
+
+# Fields that several modes share, with the system that they are of.
+_SHARED: dict[tuple[int, Callable[..., None], tuple[str, ...]], tuple[System, Field]] = {}
+_MOST_SHARED = 32
 
 
-def field_of(system: System, mode: str | None = None) -> Field:
+def field_of(system: System, mode: str | None = None) -> CompiledField:
     """The compiled field of a mode, the first one by default, in the states that exist there."""
-    states = [(STATE, i) for i in system.states_of(mode or system.modes[0].name)]
+    chosen = system.mode(mode or system.modes[0].name)
+    states = [(STATE, i) for i in system.states_of(chosen.name)]
     groups = {PARAMETER: len(system.parameters)}
-    return Field(field_program(system, mode), states, groups, time=(TIME, 0))
+    if chosen.constants:
+        return Restricted(
+            _shared_field(system, chosen), [i for _, i in states], list(chosen.constants.values())
+        )
+    return Field(field_program(system, chosen.name), states, groups, time=(TIME, 0))
+
+
+def _shared_field(system: System, mode: Mode) -> Field:
+    """The field of all modes with the function and the names of constants of this one."""
+    key = id(system), mode.field, tuple(mode.constants)
+    if key not in _SHARED:
+        while len(_SHARED) >= _MOST_SHARED:
+            del _SHARED[next(iter(_SHARED))]
+        states = [(STATE, i) for i in range(len(system.states))]
+        groups = {CONSTANT: len(mode.constants), PARAMETER: len(system.parameters)}
+        _SHARED[key] = system, Field(shared_program(system, mode), states, groups, time=(TIME, 0))
+    return _SHARED[key][1]
+
+
+def shared_program(system: System, mode: Mode) -> Program:
+    """dx/dt of a mode as if all states existed, its constants among the inputs; 0 for what is not written."""
+    copy = rebound(mode.field)
+
+    def whole(tracer: Tracer) -> list[Any]:
+        n = len(system.states)
+        x = np.array([tracer.symbol(STATE, i) for i in range(n)], dtype=object)
+        constants = {name: tracer.symbol(CONSTANT, k) for k, name in enumerate(mode.constants)}
+        dx = np.full(n, 0.0, dtype=object)
+        copy(tracer.symbol(TIME, 0), x, _parameters(tracer, system, constants), dx)
+        return list(dx)
+
+    return trace(whole)
 
 
 def field_program(system: System, mode: str | None = None) -> Program:
     """dx/dt of a mode, an output for each state that exists in it."""
-    chosen = next(m for m in system.modes if mode in (None, m.name))
+    chosen = system.mode(mode or system.modes[0].name)
     copy = rebound(chosen.field)
     return trace(lambda tracer: rates(tracer, system, copy, chosen.name))
 
@@ -34,7 +72,7 @@ def scalar_program(
     system: System, function: Callable[[Any, Any, Any], Any], mode: str | None = None
 ) -> Program:
     """A number h(t, x, p), traced together with the field of a mode: outputs h, then dx/dt."""
-    chosen = next(m for m in system.modes if mode in (None, m.name))
+    chosen = system.mode(mode or system.modes[0].name)
     copies = rebound(function), rebound(chosen.field)
 
     def both(tracer: Tracer) -> list[Any]:
@@ -45,12 +83,16 @@ def scalar_program(
 
 
 def arguments(tracer: Tracer, system: System, mode: str) -> tuple[Any, np.ndarray, ParameterValues]:
-    """Symbols for t, x and p; states that do not exist in the mode are zero."""
+    """Symbols for t, x and p; states that do not exist in the mode are zero, its constants are numbers."""
     x = np.full(len(system.states), 0.0, dtype=object)
     for i in system.states_of(mode):
         x[i] = tracer.symbol(STATE, i)
+    return tracer.symbol(TIME, 0), x, _parameters(tracer, system, system.mode(mode).constants)
+
+
+def _parameters(tracer: Tracer, system: System, constants: Mapping[str, Any]) -> ParameterValues:
     p = {name: tracer.symbol(PARAMETER, k) for k, name in enumerate(system.parameter_names)}
-    return tracer.symbol(TIME, 0), x, ParameterValues(**p)
+    return ParameterValues(**p, **constants)
 
 
 def rates(tracer: Tracer, system: System, field: Callable[..., Any], name: str) -> list[Any]:

@@ -8,7 +8,7 @@ from types import ModuleType
 import numpy as np
 
 from contwalk.flow import explicit, radau, stages
-from contwalk.flow.field import Field
+from contwalk.flow.compiled_field import CompiledField
 from contwalk.flow.path import Path
 
 Vector = Sequence[float] | np.ndarray
@@ -32,7 +32,7 @@ def warmup() -> None:
 
 
 def adaptive(
-    field: Field,
+    field: CompiledField,
     c: np.ndarray,
     t0: float,
     x0: Vector,
@@ -46,7 +46,7 @@ def adaptive(
 
     Parameters
     ----------
-    field : Field
+    field : CompiledField
     c : ndarray
         `field.constants(p)`.
     tolerance : float
@@ -65,7 +65,9 @@ def adaptive(
     return _family(method).adaptive(field, c, t0, x0, t1, tolerance, weights, method, max_steps)
 
 
-def along(field: Field, c: np.ndarray, times: Vector, x0: Vector, method: str = "dop853") -> np.ndarray:
+def along(
+    field: CompiledField, c: np.ndarray, times: Vector, x0: Vector, method: str = "dop853"
+) -> np.ndarray:
     """The states at given times, shape (s + 1, n), a step from each to the next; NaN after one that fails.
 
     On the times of a path of `adaptive` these are its states, bitwise.
@@ -74,7 +76,7 @@ def along(field: Field, c: np.ndarray, times: Vector, x0: Vector, method: str = 
 
 
 def tangents(
-    field: Field,
+    field: CompiledField,
     c: np.ndarray,
     times: Vector,
     x0: Vector,
@@ -103,14 +105,14 @@ def tangents(
 
 
 def errors_on(
-    field: Field, c: np.ndarray, times: Vector, x0: Vector, method: str, weights: Vector
+    field: CompiledField, c: np.ndarray, times: Vector, x0: Vector, method: str, weights: Vector
 ) -> np.ndarray:
     """Embedded error estimates of the steps of a grid, shape (s,): RMS in units of the weights."""
     return _family(method).errors_on(field, c, times, x0, method, weights)
 
 
 def interpolation(
-    field: Field, c: np.ndarray, times: Vector, states: np.ndarray, method: str = "dop853"
+    field: CompiledField, c: np.ndarray, times: Vector, states: np.ndarray, method: str = "dop853"
 ) -> Callable[[Vector], np.ndarray]:
     """As `dense`, of a path that is asked for its states many times: a function of the times."""
     if method in stages.TABLEAUS:
@@ -119,7 +121,12 @@ def interpolation(
 
 
 def dense(
-    field: Field, c: np.ndarray, times: Vector, states: np.ndarray, t_values: Vector, method: str = "dop853"
+    field: CompiledField,
+    c: np.ndarray,
+    times: Vector,
+    states: np.ndarray,
+    t_values: Vector,
+    method: str = "dop853",
 ) -> np.ndarray:
     """States between the nodes of a path, shape (len(t_values), n); NaN at times outside it.
 

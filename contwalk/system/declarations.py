@@ -13,9 +13,11 @@ Rules of the contract
 from __future__ import annotations
 
 import keyword
+import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from dataclasses import field as attribute
 from difflib import get_close_matches
 from functools import cached_property
 from types import SimpleNamespace
@@ -145,16 +147,27 @@ class Mode:
     `states` names the states that exist in it; without it all do. One that does not exist is zero while the
     mode lasts: it is not integrated, the field need not write its rate, and a reset into the mode need not
     write its value.
+
+    `constants` are numbers that the field, and the guards, resets and conditions of the mode, read as
+    `p.name`. Modes with the same field function and the same names of constants are compiled once.
     """
 
     name: str
     field: Callable[..., None]
     about: str = ""
     states: tuple[str, ...] | None = None
+    constants: Mapping[str, float] = attribute(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
         _require_name("A mode", self.name)
         _require_callable(f"The field of mode '{self.name}'", self.field)
+        for name, value in self.constants.items():
+            _require_name(f"A constant of mode '{self.name}'", name)
+            if not isinstance(value, int | float) or not math.isfinite(value):
+                raise SystemDefinitionError(
+                    f"The constant '{name}' of mode '{self.name}' is {value!r}.",
+                    "It must be a finite number.",
+                )
 
 
 @dataclass(frozen=True)
@@ -205,8 +218,8 @@ class Symmetry:
     role: str
     map: Callable[..., None]
     about: str = ""
-    modes: Mapping[str, str] = field(default_factory=dict)
-    events: Mapping[str, str] = field(default_factory=dict)
+    modes: Mapping[str, str] = attribute(default_factory=dict)
+    events: Mapping[str, str] = attribute(default_factory=dict)
 
     def __post_init__(self) -> None:
         _require_name("A symmetry", self.name)
@@ -340,11 +353,11 @@ class System:
     period: Callable[..., float] | None = None
     observables: tuple[Observable, ...] = ()
     starts: tuple[Start, ...] = ()
-    presets: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    presets: Mapping[str, Mapping[str, float]] = attribute(default_factory=dict)
     draw: Callable[..., None] | None = None
     reference: str = ""
     about: str = ""
-    model: Mapping[str, Any] = field(default_factory=dict)
+    model: Mapping[str, Any] = attribute(default_factory=dict)
     source: str = ""
     conditions: tuple[Condition, ...] = ()
 
@@ -390,6 +403,13 @@ class System:
                         f"Declared modes: {', '.join(modes)}.",
                     )
             self._check_relabel(transition)
+        for mode in self.modes:
+            for name in mode.constants:
+                if name in parameter_names:
+                    raise SystemDefinitionError(
+                        f"Mode '{mode.name}' has the constant '{name}', which is a parameter.",
+                        "Rename one of them.",
+                    )
         for symmetry in self.symmetries:
             self._check_images(symmetry)
         for mode in self.modes:

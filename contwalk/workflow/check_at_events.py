@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
@@ -24,7 +24,7 @@ def check_at_event(
     report: Report,
     entry: Condition | Observable,
     system: System,
-    happenings: Mapping[str, Happening],
+    happenings: Sequence[Happening],
     seen: Seen | None,
     samples: Samples,
 ) -> None:
@@ -73,12 +73,12 @@ def _where(entry: Condition | Observable, system: System) -> Transition:
 def _states(
     entry: Condition | Observable,
     system: System,
-    happenings: Mapping[str, Happening],
+    happenings: Sequence[Happening],
     seen: Seen | None,
     samples: Samples,
 ) -> list[tuple[float, np.ndarray]]:
     """Times and states of sample motions; without these any on the guard."""
-    happening = happenings.get(str(entry.at))
+    happening = next((h for h in happenings if h.transition.name == entry.at), None)
     if happening is None:
         return []
     met = seen.events.get(str(entry.at), []) if seen is not None else []

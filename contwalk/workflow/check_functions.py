@@ -21,8 +21,7 @@ STEP = EPSILON ** (1.0 / 3.0)
 
 def check_field(report: Report, what: str, mode: Mode, system: System, samples: Samples) -> Traced | None:
     """Check a mode's field; None where it cannot be used."""
-    function, existing = mode.field, _existing(system, mode.name)
-    form = vector_form(system, "field", "dx", existing)
+    function, form = mode.field, field_form(mode, system)
     found = traced(report, what, function, system, form, mode=mode.name)
     if found is None or not check_values(report, what, found, samples):
         return None
@@ -38,9 +37,10 @@ def check_field(report: Report, what: str, mode: Mode, system: System, samples: 
     return found
 
 
-def _existing(system: System, mode: str) -> tuple[int, ...] | None:
-    """The states that exist in a mode; None where all do."""
-    return None if system.mode(mode).states is None else system.states_of(mode)
+def field_form(mode: Mode, system: System) -> Form:
+    """What a mode's field must write."""
+    existing = None if mode.states is None else system.states_of(mode.name)
+    return vector_form(system, "field", "dx", existing)
 
 
 def _count(form: Form, system: System) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import islice
 
@@ -57,14 +57,14 @@ class Seen:
 
 
 def check_motions(
-    report: Report, system: System, happenings: Mapping[str, Happening], samples: Samples
+    report: Report, system: System, modes: Sequence[str], happenings: Sequence[Happening], samples: Samples
 ) -> Seen:
-    """Follow motions from sampled states, and from states right before each transition."""
+    """Follow motions from sampled states in some modes, and from states right before each transition."""
     seen, machine = Seen(), hybrid_machine(system, samples.parameters)
-    for mode in system.modes:
+    for mode in modes:
         for t, x in zip(samples.times, samples.states, strict=True):
-            _follow(seen, machine, float(t), x, mode.name, None, samples)
-    for happening in happenings.values():
+            _follow(seen, machine, float(t), x, mode, None, samples)
+    for happening in happenings:
         if happening.transition.role != "watched":
             target = happening.transition.target
             for t, x in happening.before[:MOST_STARTS]:
@@ -92,7 +92,7 @@ def _follow(
 
 def _tell(report: Report, system: System, seen: Seen) -> None:
     what, before = "sample motions", len(report.findings)
-    for transition in system.acting:
+    for transition in {t.name: t for t in system.acting}.values():
         rates = seen.rates.get(transition.name, [])
         typical = float(np.median(rates)) if rates else 1.0
         if typical < TRANSVERSAL:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from contwalk.system import Symmetry, System
 from contwalk.workflow.check_findings import Report, place_of
 from contwalk.workflow.check_functions import EPSILON, check_map
+from contwalk.workflow.check_modes import CheckedFields
 from contwalk.workflow.check_samples import Samples
 from contwalk.workflow.check_traced import Traced, vector_form
 
@@ -21,7 +21,7 @@ def check_symmetry(
     report: Report,
     symmetry: Symmetry,
     system: System,
-    fields: Mapping[str, Traced],
+    fields: CheckedFields,
     samples: Samples,
     period: float | None,
 ) -> None:
@@ -33,7 +33,7 @@ def check_symmetry(
     """
     what, place = f"symmetry '{symmetry.name}'", place_of(symmetry.map)
     image = check_map(report, what, symmetry.map, system, samples, vector_form(system, "map", "x_image"))
-    if image is None or len(fields) < len(system.modes):
+    if image is None or not fields.complete:
         return
     if any(transition.relabel == symmetry.name for transition in system.transitions):
         _check_names_return(report, what, image, samples)
@@ -41,7 +41,9 @@ def check_symmetry(
     shifts = [0.0] if period is None else [0.0, 0.5 * period]
     compared = 0
     for name, field in fields.items():
-        others = [fields[name], *[other for mode, other in fields.items() if mode != name]]
+        declared = symmetry.modes.get(name)
+        others = [field, *[other for mode, other in fields.items() if mode != name]]
+        others = others if declared is None else [fields[declared]]
         found = [_compare(image, field, other, samples, shift) for other in others for shift in shifts]
         best = min((c for c in found if c.states), key=lambda c: c.excess, default=None)
         if best is not None and best.excess > 1.0:

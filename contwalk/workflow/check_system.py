@@ -7,7 +7,7 @@ is declared about it (symmetries, the period, equilibria) is compared with what 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,8 @@ from contwalk.workflow import check_declarations as declarations
 from contwalk.workflow.check_at_events import check_at_event
 from contwalk.workflow.check_events import Happening, check_transition
 from contwalk.workflow.check_findings import Finding, Report, place_of, place_of_error, split_place
-from contwalk.workflow.check_functions import check_field, check_map
+from contwalk.workflow.check_functions import check_map
+from contwalk.workflow.check_modes import CheckedFields, distinct_transitions
 from contwalk.workflow.check_samples import Samples, samples_of
 from contwalk.workflow.check_symmetry import check_symmetry
 from contwalk.workflow.check_traced import vector_form
@@ -82,22 +83,19 @@ def check_system(system: System, sources: Sequence[Path] = (), model: str = "") 
     report = Report(model)
     period = declarations.check_period(report, system)
     samples = samples_of(system, period)
-    fields = {}
-    for mode in system.modes:
-        what = f"field of mode '{mode.name}'"
-        field = check_field(report, what, mode, system, samples)
-        if field is not None:
-            fields[mode.name] = field
-            if period is not None:
-                declarations.check_repeats(report, what, field, samples, period)
-    happenings = {}
-    for transition in system.transitions:
+    fields = CheckedFields(system)
+    fields.check(report, samples)
+    if period is not None:
+        for name, field in fields.items():
+            declarations.check_repeats(report, f"field of mode '{name}'", field, samples, period)
+    distinct, happenings = distinct_transitions(system), []
+    for transition in distinct:
         happening = check_transition(report, transition, system, fields, samples)
         if happening is not None:
-            happenings[transition.name] = happening
+            happenings.append(happening)
     seen = None
-    if system.acting and len(happenings) == len(system.transitions):
-        seen = _seen(report, system, happenings, samples)
+    if system.acting and len(happenings) == len(distinct):
+        seen = _seen(report, system, list(fields), happenings, samples)
     for symmetry in system.symmetries:
         check_symmetry(report, symmetry, system, fields, samples, period)
     for neutral in system.neutral:
@@ -118,10 +116,12 @@ def check_system(system: System, sources: Sequence[Path] = (), model: str = "") 
     return report.findings
 
 
-def _seen(report: Report, system: System, happenings: Mapping[str, Happening], samples: Samples) -> Any:
+def _seen(
+    report: Report, system: System, modes: Sequence[str], happenings: Sequence[Happening], samples: Samples
+) -> Any:
     from contwalk.workflow.check_motion import check_motions  # compiled flows
 
-    return check_motions(report, system, happenings, samples)
+    return check_motions(report, system, modes, happenings, samples)
 
 
 def _models(family: Family) -> Iterator[dict[str, Any]]:

@@ -69,7 +69,7 @@ class Traced:
     instants : int
         For an observable, the number of instants of the motion it is given; 0 for all other functions.
     mode : str, optional
-        States that do not exist in it are zero; without it all exist.
+        States that do not exist in it are zero, and its constants are there; without it all states exist.
     """
 
     def __init__(
@@ -85,6 +85,7 @@ class Traced:
         self.form = form
         self.instants = instants
         self.existing = range(len(system.states)) if mode is None else system.states_of(mode)
+        self._constants = {} if mode is None else dict(system.mode(mode).constants)
         self.unwritten: set[int] = set()
         self._copy = rebound(function)
         self.program: Program = trace(self._record)
@@ -94,7 +95,8 @@ class Traced:
         for i in self.existing:
             x[i] = tracer.symbol("x", i)
         p = {name: tracer.symbol("p", k) for k, name in enumerate(self.system.parameter_names)}
-        out = self._call(self._copy, tracer.symbol("t", 0), x, ParameterValues(**p), None, object)
+        known = ParameterValues(**p, **self._constants)
+        out = self._call(self._copy, tracer.symbol("t", 0), x, known, None, object)
         out[~self.form.wanted] = 0.0
         self.unwritten |= {i for i, entry in enumerate(out) if entry is None}
         return [0.0 if entry is None else entry for entry in out]
@@ -119,7 +121,7 @@ class Traced:
 
     def plainly(self, t: float, x: np.ndarray, parameters: dict[str, float]) -> np.ndarray:
         """The function's own values, called with numbers; NaN where it raises."""
-        p = ParameterValues(**parameters)
+        p = ParameterValues(**parameters, **self._constants)
         with np.errstate(all="ignore"):
             try:
                 out = self._call(self.function, t, self.given(x), p, np.nan, float)

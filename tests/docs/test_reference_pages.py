@@ -63,15 +63,20 @@ def test_every_key_and_code_of_the_json_is_explained():
     assert sorted(name for name in names if f"`{name}`" not in page) == []
 
 
+def _argument(field: dataclasses.Field) -> str:
+    """An argument with its default, as in a signature."""
+    if field.default_factory is not dataclasses.MISSING:
+        return f"{field.name}={field.default_factory()!r}"
+    shown = f"{field.default!r}".replace("'", '"')
+    return field.name if field.default is dataclasses.MISSING else f"{field.name}={shown}"
+
+
 def test_every_declaration_is_explained():
     page = read("docs/reference/plugin.md")
     for name in ("State", "Parameter", "Mode", "Transition", "Symmetry", "Neutral", "Observable", "Start"):
         declaration = getattr(contract, name)
-        arguments = [
-            f.name if f.default is dataclasses.MISSING else f"{f.name}={f.default!r}".replace("'", '"')
-            for f in dataclasses.fields(declaration)
-        ]
-        assert f"### `{name}({', '.join(arguments)})`" in page
+        arguments = ", ".join(_argument(field) for field in dataclasses.fields(declaration))
+        assert f"### `{name}({arguments})`" in page
     for field in dataclasses.fields(contract.System):
         assert f"`{field.name}`" in page
     for declaration in (contract.Family, contract.Choice):

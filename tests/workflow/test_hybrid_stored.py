@@ -87,6 +87,16 @@ class TestRestarts:
         assert branch.outcome.status != "failed"
         assert len(branch) > 5
 
+    @pytest.mark.xfail(
+        strict=True, reason="beside a start at a limit, its inadmissible side is walked as well"
+    )
+    def test_at_a_terminal_grazing(self, folder):
+        """No orbit beyond it is the walker's, GR: ignore or not: the branch goes one way only."""
+        grazing = first(folder)[0].special("GR1")
+        assert grazing.kind == "terminal"
+        (branch,) = later(folder, "b1/GR1", most=20)
+        assert branch["period"].max() <= grazing.period * (1.0 + WALKED)
+
     def test_of_a_doubled_gait(self, folder):
         doubled = first(folder)[1]
         index = int(np.argmax(doubled["alpha"]))

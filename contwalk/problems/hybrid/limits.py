@@ -340,20 +340,25 @@ def _rows(problem: HybridOrbit, limit: Limit, y: np.ndarray, share: float) -> tu
     n = len(x)
     if limit.test == "condition":
         map_ = piece.passage.condition(problem.named_conditions[limit.name])
-    else:
-        transition = problem.transition_of(limit)
-        map_ = piece.passage.watched(transition.name, transition.guard)
+        end, moved = piece.before_differentiated(PLAIN, x, scalars)
+        values, derivative = piece.through(map_, end, moved, piece.values(scalars))
+        return values, layout.spread(i, derivative)
+    transition = problem.transition_of(limit)
     if limit.test == "leaving":
         map_ = piece.passage.bending(transition)
-    if limit.test in ("start", "leaving"):
         c = map_.constants(piece.values(scalars))
-        return map_(0.0, x, c)[:1], layout.spread(i, map_.jacobian(0.0, x, c)[:1])
+        return map_(0.0, x, c), layout.spread(i, map_.jacobian(0.0, x, c))
+    watched = piece.passage.watched(transition.name, transition.guard)
+    if limit.test == "start":
+        own = np.eye(n, n + len(scalars))
+        values, derivative = watched.differentiated(0.0, x, own, piece.values(scalars))
+        return values[:1], layout.spread(i, derivative[:1])
     if limit.test == "dip":
         inside = piece.steps[piece.steps < share - 1e-12] / share
         piece = Piece(piece.passage, np.append(inside, 1.0), piece.method, piece.fixed)
         scalars = np.concatenate([y[-1:], scalars[1:]])
     end, moved = piece.before_differentiated(PLAIN, x, scalars)
-    values, derivative = piece.through(map_, end, moved, piece.values(scalars))
+    values, derivative = watched.differentiated(1.0, end, moved, piece.values(scalars))
     if limit.test == "dip":
         by_time = derivative[:, n].copy()
         derivative[:, n] = 0.0

@@ -137,11 +137,11 @@ def _turning(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, place: fl
     """Where on its leg a guard turns, by the secant method on its exact rate from nearly there."""
     piece, (x, scalars) = problem.pieces[limit.leg], problem.layout.inputs(limit.leg, z)
     transition = problem.transition_of(limit)
-    map_ = piece.passage.watched(transition.name, transition.guard)
-    c, nodes = map_.constants(piece.values(scalars)), piece.nodes(x, scalars)
+    watched = piece.passage.watched(transition.name, transition.guard)
+    nodes, values = piece.nodes(x, scalars), piece.values(scalars)
 
     def rate(time: float) -> float:
-        return float(map_(time, piece.at(nodes, np.array([time]), scalars)[0], c)[1])
+        return float(watched(time, piece.at(nodes, np.array([time]), scalars)[0], values)[1])
 
     a, b = place, min(place + 1e-4, 1.0)
     fa, fb = rate(a), rate(b)
@@ -267,8 +267,8 @@ def _falls(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> bool:
     """Whether a guard of direction `both` comes down to zero: it is positive elsewhere on its leg."""
     piece, (x, scalars) = problem.pieces[limit.leg], problem.layout.inputs(limit.leg, z)
     transition = problem.transition_of(limit)
-    map_ = piece.passage.watched(transition.name, transition.guard)
-    values = map_.along(piece.steps, piece.nodes(x, scalars), map_.constants(piece.values(scalars)))[:, 0]
+    watched = piece.passage.watched(transition.name, transition.guard)
+    values = watched.along(piece.steps, piece.nodes(x, scalars), piece.values(scalars))[:, 0]
     return bool(values[int(np.argmax(np.abs(values)))] > 0.0)
 
 

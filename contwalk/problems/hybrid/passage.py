@@ -9,7 +9,7 @@ reset and relabelling, and evaluates its guard. All of them come as `PLAIN`, and
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -19,7 +19,8 @@ from contwalk.errors import SystemDefinitionError
 from contwalk.fields.derivative import directional
 from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import Program, Tracer, trace
-from contwalk.flow import Field
+from contwalk.flow import CompiledField, Field, Restricted
+from contwalk.problems.hybrid.watching import Watched
 from contwalk.problems.hybrid.word import Leg
 from contwalk.problems.orbit.motion import DIRECTIONS, PLAIN, STATES, TANGENT, lifted
 from contwalk.problems.tracing import parameter_symbols
@@ -74,7 +75,7 @@ class Passage:
             "b": count,
             "d": count,
         }
-        self._fields: dict[tuple, Field] = {}
+        self._fields: dict[tuple, Any] = {}
 
     @property
     def columns(self) -> list[tuple[str, int]]:
@@ -86,20 +87,32 @@ class Passage:
 
     def _arguments(self, tracer: Tracer) -> tuple[Any, np.ndarray, ParameterValues]:
         """Symbols for t, x and p; states that do not exist in the mode are zero."""
-        p = parameter_symbols(tracer, self.system.parameter_names, self._free, self._moving)
         x = np.full(len(self.system.states), 0.0, dtype=object)
         for k, i in enumerate(self.states):
             x[i] = tracer.symbol("u", k)
+        constants = self.system.mode(self.leg.mode).constants
+        return self._time(tracer), x, self._parameters(tracer, constants)
+
+    def _time(self, tracer: Tracer) -> Any:
         if not self.forced:  # whatever reads it is refused: see `_compiled`
-            return tracer.symbol(TIME, 0), x, p
-        return tracer.symbol("s", 0) + tracer.symbol("T", 0) * tracer.symbol("t", 0), x, p
+            return tracer.symbol(TIME, 0)
+        return tracer.symbol("s", 0) + tracer.symbol("T", 0) * tracer.symbol("t", 0)
+
+    def _parameters(self, tracer: Tracer, constants: Mapping[str, Any]) -> ParameterValues:
+        p = parameter_symbols(tracer, self.system.parameter_names, self._free, self._moving)
+        return ParameterValues(**vars(p), **constants)
 
     def _rates(self, tracer: Tracer) -> list[Any]:
-        t, x, p = self._arguments(tracer)
+        return self._moving_states(tracer, self.states, *self._arguments(tracer))
+
+    def _moving_states(
+        self, tracer: Tracer, states: Sequence[int], t: Any, x: np.ndarray, p: ParameterValues
+    ) -> list[Any]:
+        """Rates of some states over the leg's own time."""
         mode = self.system.mode(self.leg.mode)
-        rates = _written(rebound(mode.field), f"the field of mode '{mode.name}'", self.states, t, x, p)
+        rates = _written(rebound(mode.field), f"the field of mode '{mode.name}'", states, t, x, p)
         for j, pin in enumerate(self.pins):
-            out = _written(rebound(pin.generator), f"'{pin.name}'", self.states, t, x, p)
+            out = _written(rebound(pin.generator), f"'{pin.name}'", states, t, x, p)
             rates = [r + tracer.symbol("a", j) * v for r, v in zip(rates, out, strict=True)]
         return [tracer.symbol("T", 0) * r for r in rates]
 
@@ -147,7 +160,7 @@ class Passage:
             states = [(group, i) for group in STATES[lift] for i in range(len(self.states))]
             groups = {**self.groups, **{group: len(self.columns) for group in DIRECTIONS[lift]}}
             if not self.forced:
-                self._refuse_time(program)
+                self.refuse_time(program)
             made = lifted(program, len(self.states), self.columns, lift)
             self._fields[key] = Field(
                 made,
@@ -160,7 +173,7 @@ class Passage:
             )
         return self._fields[key]
 
-    def _refuse_time(self, program: Program) -> None:
+    def refuse_time(self, program: Program) -> None:
         """Refuse functions that depend on time in a system that is not declared to."""
         if program.reads(TIME):
             raise SystemDefinitionError(
@@ -169,10 +182,42 @@ class Passage:
                 "Declare period=..., in seconds, of what repeats itself.",
             )
 
-    def field(self, lift: str, implicit: bool = False) -> Field:
+    def field(self, lift: str, implicit: bool = False) -> CompiledField:
         """The compiled field of a lift; an implicit method needs the Jacobian of any."""
         key = "field", lift, implicit or lift in (PLAIN, TANGENT)
-        return self._compiled(key, self.program, lift, None)
+        constants = self.system.mode(self.leg.mode).constants
+        if not constants:
+            return self._compiled(key, self.program, lift, None)
+        if key not in self._fields:
+            n = len(self.system.states)
+            places = [n * group + i for group in range(len(STATES[lift])) for i in self.states]
+            whole = self._shared.field(lift, key[-1])
+            self._fields[key] = Restricted(whole, places, list(constants.values()))
+        return self._fields[key]
+
+    @cached_property
+    def _shared(self) -> SharedField:
+        """What the modes of this one's field have in common."""
+        mode, free = self.system.mode(self.leg.mode), (self._free, self._moving)
+        key = id(self.system), mode.field, tuple(mode.constants), free, tuple(id(pin) for pin in self.pins)
+        if key not in _SHARED:
+            while len(_SHARED) >= _MOST_SHARED:
+                del _SHARED[next(iter(_SHARED))]
+            _SHARED[key] = SharedField(self)
+        return _SHARED[key]
+
+    def whole_program(self) -> Program:
+        """The field over the leg as if all states existed, with the mode's constants as inputs `m`."""
+        names = self.system.mode(self.leg.mode).constants
+
+        def whole(tracer: Tracer) -> list[Any]:
+            n = len(self.system.states)
+            x = np.array([tracer.symbol("u", i) for i in range(n)], dtype=object)
+            constants = {name: tracer.symbol("m", k) for k, name in enumerate(names)}
+            given = self._time(tracer), x, self._parameters(tracer, constants)
+            return self._moving_states(tracer, range(n), *given)
+
+        return trace(whole)
 
     def end(self, lift: str) -> Field:
         """The map at the end: state after the transition, and the guard; of a lift, each with its
@@ -188,19 +233,45 @@ class Passage:
         copy = rebound(function)
         return trace(lambda tracer: [copy(*self._arguments(tracer)), *self._rates(tracer)])
 
-    def watched(self, name: str, function: Scalar) -> Field:
-        """A scalar along the leg as a map: its value and its rate over the leg's own time, T dh/dt."""
+    def watched(self, name: str, function: Scalar) -> Watched:
+        """A scalar along the leg, with its rate over the leg's own time, T dh/dt."""
         key = "watched", name, True
         if key not in self._fields:
-            self._compiled(key, self._with_rates([function]), PLAIN, 2)
+            self._fields[key] = self._watching([function])
         return self._fields[key]
+
+    def _watching(self, functions: Sequence[Scalar]) -> Watched:
+        """Scalars along the leg, each with its rate, as maps of the states and their rates."""
+        copies, n = [rebound(function) for function in functions], len(self.states)
+        program = trace(lambda tracer: [copy(*self._arguments(tracer)) for copy in copies])
+        if not self.forced:
+            self.refuse_time(program)
+        graph = program.graph
+        inputs = [graph.input("u", k) for k in range(n)]
+        moving = {graph.input("t", 0): graph.one}
+        moving |= {node: graph.input("r", k) for k, node in enumerate(inputs)}
+
+        def measured(outputs: tuple[int, ...]) -> list[int]:
+            changes = directional(graph, list(outputs), moving)
+            return [node for pair in zip(outputs, changes, strict=True) for node in pair]
+
+        states = [(group, k) for group in ("u", "r") for k in range(n)]
+        map_ = Field(
+            program.transformed(measured),
+            states,
+            self.groups,
+            self.columns,
+            time=("t", 0),
+            outputs=2 * len(copies),
+        )
+        return Watched(self, map_)
 
     @cached_property
     def leaving(self) -> tuple[Transition, ...]:
         """The transitions out of the leg's mode, watched ones included."""
         return self.system.leaving(self.leg.mode)
 
-    def guards(self) -> Field:
+    def guards(self) -> Watched:
         """The guards of `leaving`, each with its rate as `watched` has it, evaluated together.
 
         Raises
@@ -210,39 +281,25 @@ class Passage:
         """
         key = "guards", True
         if key not in self._fields:
-            program = self._with_rates([transition.guard for transition in self.leaving])
-            self._compiled(key, program, PLAIN, 2 * len(self.leaving))
+            self._fields[key] = self._watching([transition.guard for transition in self.leaving])
         return self._fields[key]
 
     def bending(self, transition: Transition) -> Field:
         """The second derivative of a guard over the leg's own time, as a map."""
         key = "bending", transition.name, True
         if key not in self._fields:
-            program = self._with_rates([transition.guard], orders=2)
-            self._compiled(key, program.transformed(lambda outputs: [outputs[2]]), PLAIN, 1)
+            copy = rebound(transition.guard)
+            program = trace(lambda tracer: [copy(*self._arguments(tracer)), *self._rates(tracer)])
+            graph = program.graph
+
+            def bend(outputs: tuple[int, ...]) -> list[int]:
+                value, *rates = outputs
+                inputs = [graph.input("u", k) for k in range(len(self.states))]
+                moving = {graph.input("t", 0): graph.one, **dict(zip(inputs, rates, strict=True))}
+                return directional(graph, directional(graph, [value], moving), moving)
+
+            self._compiled(key, program.transformed(bend), PLAIN, 1)
         return self._fields[key]
-
-    def _with_rates(self, functions: Sequence[Scalar], orders: int = 1) -> Program:
-        """Scalars along the leg, each followed by its derivatives over the leg's own time."""
-        copies = [rebound(function) for function in functions]
-
-        def all_of(tracer: Tracer) -> list[Any]:
-            given = self._arguments(tracer)
-            return [*(copy(*given) for copy in copies), *self._rates(tracer)]
-
-        program = trace(all_of)
-        graph = program.graph
-
-        def measured(outputs: tuple[int, ...]) -> list[int]:
-            values, rates = outputs[: len(copies)], outputs[len(copies) :]
-            inputs = [graph.input("u", k) for k in range(len(self.states))]
-            moving = {graph.input("t", 0): graph.one, **dict(zip(inputs, rates, strict=True))}
-            found = [list(values)]
-            for _ in range(orders):
-                found.append(directional(graph, found[-1], moving))
-            return [node for row in zip(*found, strict=True) for node in row]
-
-        return program.transformed(measured)
 
     @cached_property
     def conditions(self) -> tuple[Condition, ...]:
@@ -308,6 +365,37 @@ def _written(
     return [out[i] for i in states]
 
 
+class SharedField:
+    """The field over a leg, compiled once for all modes that differ by constants and by what exists."""
+
+    def __init__(self, one: Passage) -> None:
+        self._one, self._program = one, one.whole_program()
+        self._constants = len(one.system.mode(one.leg.mode).constants)
+        self._fields: dict[tuple[str, bool], Field] = {}
+        if not one.forced:
+            one.refuse_time(self._program)
+
+    def field(self, lift: str, differentiable: bool) -> Field:
+        """Of a lift, with all states; its first parameters are the constants of the mode."""
+        key = lift, differentiable
+        if key not in self._fields:
+            one, n = self._one, len(self._one.system.states)
+            groups = {"m": self._constants, **one.groups}
+            groups |= {group: len(one.columns) for group in DIRECTIONS[lift]}
+            self._fields[key] = Field(
+                lifted(self._program, n, one.columns, lift),
+                [(group, i) for group in STATES[lift] for i in range(n)],
+                groups,
+                one.columns,
+                time=("t", 0),
+                differentiable=differentiable,
+            )
+        return self._fields[key]
+
+
+# What modes share keeps its passage, and so its system and its identity.
+_SHARED: dict[tuple, SharedField] = {}
+_MOST_SHARED = 64
 _KNOWN: dict[tuple, Passage] = {}
 _MOST_KNOWN = 256
 

@@ -60,7 +60,7 @@ class Piece:
         """What a lift's functions depend on, in their order."""
         return np.concatenate([scalars, self.fixed, *directions])
 
-    def _field(self, lift: str) -> flow.Field:
+    def _field(self, lift: str) -> flow.CompiledField:
         return self.passage.field(lift, implicit=self.method.startswith("radau"))
 
     def before(self, lift: str, y: np.ndarray, scalars: np.ndarray, *directions: np.ndarray) -> np.ndarray:

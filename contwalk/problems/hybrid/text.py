@@ -4,45 +4,98 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from contwalk.fields.codegen import source
 from contwalk.fields.rebind import rebound
-from contwalk.fields.trace import Tracer, trace
-from contwalk.flow.traced import arguments, field_program
+from contwalk.fields.trace import Program, Tracer, trace
+from contwalk.flow.traced import CONSTANT, TIME, arguments, field_program, shared_program
 from contwalk.problems.hybrid.passage import passage_of
 from contwalk.problems.hybrid.word import Leg
-from contwalk.problems.tracing import parameter_symbols
-from contwalk.system import System
+from contwalk.problems.tracing import parameter_symbols, state_symbols
+from contwalk.system import Mode, System, Transition
+from contwalk.system.declarations import ParameterValues
 
-_INPUTS = ("u", "T", "s", "a", "l", "b", "d", "t", "x", "p")
+_INPUTS = ("u", "T", "s", "a", "l", "b", "d", "t", "x", "p", "m")
 
 
 def equations_text(system: System, free: str | None) -> str:
-    """Fields, guards, resets, conditions and the period, each traced.
+    """Fields, guards, resets, conditions and the period, each function traced once.
 
     Raises
     ------
     UnsupportedOperation, SystemDefinitionError
         With the line of the plugin.
     """
-    texts = [source(field_program(system, mode.name), _INPUTS) for mode in system.modes]
-    for transition in system.transitions:
-        leg = Leg(transition.source, transition)
-        passage = passage_of(system, leg, transition.target, free, (), ())
-        if transition.role == "watched":
-            watched = passage.watched_program(transition.guard)
-            texts.append(source(watched, _INPUTS))
-        else:
-            texts.append(source(passage.end_program, _INPUTS))
+    modes = {(m.field, *m.constants) if m.constants else (m.name,): m for m in system.modes}
+    programs = [_field(system, mode) for mode in modes.values()]
+    transitions = {_functions_of(system, transition): transition for transition in system.transitions}
+    for transition in transitions.values():
+        programs += _transition(system, transition, free)
     for condition in system.conditions:
         mode, copy = system.sources(condition.at)[0], rebound(condition.function)
 
         def value(tracer: Tracer, mode: str = mode, copy: Any = copy) -> list[Any]:
             return [copy(*arguments(tracer, system, mode))]
 
-        texts.append(source(trace(value), _INPUTS))
+        programs.append(trace(value))
     if system.period is not None:
         period = rebound(system.period)
-        texts.append(
-            source(trace(lambda t: [period(parameter_symbols(t, system.parameter_names, free, ()))]), _INPUTS)
-        )
-    return "\n".join(texts)
+        programs.append(trace(lambda t: [period(parameter_symbols(t, system.parameter_names, free, ()))]))
+    texts = [source(program, _INPUTS) for program in programs]
+    return "\n".join([*texts, *_tables(system)])
+
+
+def _tables(system: System) -> list[str]:
+    """What modes and transitions are besides their functions."""
+    modes = [f"mode {m.name}: {m.states} {dict(m.constants)}" for m in system.modes if m.constants]
+    if not modes:
+        return []
+    return modes + [
+        f"{t.name}: {t.source} to {t.target}, {t.role}, {t.direction}" for t in system.transitions
+    ]
+
+
+def _functions_of(system: System, transition: Transition) -> tuple:
+    """Equal for transitions that are the same but for modes whose constants differ."""
+    shared = system.mode(transition.source).constants
+    own = (transition.name, *shared) if shared else (transition.name, transition.source)
+    return (*own, transition.guard, transition.reset, transition.relabel)
+
+
+def _field(system: System, mode: Mode) -> Program:
+    return shared_program(system, mode) if mode.constants else field_program(system, mode.name)
+
+
+def _transition(system: System, transition: Transition, free: str | None) -> list[Program]:
+    """Guard, reset and relabelling."""
+    mode = system.mode(transition.source)
+    if not mode.constants:
+        passage = passage_of(system, Leg(transition.source, transition), transition.target, free, (), ())
+        watched = transition.role == "watched"
+        return [passage.watched_program(transition.guard) if watched else passage.end_program]
+    guard, maps = rebound(transition.guard), []
+    if transition.reset is not None:
+        maps.append(rebound(transition.reset))
+    if transition.relabel is not None:
+        maps.append(rebound(system.symmetry(transition.relabel).map))
+    whole = [trace(lambda tracer: [guard(*_given(tracer, system, mode, free))])]
+    for map_ in maps:
+
+        def image(tracer: Tracer, map_: Any = map_) -> list[Any]:
+            out = np.full(len(system.states), 0.0, dtype=object)
+            map_(*_given(tracer, system, mode, free), out)
+            return list(out)
+
+        whole.append(trace(image))
+    return whole
+
+
+def _given(
+    tracer: Tracer, system: System, mode: Mode, free: str | None
+) -> tuple[Any, np.ndarray, ParameterValues]:
+    """Time, states and parameters as if all states existed, with the mode's constants as inputs."""
+    known = parameter_symbols(tracer, system.parameter_names, free, ())
+    constants = {name: tracer.symbol(CONSTANT, k) for k, name in enumerate(mode.constants)}
+    x = state_symbols(tracer, len(system.states))
+    return tracer.symbol(TIME, 0), x, ParameterValues(**vars(known), **constants)

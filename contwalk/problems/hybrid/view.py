@@ -90,13 +90,13 @@ class LegView:
     @cached_property
     def _guards(self) -> np.ndarray:
         """All guards out of the mode with their rates, at the samples."""
-        times, states, values = self.times, self.states, self.piece.values(self.scalars)
+        values = self.piece.values(self.scalars)
         passage = self.piece.passage
         try:
             maps = [passage.guards()]
         except UnsupportedOperation:  # together they compare too often; each alone does not
             maps = [passage.watched(t.name, t.guard) for t in passage.leaving]
-        return np.hstack([map_.along(times, states, map_.constants(values)) for map_ in maps])
+        return np.hstack([map_.along(self.times, self.states, values, self.rates) for map_ in maps])
 
     @cached_property
     def conditions(self) -> dict[str, float]:
@@ -113,8 +113,8 @@ class LegView:
 
     def guard_at(self, transition: Transition, times: np.ndarray, states: np.ndarray) -> np.ndarray:
         """A guard and its rate at some instants, shape (k, 2)."""
-        map_ = self.piece.passage.watched(transition.name, transition.guard)
-        return map_.along(times, states, map_.constants(self.piece.values(self.scalars)))
+        watched = self.piece.passage.watched(transition.name, transition.guard)
+        return watched.along(times, states, self.piece.values(self.scalars))
 
     @cached_property
     def motion(self) -> tuple[np.ndarray, np.ndarray]:

@@ -91,6 +91,7 @@ def study(force: float) -> tuple[Branch, ...]:
             until="settled",
             events={"GR": "stop", "OC": "stop"},
             marks={"force": MARKS},
+            max_points=150,
             depth=2,
         )
     )

@@ -1,0 +1,66 @@
+"""Numbers watched along a leg, with their rates over the leg's own time.
+
+The rate of h(t, x) is h_t + h_x r, where r is what the leg's field gives there. So what is compiled for a
+guard is the guard alone, however much there is to its field.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contwalk.flow import Field
+from contwalk.problems.orbit.motion import PLAIN
+
+if TYPE_CHECKING:
+    from contwalk.problems.hybrid.passage import Passage
+
+
+class Watched:
+    """Some numbers along a leg, as maps of the state at an instant: each value, followed by its rate.
+
+    Parameters
+    ----------
+    passage : Passage
+    map_ : Field
+        Of the states and their rates, these after those.
+    """
+
+    def __init__(self, passage: Passage, map_: Field) -> None:
+        self._passage, self._map = passage, map_
+
+    def along(
+        self, times: np.ndarray, states: np.ndarray, values: np.ndarray, rates: np.ndarray | None = None
+    ) -> np.ndarray:
+        """Values and rates at instants in 0..1, shape (k, 2 g); `rates` of the states where they are known.
+
+        `values` are what the leg's functions depend on, as `Piece.values` gives it.
+        """
+        if rates is None:
+            field = self._passage.field(PLAIN)
+            rates = field.along(times, states, field.constants(values))
+        return self._map.along(times, np.hstack([states, rates]), self._map.constants(values))
+
+    def __call__(self, time: float, x: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """Values and rates at one instant, shape (2 g,)."""
+        return self.along(np.array([time]), np.asarray(x)[None], values)[0]
+
+    def differentiated(
+        self, time: float, x: np.ndarray, moved: np.ndarray, values: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Values and rates, and their derivatives; `moved`, shape (n, q), are those of the state.
+
+        The last of the q columns are the leg's own.
+        """
+        field, k = self._passage.field(PLAIN), len(self._passage.columns)
+        c, n = field.constants(values), len(x)
+        by = field.jacobian(time, x, c)
+        changed = by[:, :n] @ moved
+        changed[:, -k:] += by[:, n:]
+        own = self._map.constants(values)
+        given = np.concatenate([x, field(time, x, c)])
+        slopes = self._map.jacobian(time, given, own)
+        total = slopes[:, : 2 * n] @ np.vstack([moved, changed])
+        total[:, -k:] += slopes[:, 2 * n :]
+        return self._map(time, given, own), total
