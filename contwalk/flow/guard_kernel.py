@@ -118,12 +118,21 @@ def begin_trials(m: Any, t: float) -> None:
 
 
 @inlined
-def _retaken(m: Any, guard: int, t: float, end: float) -> tuple[float, float, float]:
-    """A guard at the end of a step of another length."""
+def _retake(m: Any, guard: int, t: float, end: float) -> tuple[float, float]:
+    """Value and uncertainty of a guard at the end of a step of another length."""
     p = integers(m[TRIAL], plan.PLAN_LENGTH)
     step(p, t, end - t)
+    value, _, noise = measured(m, guard, end, place(p, NEXT), m[SPEED])  # a velocity of some other instant
+    return value, noise
+
+
+@inlined
+def _retaken_rate(m: Any, guard: int, end: float) -> float:
+    """Rate of a guard at the end of the step that was taken anew: the field is asked for the velocity."""
+    p = integers(m[TRIAL], plan.PLAN_LENGTH)
     _evaluate(p[plan.EVALUATE], p[plan.PROBLEM], end, place(p, NEXT), m[SPEED])
-    return measured(m, guard, end, place(p, NEXT), m[SPEED])
+    _, rate, _ = measured(m, guard, end, place(p, NEXT), m[SPEED])
+    return rate
 
 
 @inlined
@@ -197,15 +206,18 @@ def _located(m: Any, guard: int, t: float, low: float, high: float, guess: float
     for _ in range(MOST_TRIALS):
         if not low < end < high:
             end = low + 0.5 * (high - low)
-        value, rate, noise = _retaken(m, guard, t, end)
+        value, noise = _retake(m, guard, t, end)
         if abs(value) < smallest:
             best, smallest = end, abs(value)
+        if abs(value) <= noise:
+            break
+        rate = _retaken_rate(m, guard, end)
         if side_of(value, rate) == side:
             low = end
         else:
             high = end
         new = end - value / rate if rate != 0.0 else math.nan
-        if abs(value) <= noise or new == end or high - low <= 2.0 * EPSILON * max(abs(low), abs(high)):
+        if new == end or high - low <= 2.0 * EPSILON * max(abs(low), abs(high)):
             break
         end = new
     return best
@@ -275,7 +287,8 @@ def _beyond(m: Any, guard: int, t: float, h: float, part: int, side: float) -> f
         if rate_a != rate_b:
             share = min(0.9, max(0.1, rate_a / (rate_a - rate_b)))
         at = a + share * (b - a)
-        value, rate, _ = _retaken(m, guard, t, t + at * h)
+        value, _ = _retake(m, guard, t, t + at * h)
+        rate = _retaken_rate(m, guard, t + at * h)
         if side_of(value, rate) != side:
             return at
         least = min(least, abs(value))

@@ -63,6 +63,7 @@ from contwalk.flow.hybrid_plan import (
     OUTPUTS,
     OWN_STEPS,
     RATE,
+    RATE_AT_END,
     ROOM,
     ROWS,
     SHIFT,
@@ -81,6 +82,7 @@ from contwalk.flow.hybrid_plan import (
     TRIAL,
     UNSURE,
     VALUE,
+    VALUE_AT_END,
     WALK_LENGTH,
     WIDTH,
     WORD,
@@ -138,14 +140,16 @@ def _begin(m: Any, last: int, t: float) -> int:
 
 @inlined
 def _first_event(m: Any, t: float, end: float) -> tuple[float, int, int]:
-    """The first event in the step that ends in `NEXT`: instant, or `NONE`, and guard. `FIRST` is of its end.
+    """The first event in the step that ends in `NEXT`: instant, or `NONE`, and guard.
 
-    And the watched guards that may pass zero in the step, a bit for each.
+    And the watched guards that may pass zero in the step, a bit for each. `FIRST` is the velocity at its end.
     """
     p, leads = integers(m[MOVING], plan.PLAN_LENGTH), integers(m[LEADS], m[GUARDS])
     first, which, begun, marked = NONE, -1, False, 0
     for guard in range(m[GUARDS]):
         value, rate, _ = measured(m, guard, end, place(p, NEXT), place(p, FIRST))
+        at_end = doubles(standing(m, guard), OF_GUARD)
+        at_end[VALUE_AT_END], at_end[RATE_AT_END] = value, rate
         look = looks(m, guard, end - t, value, rate)
         if look == CLEAR:
             continue
@@ -169,13 +173,13 @@ def _first_event(m: Any, t: float, end: float) -> tuple[float, int, int]:
 
 
 @inlined
-def _go_on(m: Any, end: float) -> bool:
-    """The step's end, with the velocity `FIRST`, becomes the state; whether all guards have values there."""
+def _go_on(m: Any) -> bool:
+    """The step's end, where the guards are measured, becomes the state; whether all have values there."""
     p = integers(m[MOVING], plan.PLAN_LENGTH)
     sound = True
     for guard in range(m[GUARDS]):
         at = doubles(standing(m, guard), OF_GUARD)
-        at[VALUE], at[RATE], _ = measured(m, guard, end, place(p, NEXT), place(p, FIRST))
+        at[VALUE], at[RATE] = at[VALUE_AT_END], at[RATE_AT_END]
         at[BEGINS] = 0.0
         sound = sound and abs(at[VALUE]) < math.inf
     copy(place(p, NEXT), place(p, Y), p[plan.LENGTH])
@@ -218,7 +222,7 @@ def _arc(w: Any, m: Any, t1: float, tolerance: float, order: float, stable: floa
             step(p, t, at - t)
             copy(place(p, NEXT), place(p, Y), p[plan.LENGTH])
             end = at
-        elif not _go_on(m, end):
+        elif not _go_on(m):
             return UNSURE
         marks[steps] = marked
         steps += 1

@@ -23,7 +23,7 @@ class ModeFlow:
     name : str
     states : ndarray of int
         Positions of the states that exist in it.
-    field : Field
+    field : CompiledField
     p, c : ndarray
         Parameters, and the field's constants made from them.
     transitions : tuple of Transition

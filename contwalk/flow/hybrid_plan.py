@@ -37,9 +37,10 @@ TRANSITION_LENGTH = 10
 
 PARTS = 8  # of a step that is sampled: a guard has at most one extremum in each
 
-# How a guard stands: value, rate, its sign right after if it begins at zero, the largest rate of late.
-VALUE, RATE, BEGINS, FASTEST = range(4)
-OF_GUARD = 4
+# How a guard stands: value, rate, its sign right after if it begins at zero, the largest rate of late; value
+# and rate at the end of the step.
+VALUE, RATE, BEGINS, FASTEST, VALUE_AT_END, RATE_AT_END = range(6)
+OF_GUARD = 6
 
 # How it ended. `UNSURE`: there is something that only the careful way can tell, such as transitions at once.
 # `AWAY`: at a transition to a mode that the walk does not know, before its reset.

@@ -68,10 +68,10 @@ class Resolving(CompiledField):
 
     @cached_property
     def _rhs(self) -> Code:  # type: ignore[override]
-        lines = ["  call void @whole(double %t, ptr %x, ptr %c, ptr %out)"]
+        lines = ["  call void @contwalk_whole(double %t, ptr %x, ptr %c, ptr %out)"]
         lines.append("  %rate = getelementptr double, ptr %scratch, i64 1")
         for j in range(len(self.guards)):
-            lines.append(f"  call void @guard{j}(double %t, ptr %x, ptr %out, ptr %p, ptr %scratch)")
+            lines.append(f"  call void @contwalk_guard{j}(double %t, ptr %x, ptr %out, ptr %p, ptr %scratch)")
             lines.append(f"  %rate{j} = load double, ptr %rate")
             lines.append(f"  %to{j} = getelementptr double, ptr %out, i64 {self.field.n + j}")
             lines.append(f"  store double %rate{j}, ptr %to{j}")
@@ -81,14 +81,17 @@ class Resolving(CompiledField):
     @cached_property
     def _rhs_jac(self) -> Code:  # type: ignore[override]
         n, entries = self.field.n, len(self.field.col)
-        lines = ["  call void @whole(double %t, ptr %x, ptr %c, ptr %all)", f"  %j = {_at('%all', n)}"]
+        lines = [
+            "  call void @contwalk_whole(double %t, ptr %x, ptr %c, ptr %all)",
+            f"  %j = {_at('%all', n)}",
+        ]
         lines += [
             f"  %out_j = {_at('%out', self.m)}",
             _copy("%out", "%all", n),
             _copy("%out_j", "%j", entries),
         ]
         for j in range(len(self.guards)):
-            lines.append(f"  call void @guard{j}(double %t, ptr %x, ptr %all, ptr %p, ptr %scratch)")
+            lines.append(f"  call void @contwalk_guard{j}(double %t, ptr %x, ptr %all, ptr %p, ptr %scratch)")
             lines.append(f"  %rate{j} = {_at('%out', n + j)}")
             lines.append(f"  %row{j} = {_at('%out', self.m + entries + j * n)}")
             lines.append(f"  call void @chained(ptr %scratch, ptr %all, ptr %rate{j}, ptr %row{j})")
@@ -107,8 +110,8 @@ class Resolving(CompiledField):
     ) -> Code:
         """`name(t, x, c, out)`; `whole` and `guards` are addresses of what it calls."""
         text = [
-            "declare void @whole(double, ptr, ptr, ptr)",
-            *(f"declare void @guard{j}(double, ptr, ptr, ptr, ptr)" for j in range(len(guards))),
+            "declare void @contwalk_whole(double, ptr, ptr, ptr)",
+            *(f"declare void @contwalk_guard{j}(double, ptr, ptr, ptr, ptr)" for j in range(len(guards))),
             *more,
             f"define void @{name}(double %t, ptr %x, ptr %c, ptr %out) nounwind {{",
             f"  %all = alloca [{self.field.n + len(self.field.col)} x double], align 32",
@@ -119,7 +122,10 @@ class Resolving(CompiledField):
             "}",
             "",
         ]
-        called = {"whole": whole, **{f"guard{j}": address for j, address in enumerate(guards)}}
+        called = {
+            "contwalk_whole": whole,
+            **{f"contwalk_guard{j}": address for j, address in enumerate(guards)},
+        }
         return linked_code("\n".join(text), (name,), called)
 
     @cached_property
