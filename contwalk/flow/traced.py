@@ -90,20 +90,6 @@ def field_program(system: System, mode: str | None = None) -> Program:
     return trace(lambda tracer: rates(tracer, system, copy, chosen.name))
 
 
-def scalar_program(
-    system: System, function: Callable[[Any, Any, Any], Any], mode: str | None = None
-) -> Program:
-    """A number h(t, x, p), traced together with the field of a mode: outputs h, then dx/dt."""
-    chosen = system.mode(mode or system.modes[0].name)
-    copies = rebound(function), rebound(chosen.field)
-
-    def both(tracer: Tracer) -> list[Any]:
-        value = copies[0](*arguments(tracer, system, chosen.name))
-        return [value, *rates(tracer, system, copies[1], chosen.name)]
-
-    return trace(both)
-
-
 def arguments(tracer: Tracer, system: System, mode: str) -> tuple[Any, np.ndarray, ParameterValues]:
     """Symbols for t, x and p; states that do not exist in the mode are zero, its constants are numbers."""
     x = np.full(len(system.states), 0.0, dtype=object)
