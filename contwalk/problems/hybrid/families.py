@@ -50,6 +50,26 @@ def directions(
     return result
 
 
+def shifted(
+    system: System,
+    pins: Sequence[Neutral],
+    states: np.ndarray,
+    parameters: dict[str, float],
+    shares: np.ndarray,
+) -> np.ndarray:
+    """Many states, (k, n), each moved along the generators by its row of shares, (k, number of pins)."""
+    values, result = ParameterValues(**parameters), states.copy()
+    for j, pin in enumerate(pins):
+        along = np.zeros(states.shape[::-1])
+        try:
+            pin.generator(0.0, states.T, values, along)
+        except (TypeError, ValueError):  # it chooses by a state, or calls functions of one number
+            for x, v in zip(states, along.T, strict=True):
+                called(f"generator of '{pin.name}'", pin.generator, 0.0, x, values, v)
+        result += along.T * shares[:, j, None]
+    return result
+
+
 def commutes(
     machine: HybridMachine, neutral: Neutral, mode: str, t: float, x: np.ndarray, scale: np.ndarray
 ) -> bool:

@@ -11,7 +11,7 @@ import numpy as np
 from contwalk.errors import called
 from contwalk.problems.hybrid import families, limits
 from contwalk.problems.hybrid.view import LegView
-from contwalk.problems.orbit.closure import imaged
+from contwalk.problems.orbit.closure import images_of
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.sampling import MOST_BISECTIONS
 from contwalk.system.declarations import ParameterValues
@@ -75,11 +75,8 @@ def stretches(problem: HybridOrbit, z: np.ndarray) -> list[Stretch]:
     def drifted(times: np.ndarray, states: np.ndarray) -> np.ndarray:
         if not len(drifts):
             return states
-        rows = [
-            x - (t - begins) * families.directions(problem.system, problem.pins, x, values) @ drifts
-            for t, x in zip(times, states, strict=True)
-        ]
-        return np.array(rows).reshape(states.shape)
+        shares = -(times - begins)[:, None] * drifts
+        return families.shifted(problem.system, problem.pins, states, values, shares)
 
     found = [Stretch(leg.name, view, 0.0, drifted) for leg, view in zip(word.legs, views, strict=True)]
     if not word.image:
@@ -87,7 +84,7 @@ def stretches(problem: HybridOrbit, z: np.ndarray) -> list[Stretch]:
     symmetry, p = problem.system.symmetry(word.image), ParameterValues(**values)
 
     def image(times: np.ndarray, states: np.ndarray) -> np.ndarray:
-        images = np.array([imaged(symmetry, x, p) for x in drifted(times, states)]).reshape(states.shape)
+        images = images_of(symmetry, drifted(times, states), p)
         # What has drifted until the half is over.
         return drifted(np.full(len(times), begins + length), images)
 

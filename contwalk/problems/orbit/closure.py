@@ -109,7 +109,7 @@ class Closure:
         pieces = [x]
         for j in range(1, self.fold):  # S x(T) = x(0): the next piece is the inverse image
             power = (self.power * (self.fold - j)) % self.fold if self.fold > 1 else 0
-            pieces.append(np.array([imaged(self.symmetry, row, parameters, power) for row in x]))
+            pieces.append(images_of(self.symmetry, x, parameters, power))
         return pieces
 
 
@@ -122,6 +122,23 @@ def imaged(
         called(f"symmetry '{symmetry.name}'", symmetry.map, 0.0, x, parameters, out)  # type: ignore[union-attr]
         x = out
     return x
+
+
+def images_of(
+    symmetry: Symmetry | None, states: np.ndarray, parameters: ParameterValues, power: int = 1
+) -> np.ndarray:
+    """Images of many states, shape (k, n): all at once where the map allows it."""
+    if symmetry is None or not len(states):
+        return states
+    x = states.T
+    try:
+        for _ in range(power):
+            out = np.zeros_like(x)
+            symmetry.map(0.0, x, parameters, out)
+            x = out
+    except (TypeError, ValueError):  # it chooses by a state, or calls functions of one number
+        return np.array([imaged(symmetry, row, parameters, power) for row in states])
+    return x.T.copy()
 
 
 def order_of(symmetry: Symmetry, x: np.ndarray, parameters: ParameterValues) -> int | None:

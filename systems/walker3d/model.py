@@ -1,0 +1,57 @@
+"""The model choices: what the machine is made of, and so what its equations contain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from contwalk.system import Choice
+
+ONE_SIDED, TWO_SIDED = "one_sided", "two_sided"
+DAMPED, SPRUNG, LOCKED = "damped", "sprung", "locked"
+MIRRORED, FREE = "mirrored", "free"
+DISREGARDED, FELT = "disregarded", "felt"
+GENERAL, BALANCED = "general", "balanced"
+
+CHOICES = (
+    Choice(
+        "ground_damper",
+        ONE_SIDED,
+        (ONE_SIDED, TWO_SIDED),
+        about="whether the ground damps a toe that moves into it only, or in both directions",
+    ),
+    Choice(
+        "hip",
+        DAMPED,
+        (DAMPED, SPRUNG, LOCKED),
+        about="what holds the torso: dampers, dampers and springs, or gears that make it bisect the legs",
+    ),
+    Choice(
+        "legs",
+        MIRRORED,
+        (MIRRORED, FREE),
+        about="whether the machine is its own mirror image, or each leg has parameters of its own",
+    ),
+    Choice(
+        "scuffing",
+        DISREGARDED,
+        (DISREGARDED, FELT),
+        about="whether a swinging foot may pass through the ground until its knee has locked, or touches it",
+    ),
+    Choice(
+        "torso",
+        GENERAL,
+        (GENERAL, BALANCED),
+        about="any mass distribution, or equal moments of inertia and its centre of mass at T",
+    ),
+)
+
+
+@dataclass(frozen=True)
+class Model:
+    """What is chosen; the names and values of `CHOICES`."""
+
+    ground_damper: str = ONE_SIDED
+    hip: str = DAMPED
+    legs: str = MIRRORED
+    scuffing: str = DISREGARDED
+    torso: str = GENERAL

@@ -1,0 +1,170 @@
+"""Numbers read off a motion: t of shape (k,), x of shape (k, 28).
+
+A motion may be made of pieces that each begin where the machine's own mirror image or name says: where two
+instants have one time, the way along the slope goes on, whatever the positions there. A toe is on the ground
+where its anchor is not zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from contwalk.system import Observable
+
+from .bodies import total_mass
+from .forces import ground_force
+from .model import TWO_SIDED, Model
+from .motion import toe_place, toe_velocity
+from .states import KNEE, LEGS, Q1, Q2, Q3, TOES, anchor
+
+# A toe bears this share of the weight at least, or hardly holds: at lift-off (2) is infinite, for an instant.
+BEARS = 0.1
+SAME_TIME = 1e-12
+
+
+def lasting(t: Any) -> Any:
+    """Durations between instants; 0 where two of them are sides of one event. Shape (k - 1,)."""
+    steps = np.diff(t)
+    return np.where(steps > SAME_TIME * max(1.0, abs(t[-1])), steps, 0.0)
+
+
+def way(t: Any, x: Any) -> Any:
+    """Where T is on the slope, to the side and downhill, as it has moved; shape (k, 2)."""
+    steps = np.where(lasting(t)[:, None] > 0.0, np.diff(x[:, [Q1, Q3]], axis=0), 0.0)
+    return x[0, [Q1, Q3]] + np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
+
+
+def on_ground(x: Any, leg: int, toe: int) -> Any:
+    """Whether a toe is on the ground; shape (k,)."""
+    side, down = anchor(leg, toe)
+    return x[:, side] * x[:, side] + x[:, down] * x[:, down] > 0.0
+
+
+def strides(x: Any) -> int:
+    """How often leg 1 lands, 1 at least."""
+    stands = on_ground(x, 1, 1) | on_ground(x, 1, 2)
+    return max(1, int(np.count_nonzero(stands[1:] & ~stands[:-1])) + int(stands[0] and not stands[-1]))
+
+
+def larger(a: Any, b: Any) -> Any:
+    """The larger of two numbers, without a comparison: of equilibria it is differentiated."""
+    return 0.5 * (a + b + abs(a - b))
+
+
+def force_of_ground(x: Any, p: Any, leg: int, toe: int, model: Model) -> Any:
+    """Force on a toe along the axes of the slope; shape (3, k)."""
+    columns, end = x.T, f"{leg}{toe}"
+    place, speed = (move(columns, p, leg, toe, model) for move in (toe_place, toe_velocity))
+    if model.ground_damper != TWO_SIDED:
+        speed = speed[0], -larger(-speed[1], 0.0), speed[2]
+    touches = np.where(on_ground(x, leg, toe), 1.0, 0.0)
+    acting = SimpleNamespace(**{**vars(p), f"on{end}": touches, f"damped{end}": touches})
+    side, down = anchor(leg, toe)
+    return np.stack(ground_force(place, speed, (columns[side], columns[down]), acting, end, model))
+
+
+def _stride_time(t: Any, x: Any, p: Any) -> Any:
+    return (t[-1] - t[0]) / strides(x)
+
+
+def _stride_length(t: Any, x: Any, p: Any) -> Any:
+    return np.hypot(*(way(t, x)[-1] - way(t, x)[0])) / strides(x)
+
+
+def _speed(t: Any, x: Any, p: Any) -> Any:
+    return np.hypot(*(way(t, x)[-1] - way(t, x)[0])) / (t[-1] - t[0]) if len(t) > 1 else 0.0
+
+
+def _heading(t: Any, x: Any, p: Any) -> Any:
+    side, down = way(t, x)[-1] - way(t, x)[0]
+    return np.arctan2(side, down)
+
+
+def _hip_height(t: Any, x: Any, p: Any) -> Any:
+    if len(t) == 1:
+        return x[0, Q2]
+    return np.sum(lasting(t) * 0.5 * (x[1:, Q2] + x[:-1, Q2])) / (t[-1] - t[0])
+
+
+def _hip_bob(t: Any, x: Any, p: Any) -> Any:
+    return np.ptp(x[:, Q2])
+
+
+def _hip_sway(t: Any, x: Any, p: Any) -> Any:
+    passed = way(t, x)
+    side, down = passed[-1] - passed[0]
+    length = np.hypot(side, down)
+    return np.ptp(passed @ (np.array([down, -side]) / length)) if length > 0.0 else np.ptp(passed[:, 0])
+
+
+def _hyperextension(t: Any, x: Any, p: Any) -> Any:
+    return -x[:, list(KNEE.values())].min()
+
+
+def _energy(t: Any, x: Any, p: Any, model: Model) -> Any:
+    down = way(t, x)[-1, 1] - way(t, x)[0, 1]
+    return total_mass(p, model) * p.g * np.sin(p.alpha) * down / strides(x)
+
+
+def _largest_load(t: Any, x: Any, p: Any, model: Model) -> Any:
+    up = sum(force_of_ground(x, p, leg, toe, model)[1] for leg in LEGS for toe in TOES)
+    return up.max() / (total_mass(p, model) * p.g)
+
+
+def _friction(t: Any, x: Any, p: Any, leg: int, toe: int, model: Model) -> Any:
+    side, up, down = force_of_ground(x, p, leg, toe, model)
+    return (np.hypot(side, down) / larger(up, BEARS * total_mass(p, model) * p.g)).max()
+
+
+def _slipping(t: Any, x: Any, p: Any, leg: int, toe: int, model: Model) -> Any:
+    side, up, down = force_of_ground(x, p, leg, toe, model)
+    beyond = np.hypot(side, down) - up
+    first, last = beyond[:-1], beyond[1:]
+    higher, lower = np.maximum(first, last), np.minimum(first, last)
+    # The part of each interval in which the straight line between both ends is positive.
+    apart = np.where(higher > lower, higher - lower, 1.0)
+    part = np.where(lower >= 0.0, np.where(higher > 0.0, 1.0, 0.0), np.clip(higher / apart, 0.0, 1.0))
+    return np.sum(lasting(t) * part) / strides(x)
+
+
+def make_observables(model: Model) -> tuple[Observable, ...]:
+    """What is read off a motion of this machine; of motions of several strides, the mean of a stride."""
+    of_toes = [
+        Observable(
+            f"{name}{leg}{toe}", _of(function, leg=leg, toe=toe, model=model), unit, words.format(leg, toe)
+        )
+        for name, function, unit, words in (
+            ("friction", _friction, "1", "friction (2) that toe {}{} needs while it bears weight"),
+            ("slip_time", _slipping, "s", "time in a stride in which toe {}{} needs a friction above 1"),
+        )
+        for leg in LEGS
+        for toe in TOES
+    ]
+    return (
+        Observable("stride_time", _stride_time, "s", "time of a stride"),
+        Observable("stride_length", _stride_length, "m", "way of T along the slope in a stride"),
+        Observable("speed", _speed, "m/s", "mean speed along the slope"),
+        Observable(
+            "heading", _heading, "rad", "where the walker goes: 0 straight down, positive towards leg 1"
+        ),
+        Observable("hip_height", _hip_height, "m", "mean height of T above the slope"),
+        Observable("hip_bob", _hip_bob, "m", "between the lowest and the highest T"),
+        Observable(
+            "hip_sway", _hip_sway, "m", "how far T goes across the way of the walker, from side to side"
+        ),
+        Observable("hyperextension", _hyperextension, "rad", "how far the knees give beyond straight"),
+        Observable(
+            "energy_per_stride", _of(_energy, model=model), "J", "what gravity gives and dampers take"
+        ),
+        Observable("peak_load", _of(_largest_load, model=model), "1", "largest normal force over weight"),
+        *of_toes,
+    )
+
+
+def _of(function: Callable[..., Any], **chosen: Any) -> Callable[[Any, Any, Any], Any]:
+    return partial(function, **chosen)
