@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.continuation.newton import correct
-from contwalk.problems.linear import tangent_along
-from contwalk.problems.problem import Problem, Sample
+from contwalk.problems.problem import Linearization, Problem, Sample
 
 
 class LostBranch(Exception):
@@ -46,13 +45,13 @@ class Segment:
         along = along + (r * r - 2.0 * t * r) * scale_a * self.a.tangent
         return along - (2.0 * t * r - t * t) * scale_b * self.b.tangent
 
-    def tangent(self, jacobian: np.ndarray) -> np.ndarray:
-        """Tangent of the branch, pointing along the chord, from the Jacobian on it.
+    def tangent(self, linearization: Linearization) -> np.ndarray:
+        """Tangent of the branch, pointing along the chord, at a solution on it.
 
         Exactly at a branch point it is not determined; there the chord stands in for it.
         """
         try:
-            return tangent_along(jacobian, self.normal, self.weights)
+            return linearization.tangent(self.normal, self.weights)
         except np.linalg.LinAlgError:
             return self.chord
 
@@ -69,7 +68,7 @@ class Segment:
             correction = correct(self.problem, self.guess(theta), self.normal, self.weights)
             if not correction.ok or correction.linearization is None:
                 raise LostBranch(correction.sentence)
-            tangent = self.tangent(correction.linearization.jacobian)
+            tangent = self.tangent(correction.linearization)
             self._known[theta] = self.problem.examine(
                 correction.z, tangent, self.weights, correction.linearization, self._known[near].unstable
             )
@@ -86,7 +85,7 @@ class Segment:
         correction = correct(problem, self.at(theta).z, self.normal, self.weights)
         if not correction.ok or correction.linearization is None:
             raise LostBranch(correction.sentence)
-        tangent = self.tangent(correction.linearization.jacobian)
+        tangent = self.tangent(correction.linearization)
         return problem.examine(correction.z, tangent, self.weights, correction.linearization, None)
 
     def until(self, theta: float) -> Segment:

@@ -13,7 +13,7 @@ import numpy as np
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.errors import called
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.hybrid import beyond, limits, neighbours, observing, switching
+from contwalk.problems.hybrid import beyond, condensed, limits, neighbours, observing, switching
 from contwalk.problems.hybrid.layout import Layout
 from contwalk.problems.hybrid.limits import Limit
 from contwalk.problems.hybrid.passage import Passage, passage_of
@@ -23,7 +23,7 @@ from contwalk.problems.hybrid.shooting import LegMesh, Piece, meshed
 from contwalk.problems.hybrid.solving import newton_on
 from contwalk.problems.hybrid.view import LegView, view_of
 from contwalk.problems.hybrid.word import Word
-from contwalk.problems.linear import EPSILON, Factored, solution_error, tangent_along
+from contwalk.problems.linear import EPSILON, Factorization
 from contwalk.problems.orbit import augmented, branching, describing, ending, rates
 from contwalk.problems.orbit.discretization import FINEST, Discretization
 from contwalk.problems.orbit.motion import PLAIN, TANGENT
@@ -272,13 +272,21 @@ class HybridOrbit:
                 del self._kept[next(iter(self._kept))]
             residual, jacobian = self._equations(z)
             self._kept[key] = Linearization(
-                residual, jacobian, lambda: (self._levels(z, jacobian), None), lambda: self.magnitudes_near(z)
+                residual,
+                jacobian,
+                lambda: (self._levels(z, jacobian), None),
+                lambda: self.magnitudes_near(z),
+                self.factored,
             )
         return self._kept[key]
 
     def jacobian(self, z: np.ndarray) -> np.ndarray:
         """DF(z), shape (N, N + 1)."""
         return self.linearize(z).jacobian
+
+    def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factorization:
+        """A matrix of these equations and unknowns, and of borders that come last, factored."""
+        return condensed.factored(self.layout, matrix, weights)
 
     def _equations(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         layout = self.layout
@@ -664,14 +672,13 @@ class HybridOrbit:
         unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
         found = self.multipliers(z, linearization.jacobian)
         trivial = self.trivial_error(z, linearization.jacobian)
-        bordered = np.vstack([linearization.jacobian, unit / weights**2])
+        orientation, error = linearization.orientation_and_error(unit, weights, self._errors(linearization))
         margins = limits.margins(self, z)
-        error = solution_error(bordered, self._errors(linearization), weights)
         return Sample(
             z=z,
             tangent=unit,
             weights=weights,
-            orientation=Factored(bordered, weights).orientation(),
+            orientation=orientation,
             eigenvalues=found.values,
             errors=found.errors,
             rates=rates.of_moduli(self, z, unit, found),
@@ -732,7 +739,7 @@ class HybridOrbit:
         z = newton_on(self, sample.z, sample.weights, normal)
         problem = self.adapted_to(z, sample.weights)
         there = problem.linearize(z)
-        tangent = tangent_along(there.jacobian, normal, sample.weights)
+        tangent = there.tangent(normal, sample.weights)
         again = problem.examine(z, tangent, sample.weights, there, sample.unstable)
         return problem, replace(again, iterations=sample.iterations)
 

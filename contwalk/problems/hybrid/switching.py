@@ -10,8 +10,8 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
 from contwalk.problems.hybrid.word import Word
-from contwalk.problems.orbit.augmented import null_vectors
 from contwalk.problems.orbit.branching import amplitude, crossing, filled_magnitudes
+from contwalk.problems.orbit.null_vectors import null_vectors
 from contwalk.problems.problem import Seed
 
 if TYPE_CHECKING:
@@ -66,7 +66,8 @@ def divided(problem: HybridOrbit, z: np.ndarray, times: int) -> tuple[HybridOrbi
 def _doubled(problem: HybridOrbit, z: np.ndarray) -> Sequence[Seed]:
     """The orbit of the word run through twice that leaves along the critical vector."""
     layout = problem.layout
-    v, _ = null_vectors(problem.cycle_matrix(problem.linearize(z).jacobian, -1.0), *problem.cycle_scales)
+    matrix = problem.cycle_matrix(problem.linearize(z).jacobian, -1.0)
+    v, _ = null_vectors(problem, matrix, *problem.cycle_scales)
     v = v.real
     other = problem.of_word(problem.word.repeated(2), 2)
     states, lasting = slice(0, layout.durations.start), layout.durations
