@@ -13,7 +13,7 @@ import numpy as np
 
 from contwalk.flow import plan, stages
 from contwalk.flow.compiled import Entry
-from contwalk.flow.compiled_field import CompiledField
+from contwalk.flow.compiled_field import EACH, CompiledField
 from contwalk.flow.path import Path
 from contwalk.flow.tableaus.runge_kutta import RungeKutta
 
@@ -38,7 +38,7 @@ _MOST_KEPT = 4_000_000
 
 def warmup() -> None:
     """Compile everything that does not depend on the field, or find it compiled."""
-    for entry in (ADAPTIVE, MARCH, LEAP, STAGES_OF):
+    for entry in (ADAPTIVE, MARCH, LEAP, STAGES_OF, EACH):
         _ = entry.address
     for name in stages.TABLEAUS:
         stages.code(name)

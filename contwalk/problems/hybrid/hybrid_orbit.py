@@ -123,8 +123,7 @@ class HybridOrbit:
     def _varied(self, **changes: Any) -> HybridOrbit:
         other = copy.copy(self)
         other._kept, other._views = {}, {}
-        for cached in ("pieces", "limits"):
-            other.__dict__.pop(cached, None)
+        other.__dict__.pop("pieces", None)
         for name, value in changes.items():
             setattr(other, name, value)
         return other
@@ -814,7 +813,9 @@ class HybridOrbit:
             own = self.passages[0].field(PLAIN)(0.0, x, c)
             section = section_at(x, own, magnitudes[list(self.passages[0].states)])
         problem = self.on(replace(mesh, total=abs(self.duration(z))), section)
-        return problem._varied(_mesh=replace(problem.mesh, guards=limits.guard_scales(problem, z)))
+        # Its views need the steps, and the units of its equations need the views.
+        problem._mesh = replace(problem.mesh, guards=limits.guard_scales(problem, z))
+        return problem
 
     def refined(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> HybridOrbit:
         """The same problem, section included, on steps for located points."""

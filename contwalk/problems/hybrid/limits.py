@@ -261,8 +261,8 @@ def guard_scales(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
     for i, (leg, view) in enumerate(zip(problem.word.legs, problem.view(z), strict=True)):
         if leg.transition is None:
             continue
-        found = view.guard_at(leg.transition, view.piece.steps, view.nodes)
-        largest = float(np.abs(found[:, 0]).max())
+        found = view.guard_values(leg.transition)
+        largest = float(np.abs(found).max())
         scales[i] = largest if np.isfinite(largest) and largest > 0.0 else 1.0
     return scales
 
@@ -347,7 +347,8 @@ def _rows(problem: HybridOrbit, limit: Limit, y: np.ndarray, share: float) -> tu
     if limit.test == "leaving":
         map_ = piece.passage.bending(transition)
         c = map_.constants(piece.values(scalars))
-        return map_(0.0, x, c), layout.spread(i, map_.jacobian(0.0, x, c))
+        value, derivative = map_.linearized(0.0, x, c)
+        return value, layout.spread(i, derivative)
     watched = piece.passage.watched(transition.name, transition.guard)
     if limit.test == "start":
         own = np.eye(n, n + len(scalars))

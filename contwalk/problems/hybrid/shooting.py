@@ -101,10 +101,10 @@ class Piece:
     ) -> tuple[np.ndarray, np.ndarray]:
         """A map of the leg's end with its derivatives by the start and the columns."""
         c, k = map_.constants(values), len(self.passage.columns)
-        derivative = map_.jacobian(1.0, x, c)
+        value, derivative = map_.linearized(1.0, x, c)
         total = derivative[:, : len(x)] @ moved
         total[:, -k:] += derivative[:, len(x) :]
-        return map_(1.0, x, c), total
+        return value, total
 
     def nodes(self, x: np.ndarray, scalars: np.ndarray) -> np.ndarray:
         """States at the steps, shape (s + 1, n_i)."""
