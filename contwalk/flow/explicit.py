@@ -89,12 +89,10 @@ class Call:
     def tangents(self, x: np.ndarray, sources: Sequence[int] | np.ndarray) -> None:
         """Begin with these tangents, each driven by its parameter column."""
         field, q = self.field, x.shape[1]
-        given = np.asarray(sources, dtype=np.int64)
-        if given.shape != (q,) or ((given < -1) | (given >= field.k)).any():
+        if len(sources) != q:
             raise ValueError(f"{q} tangents of a field with {field.k} columns are driven by {list(sources)}")
         self.split(self.vectors[stages.Y])[1][:, :q] = x
-        driving = _aligned(max(field.k, 1), self.width)
-        driving[given[given >= 0], np.flatnonzero(given >= 0)] = 1.0
+        driving = _driving(field.k, self.width, np.asarray(sources, dtype=np.int64).tobytes())
         buffer = np.empty(field.n + len(field.col))
         self._kept += [driving, buffer]
         addresses = [field.rhs_jac_address, self._c.ctypes.data, field.product_address]
@@ -381,6 +379,18 @@ def _method(name: str) -> RungeKutta:
     if name not in stages.TABLEAUS:
         raise ValueError(f"'{name}' is none of {', '.join(stages.TABLEAUS)}")
     return stages.TABLEAUS[name]
+
+
+@lru_cache
+def _driving(columns: int, width: int, sources: bytes) -> np.ndarray:
+    """Which parameter column drives which tangent: ones in places, shape (columns, width); never changed."""
+    given = np.frombuffer(sources, dtype=np.int64)
+    if ((given < -1) | (given >= columns)).any():
+        raise ValueError(f"tangents of a field with {columns} columns are driven by {given.tolist()}")
+    result = _aligned(max(columns, 1), width)
+    result[given[given >= 0], np.flatnonzero(given >= 0)] = 1.0
+    result.flags.writeable = False
+    return result
 
 
 def _padded(count: int) -> int:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -90,9 +91,7 @@ class Piece:
     ) -> tuple[np.ndarray, np.ndarray]:
         """As `before`, with the derivatives by the state (its first n components) and the columns."""
         field, n, k = self._field(lift), len(self.passage.states), len(self.passage.columns)
-        columns = np.zeros((len(y), n + k))
-        columns[:n, :n] = np.eye(n)
-        sources = np.array([-1] * n + list(range(k)))
+        columns, sources = _beginnings(len(y), n, k)
         c = field.constants(self.values(scalars, *directions))
         return flow.tangents(field, c, self.steps, y, columns, sources, self.method)
 
@@ -121,6 +120,17 @@ class Piece:
         """dx/dt at the start, in the leg's own time."""
         field = self.passage.field(PLAIN)
         return field(0.0, x, field.constants(self.values(scalars)))
+
+
+@lru_cache
+def _beginnings(length: int, n: int, k: int) -> tuple[np.ndarray, np.ndarray]:
+    """Tangents at the start of a leg, and which column drives each: of n states, and of k columns."""
+    columns, sources = np.eye(length, n + k), np.concatenate([np.full(n, -1), np.arange(k)])
+    columns[n:] = 0.0
+    columns[:, n:] = 0.0
+    for array in (columns, sources):
+        array.flags.writeable = False
+    return columns, sources
 
 
 def meshed(

@@ -98,12 +98,34 @@ class LegView:
     @cached_property
     def _guards(self) -> np.ndarray:
         """All guards out of the mode with their rates, at the samples."""
-        values, passage = self._values, self.piece.passage
+        return self._watched(self.times, self.states, self.rates)
+
+    def _watched(self, times: np.ndarray, states: np.ndarray, rates: np.ndarray | None = None) -> np.ndarray:
+        """All guards out of the mode, each with its rate, at some instants, shape (k, 2 g)."""
+        passage = self.piece.passage
         try:
             maps = [passage.guards()]
         except UnsupportedOperation:  # together they compare too often; each alone does not
             maps = [passage.watched(t.name, t.guard) for t in passage.leaving]
-        return np.hstack([map_.along(self.times, self.states, values, self.rates) for map_ in maps])
+        return np.hstack([map_.along(times, states, self._values, rates) for map_ in maps])
+
+    def turning(self, transition: Transition) -> list[tuple[int, float, float]]:
+        """Where a transition's guard turns: after which sample, at which instant, and its value there."""
+        return self._turning[self.piece.passage.leaving.index(transition)]
+
+    @cached_property
+    def _turning(self) -> list[list[tuple[int, float, float]]]:
+        """As `turning`, of all guards, evaluated together."""
+        found: list[list[tuple[int, float, float]]] = [[] for _ in self.piece.passage.leaving]
+        t, v, r = self.times, self._guards[:, ::2], self._guards[:, 1::2]
+        a, b = r[:-1], r[1:]
+        k, g = np.nonzero(((a < 0.0) & (b >= 0.0)) | ((a > 0.0) & (b <= 0.0)))
+        if len(k):
+            at = turns(t[k], t[k + 1], v[k, g], v[k + 1, g], a[k, g], b[k, g])
+            values = self._watched(at, self.at(at))[np.arange(len(k)), 2 * g]
+            for which, *entry in zip(g.tolist(), k.tolist(), at.tolist(), values.tolist(), strict=True):
+                found[which].append((entry[0], entry[1], entry[2]))
+        return found
 
     @cached_property
     def conditions(self) -> dict[str, float]:
@@ -117,11 +139,6 @@ class LegView:
             maps = [passage.condition(c) for c in passage.conditions]
         found = np.concatenate([map_(1.0, self.end, map_.constants(values)) for map_ in maps])
         return dict(zip([c.name for c in passage.conditions], found.tolist(), strict=True))
-
-    def guard_at(self, transition: Transition, times: np.ndarray, states: np.ndarray) -> np.ndarray:
-        """A guard and its rate at some instants, shape (k, 2)."""
-        watched = self.piece.passage.watched(transition.name, transition.guard)
-        return watched.along(times, states, self._values)
 
     def guard_values(self, transition: Transition) -> np.ndarray:
         """A guard at the steps, shape (s + 1,)."""
