@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.fields.llvm import Code
+from contwalk.flow.addresses import address
 from contwalk.flow.compiled import Entry
 
 _POINTER = ctypes.c_void_p
@@ -87,7 +88,7 @@ class CompiledField(ABC):
         if states.shape != (len(times), self.n) or c.shape != (max(self.constant_count, 1),):
             raise ValueError(f"states {states.shape} and {c.shape} constants for {len(times)} times")
         out = np.empty((len(times), self.m))
-        given = times.ctypes.data, states.ctypes.data, self.n, c.ctypes.data, out.ctypes.data, self.m
+        given = address(times), address(states), self.n, address(c), address(out), self.m
         EACH(self.rhs_address, len(times), *given)
         return out
 
@@ -127,5 +128,5 @@ class CompiledField(ABC):
         state, out = np.ascontiguousarray(x, dtype=float), np.empty(m)
         if state.shape != (self.n,) or c.shape != (max(self.constant_count, 1),):
             raise ValueError(f"a state of shape {state.shape} and {c.shape} constants for {self.n} states")
-        call(t, state.ctypes.data, c.ctypes.data, out.ctypes.data)
+        call(t, address(state), address(c), address(out))
         return out

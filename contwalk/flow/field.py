@@ -15,6 +15,7 @@ from contwalk.fields.hoisting import hoisted
 from contwalk.fields.llvm import Code, code_of
 from contwalk.fields.machine_code import Input, function, module
 from contwalk.fields.trace import Outputs, Program, roots
+from contwalk.flow.addresses import address
 from contwalk.flow.compiled_field import CompiledField
 from contwalk.flow.products import product_text
 
@@ -207,8 +208,7 @@ class Field(CompiledField):
         known = self._known_constants.get(key)
         if known is None:
             known = np.empty(max(self.constant_count, 1))
-            self._constants(values.ctypes.data, known.ctypes.data)
-            known.flags.writeable = False
+            self._constants(address(values), address(known))
             if len(self._known_constants) >= _MOST_CONSTANTS:
                 self._known_constants.clear()
             self._known_constants[key] = known

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from contwalk.flow.addresses import address
 from contwalk.flow.compiled import Entry
 from contwalk.problems.linear import Factored, Factorization
 
@@ -29,6 +30,8 @@ FORWARD = Entry(_LOOPS, "forward", "q", "qqqqqqqq")
 FORWARD_TRANSPOSED = Entry(_LOOPS, "forward_transposed", "q", "qqqqqqqq")
 BACKWARD = Entry(_LOOPS, "backward", "q", "qqqqqq")
 BACKWARD_TRANSPOSED = Entry(_LOOPS, "backward_transposed", "q", "qqqqqq")
+# Of fewer unknowns dense elimination is as cheap: see benchmarks/linear_algebra.py.
+FEW = 100
 # Up to this size the bound of the error is computed from the inverse, above it is estimated.
 INVERTED = 128
 # Products with the inverse after which the estimate of its norm has stopped growing in practice.
@@ -118,9 +121,9 @@ def factored(layout: Layout, matrix: np.ndarray, weights: np.ndarray) -> Factori
     Raises
     ------
     numpy.linalg.LinAlgError
-        If it is exactly singular; of a single leg, when it is first used.
+        If it is exactly singular, here or when it is used.
     """
-    if layout.legs == 1:
+    if layout.legs == 1 or len(matrix) < FEW:
         return Factored(matrix, weights)
     chain = _chain(layout, len(matrix))
     if np.iscomplexobj(matrix) and np.any(matrix[:, chain.real].imag):
@@ -157,18 +160,18 @@ class Condensed(Factorization):
             units = np.append(units, units[inner:])
         self._matrix = ordered = np.ascontiguousarray(ordered)
         self._pivots, self._scales = np.empty(size, dtype=np.int64), np.empty(size)
-        places = (array.ctypes.data for array in (chain.stages, units, self._scales, self._pivots))
+        places = (address(array) for array in (chain.stages, units, self._scales, self._pivots))
         width, count = ordered.shape[1], len(chain.stages)
-        self._sign = ELIMINATE(ordered.ctypes.data, size, width, count, *places)
+        self._sign = ELIMINATE(address(ordered), size, width, count, *places)
         if self._sign == 0.0:
             raise np.linalg.LinAlgError("singular matrix")
         common = ordered[:, inner:size]
         if width > size:
             common = common + 1j * ordered[:, size:]
         self._above, self._left = common[:inner], common[inner:]
-        self._triangle = ordered.ctypes.data, width, count, chain.stages.ctypes.data
-        at = chain.stages.ctypes.data, self._pivots.ctypes.data
-        self._operations = ordered.ctypes.data, size, width, count, *at
+        self._triangle = address(ordered), width, count, address(chain.stages)
+        at = address(chain.stages), address(self._pivots)
+        self._operations = address(ordered), size, width, count, *at
 
     @cached_property
     def _inverse(self) -> np.ndarray:
@@ -251,7 +254,7 @@ def _in_reals(entry: Entry, places: tuple[int, ...], given: np.ndarray) -> np.nd
         half = given.shape[1]
         return both[:, :half] + 1j * both[:, half:]
     result = np.array(given, order="C")
-    entry(*places, result.ctypes.data, result.shape[1])
+    entry(*places, address(result), result.shape[1])
     return result
 
 
