@@ -194,7 +194,7 @@ class Field(CompiledField):
     # -- calls from Python -------------------------------------------------------------------------------
 
     def constants(self, p: Sequence[float] | np.ndarray) -> np.ndarray:
-        """Everything that depends on the parameters only; passed on as `c`.
+        """Everything that depends on the parameters only; passed on as `c`, and not to be written to.
 
         Raises
         ------
