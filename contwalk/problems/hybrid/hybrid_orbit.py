@@ -593,7 +593,18 @@ class HybridOrbit:
 
     def cycle_rate(self, z: np.ndarray, v: np.ndarray, tangent: np.ndarray) -> np.ndarray:
         """Derivative of L v along a direction, for a real v, shape (N,)."""
-        return self.cycle_derivative(z, v) @ tangent
+        layout, lifted, result = self.layout, np.append(v, 0.0), np.zeros(self.size)
+        for i, piece in enumerate(self.pieces):
+            x, scalars = layout.inputs(i, z)
+            direction, along = layout.inputs(i, lifted)
+            y = np.concatenate([x, direction])
+            moved = piece.changing(TANGENT, y, scalars, *layout.inputs(i, tangent), along)
+            width, rows = len(moved) // 2, layout.matches[i]
+            n = rows.stop - rows.start
+            result[rows] = moved[width : width + n]
+            if width > n:
+                result[layout.guards + i] = moved[width + n]
+        return result
 
     def derivative_along(self, z: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Derivative by z of DF(z) v for a real v of length N + 1, shape (N, N + 1)."""
