@@ -45,7 +45,7 @@ class Factorization(ABC):
 
     @abstractmethod
     def solve(self, right: np.ndarray) -> np.ndarray:
-        """x with matrix @ x = right.
+        """x with matrix @ x = right, of one right-hand side or of columns of them.
 
         Raises
         ------
@@ -54,7 +54,7 @@ class Factorization(ABC):
 
     @abstractmethod
     def solve_adjoint(self, right: np.ndarray) -> np.ndarray:
-        """y with matrix* @ y = right.
+        """y with matrix* @ y = right, of one right-hand side or of columns of them.
 
         Raises
         ------
@@ -88,12 +88,12 @@ class Factored(Factorization):
             self._scaled = scaled * self.rows[:, None]
 
     def solve(self, right: np.ndarray) -> np.ndarray:
-        """x with matrix @ x = right."""
-        return self.columns * np.linalg.solve(self._scaled, self.rows * right)
+        """x with matrix @ x = right, of one right-hand side or of columns of them."""
+        return (self.columns * np.linalg.solve(self._scaled, (self.rows * right.T).T).T).T
 
     def solve_adjoint(self, right: np.ndarray) -> np.ndarray:
-        """y with matrix* @ y = right."""
-        return self.rows * np.linalg.solve(self._scaled.conj().T, self.columns * right)
+        """y with matrix* @ y = right, of one right-hand side or of columns of them."""
+        return (self.rows * np.linalg.solve(self._scaled.conj().T, (self.columns * right.T).T).T).T
 
     def orientation(self) -> float:
         """Sign of the determinant."""

@@ -42,8 +42,9 @@ class TestCondensed:
         layout, matrix, weights, rng = case
         found = _condensed(layout, matrix, weights)
         for right in (rng.standard_normal(len(matrix)), rng.standard_normal((len(matrix), 3))):
-            _near(found.solve(right), np.linalg.solve(matrix, right))
-            _near(found.solve_adjoint(right), np.linalg.solve(matrix.T, right))
+            for either in (found, Factored(matrix, weights)):
+                _near(either.solve(right), np.linalg.solve(matrix, right))
+                _near(either.solve_adjoint(right), np.linalg.solve(matrix.T, right))
 
     def test_a_complex_closure(self, case):
         layout, matrix, weights, rng = case
