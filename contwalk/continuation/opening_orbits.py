@@ -102,14 +102,19 @@ def opened_word(
     """The branch of hybrid orbits through a stored one, or why there is none; arguments as for
     `opened_orbit`.
     """
+    word = named_word(system, stored.legs, stored.image)
+    own, reference = list(system.states_of(word.legs[0].mode)), np.zeros(len(system.states))
+    reference[own] = stored.unknowns[: len(own)]
     problem = HybridOrbit(
         system,
-        named_word(system, stored.legs),
+        word,
         parameters,
         free,
         path,
-        subharmonic=stored.subharmonic,
-        discretization=discretization,
+        [pin for pin in system.neutral if pin.name in stored.pins],
+        reference,
+        stored.subharmonic,
+        discretization,
     )
     z = np.append(stored.unknowns[: problem.size], parameters[free] if at is None else at)
     try:
@@ -123,7 +128,7 @@ def opened_word(
 def _hybrid(problem: HybridOrbit, z: np.ndarray, settings: Settings) -> Opening | Outcome:
     """The orbit of a simulated lap, corrected."""
     here = begin(problem, z, settings)
-    word = ", ".join(problem.word.signature) or "no events"
+    word = ", ".join(problem.signature) or "no events"
     if not isinstance(here, Here):
         return outcomes.no_start(here.reason, f"{here.sentence} (word: {word})", "a periodic orbit")
     collapsed = problem.collapsed(here.sample.z)

@@ -56,7 +56,7 @@ def problem_of(
         from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
         from contwalk.problems.hybrid.word import named_word
 
-        word = named_word(system, stored["legs"])
+        word = named_word(system, stored["legs"], stored.get("image", ""))
         given = pins, state, info.subharmonic, discretization or Discretization()
         hybrid = HybridOrbit(system, word, parameters, free, ends, *given)
         return hybrid.turning(np.array(stored["turns"], dtype=float))

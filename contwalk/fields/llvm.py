@@ -9,7 +9,7 @@ from __future__ import annotations
 import ctypes
 import ctypes.util
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import Any
 
@@ -103,6 +103,14 @@ def compiled(text: str) -> bytes:
             module, binding.create_pass_builder(target, options)
         )
         return bytes(target.emit_object(module))
+
+
+def linked_code(text: str, symbols: Sequence[str], called: Mapping[str, int]) -> Code:
+    """As `code_of`, for a module that calls functions in memory, which must outlive it: name -> address."""
+    with _LOCK:
+        for symbol, address in called.items():
+            known_to_the_linker(symbol, address)
+        return code_of(text, symbols)
 
 
 def known_to_the_linker(symbol: str, address: int) -> None:

@@ -40,14 +40,15 @@ def by_paths(
     """Parts of an arc; the last one has the transition that ended it, or a status."""
     y, weights, method = x[flow.states], control.weights[flow.states], control.method
     leaving = {i: guard.side for i, guard in enumerate(standing) if guard.kind == LEAVING}
-    resolving = flow.code.resolving(implicit=method.startswith("radau"))
+    resolving = flow.code.resolving
     c, n = flow.constants(resolving), len(y)
     span = far(flow, t, y, weights) / FAR
     scales = flow.scales(t, y, weights, span) * min(1.0, RESOLVED / control.tolerance)
     sizes, most = np.concatenate([weights, scales]), FIRST_STEPS
     while t < t1:
         end = t1 if np.isfinite(t1) else t + far(flow, t, y, weights)
-        values = [guard(t, y, flow.p)[0] for guard in flow.guards]
+        here, still = (np.array([t]), y[None], flow.p), np.zeros((1, n))
+        values = [guard.along(*here, still)[0, 0] for guard in flow.guards]
         start = np.concatenate([y, values])
         path = adaptive(resolving, c, t, start, end, control.tolerance, sizes, method, max_steps=most)
         times = path.times

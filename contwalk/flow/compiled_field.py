@@ -38,6 +38,7 @@ class CompiledField(ABC):
     _rhs: Code
     _rhs_jac: Code
     _product: Code
+    _variation: Code
 
     def __init__(self, parameter_count: int) -> None:
         self.parameter_count = parameter_count
@@ -73,6 +74,15 @@ class CompiledField(ABC):
     def product_address(self) -> int:
         """Address of the product of the Jacobian with several tangents; see `products`."""
         return self._product.addresses["product"]
+
+    @property
+    def variation_address(self) -> int:
+        """Address of ``variation(t, x, p, out)``, which takes the parameters themselves; `out` is (2 m,).
+
+        How far rounding of its own operations carries each rate, in units of the machine epsilon, then the
+        rates' derivatives by time.
+        """
+        return self._variation.addresses["variation"]
 
     # -- calls from Python -------------------------------------------------------------------------------
 

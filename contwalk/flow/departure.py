@@ -12,7 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.flow.guard import EPSILON, Guard
+from contwalk.flow import course_plan as told
+from contwalk.flow.course import Course
+from contwalk.flow.guard import Guard
 from contwalk.flow.hybrid_machine import ModeFlow
 
 CLEAR, LEAVING, ENTERING, BEYOND, RESTING, UNDEFINED = (
@@ -23,6 +25,15 @@ CLEAR, LEAVING, ENTERING, BEYOND, RESTING, UNDEFINED = (
     "resting",
     "undefined",
 )
+
+_KINDS = {
+    told.CLEAR: CLEAR,
+    told.LEAVING: LEAVING,
+    told.ENTERING: ENTERING,
+    told.BEYOND: BEYOND,
+    told.RESTING: RESTING,
+    told.UNDEFINED: UNDEFINED,
+}
 
 # A guard counts as zero within so many of its uncertainties; right after its own event within more.
 ROUNDINGS, AFTER_RESET = 8.0, 1e3
@@ -91,40 +102,29 @@ def departures(
     own : collection of str
         Transitions that have just happened.
     """
+    course = flow.course
+    course.at(t, x, noise, weights)
     found = []
     for number, (transition, guard) in enumerate(zip(flow.transitions, flow.guards, strict=True)):
-        if not flow.acting(number):
-            found.append(_of_watched(guard, flow, t, x, noise))
-            continue
-        factor = AFTER_RESET if transition.name in own else ROUNDINGS
-        measured = guard.departure(t, x, flow.p, noise)
-        on_the_way = guard.departure(t, x, flow.p, EPSILON * weights)[0, 1]
-        found.append(_departure(measured, guard.direction, factor, ROUNDINGS * on_the_way))
+        if flow.acting(number):
+            factor = AFTER_RESET if transition.name in own else ROUNDINGS
+            found.append(_of(course, guard, factor, ROUNDINGS))
+        else:
+            found.append(_of_watched(course, guard, flow, t, x))
     return found
 
 
-def _of_watched(guard: Guard, flow: ModeFlow, t: float, x: np.ndarray, noise: np.ndarray) -> Departure:
-    """As for the others; its second derivative is compiled only where it is needed."""
-    value, rate, own = guard(t, x, flow.p).tolist()
+def _of(course: Course, guard: Guard, factor: float, beside: float) -> Departure:
+    kind, answer = course.standing(guard, factor, beside)
+    value, value_noise, rate, bend, side = answer.tolist()
+    return Departure(_KINDS[kind], int(side), value, rate, bend, value_noise)
+
+
+def _of_watched(course: Course, guard: Guard, flow: ModeFlow, t: float, x: np.ndarray) -> Departure:
+    """As for the others; its slopes are compiled only where they are needed."""
+    value, rate, own = guard.along(np.array([t]), x[None], flow.p, course.velocity[None])[0].tolist()
     if abs(value) <= AFTER_RESET * own:
-        return _departure(guard.departure(t, x, flow.p, noise), guard.direction, AFTER_RESET)
+        return _of(course, guard, AFTER_RESET, 0.0)
     side = 1 if value > 0.0 else -1
     kind = UNDEFINED if not np.isfinite(value) else BEYOND if side == guard.direction else CLEAR
     return Departure(kind, side, value, rate, np.nan, own)
-
-
-def _departure(measured: np.ndarray, direction: int, factor: float, room: float = 0.0) -> Departure:
-    (value, value_noise), (rate, rate_noise), (bend, bend_noise) = measured.tolist()
-    given = value, rate, bend, value_noise
-    if not np.isfinite(value):
-        return Departure(UNDEFINED, 0, *given)
-    if abs(value) > max(factor * value_noise, room):
-        side = 1 if value > 0.0 else -1
-        return Departure(BEYOND if side == direction else CLEAR, side, *given)
-    side = 0
-    for number, noise in ((rate, rate_noise), (bend, bend_noise)):
-        if abs(number) > ROUNDINGS * noise:
-            side = 1 if number > 0.0 else -1
-            break
-    kind = RESTING if side == 0 else ENTERING if side == direction else LEAVING
-    return Departure(kind, side, *given)

@@ -127,9 +127,11 @@ def crossings(
     between = dense(field, c, times, states, inner.ravel(), method).reshape(len(inner), PARTS - 1, -1)
     at = np.concatenate([times[:-1, None], inner, times[1:, None]], axis=1)
     x = np.concatenate([states[:-1, None], between, states[1:, None]], axis=1)
+    instants = at.ravel(), x.reshape(at.size, -1)
+    velocities = field.along(*instants, c)  # at instants that are common to all guards
     found: list[Crossing] = []
     for number, guard in enumerate(guards):
-        sampled = guard.along(at.ravel(), x.reshape(at.size, -1), p).reshape(*at.shape, 3)
+        sampled = guard.along(*instants, p, velocities).reshape(*at.shape, 3)
         side = leaving.get(number, 0)
         if side:
             sampled[0, 0, :2] = 0.0, side
@@ -189,7 +191,9 @@ class _Locator:
             state = self._last
         else:
             state = along(self._field, self._c, np.array([self._start, t]), self._first, self._method)[-1]
-        value, rate, noise = (float(v) for v in self._guard(t, state, self._p))
+        here = np.array([t]), state[None]
+        velocity = self._field.along(*here, self._c)
+        value, rate, noise = self._guard.along(*here, self._p, velocity)[0].tolist()
         if t == self._start and self._begins:
             value, rate = 0.0, float(self._begins)
         return _Trial(t, state, value, rate, noise)

@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.fields.derivative import jacobian
+from contwalk.fields.derivative import directional, jacobian
 from contwalk.fields.hoisting import hoisted
 from contwalk.fields.llvm import Code, code_of
 from contwalk.fields.machine_code import Input, function, module
+from contwalk.fields.rounding import error_bounds
 from contwalk.fields.trace import Outputs, Program, roots
 from contwalk.flow.addresses import address
 from contwalk.flow.compiled_field import CompiledField
@@ -171,6 +172,24 @@ class Field(CompiledField):
     def _rhs_jac(self) -> Code:  # type: ignore[override]
         with self._lock:
             return code_of(self.rhs_jac_text, ("rhs_jac",))
+
+    @cached_property
+    def variation_text(self) -> str:
+        """LLVM IR of what rounding and time do to the field."""
+        graph = self._program.graph
+        moving = dict.fromkeys(self._time, graph.one)
+
+        def change(outputs: tuple[int, ...]) -> list[int]:
+            return [*error_bounds(graph, outputs), *directional(graph, outputs, moving)]
+
+        inputs = {**self._states, **self._time, **self._parameters}
+        program = self._program.transformed(change)
+        return module([function("variation", program, ("x", "p"), inputs, time=True)])
+
+    @cached_property
+    def _variation(self) -> Code:  # type: ignore[override]
+        with self._lock:
+            return code_of(self.variation_text, ("variation",))
 
     @cached_property
     def _constants(self) -> Any:

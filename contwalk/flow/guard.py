@@ -3,24 +3,41 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from contwalk.fields.derivative import directional, jacobian
-from contwalk.fields.expression import Graph
-from contwalk.fields.llvm import Code, code_of
-from contwalk.fields.machine_code import function, module
-from contwalk.fields.rounding import error_bounds
-from contwalk.flow.traced import PARAMETER, STATE, TIME, scalar_program
+from contwalk.flow.compiled_field import CompiledField
+from contwalk.flow.guard_code import OUTPUTS, GuardCode
+from contwalk.flow.traced import field_of
 from contwalk.system import System
 
 EPSILON = float(np.finfo(float).eps)
-OUTPUTS = 3
-_NOISE = "noise"
 _DIRECTIONS = {"rising": 1, "falling": -1, "both": 0}
+
+
+@dataclass(frozen=True, eq=False)
+class Slopes:
+    """A guard at an instant, with its derivatives.
+
+    Parameters
+    ----------
+    value : float
+    rounding : float
+        How far its own operations can carry the value.
+    gradient : ndarray, shape (1 + n,)
+        Derivatives by time and states.
+    change : ndarray, shape (1 + n,)
+        How fast these change along the motion.
+    """
+
+    value: float
+    rounding: float
+    gradient: np.ndarray
+    change: np.ndarray
 
 
 class Guard:
@@ -36,6 +53,8 @@ class Guard:
         `rising`, `falling` or `both`: which crossings of zero count.
     mode : str, optional
         Whose field moves the state; the first mode by default. Its states are those that exist in it.
+    code, field : optional
+        The function as compiled for the mode, and the mode's field, if these are there already.
 
     Raises
     ------
@@ -50,125 +69,74 @@ class Guard:
         watched: Callable[[Any, Any, Any], Any],
         direction: str = "both",
         mode: str | None = None,
+        *,
+        code: GuardCode | None = None,
+        field: CompiledField | None = None,
     ) -> None:
         self.name, self.direction = name, _DIRECTIONS[direction]
-        self._states = system.states_of(mode or system.modes[0].name)
-        self.n, self.m = len(self._states), len(system.parameters)
-        self._traced = scalar_program(system, watched, mode)
-        graph = self._traced.graph
-        self._program = self._traced.transformed(lambda outputs: self._measured(graph, outputs))
-
-    def _inputs(self, graph: Graph) -> list[int]:
-        return [graph.input(STATE, i) for i in self._states]
-
-    def _moving(self, graph: Graph, rates: Sequence[int]) -> dict[int, int]:
-        """How fast each input changes along the flow."""
-        return {graph.input(TIME, 0): graph.one, **dict(zip(self._inputs(graph), rates, strict=True))}
-
-    def _measured(self, graph: Graph, outputs: tuple[int, ...]) -> list[int]:
-        """From h and dx/dt to h, dh/dt, and how far rounding of the state and of h itself can carry h."""
-        value, *rates = outputs
-        (rate,) = directional(graph, [value], self._moving(graph, rates))
-        return [value, rate, _uncertainty(graph, value, self._inputs(graph))]
-
-    def _places(self, graph: Graph) -> dict[int, tuple[str, int]]:
-        """Where compiled code finds states, parameters and the time."""
-        places = {node: ("x", place) for place, node in enumerate(self._inputs(graph))}
-        places |= {graph.input(PARAMETER, k): ("c", k) for k in range(self.m)}
-        return places | {graph.input(TIME, 0): ("t", 0)}
+        self._system, self._mode = system, mode or system.modes[0].name
+        self.code = code or GuardCode(system, watched, self._mode)
+        self.n, self.m, self._given = self.code.n, self.code.m, field
 
     @cached_property
-    def _code(self) -> Code:
-        inputs = self._places(self._program.graph)
-        return code_of(module([function("guard", self._program, ("x", "c"), inputs, time=True)]), ("guard",))
+    def field(self) -> CompiledField:
+        """What moves the states."""
+        return self._given or field_of(self._system, self._mode)
 
     @property
     def address(self) -> int:
-        """Address of ``guard(double t, double* x, double* p, double* out)`` with `out` of length 3."""
-        return self._code.addresses["guard"]
+        """Address of the compiled function; see `GuardCode`."""
+        return self.code.address
+
+    @property
+    def slopes_address(self) -> int:
+        """Address of what gives its derivatives too; see `GuardCode`."""
+        return self.code.slopes_address
 
     @cached_property
     def _call(self) -> Any:
-        pointers = [ctypes.c_void_p] * 3
-        return self._code.function("guard", None, ctypes.c_double, *pointers)
+        return self.code.guard.function("guard", None, ctypes.c_double, *[ctypes.c_void_p] * 4)
+
+    @cached_property
+    def _call_slopes(self) -> Any:
+        return self.code.slopes.function("slopes", None, ctypes.c_double, *[ctypes.c_void_p] * 4)
 
     def __call__(self, t: float, x: np.ndarray, p: np.ndarray) -> np.ndarray:
         """h, dh/dt, and the uncertainty of h in units of h; NaN where h does not exist."""
         return self.along(np.array([t]), np.asarray(x)[None], p)[0]
 
-    def along(self, times: np.ndarray, states: np.ndarray, p: np.ndarray) -> np.ndarray:
-        """As a call, for many instants: times (k,), states (k, n) -> (k, 3)."""
+    def along(
+        self, times: np.ndarray, states: np.ndarray, p: np.ndarray, velocities: np.ndarray | None = None
+    ) -> np.ndarray:
+        """As a call, for many instants: times (k,), states (k, n) -> (k, 3).
+
+        `velocities`, shape (k, n), are those of the states, where the caller knows them.
+        """
         times = np.asarray(times, dtype=float)
         states = np.ascontiguousarray(states, dtype=float)
         p = np.ascontiguousarray(p, dtype=float)
         if states.shape != (len(times), self.n) or p.shape != (self.m,):
             raise ValueError(f"states {states.shape} and {p.shape} parameters for {len(times)} times")
+        if velocities is None:
+            velocities = self.field.along(times, states, self.field.constants(p))
+        speeds = np.ascontiguousarray(velocities, dtype=float)
+        if speeds.shape != states.shape:
+            raise ValueError(f"velocities {speeds.shape} of states {states.shape}")
         out = np.empty((len(times), OUTPUTS))
-        state, result, width, size = states.ctypes.data, out.ctypes.data, 8 * self.n, 8 * OUTPUTS
+        state, speed, result = states.ctypes.data, speeds.ctypes.data, out.ctypes.data
+        given, width, size = p.ctypes.data, 8 * self.n, 8 * OUTPUTS
         for k, t in enumerate(times.tolist()):
-            self._call(t, state + k * width, p.ctypes.data, result + k * size)
+            self._call(t, state + k * width, speed + k * width, given, result + k * size)
         out[:, 2] *= EPSILON
         return out
 
-    # -- how it leaves zero ------------------------------------------------------------------------------
-
-    @cached_property
-    def _departing(self) -> Code:
-        graph = self._traced.graph
-        inputs = [graph.input(TIME, 0), *self._inputs(graph)]
-        noises = [graph.input(_NOISE, place) for place in range(len(inputs))]
-
-        def change(outputs: tuple[int, ...]) -> list[int]:
-            value, *rates = outputs
-            moving = self._moving(graph, rates)
-            (rate,) = directional(graph, [value], moving)
-            (bend,) = directional(graph, [rate], moving)
-            nodes = [value, rate, bend]
-            own = error_bounds(graph, nodes)
-            inherited = [_inherited(graph, row, noises) for row in jacobian(graph, nodes, inputs)]
-            return [node for triple in zip(nodes, own, inherited, strict=True) for node in triple]
-
-        places = self._places(graph) | {node: ("noise", place) for place, node in enumerate(noises)}
-        program, arrays = self._traced.transformed(change), ("x", "c", "noise")
-        return code_of(module([function("departure", program, arrays, places, time=True)]), ("departure",))
-
-    @property
-    def departure_address(self) -> int:
-        """Address of ``departure(t, x, p, noise, out)``, `out` of length 9.
-
-        `noise` are the uncertainties of time and states. For h, its rate and its second derivative `out` has
-        the value, the rounding of its own in units of the machine epsilon, and what `noise` makes of it.
-        """
-        return self._departing.addresses["departure"]
-
-    @cached_property
-    def _departs(self) -> Any:
-        return self._departing.function("departure", None, ctypes.c_double, *[ctypes.c_void_p] * 4)
-
-    def departure(self, t: float, x: np.ndarray, p: np.ndarray, noise: np.ndarray) -> np.ndarray:
-        """h, dh/dt and its second derivative along the flow, each with its uncertainty; (3, 2).
-
-        They tell which way the guard leaves zero. `noise`, shape (n,), are the uncertainties of the states.
-        """
-        state, given = np.ascontiguousarray(x, dtype=float), np.ascontiguousarray(p, dtype=float)
-        known, out = np.concatenate([[EPSILON * abs(t)], noise]), np.empty((3, 3))
-        if state.shape != (self.n,) or given.shape != (self.m,) or known.shape != (self.n + 1,):
-            raise ValueError(f"a state {state.shape}, {noise.shape} uncertainties, {given.shape} parameters")
-        self._departs(t, *(array.ctypes.data for array in (state, given, known, out)))
-        return np.stack([out[:, 0], EPSILON * out[:, 1] + out[:, 2]], axis=1)
-
-
-def _inherited(graph: Graph, slopes: Mapping[int, int], noises: Sequence[int]) -> int:
-    """What uncertainties of its inputs make of a number."""
-    total = graph.zero
-    for i, partial in slopes.items():
-        total = graph.add(total, graph.mul(graph.call("abs", partial), noises[i]))
-    return total
-
-
-def _uncertainty(graph: Graph, node: int, inputs: Sequence[int]) -> int:
-    """How far rounding of itself and of its inputs carries a number, in units of the machine epsilon."""
-    (bound,) = error_bounds(graph, [node])
-    for i, partial in jacobian(graph, [node], inputs)[0].items():
-        bound = graph.add(bound, graph.call("abs", graph.mul(partial, inputs[i])))
-    return bound
+    def slopes(self, t: float, x: np.ndarray, p: np.ndarray, velocity: np.ndarray) -> Slopes:
+        """It with its derivatives, at a state that moves with this velocity."""
+        arrays = [np.ascontiguousarray(array, dtype=float) for array in (x, velocity, p)]
+        if [array.shape for array in arrays] != [(self.n,), (self.n,), (self.m,)]:
+            shapes = ", ".join(str(array.shape) for array in arrays)
+            raise ValueError(f"a state, a velocity and parameters of shapes {shapes}")
+        out = np.empty(2 + 2 * (1 + self.n))
+        self._call_slopes(t, *(array.ctypes.data for array in (*arrays, out)))
+        gradient, change = out[2:].reshape(2, 1 + self.n)
+        return Slopes(float(out[0]), EPSILON * float(out[1]), gradient, change)

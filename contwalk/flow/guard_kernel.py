@@ -5,6 +5,10 @@ too. Where it cannot come near zero with twice its largest rate of late, it does
 steps it is sampled by the method's own interpolation; if cubic polynomials through every second sample miss
 those between, the guard is not resolved, and the step has to be shorter. The instant of an event is located
 by taking the step anew with the length that ends there, as in `events`.
+
+A guard's rate takes the velocity. At the ends of steps that is the method's first stage. Samples take that of
+the interpolation, of whose values it is the exact rate, at instants that are common to all guards. Where an
+event is located the field is asked.
 """
 
 from __future__ import annotations
@@ -13,23 +17,27 @@ import math
 from typing import Any
 
 from contwalk.flow import plan
-from contwalk.flow.calling import call_rhs, caller, doubles, inlined, integers
+from contwalk.flow.calling import caller, doubles, inlined, integers
 from contwalk.flow.explicit_drivers import EPSILON, copy, first_stage, place, step
 from contwalk.flow.hybrid_plan import (
     ADDRESSES,
     BEGINS,
+    BETWEEN,
     COEFFICIENTS,
     DENSE,
     DIRECTIONS,
+    DRAWN,
     FASTEST,
     MEASURED,
     MOVING,
     OF_GUARD,
     PARAMETERS,
+    PARTS,
     RATE,
     SAMPLES,
     SIZE,
     SPARE,
+    SPEED,
     STAGES,
     STANDING,
     TRIAL,
@@ -37,7 +45,6 @@ from contwalk.flow.hybrid_plan import (
 )
 from contwalk.flow.stages import FIRST, NEXT, Y
 
-PARTS = 8  # of a step: a guard has at most one extremum in each
 REACH = 2.0  # times step length and largest rate of late: as far as a guard may go and come back
 FORGOTTEN = 0.7  # of a rate that was large, after each step
 LEAST_SLOPE, MOST_SLOPE = 0.3, 2.5  # at an end, in units of the mean slope: a cubic polynomial is monotone
@@ -51,12 +58,14 @@ CLEAR, MONOTONE, SUSPECT = range(3)
 NONE, UNRESOLVED = -1.0, -2.0
 
 _call_step = caller("v", "ddqqqq")
+_call_guard = caller("v", "dqqqq")
+_evaluate = caller("v", "qdqq")
 
 
 @inlined
-def measured(m: Any, guard: int, t: float, state: int) -> tuple[float, float, float]:
+def measured(m: Any, guard: int, t: float, state: int, velocity: int) -> tuple[float, float, float]:
     """Value, rate and uncertainty of a guard."""
-    call_rhs(integers(m[ADDRESSES], guard + 1)[guard], t, state, m[PARAMETERS], m[MEASURED])
+    _call_guard(integers(m[ADDRESSES], guard + 1)[guard], t, state, velocity, m[PARAMETERS], m[MEASURED])
     out = doubles(m[MEASURED], 3)
     return out[0], out[1], out[2] * EPSILON
 
@@ -105,19 +114,30 @@ def begin_trials(m: Any, t: float) -> None:
     p, moving = integers(m[TRIAL], plan.PLAN_LENGTH), integers(m[MOVING], plan.PLAN_LENGTH)
     copy(place(moving, Y), place(p, Y), m[SIZE])
     first_stage(p, t, Y)
+    m[DRAWN] = 0
 
 
 @inlined
-def _retaken(m: Any, guard: int, t: float, end: float) -> tuple[float, float, float]:
-    """A guard at the end of a step of another length."""
+def _retake(m: Any, guard: int, t: float, end: float) -> tuple[float, float]:
+    """Value and uncertainty of a guard at the end of a step of another length."""
     p = integers(m[TRIAL], plan.PLAN_LENGTH)
     step(p, t, end - t)
-    return measured(m, guard, end, place(p, NEXT))
+    value, _, noise = measured(m, guard, end, place(p, NEXT), m[SPEED])  # a velocity of some other instant
+    return value, noise
+
+
+@inlined
+def _retaken_rate(m: Any, guard: int, end: float) -> float:
+    """Rate of a guard at the end of the step that was taken anew: the field is asked for the velocity."""
+    p = integers(m[TRIAL], plan.PLAN_LENGTH)
+    _evaluate(p[plan.EVALUATE], p[plan.PROBLEM], end, place(p, NEXT), m[SPEED])
+    _, rate, _ = measured(m, guard, end, place(p, NEXT), m[SPEED])
+    return rate
 
 
 @inlined
 def _interpolate(m: Any, t: float, h: float) -> None:
-    """The polynomial of the step (Hairer, Norsett, Wanner, II.6): seven rows of n."""
+    """The polynomial of the step (Hairer, Norsett, Wanner, II.6): seven rows of n; and its samples."""
     p = integers(m[TRIAL], plan.PLAN_LENGTH)
     n, length = m[SIZE], p[plan.LENGTH]
     step(p, t, h)
@@ -135,19 +155,41 @@ def _interpolate(m: Any, t: float, h: float) -> None:
             for stage in range(m[STAGES]):
                 total += given[row * m[STAGES] + stage] * stages[stage * length + i]
             rows[(3 + row) * n + i] = h * total
+    for part in range(1, PARTS):
+        _draw(m, h, part / PARTS, _sample(m, part), _sample(m, part) + 8 * n)
+    m[DRAWN] = 1
+
+
+@inlined
+def _sample(m: Any, part: int) -> int:
+    """Address of the state that a part of the step begins with; its velocity comes after it."""
+    return m[BETWEEN] + 16 * (part - 1) * m[SIZE]
+
+
+@inlined
+def _draw(m: Any, h: float, share: float, state: int, velocity: int) -> None:
+    """State and velocity at a share of the step, by its polynomial."""
+    n, p = m[SIZE], integers(m[TRIAL], plan.PLAN_LENGTH)
+    rows, y = doubles(m[DENSE], 7 * n), doubles(place(p, Y), n)
+    x, f = doubles(state, n), doubles(velocity, n)
+    for i in range(n):
+        value, slope = 0.0, 0.0
+        for row in range(7):
+            value += rows[(6 - row) * n + i]
+            if row % 2 == 0:
+                slope = slope * share + value
+                value *= share
+            else:
+                slope = slope * (1.0 - share) - value
+                value *= 1.0 - share
+        x[i], f[i] = y[i] + value, slope / h
 
 
 @inlined
 def _between(m: Any, guard: int, t: float, h: float, share: float) -> tuple[float, float]:
     """Value and rate of a guard at a share of the step, by its polynomial."""
-    n, p = m[SIZE], integers(m[TRIAL], plan.PLAN_LENGTH)
-    rows, y, x = doubles(m[DENSE], 7 * n), doubles(place(p, Y), n), doubles(m[SPARE], n)
-    for i in range(n):
-        value = 0.0
-        for row in range(7):
-            value = (value + rows[(6 - row) * n + i]) * (share if row % 2 == 0 else 1.0 - share)
-        x[i] = y[i] + value
-    value, rate, _ = measured(m, guard, t + share * h, m[SPARE])
+    _draw(m, h, share, m[SPARE], m[SPEED])
+    value, rate, _ = measured(m, guard, t + share * h, m[SPARE], m[SPEED])
     return value, rate
 
 
@@ -164,15 +206,18 @@ def _located(m: Any, guard: int, t: float, low: float, high: float, guess: float
     for _ in range(MOST_TRIALS):
         if not low < end < high:
             end = low + 0.5 * (high - low)
-        value, rate, noise = _retaken(m, guard, t, end)
+        value, noise = _retake(m, guard, t, end)
         if abs(value) < smallest:
             best, smallest = end, abs(value)
+        if abs(value) <= noise:
+            break
+        rate = _retaken_rate(m, guard, end)
         if side_of(value, rate) == side:
             low = end
         else:
             high = end
         new = end - value / rate if rate != 0.0 else math.nan
-        if abs(value) <= noise or new == end or high - low <= 2.0 * EPSILON * max(abs(low), abs(high)):
+        if new == end or high - low <= 2.0 * EPSILON * max(abs(low), abs(high)):
             break
         end = new
     return best
@@ -242,7 +287,8 @@ def _beyond(m: Any, guard: int, t: float, h: float, part: int, side: float) -> f
         if rate_a != rate_b:
             share = min(0.9, max(0.1, rate_a / (rate_a - rate_b)))
         at = a + share * (b - a)
-        value, rate, _ = _retaken(m, guard, t, t + at * h)
+        value, _ = _retake(m, guard, t, t + at * h)
+        rate = _retaken_rate(m, guard, t + at * h)
         if side_of(value, rate) != side:
             return at
         least = min(least, abs(value))
@@ -260,7 +306,9 @@ def _sampled(m: Any, guard: int, t: float, h: float, value: float, rate: float) 
     samples[0], samples[1] = at[VALUE], at[RATE]
     samples[2 * PARTS], samples[2 * PARTS + 1] = value, rate
     for part in range(1, PARTS):
-        samples[2 * part], samples[2 * part + 1] = _between(m, guard, t, h, part / PARTS)
+        state, at_part = _sample(m, part), t + part / PARTS * h
+        value, rate, _ = measured(m, guard, at_part, state, state + 8 * m[SIZE])
+        samples[2 * part], samples[2 * part + 1] = value, rate
     d, resolved = 2.0 * h / PARTS, True
     for part in range(1, PARTS, 2):
         va, ra = samples[2 * part - 2], samples[2 * part - 1]
@@ -278,7 +326,8 @@ def _sampled(m: Any, guard: int, t: float, h: float, value: float, rate: float) 
 @inlined
 def resolves(m: Any, guard: int, t: float, h: float, value: float, rate: float) -> bool:
     """Whether a step with this end resolves a guard."""
-    _interpolate(m, t, h)
+    if m[DRAWN] == 0:
+        _interpolate(m, t, h)
     return _sampled(m, guard, t, h, value, rate)
 
 

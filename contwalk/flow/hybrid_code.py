@@ -9,15 +9,17 @@ from typing import Any
 import numpy as np
 
 from contwalk.errors import SystemDefinitionError
-from contwalk.fields.derivative import ancestors, directional
+from contwalk.fields.derivative import ancestors
 from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import Outputs, Program, Tracer, trace
 from contwalk.flow.field import Field
 from contwalk.flow.guard import Guard
-from contwalk.flow.traced import PARAMETER, STATE, TIME, arguments, field_of, rates
+from contwalk.flow.guard_code import GuardCode, GuardCodes
+from contwalk.flow.resolving import Resolving
+from contwalk.flow.traced import PARAMETER, STATE, TIME, arguments, field_of
 from contwalk.system import System, Transition
 
-_UNWRITTEN, _WATCHED = "unwritten", "watched"
+_UNWRITTEN = "unwritten"
 
 
 class ModeCode:
@@ -31,36 +33,24 @@ class ModeCode:
         Those out of it, watched ones included, in the order of their declaration.
     guards : tuple of Guard
         Theirs.
-    field : Field
+    field : CompiledField
         dx/dt of the states that exist.
     """
 
-    def __init__(self, system: System, name: str) -> None:
+    def __init__(self, system: System, name: str, codes: GuardCodes) -> None:
         self.system, self.name = system, name
         self.states = np.array(system.states_of(name), dtype=int)
         self.transitions = system.leaving(name)
-        self.guards = tuple(Guard(system, t.name, t.guard, t.direction, name) for t in self.transitions)
         self.field = field_of(system, name)
-        self._resolving: dict[bool, Field] = {}
+        self.guards = tuple(self._guard(t, codes(t.guard, name)) for t in self.transitions)
+
+    def _guard(self, of: Transition, code: GuardCode) -> Guard:
+        return Guard(self.system, of.name, of.guard, of.direction, self.name, code=code, field=self.field)
 
     @cached_property
-    def slopes(self) -> Field:
-        """The guards as functions of time and states: (t, x) are its states, the guards its outputs."""
-        return _of_time_and_state(self.system, self.name, _guards_program(self.system, self.name))
-
-    def resolving(self, implicit: bool) -> Field:
+    def resolving(self) -> Resolving:
         """The field with the guards as further states: control of their errors resolves them too."""
-        if implicit not in self._resolving:
-            states = [(STATE, i) for i in self.states.tolist()]
-            states += [(_WATCHED, j) for j in range(len(self.transitions))]
-            self._resolving[implicit] = Field(
-                _resolving_program(self.system, self.name),
-                states,
-                {PARAMETER: len(self.system.parameters)},
-                time=(TIME, 0),
-                differentiable=implicit,
-            )
-        return self._resolving[implicit]
+        return Resolving(self.field, [guard.code for guard in self.guards])
 
 
 class HybridCode:
@@ -68,13 +58,14 @@ class HybridCode:
 
     def __init__(self, system: System) -> None:
         self.system = system
+        self._guards = GuardCodes(system)
         self._modes: dict[str, ModeCode] = {}
         self._jumps: dict[tuple[str, str], Field] = {}
 
     def mode(self, name: str) -> ModeCode:
         """A mode by its name."""
         if name not in self._modes:
-            self._modes[name] = ModeCode(self.system, name)
+            self._modes[name] = ModeCode(self.system, name, self._guards)
         return self._modes[name]
 
     def jump(self, transition: Transition) -> Field:
@@ -107,31 +98,6 @@ def _of_time_and_state(system: System, mode: str, program: Program) -> Field:
     outputs = max(len(leaf.nodes) for leaf in program.leaves() if isinstance(leaf, Outputs))
     states = [(TIME, 0), *((STATE, i) for i in system.states_of(mode))]
     return Field(program, states, {PARAMETER: len(system.parameters)}, outputs=outputs)
-
-
-def _guards_program(system: System, mode: str) -> Program:
-    guards = [rebound(transition.guard) for transition in system.leaving(mode)]
-    return trace(lambda tracer: [guard(*arguments(tracer, system, mode)) for guard in guards])
-
-
-def _resolving_program(system: System, mode: str) -> Program:
-    """dx/dt, then dh/dt of the guards."""
-    field, states = rebound(system.mode(mode).field), system.states_of(mode)
-    guards = [rebound(transition.guard) for transition in system.leaving(mode)]
-
-    def both(tracer: Tracer) -> list[Any]:
-        values = [guard(*arguments(tracer, system, mode)) for guard in guards]
-        return [*rates(tracer, system, field, mode), *values]
-
-    program = trace(both)
-    graph = program.graph
-
-    def change(outputs: tuple[int, ...]) -> list[int]:
-        motion, values = outputs[: len(states)], outputs[len(states) :]
-        moving = {graph.input(STATE, i): rate for i, rate in zip(states, motion, strict=True)}
-        return [*motion, *directional(graph, values, {graph.input(TIME, 0): graph.one, **moving})]
-
-    return program.transformed(change)
 
 
 def _jump_program(system: System, transition: Transition) -> Program:

@@ -11,8 +11,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from contwalk.flow import plan
-from contwalk.flow.calling import call_rhs, caller, doubles, inlined, integers
+from contwalk.flow import course_plan, plan
+from contwalk.flow.calling import call_rhs, doubles, inlined, integers
+from contwalk.flow.course_kernel import stands
 from contwalk.flow.explicit_drivers import EPSILON, accepted_step, copy, finite, first_stage, place, step
 from contwalk.flow.guard_kernel import (
     CLEAR,
@@ -37,7 +38,7 @@ from contwalk.flow.hybrid_plan import (
     COLUMNS,
     CONSTANTS,
     COUNT,
-    DEPARTURES,
+    COURSE,
     DIRECTIONS,
     ENTRIES,
     EVENTS,
@@ -52,7 +53,6 @@ from contwalk.flow.hybrid_plan import (
     LAST,
     LEADS,
     MARKS,
-    MEASURED,
     MODE,
     MODE_LENGTH,
     MODES,
@@ -62,14 +62,14 @@ from contwalk.flow.hybrid_plan import (
     OF_GUARD,
     OUTPUTS,
     OWN_STEPS,
-    PARAMETERS,
     RATE,
+    RATE_AT_END,
     ROOM,
-    ROUNDING,
     ROWS,
     SHIFT,
     SIZE,
     SLOPES,
+    SLOPING,
     SPEEDS,
     STEP_TOO_SMALL,
     STEPS,
@@ -82,6 +82,7 @@ from contwalk.flow.hybrid_plan import (
     TRIAL,
     UNSURE,
     VALUE,
+    VALUE_AT_END,
     WALK_LENGTH,
     WIDTH,
     WORD,
@@ -94,9 +95,6 @@ MOST_SHORTENED = 30  # times in a row, where a guard is not resolved
 MOST_BITS = 62  # further guards share the last one
 _EVENT = 100  # and more: the guard's number is added
 
-_call_departure = caller("v", "dqqqq")
-_evaluate = caller("v", "qdqq")
-
 
 # -- where an arc begins ------------------------------------------------------------------------------------
 
@@ -104,24 +102,16 @@ _evaluate = caller("v", "qdqq")
 @inlined
 def _stands(m: Any, guard: int, own: bool, t: float) -> bool:
     """Write down how a guard stands; whether it is clear of zero or leaves it."""
-    p = integers(m[MOVING], plan.PLAN_LENGTH)
-    address = integers(m[DEPARTURES], guard + 1)[guard]
-    out, at = doubles(m[MEASURED], 9), doubles(standing(m, guard), OF_GUARD)
-    _call_departure(address, t, place(p, Y), m[PARAMETERS], m[ROUNDING], m[MEASURED])
-    room = ROUNDINGS * (EPSILON * out[1] + out[2])
-    _call_departure(address, t, place(p, Y), m[PARAMETERS], m[NOISE], m[MEASURED])
+    k, at = integers(m[COURSE], course_plan.PLAN_LENGTH), doubles(standing(m, guard), OF_GUARD)
+    sloping = integers(m[SLOPING], guard + 1)[guard]
     direction = integers(m[DIRECTIONS], guard + 1)[guard]
-    at[VALUE], at[RATE], at[BEGINS], at[FASTEST] = out[0], out[3], 0.0, 0.0
-    if not abs(out[0]) < math.inf:
-        return False
-    if abs(out[0]) > max(room, (AFTER_RESET if own else ROUNDINGS) * (EPSILON * out[1] + out[2])):
-        return direction == 0 or (out[0] > 0.0) != (direction > 0)
-    for order in range(1, 3):
-        number, noise = out[3 * order], EPSILON * out[3 * order + 1] + out[3 * order + 2]
-        if abs(number) > ROUNDINGS * noise:
-            at[VALUE], at[BEGINS] = 0.0, 1.0 if number > 0.0 else -1.0
-            return at[BEGINS] != direction
-    return False
+    kind = stands(k, sloping, direction, t, AFTER_RESET if own else ROUNDINGS, ROUNDINGS)
+    answer = doubles(k[course_plan.ANSWER], course_plan.ANSWER_LENGTH)
+    at[VALUE], at[RATE] = answer[course_plan.VALUE], answer[course_plan.RATE]
+    at[BEGINS], at[FASTEST] = 0.0, 0.0
+    if kind == course_plan.LEAVING:
+        at[VALUE], at[BEGINS] = 0.0, answer[course_plan.SIDE]
+    return kind == course_plan.CLEAR or kind == course_plan.LEAVING
 
 
 @inlined
@@ -134,10 +124,11 @@ def _begin(m: Any, last: int, t: float) -> int:
     memory = doubles(p[plan.MEMORY], plan.MEMORY_LENGTH)
     memory[0], memory[1], memory[2], memory[3] = t, 0.0, 0.0, 0.0
     leads = integers(m[LEADS], m[GUARDS])
+    integers(m[COURSE], course_plan.PLAN_LENGTH)[course_plan.KNOWN] = 0
     for guard in range(m[GUARDS]):
         if leads[guard] < 0:
             at = doubles(standing(m, guard), OF_GUARD)
-            at[VALUE], at[RATE], _ = measured(m, guard, t, place(p, Y))
+            at[VALUE], at[RATE], _ = measured(m, guard, t, place(p, Y), place(p, FIRST))
             at[BEGINS], at[FASTEST] = 0.0, 0.0
         elif not _stands(m, guard, leads[guard] == last, t):
             return UNSURE
@@ -151,12 +142,14 @@ def _begin(m: Any, last: int, t: float) -> int:
 def _first_event(m: Any, t: float, end: float) -> tuple[float, int, int]:
     """The first event in the step that ends in `NEXT`: instant, or `NONE`, and guard.
 
-    And the watched guards that may pass zero in the step, a bit for each.
+    And the watched guards that may pass zero in the step, a bit for each. `FIRST` is the velocity at its end.
     """
     p, leads = integers(m[MOVING], plan.PLAN_LENGTH), integers(m[LEADS], m[GUARDS])
     first, which, begun, marked = NONE, -1, False, 0
     for guard in range(m[GUARDS]):
-        value, rate, _ = measured(m, guard, end, place(p, NEXT))
+        value, rate, _ = measured(m, guard, end, place(p, NEXT), place(p, FIRST))
+        at_end = doubles(standing(m, guard), OF_GUARD)
+        at_end[VALUE_AT_END], at_end[RATE_AT_END] = value, rate
         look = looks(m, guard, end - t, value, rate)
         if look == CLEAR:
             continue
@@ -180,13 +173,13 @@ def _first_event(m: Any, t: float, end: float) -> tuple[float, int, int]:
 
 
 @inlined
-def _go_on(m: Any, end: float) -> bool:
-    """The step's end becomes the state; whether all guards have values there."""
+def _go_on(m: Any) -> bool:
+    """The step's end, where the guards are measured, becomes the state; whether all have values there."""
     p = integers(m[MOVING], plan.PLAN_LENGTH)
     sound = True
     for guard in range(m[GUARDS]):
         at = doubles(standing(m, guard), OF_GUARD)
-        at[VALUE], at[RATE], _ = measured(m, guard, end, place(p, NEXT))
+        at[VALUE], at[RATE] = at[VALUE_AT_END], at[RATE_AT_END]
         at[BEGINS] = 0.0
         sound = sound and abs(at[VALUE]) < math.inf
     copy(place(p, NEXT), place(p, Y), p[plan.LENGTH])
@@ -229,7 +222,7 @@ def _arc(w: Any, m: Any, t1: float, tolerance: float, order: float, stable: floa
             step(p, t, at - t)
             copy(place(p, NEXT), place(p, Y), p[plan.LENGTH])
             end = at
-        elif not _go_on(m, end):
+        elif not _go_on(m):
             return UNSURE
         marks[steps] = marked
         steps += 1

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 
 import numpy as np
 
+from contwalk.flow.compiled_field import CompiledField
+from contwalk.flow.course import Course
 from contwalk.flow.field import Field
 from contwalk.flow.guard import EPSILON, Guard
 from contwalk.flow.hybrid_code import HybridCode, ModeCode, hybrid_code
@@ -20,7 +23,7 @@ class ModeFlow:
     name : str
     states : ndarray of int
         Positions of the states that exist in it.
-    field : Field
+    field : CompiledField
     p, c : ndarray
         Parameters, and the field's constants made from them.
     transitions : tuple of Transition
@@ -36,7 +39,12 @@ class ModeFlow:
         self.guards: tuple[Guard, ...] = code.guards
         self._constants: dict[int, np.ndarray] = {}
 
-    def constants(self, field: Field) -> np.ndarray:
+    @cached_property
+    def course(self) -> Course:
+        """Memory for an instant at which a motion begins."""
+        return Course(self.field, self.c, self.p)
+
+    def constants(self, field: CompiledField) -> np.ndarray:
         """The constants of another field of the same parameters."""
         if id(field) not in self._constants:
             self._constants[id(field)] = field.constants(self.p)
@@ -60,11 +68,9 @@ class ModeFlow:
         """
         if not self.guards:
             return np.empty(0)
-        slopes = self.code.slopes
-        at, c = np.concatenate([[t], x]), self.constants(slopes)
-        by = slopes.jacobian(0.0, at, c)
-        by_states = np.linalg.norm(by[:, 1:] * weights, axis=1)
-        of_time = np.maximum(np.abs(slopes(0.0, at, c)), np.abs(by[:, 0]) * span)
+        slopes = [guard.slopes(t, x, self.p, np.zeros(len(x))) for guard in self.guards]
+        by_states = np.array([np.linalg.norm(each.gradient[1:] * weights) for each in slopes])
+        of_time = np.array([max(abs(each.value), abs(each.gradient[0]) * span) for each in slopes])
         found = np.where(by_states > 0.0, by_states, of_time)
         return np.where(np.isfinite(found) & (found > 0.0), found, 1.0)
 

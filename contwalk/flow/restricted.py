@@ -8,6 +8,7 @@ not exist, and leaves out what does not concern the others.
 from __future__ import annotations
 
 import hashlib
+import struct
 from collections.abc import Sequence
 from functools import cached_property
 
@@ -86,8 +87,42 @@ class Restricted(CompiledField):
         address = whole.rhs_jac_address
         return self._shell("rhs_jac", whole.rhs_jac_text, address, kept, whole.m + len(whole.col))
 
-    def _shell(self, name: str, text: str, address: int, kept: Sequence[int], outputs: int) -> Code:
-        """`name(t, x, c, out)`, which calls the whole and keeps some of its outputs."""
+    @cached_property
+    def _variation(self) -> Code:  # type: ignore[override]
+        whole = self.whole
+        kept = [*self.places, *(whole.m + place for place in self.places)]
+        given = self._numbers()
+        return self._shell(
+            "variation", whole.variation_text, whole.variation_address, kept, 2 * whole.m, given
+        )
+
+    def _numbers(self) -> list[str]:
+        """Statements that put the first parameters before those that are given: %c becomes %numbers."""
+        lines = [f"  %numbers = alloca [{max(self.whole.parameter_count, 1)} x double], align 32"]
+        for k in range(self.whole.parameter_count):
+            value = f"%p{k}"
+            if k < len(self._head):
+                value = f"0x{struct.unpack('<Q', struct.pack('<d', self._head[k]))[0]:016X}"
+            else:
+                lines.append(f"  %p{k}_at = getelementptr double, ptr %c, i64 {k - len(self._head)}")
+                lines.append(f"  %p{k} = load double, ptr %p{k}_at")
+            lines.append(f"  %number{k}_at = getelementptr double, ptr %numbers, i64 {k}")
+            lines.append(f"  store double {value}, ptr %number{k}_at")
+        return lines
+
+    def _shell(
+        self,
+        name: str,
+        text: str,
+        address: int,
+        kept: Sequence[int],
+        outputs: int,
+        numbers: Sequence[str] = (),
+    ) -> Code:
+        """`name(t, x, c, out)`, which calls the whole and keeps some of its outputs.
+
+        With statements `numbers` the whole is told %numbers instead of `c`.
+        """
         symbol = f"contwalk_{hashlib.sha256(text.encode()).hexdigest()[:32]}"
         known_to_the_linker(symbol, address)
         exists = {place: j for j, place in enumerate(self.places)}
@@ -106,7 +141,9 @@ class Restricted(CompiledField):
                 value = f"%x{i}"
             lines.append(f"  %all{i}_at = getelementptr double, ptr %all, i64 {i}")
             lines.append(f"  store double {value}, ptr %all{i}_at")
-        lines.append(f"  call void @{symbol}(double %t, ptr %all, ptr %c, ptr %found)")
+        lines += numbers
+        told = "numbers" if numbers else "c"
+        lines.append(f"  call void @{symbol}(double %t, ptr %all, ptr %{told}, ptr %found)")
         for i, position in enumerate(kept):
             lines.append(f"  %f{i}_at = getelementptr double, ptr %found, i64 {position}")
             lines.append(f"  %f{i} = load double, ptr %f{i}_at")

@@ -13,6 +13,7 @@ from contwalk.flow import sampling_plan as plan
 from contwalk.flow.compiled import Entry
 from contwalk.flow.compiled_field import CompiledField
 from contwalk.flow.guard import Guard
+from contwalk.flow.guard_code import OUTPUTS
 from contwalk.flow.stages import FIRST, WIDTH, code, vectors
 from contwalk.flow.tableaus.dop853 import DOP853
 
@@ -186,7 +187,8 @@ class _Work:
             plan.WORK: np.zeros((vectors(DOP853), self._length)),
             plan.DENSE: np.zeros(7 * n),
             plan.SPARE: np.zeros(self._length),
-            plan.MEASURED: np.zeros(3),
+            plan.SPEED: np.zeros(self._length),
+            plan.MEASURED: np.zeros(OUTPUTS),
             plan.PROBLEM: np.zeros(2, dtype=np.int64),
         }
         self._kept += own.values()

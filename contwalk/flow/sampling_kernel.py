@@ -45,6 +45,7 @@ from contwalk.flow.sampling_plan import (
     RHS,
     SETTLED,
     SPARE,
+    SPEED,
     STAGES,
     STARTS,
     STEP,
@@ -63,9 +64,11 @@ MOST_GROWTH, MOST_SHRINKAGE = 6.0, 0.2
 ORDER = 8.0
 PARTS = 4  # of a step that may hold crossings: a guard has at most one extremum in each
 MOST_TRIALS = 80
+AT_END = FIRST + 12  # the first of the further stages of the interpolation: the field at the end
 NARROW = 1e-8  # of a part, where an extremum is looked for: the guard is then off it by rounding
 
 _call_step = caller("v", "ddqqqq")
+_call_guard = caller("v", "dqqqq")
 _call_error = caller("d", "ddqqqqq")
 
 
@@ -85,9 +88,9 @@ def _size(p: np.ndarray, vector: np.ndarray) -> float:
 
 
 @inlined
-def _measure(p: np.ndarray, t: float, state: int, parameters: int) -> tuple[float, float]:
+def _measure(p: np.ndarray, t: float, state: int, velocity: int, parameters: int) -> tuple[float, float]:
     """Value and rate of the guard."""
-    call_rhs(p[GUARD], t, state, parameters, p[MEASURED])
+    _call_guard(p[GUARD], t, state, velocity, parameters, p[MEASURED])
     out = doubles(p[MEASURED], 3)
     return out[0], out[1]
 
@@ -109,7 +112,7 @@ def _interpolate(p: np.ndarray, t: float, h: float) -> None:
     _call_step(p[EXTEND], t, h, p[LENGTH], p[WORK], p[EVALUATE], p[PROBLEM])
     n, m = p[N], p[LENGTH]
     rows, y, end = doubles(p[DENSE], 7 * n), doubles(_place(p, Y), m), doubles(_place(p, NEXT), m)
-    first, last = doubles(_place(p, FIRST), m), doubles(_place(p, FIRST + 12), m)
+    first, last = doubles(_place(p, FIRST), m), doubles(_place(p, AT_END), m)
     stages, given = doubles(_place(p, FIRST), p[STAGES] * m), doubles(p[COEFFICIENTS], 4 * p[STAGES])
     for i in range(n):
         change = end[i] - y[i]
@@ -125,15 +128,21 @@ def _interpolate(p: np.ndarray, t: float, h: float) -> None:
 
 @inlined
 def _between(p: np.ndarray, t: float, h: float, share: float, parameters: int) -> tuple[float, float]:
-    """Value and rate of the guard at a share of the step."""
+    """Value and rate of the guard at a share of the step, both by its polynomial."""
     n, rows, y = p[N], doubles(p[DENSE], 7 * p[N]), doubles(_place(p, Y), p[LENGTH])
-    x = doubles(p[SPARE], p[LENGTH])
+    x, f = doubles(p[SPARE], p[LENGTH]), doubles(p[SPEED], p[LENGTH])
     for i in range(n):
-        value = 0.0
+        value, slope = 0.0, 0.0
         for row in range(7):
-            value = (value + rows[(6 - row) * n + i]) * (share if row % 2 == 0 else 1.0 - share)
-        x[i] = y[i] + value
-    return _measure(p, t + share * h, p[SPARE], parameters)
+            value += rows[(6 - row) * n + i]
+            if row % 2 == 0:
+                slope = slope * share + value
+                value *= share
+            else:
+                slope = slope * (1.0 - share) - value
+                value *= 1.0 - share
+        x[i], f[i] = y[i] + value, slope / h
+    return _measure(p, t + share * h, p[SPARE], p[SPEED], parameters)
 
 
 @inlined
@@ -257,10 +266,10 @@ def _move(p: np.ndarray, sample: int, t1: float, tolerance: float, results: np.n
     m, parameters = p[LENGTH], p[VALUES] + 8 * sample * p[PARAMETERS]
     targets = doubles(p[PLACES] + 8 * sample * p[TARGETS] * p[N], p[TARGETS] * p[N])
     y, end, slope = doubles(_place(p, Y), m), doubles(_place(p, NEXT), m), doubles(_place(p, FIRST), m)
-    constants = integers(p[PROBLEM], 2)[1]
+    slope_end, constants = doubles(_place(p, AT_END), m), integers(p[PROBLEM], 2)[1]
     t, steps, former = 0.0, 0, 1e-4
     call_rhs(p[RHS], t, _place(p, Y), constants, _place(p, FIRST))
-    value, rate = _measure(p, t, _place(p, Y), parameters)
+    value, rate = _measure(p, t, _place(p, Y), _place(p, FIRST), parameters)
     speed = _size(p, slope)
     if not speed < math.inf or not abs(value) < math.inf:
         return NOT_FINITE
@@ -284,7 +293,8 @@ def _move(p: np.ndarray, sample: int, t1: float, tolerance: float, results: np.n
             h = length * (0.1 if undefined else max(MOST_SHRINKAGE, SAFETY * error ** (-1.0 / ORDER)))
             continue
         late = t1 if length == t1 - t else t + length
-        value_end, rate_end = _measure(p, late, _place(p, NEXT), parameters)
+        call_rhs(p[RHS], late, _place(p, NEXT), constants, _place(p, AT_END))
+        value_end, rate_end = _measure(p, late, _place(p, NEXT), _place(p, AT_END), parameters)
         if not abs(value_end) < math.inf:
             return NOT_FINITE
         reach = 2.0 * length * max(abs(rate), abs(rate_end))  # as far as it may go and come back
@@ -297,8 +307,7 @@ def _move(p: np.ndarray, sample: int, t1: float, tolerance: float, results: np.n
                     results[ENDED_AT] = late
                     return FOUND
         for i in range(m):
-            y[i] = end[i]
-        call_rhs(p[RHS], late, _place(p, Y), constants, _place(p, FIRST))
+            y[i], slope[i] = end[i], slope_end[i]
         t, value, rate = late, value_end, rate_end
         results[ENDED_AT] = t
         if _at_rest(p, y, targets):

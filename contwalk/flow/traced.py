@@ -12,7 +12,7 @@ from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow.compiled_field import CompiledField
 from contwalk.flow.field import Field
 from contwalk.flow.restricted import Restricted
-from contwalk.system import Mode, System
+from contwalk.system import Mode, Neutral, System
 from contwalk.system.declarations import ParameterValues
 
 TIME, STATE, PARAMETER, CONSTANT = "t", "x", "p", "m"
@@ -32,6 +32,28 @@ def field_of(system: System, mode: str | None = None) -> CompiledField:
             _shared_field(system, chosen), [i for _, i in states], list(chosen.constants.values())
         )
     return Field(field_program(system, chosen.name), states, groups, time=(TIME, 0))
+
+
+_GENERATORS: dict[tuple[int, str, str], tuple[System, Field]] = {}
+
+
+def generator_field(system: System, neutral: Neutral, mode: str) -> Field:
+    """A neutral direction in the states that exist in a mode, compiled."""
+    key = id(system), neutral.name, mode
+    if key not in _GENERATORS:
+        while len(_GENERATORS) >= _MOST_SHARED:
+            del _GENERATORS[next(iter(_GENERATORS))]
+        states, copy = system.states_of(mode), rebound(neutral.generator)
+
+        def along(tracer: Tracer) -> list[Any]:
+            v = np.full(len(system.states), 0.0, dtype=object)
+            copy(*arguments(tracer, system, mode), v)
+            return [v[i] for i in states]
+
+        groups = {PARAMETER: len(system.parameters)}
+        field = Field(trace(along), [(STATE, i) for i in states], groups, time=(TIME, 0))
+        _GENERATORS[key] = system, field
+    return _GENERATORS[key][1]
 
 
 def _shared_field(system: System, mode: Mode) -> Field:
@@ -66,20 +88,6 @@ def field_program(system: System, mode: str | None = None) -> Program:
     chosen = system.mode(mode or system.modes[0].name)
     copy = rebound(chosen.field)
     return trace(lambda tracer: rates(tracer, system, copy, chosen.name))
-
-
-def scalar_program(
-    system: System, function: Callable[[Any, Any, Any], Any], mode: str | None = None
-) -> Program:
-    """A number h(t, x, p), traced together with the field of a mode: outputs h, then dx/dt."""
-    chosen = system.mode(mode or system.modes[0].name)
-    copies = rebound(function), rebound(chosen.field)
-
-    def both(tracer: Tracer) -> list[Any]:
-        value = copies[0](*arguments(tracer, system, chosen.name))
-        return [value, *rates(tracer, system, copies[1], chosen.name)]
-
-    return trace(both)
 
 
 def arguments(tracer: Tracer, system: System, mode: str) -> tuple[Any, np.ndarray, ParameterValues]:

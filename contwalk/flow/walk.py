@@ -7,18 +7,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contwalk.flow import course, course_plan, plan, stages
 from contwalk.flow import hybrid_plan as told
-from contwalk.flow import plan, stages
 from contwalk.flow.compiled import Entry
 from contwalk.flow.explicit import Call
 from contwalk.flow.guard import EPSILON
+from contwalk.flow.guard_code import OUTPUTS
 from contwalk.flow.hybrid_machine import HybridMachine
 from contwalk.flow.tableaus.dop853 import DOP853
 from contwalk.system import Transition
 
 METHOD = "dop853"
 ROOM = 20_000
-_PARTS = ("hybrid_plan", "guard_kernel", "explicit_drivers", "plan", "stages")
+_PARTS = (
+    *("hybrid_plan", "guard_kernel", "course_plan", "course_kernel"),
+    *("explicit_drivers", "plan", "stages"),
+)
 _NAMES = tuple(f"contwalk.flow.{name}" for name in _PARTS)
 WALK = Entry("contwalk.flow.hybrid_kernel", "walk", "q", "qdddd", _NAMES)
 
@@ -26,6 +30,7 @@ WALK = Entry("contwalk.flow.hybrid_kernel", "walk", "q", "qdddd", _NAMES)
 def warmup() -> None:
     """Compile what does not depend on the machine, or find it compiled."""
     _ = WALK.address, stages.code(METHOD)
+    course.warmup()
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +98,7 @@ class Walk:
         self.places: dict[str, Place] = {}
         self.nodes: dict[str, np.ndarray] = {}
         self._calls: list[Call] = []
+        self._courses: list[course.Course] = []
         self._speeds: dict[tuple[str, str], np.ndarray] = {}
         places = [self._mode(name, weights) for name in self.modes]
         transitions = [self._transition(transition) for transition in self.transitions]
@@ -134,7 +140,12 @@ class Walk:
         trial = Call(flow.field, flow.c, METHOD, None)
         noise = np.zeros(n + 1)
         columns = moving.split(moving.vectors[stages.Y])[1][:, : self.columns]
-        rounding = EPSILON * np.concatenate([[0.0], own])
+        start = course.Course(flow.field, flow.c, flow.p, {
+            course_plan.STATE: moving.vectors[stages.Y].ctypes.data,
+            course_plan.VELOCITY: moving.vectors[stages.FIRST].ctypes.data,
+            course_plan.NOISE: noise.ctypes.data,
+            course_plan.WEIGHTS: self._keep(np.ascontiguousarray(own)),
+        })  # fmt: skip
         counts = moving.give(plan.COUNTS, np.zeros(plan.COUNTS_LENGTH, dtype=np.int64))
         self.places[name] = Place(flow.states, moving.vectors[stages.Y, :n], columns, noise, counts)
         if self._marks:
@@ -143,32 +154,35 @@ class Walk:
         numbers = [i for i in range(len(flow.guards)) if self._marks or flow.acting(i)]
         guards = [flow.guards[i] for i in numbers]
         leads = [self._number(flow.transitions[i]) for i in numbers]
-        departures = [g.departure_address if at >= 0 else 0 for g, at in zip(guards, leads, strict=True)]
+        sloping = [g.slopes_address if at >= 0 else 0 for g, at in zip(guards, leads, strict=True)]
         count, vectors = len(guards), stages.vectors(DOP853) - stages.FIRST
         coefficients = np.zeros((4, vectors))
         for row, terms in enumerate(DOP853.dense):
             for stage, value in terms.items():
                 coefficients[row, stage] = value
         self._calls += [moving, trial]
+        self._courses.append(start)
         return self._integers(told.MODE_LENGTH, {
             told.MOVING: moving.plan.ctypes.data,
             told.TRIAL: trial.plan.ctypes.data,
             told.SIZE: n,
             told.GUARDS: count,
             told.ADDRESSES: self._keep(np.array([g.address for g in guards], dtype=np.int64)),
-            told.DEPARTURES: self._keep(np.array(departures, dtype=np.int64)),
+            told.SLOPING: self._keep(np.array(sloping, dtype=np.int64)),
             told.DIRECTIONS: self._keep(np.array([g.direction for g in guards], dtype=np.int64)),
             told.LEADS: self._keep(np.array(leads, dtype=np.int64)),
             told.PARAMETERS: self._keep(flow.p),
-            told.MEASURED: self._keep(np.zeros(9)),
+            told.MEASURED: self._keep(np.zeros(OUTPUTS)),
             told.STANDING: self._keep(np.zeros(max(count, 1) * told.OF_GUARD)),
             told.NOISE: self._keep(noise),
             told.DENSE: self._keep(np.zeros(7 * n)),
             told.SPARE: self._keep(np.zeros(n)),
-            told.SAMPLES: self._keep(np.zeros(40)),
+            told.SPEED: self._keep(np.zeros(n)),
+            told.SAMPLES: self._keep(np.zeros(2 * (told.PARTS + 1))),
             told.COEFFICIENTS: self._keep(coefficients),
             told.STAGES: vectors,
-            told.ROUNDING: self._keep(rounding),
+            told.BETWEEN: self._keep(np.zeros((told.PARTS - 1) * 2 * n)),
+            told.COURSE: start.plan.ctypes.data,
         })  # fmt: skip
 
     def _number(self, transition: Transition) -> int:

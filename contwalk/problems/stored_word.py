@@ -10,10 +10,13 @@ import numpy as np
 
 @dataclass(frozen=True, eq=False)
 class StoredWord:
-    """The legs of a stored orbit, each with mode, transition and whether its guard falls, and its
-    unknowns.
+    """The legs of a stored orbit, each with mode, transition and whether its guard falls, and its unknowns.
+
+    `image` is the symmetry up to which it closes, `pins` are the names of the directions that are held.
     """
 
     legs: Sequence[tuple[str, str, bool]]
     subharmonic: int
     unknowns: np.ndarray
+    image: str = ""
+    pins: tuple[str, ...] = ()

@@ -228,7 +228,8 @@ def _machine(run: SimulationFile, parameters: Mapping[str, float]) -> Any:
     from contwalk.flow.traced import field_of
 
     system, place = run.system, run.report_at
-    guards = [Guard(system, t.name, t.guard, t.direction) for t in system.transitions]
+    field = field_of(system)
+    guards = [Guard(system, t.name, t.guard, t.direction, field=field) for t in system.transitions]
     if place is not None and place.section is not None:
         name, level = place.section
         column = system.state_names.index(name)
@@ -236,8 +237,7 @@ def _machine(run: SimulationFile, parameters: Mapping[str, float]) -> Any:
         def passed(t: Any, x: Any, p: Any) -> Any:
             return x[column] - level
 
-        guards.append(Guard(system, f"{name} = {level:g}", passed, str(place.direction)))
-    field = field_of(system)
+        guards.append(Guard(system, f"{name} = {level:g}", passed, str(place.direction), field=field))
     p = np.array([parameters[name] for name in system.parameter_names], dtype=float)
     return Machine(field, p, field.constants(p), guards, system.modes[0].name)
 

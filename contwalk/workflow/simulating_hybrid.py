@@ -44,11 +44,14 @@ class Beginning:
 def on_orbit(system: System, word: StoredWord) -> Beginning:
     """Where the first leg of a stored orbit begins, right after the last one's transition."""
     sizes = [len(system.states_of(mode)) for mode, _, _ in word.legs]
-    layout = Layout(sizes, system.period is not None, 0)
+    layout = Layout(sizes, system.period is not None, len(word.pins))
     mode, state = word.legs[0][0], np.zeros(len(system.states))
     state[list(system.states_of(mode))] = word.unknowns[layout.states[0]]
     time = 0.0 if layout.start is None else float(word.unknowns[layout.start])
-    return Beginning(state, mode, last=word.legs[-1][1] or None, time=time)
+    last = word.legs[-1][1]
+    if word.image:
+        last = system.symmetry(word.image).events.get(last, last)
+    return Beginning(state, mode, last=last or None, time=time)
 
 
 def simulated(

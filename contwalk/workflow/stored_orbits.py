@@ -157,7 +157,7 @@ def orbit_at(system: System, branch: Branch, point: SpecialPoint | int) -> Orbit
     free = branch.info.free[0]
     value = f"{sample.parameter:.6g} {_unit(system, free)}".strip()
     label = f"{name}:  {free} = {value},  T = {fold * sample.period:.4g} s"
-    events = tuple(name for _, name, _ in branch.info.settings["legs"] if name) if hybrid else ()
+    events = tuple(leg.name for leg in problem.whole_word.legs if leg.name) if hybrid else ()
     return Orbit(
         branch.name,
         name,
@@ -167,8 +167,8 @@ def orbit_at(system: System, branch: Branch, point: SpecialPoint | int) -> Orbit
         times=times,
         events=events,
         breaks=breaks,
-        closures=fold if hybrid else 1,
-        turns=np.array(branch.info.settings["turns"], dtype=float) if hybrid else None,
+        closures=fold // problem.rounds if hybrid else 1,
+        turns=problem.growth(sample.z) if hybrid else None,
         admissible=admissible,
         parameters=problem.values_of(sample.z),
     )
@@ -191,11 +191,13 @@ def _motion(problem: Any, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _arcs(problem: Any, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[int, ...]]:
     """Times and states of a hybrid orbit, and the rows with which an arc begins, without the first."""
+    from contwalk.problems.hybrid import observing
+
     times, states = [], []
-    for leg in problem.view(z):
-        shares = np.union1d(leg.times, np.linspace(0.0, 1.0, SMOOTH + 1))
-        times.append(leg.start + leg.duration * shares)
-        states.append(leg.full(leg.at(shares)))
+    for stretch in observing.stretches(problem, z):
+        own_times, own_states = stretch.at(np.union1d(stretch.view.times, np.linspace(0.0, 1.0, SMOOTH + 1)))
+        times.append(own_times)
+        states.append(own_states)
     for before, after in pairwise(times):  # both sides of an event have one time, to the last bit
         after[0] = before[-1]
     breaks = np.cumsum([len(t) for t in times])[:-1]

@@ -73,5 +73,7 @@ def stored_point(file: Path, point: str, system: System) -> StoredPoint:
     known = {k: float(v) for k, v in stored.items() if k in system.parameter_names}
     word = None
     if branch.info.problem == "hybrid_orbit":
-        word = StoredWord(branch.info.settings["legs"], branch.info.subharmonic, unknowns)
+        kept = branch.info.settings
+        named = str(kept.get("image", "")), tuple(kept.get("pins", ()))
+        word = StoredWord(kept["legs"], branch.info.subharmonic, unknowns, *named)
     return StoredPoint(state, {**system.defaults(), **known}, fold * period, word)

@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import random
+import time
 from collections import Counter
 from pathlib import Path
 
@@ -34,9 +35,9 @@ continue: {parameter: mu, range: [-1.0, 1.0]}
 mark: {mu: [-0.5, 0.25], max_re: [-0.25]}
 engine: {max_step: 0.01}
 """
-KILLS = 50
-# Seconds after which a run is killed at the latest: some are killed early, some go on to the end.
-LONGEST = 0.6
+KILLS, MOST_KILLS = 50, 12
+# A run is killed after so many times as long as it takes at the latest: some early, some go on to the end.
+LONGEST = 1.0
 
 
 class Told(Reporter):
@@ -89,32 +90,36 @@ def test_killed_runs_end_with_the_diagram_of_an_uninterrupted_one(tmp_path):
         process.start()
         return process
 
-    whole = start("whole.h5")
-    whole.join()
-    assert whole.exitcode == 0
+    for _ in range(2):  # the first one waits for the server's imports
+        began = time.perf_counter()
+        whole = start("whole.h5")
+        whole.join()
+        lasts = time.perf_counter() - began
+        assert whole.exitcode == 0
 
-    moments, kills, finished = random.Random(7), 0, 0
+    moments, kills, again, finished = random.Random(7), 0, 0, 0
     path = tmp_path / "killed.h5"
     while kills < KILLS:
         process = start(path.name)
-        process.join(moments.uniform(0.0, LONGEST))
+        # One that has been killed often enough may end, so that all is compared.
+        process.join(moments.uniform(0.0, LONGEST * lasts) if again < MOST_KILLS else None)
         if process.exitcode is None:
             process.kill()
             process.join()
-            kills += 1
+            kills, again = kills + 1, again + 1
             kept, said = stored(path), told(tmp_path / f"{path.name}.told")
             assert all(kept.get(name, 0) >= number for name, number in said.items()), (kept, said)
             assert readable(path)
         else:
             assert process.exitcode == 0
             assert_same(tmp_path / "whole.h5", path)
-            finished += 1
+            finished, again = finished + 1, 0
             path.unlink()
             (tmp_path / f"{path.name}.told").unlink()
     process = start(path.name)
     process.join()
     assert_same(tmp_path / "whole.h5", path)
-    assert finished > 0, "no run was carried to its end by going on: kill later"
+    assert finished > 0
 
 
 def readable(path: Path) -> bool:

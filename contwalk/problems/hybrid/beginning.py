@@ -8,16 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from contwalk.errors import NotFinite, StartError, called
 from contwalk.flow.hybrid import Arc, HybridMachine, applied, arcs, hybrid_machine
+from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.word import Leg, Word
+from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.recurrence import recurrent
-from contwalk.system import System
+from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 
 TOLERANCE = 1e-9
@@ -44,26 +47,36 @@ Path = tuple[Mapping[str, float], Mapping[str, float]]
 
 @dataclass(frozen=True, eq=False)
 class Stretch:
-    """A piece of a simulated motion between two events: where it starts, how long it lasts, what ends it."""
+    """A piece of a simulated motion between two events: where it starts, how long it lasts, what ends it.
+
+    `state` is the one at its start, `end` the one before the event.
+    """
 
     leg: Leg
     start: float
     state: np.ndarray
     duration: float
+    end: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
 class Lap:
-    """A motion that (nearly) comes back: its stretches, and the largest magnitude of each state."""
+    """A motion that (nearly) comes back, or comes to the image of where it was.
+
+    `magnitudes` are the largest of each state; `returned` is the state after the last event and
+    the image.
+    """
 
     stretches: tuple[Stretch, ...]
     magnitudes: np.ndarray
     missed: float
+    returned: np.ndarray
+    image: str = ""
 
     @property
     def word(self) -> Word:
         """The word that was read off."""
-        return Word(tuple(stretch.leg for stretch in self.stretches))
+        return Word(tuple(stretch.leg for stretch in self.stretches), self.image)
 
 
 def lap_from(
@@ -155,6 +168,7 @@ class _Search:
         self.low = np.full(len(system.states), np.inf)
         self.high = -self.low
         self.best: Lap | None = None
+        self.patience = 0  # events until the best lap is taken, if it is one up to an image
         self.begun: tuple[float, np.ndarray] | None = (
             None  # time and state at the start of a leg that goes on
         )
@@ -209,7 +223,8 @@ class _Search:
         if not self.first:
             leg = Leg(arc.mode, transition, not arc.rising)
             start, x = self.begun or (float(arc.times[0]), arc.states[0])
-            self.stretches.append(Stretch(leg, start, x, float(arc.times[-1]) - start))
+            lasting = float(arc.times[-1]) - start
+            self.stretches.append(Stretch(leg, start, x, lasting, arc.states[-1]))
         self.first, self.begun = False, None
         return self._closed(arc) if self.stretches else None
 
@@ -217,32 +232,69 @@ class _Search:
         """The shortest lap that ends with this arc's event."""
         if isinstance(self.until, int | float) and float(arc.times[-1]) < float(self.until):
             return None
-        assert arc.after is not None
-        scale = self.weights(arc.after)
-        end = float(arc.times[-1])
-        count = len(self.stretches)
-        target = self.system.transition(str(arc.transition), arc.mode).target
         shorter: list[Lap] = []
-        for back in range(1, min(LOOK_BACK, count) + 1):
-            first = self.stretches[count - back]
-            if first.leg.mode != target or self._led_in(count - back) not in (None, arc.transition):
-                continue
-            apart = arc.after - first.state
-            turned = self.turns > 0.0
-            apart[turned] -= np.round(apart[turned] / self.turns[turned]) * self.turns[turned]
-            missed = float(np.linalg.norm(apart / scale))
-            if self.period:
-                laps = (end - first.start) / self.period
-                missed = max(missed, abs(laps - round(laps)) / 0.05) if round(laps) > 0 else np.inf
-            lap = Lap(tuple(self.stretches[count - back :]), scale, missed)
-            if missed < SETTLED and not self._accumulates(back):
-                return self._shortest(lap, shorter)
-            shorter.append(lap)
-            if missed < NEARLY and (self.best is None or missed < AS_GOOD * self.best.missed):
-                self.best = lap
-                if self.until is None:
-                    return lap
-        return None
+        for back in range(1, min(LOOK_BACK, len(self.stretches)) + 1):
+            for image in self.images:
+                lap = self._returned(arc, back, image)
+                if lap is None:
+                    continue
+                if lap.missed < SETTLED and not self._accumulates(back):
+                    return self._shortest(lap, shorter)
+                shorter.append(lap)
+                if lap.missed < NEARLY and (self.best is None or lap.missed < AS_GOOD * self.best.missed):
+                    self.best = lap
+                if self.until is None and self.best is not None and not self.best.image:
+                    return self.best
+        return self._first_image()
+
+    def _first_image(self) -> Lap | None:
+        """Where the first return is wanted, one up to an image, after a whole lap was looked at too."""
+        if self.until is not None or self.best is None:
+            return None
+        self.patience = self.patience or len(self.stretches) + len(self.best.stretches)
+        return self.best if len(self.stretches) >= self.patience else None
+
+    @cached_property
+    def images(self) -> tuple[str, ...]:
+        """Up to what a motion may return: nothing, or a mirror that is its own inverse."""
+        mirrors = [s for s in self.system.symmetries if s.role == "spatial" and not self.period]
+        p, x = ParameterValues(**self.parameters), np.zeros(len(self.system.states))
+        return ("", *(s.name for s in mirrors if order_of(s, x, p) == 2))
+
+    def _returned(self, arc: Arc, back: int, image: str) -> Lap | None:
+        """The lap over the last stretches, if the same event happened before them, or its image."""
+        assert arc.after is not None
+        count = len(self.stretches)
+        first, scale = self.stretches[count - back], self.weights(arc.after)
+        mode, event, after = (
+            self.system.transition(str(arc.transition), arc.mode).target,
+            arc.transition,
+            arc.after,
+        )
+        if image:
+            symmetry = self.system.symmetry(image)
+            mode, event = symmetry.modes.get(mode, mode), symmetry.events.get(str(event), event)
+            after = imaged(symmetry, after, ParameterValues(**self.parameters))
+        if first.leg.mode != mode or self._led_in(count - back) not in (None, event):
+            return None
+        apart = after - first.state
+        turned = self.turns > 0.0
+        apart[turned] -= np.round(apart[turned] / self.turns[turned]) * self.turns[turned]
+        along = families.directions(self.system, self.neutral, first.state, self.parameters)
+        missed = float(np.linalg.norm(families.across(apart, along, scale) / scale))
+        if self.period:
+            laps = (float(arc.times[-1]) - first.start) / self.period
+            missed = max(missed, abs(laps - round(laps)) / 0.05) if round(laps) > 0 else np.inf
+        return Lap(tuple(self.stretches[count - back :]), scale, missed, after, image)
+
+    @cached_property
+    def neutral(self) -> list[Neutral]:
+        """Directions along which a motion may return elsewhere: those that the first stretch keeps."""
+        if not self.system.neutral:
+            return []
+        machine, first = hybrid_machine(self.system, self.parameters), self.stretches[0]
+        given = first.leg.mode, first.start, first.state, self.weights(first.state)
+        return [neutral for neutral in self.system.neutral if families.commutes(machine, neutral, *given)]
 
     def _accumulates(self, back: int) -> bool:
         """Whether the last events came in ever shorter time: they return to a point, not to an orbit."""
@@ -252,17 +304,15 @@ class _Search:
         first, second, third = (sum(durations[k * back : (k + 1) * back]) for k in range(3))
         return third < SHRINKS * second and second < SHRINKS * first
 
-    @staticmethod
-    def _shortest(lap: Lap, shorter: list[Lap]) -> Lap:
+    def _shortest(self, lap: Lap, shorter: list[Lap]) -> Lap:
         """The shortest lap that a longer one repeats: one that alternates looks settled there later."""
         for part in shorter:
-            times = len(lap.stretches) // len(part.stretches)
-            whole = len(part.stretches) * times == len(lap.stretches)
-            if (
-                whole
-                and lap.word == part.word.repeated(times)
-                and part.missed < ROUND * max(lap.missed, 0.1 * SETTLED)
-            ):
+            whole = part.word.unfolded(self.system)
+            times, rest = divmod(len(lap.word), len(whole))
+            # The part is the end of the lap; where it is half of a whole, the other half came before it.
+            whole = whole.rotated(self.system, len(part.word) % len(whole))
+            alike = not rest and not lap.image and lap.word == whole.repeated(times)
+            if alike and part.missed < ROUND * max(lap.missed, 0.1 * SETTLED):
                 return part
         return lap
 
@@ -315,7 +365,8 @@ class _Search:
                 f"The simulation stays in mode '{mode}' without an event.", "Start from another state."
             )
         found = recurrent(self.system, self.parameters, x)
-        return Lap((Stretch(Leg(mode), 0.0, found.state, found.period),), found.variation, 0.0)
+        stretch = Stretch(Leg(mode), 0.0, found.state, found.period, found.state)
+        return Lap((stretch,), found.variation, 0.0, found.state)
 
 
 def orbit_of(
@@ -328,50 +379,62 @@ def orbit_of(
     discretization: Discretization | None = None,
 ) -> tuple[HybridOrbit, np.ndarray]:
     """The problem of a lap's word, discretised for it, and the lap as its unknowns."""
-    problem = HybridOrbit(system, lap.word, parameters, free, path, discretization=discretization)
+    values = _parameters_of(parameters, free, path, at)
+    pins = families.active(hybrid_machine(system, values), lap) if system.neutral else []
+    problem = HybridOrbit(
+        system, lap.word, parameters, free, path, pins, lap.stretches[0].state, discretization=discretization
+    )
     value = parameters[free] if at is None else at
     layout = problem.layout
     z = np.zeros(layout.size + 1)
-    for place, passage, stretch in zip(layout.states, problem.passages, lap.stretches, strict=True):
-        z[place] = stretch.state[list(passage.states)]
     lasting = np.array([stretch.duration for stretch in lap.stretches])
+    drifts, states = _drifting(problem, lap, values)
+    for place, passage, state in zip(layout.states, problem.passages, states, strict=True):
+        z[place] = state[list(passage.states)]
     z[layout.durations] = lasting
+    z[layout.drifts] = drifts
     z[-1] = value
     if layout.start is not None and system.period is not None:
         period = float(called("period", system.period, ParameterValues(**problem.values_of(z))))
         problem = problem.of_word(lap.word, max(round(float(lasting.sum()) / period), 1))
         z[layout.start] = lap.stretches[0].start % period if problem.word.eventful else 0.0
-    problem = problem.turning(_turns(problem, lap))
+    problem = problem.turning(_turns(system, lap))
     weights = np.ones(len(z))
     for place, passage in zip(layout.states, problem.passages, strict=True):
         weights[place] = lap.magnitudes[list(passage.states)] * np.sqrt(layout.legs)
     return problem.adapted_to(z, weights), z
 
 
-def _turns(problem: HybridOrbit, lap: Lap) -> np.ndarray:
+def _parameters_of(
+    parameters: Mapping[str, float], free: str, path: Path | None, at: float | None
+) -> dict[str, float]:
+    """All parameters where the branch begins."""
+    if path is None:
+        return {**parameters} if at is None else {**parameters, free: at}
+    begin, end = path
+    return {name: begin[name] + float(at or 0.0) * (end[name] - begin[name]) for name in begin}
+
+
+def _drifting(
+    problem: HybridOrbit, lap: Lap, parameters: dict[str, float]
+) -> tuple[np.ndarray, list[np.ndarray]]:
+    """The drifts with which a lap closes, and its legs' first states as one sees them who drifts along."""
+    first, states = lap.stretches[0], [stretch.state for stretch in lap.stretches]
+    if not problem.pins:
+        return np.zeros(0), states
+    along = families.directions(problem.system, problem.pins, first.state, parameters)
+    apart, scale = lap.returned - first.state, lap.magnitudes
+    shares, *_ = np.linalg.lstsq(along / scale[:, None], apart / scale, rcond=None)
+    drifts = -shares / sum(stretch.duration for stretch in lap.stretches)
+    moved = []
+    for stretch in lap.stretches:
+        own = families.directions(problem.system, problem.pins, stretch.state, parameters)
+        moved.append(stretch.state + (stretch.start - first.start) * own @ drifts)
+    return drifts, moved
+
+
+def _turns(system: System, lap: Lap) -> np.ndarray:
     """What angles grow by in a closure, in whole periods."""
-    own = np.array([s.period or 0.0 for s in problem.system.states])
-    if not np.any(own):
-        return np.zeros(problem.states)
-    machine = hybrid_machine(problem.system, problem.parameters)
-    last = lap.stretches[-1]
-    weights = lap.magnitudes
-    end = None
-    run = arcs(
-        machine,
-        last.start,
-        last.state,
-        last.leg.mode,
-        last.start + 1.5 * last.duration,
-        TOLERANCE,
-        weights,
-        just_after=lap.stretches[-2].leg.name if len(lap.stretches) > 1 else last.leg.name or None,
-    )
-    for arc in run:
-        end = arc.after if arc.after is not None else arc.states[-1]
-        break
-    if end is None:
-        return np.zeros(problem.states)
-    apart = end - lap.stretches[0].state
-    turns = np.divide(apart, own, out=np.zeros_like(apart), where=own > 0.0)
-    return np.round(turns) * own
+    own = np.array([s.period or 0.0 for s in system.states])
+    apart = lap.returned - lap.stretches[0].state
+    return np.round(np.divide(apart, own, out=np.zeros_like(apart), where=own > 0.0)) * own

@@ -41,7 +41,7 @@ def seeds(problem: HybridOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], st
         except (ContwalkError, np.linalg.LinAlgError) as error:
             told.append(str(error).split(". ")[0].rstrip("."))
             continue
-        words = " ".join(seed.problem.word.signature) or "no events"  # type: ignore[attr-defined]
+        words = " ".join(seed.problem.signature) or "no events"  # type: ignore[attr-defined]
         return (seed,), f"A little beyond, the motion has the signature [{words}]: a branch of its own."
     return (), f"Beyond it: {'; '.join(dict.fromkeys(told))}."
 
@@ -58,17 +58,17 @@ def _simulated(problem: HybridOrbit, guess: np.ndarray, outward: np.ndarray, lab
 
     values = problem.values_of(guess)
     x = problem.passages[0].full(problem.layout.inputs(0, guess)[0])
-    legs = problem.word.legs
+    word = problem.word
     lap = lap_from(
         problem.system,
         values,
         x,
-        legs[0].mode,
+        word.legs[0].mode,
         until=None,
         time=float(problem.starting_times(guess)[0]),
-        after=legs[-1].name or None,
+        after=word.leading_in(problem.system, 0) or None,
     )
-    if lap.word == problem.word:
+    if lap.word == word:
         raise ContwalkError("the motion has the same signature still")
     at = None if problem.path is None else float(guess[-1])
     rough, start = orbit_of(

@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contwalk.flow.hybrid import arcs, hybrid_machine
+from contwalk.problems.hybrid import families
+from contwalk.problems.orbit.closure import imaged
+from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
     from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
@@ -23,7 +26,8 @@ def follows(problem: HybridOrbit, z: np.ndarray) -> str | None:
     machine = hybrid_machine(problem.system, problem.values_of(z))
     times, legs = problem.starting_times(z), problem.word.legs
     x = problem.passages[0].full(problem.layout.inputs(0, z)[0])
-    last = legs[-1].name or None
+    symmetry = problem.system.symmetry(problem.word.image) if problem.word.image else None
+    last = problem.word.leading_in(problem.system, 0) or None
     room = SAME_TIME * abs(problem.duration(z))
     end = float(times[-1]) + room if problem.word.eventful else float(times[-1])
     run = arcs(
@@ -45,6 +49,9 @@ def follows(problem: HybridOrbit, z: np.ndarray) -> str | None:
         expected = problem.passages[following].full(problem.layout.inputs(following, z)[0])
         if following == 0:
             expected = expected + problem.turns
-        if float(np.linalg.norm((after - expected) / problem.mesh.variation)) > SAME_STATE:
+            after = imaged(symmetry, after, ParameterValues(**problem.values_of(z)))
+        along = families.directions(problem.system, problem.pins, expected, problem.values_of(z))
+        apart = families.across(after - expected, along, problem.mesh.variation)
+        if float(np.linalg.norm(apart / problem.mesh.variation)) > SAME_STATE:
             return f"the state after '{met}' is another one"
     return None

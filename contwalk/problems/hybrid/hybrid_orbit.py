@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
-from contwalk.errors import called
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.hybrid import beyond, condensed, limits, neighbours, observing, switching
+from contwalk.problems.hybrid import beyond, condensed, families, limits, neighbours, observing, switching
 from contwalk.problems.hybrid.layout import Layout
 from contwalk.problems.hybrid.limits import Limit
 from contwalk.problems.hybrid.passage import Passage, passage_of
@@ -25,6 +24,7 @@ from contwalk.problems.hybrid.view import LegView, view_of
 from contwalk.problems.hybrid.word import Word
 from contwalk.problems.linear import EPSILON, Factorization
 from contwalk.problems.orbit import augmented, branching, describing, ending, rates
+from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.discretization import FINEST, Discretization
 from contwalk.problems.orbit.motion import PLAIN, TANGENT
 from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers, multipliers
@@ -166,7 +166,7 @@ class HybridOrbit:
         moving = tuple(np.flatnonzero(self._direction).tolist())
         free = None if self.path is not None else self.free
         return tuple(
-            passage_of(self.system, leg, self.word.target(i), free, moving, self.pins)
+            passage_of(self.system, leg, self.word.target(i), free, moving, self.pins, self.word.image_at(i))
             for i, leg in enumerate(self.word.legs)
         )
 
@@ -248,9 +248,19 @@ class HybridOrbit:
         return name or "full", times
 
     @property
+    def signature(self) -> tuple[str, ...]:
+        """Names of the events, from the one that leads into the first leg."""
+        return self.word.signature(self.system)
+
+    @property
+    def whole_word(self) -> Word:
+        """The word of the whole motion, images included."""
+        return self.word.unfolded(self.system)
+
+    @property
     def rounds(self) -> int:
         """Closures of the motion that `max_abs` is of: a relabelled closure is a whole one."""
-        return 1
+        return 2 if self.word.image else 1
 
     @property
     def periods(self) -> np.ndarray:
@@ -334,23 +344,27 @@ class HybridOrbit:
         """Residual of a pinned direction, at the start of the first leg; its gradient is written
         into `row`.
         """
+        place, names = self.layout.states[0], self.system.parameter_names
+        normal, apart = self.held(pin, self.first_state(z), self.values_of(z))
+        row[place] = normal[list(self.passages[0].states)]
+        if pin.pin is not None and pin.value is not None:
+            if self.path is not None:
+                row[-1] = -self._direction[names.index(pin.value)]
+            elif pin.value == self.free:
+                row[-1] = -1.0
+        return apart
+
+    def held(self, pin: Neutral, x: np.ndarray, values: Mapping[str, float]) -> tuple[np.ndarray, float]:
+        """Across which direction, (n,), a full state is held, and how far it is from there."""
         assert self.reference is not None
-        place, states = self.layout.states[0], list(self.passages[0].states)
-        x, names = self.passages[0].full(z[place]), self.system.parameter_names
+        normal = np.zeros(self.states)
         if pin.pin is None:
             g = neutrals.generator_at(pin, self.reference, self.parameters)
-            g = g / np.linalg.norm(g)
-            row[place] = g[states]
-            return float(g @ (x - self.reference))
+            normal = g / np.linalg.norm(g)
+            return normal, float(normal @ (x - self.reference))
         k = self.system.state_names.index(pin.pin)
-        row[place.start + states.index(k)] = 1.0
-        if pin.value is None:
-            return float(x[k] - self.reference[k])
-        if self.path is not None:
-            row[-1] = -self._direction[names.index(pin.value)]
-        elif pin.value == self.free:
-            row[-1] = -1.0
-        return float(x[k] - self.values_of(z)[pin.value])
+        normal[k] = 1.0
+        return normal, float(x[k] - (self.reference[k] if pin.value is None else values[pin.value]))
 
     @property
     def _cost(self) -> int:
@@ -408,8 +422,16 @@ class HybridOrbit:
         result[self.layout.durations] = total * np.sqrt(m)
         if self.layout.start is not None:
             result[self.layout.start] = total
+        result[self.layout.drifts] = self._drift_scales(z) * np.sqrt(m)
         result[-1] = abs(z[-1])
         return result
+
+    def _drift_scales(self, z: np.ndarray) -> np.ndarray:
+        """Drifts that move states by their variation in a closure, or those that there are, if larger."""
+        x, variation = self.first_state(z), self.mesh.variation
+        along = families.directions(self.system, self.pins, x, self.values_of(z)) / variation[:, None]
+        typical = 1.0 / (np.linalg.norm(along, axis=0) * abs(self.duration(z)))
+        return np.maximum(typical, np.abs(z[self.layout.drifts]))
 
     def beginnings(self, z: np.ndarray) -> np.ndarray:
         """Typical magnitudes for the first corrections of a start, shape (N + 1,)."""
@@ -419,6 +441,7 @@ class HybridOrbit:
         result[self.layout.durations] = abs(self.duration(z))
         if self.layout.start is not None:
             result[self.layout.start] = abs(self.duration(z))
+        result[self.layout.drifts] = self._drift_scales(z)
         result[-1] = max(abs(float(z[-1])), 1e-300)
         return result
 
@@ -436,12 +459,13 @@ class HybridOrbit:
             "unknowns": self.size,
             "spectrum": max(self.spectrum_size, 1),
             "closure": self.whole[0],
-            "signature": self.word.signature,
+            "signature": self.signature,
             "subharmonic": self.subharmonic,
             "settings": {
                 **neutrals.kept(self.pins, self.parameters, self.states, self.path),
                 "legs": [[leg.mode, leg.name, leg.falls] for leg in self.word.legs],
                 "fold": self.whole[1],
+                "image": self.word.image,
                 "turns": self.turns.tolist(),
             },
         }
@@ -511,6 +535,14 @@ class HybridOrbit:
         own = self.pieces[i].velocity(x, np.concatenate([[duration], scalars[1:]])) / duration
         return np.append(own, 1.0) if self.forced and self.word.eventful else own
 
+    def pinned_directions(self, z: np.ndarray, i: int) -> list[np.ndarray]:
+        """Generators of the pinned directions at the start of leg i, as `flow_direction` has the flow's."""
+        x = self.passages[i].full(self.layout.inputs(i, z)[0])
+        along = families.directions(self.system, self.pins, x, self.values_of(z))
+        own = along[list(self.passages[i].states)]
+        timed = self.forced and self.word.eventful
+        return list((np.vstack([own, np.zeros((1, own.shape[1]))]) if timed else own).T)
+
     def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
         """Multipliers of the closure, of the map of the smallest section."""
         factors = self.factors(jacobian)
@@ -524,13 +556,7 @@ class HybridOrbit:
             )
         forced_still = self.forced and not self.word.eventful
         directions = [] if forced_still else [self.flow_direction(z, smallest)]
-        values = ParameterValues(**self.values_of(z))
-        x = self.passages[smallest].full(self.layout.inputs(smallest, z)[0])
-        for pin in self.pins:
-            v = np.zeros(self.states)
-            called(f"generator of '{pin.name}'", pin.generator, 0.0, x, values, v)
-            own = v[list(self.passages[smallest].states)]
-            directions.append(np.append(own, 0.0) if len(product) > len(own) else own)
+        directions += self.pinned_directions(z, smallest)
         neutral = np.array(directions).reshape(len(directions), len(product)).T
         tolerance = self.mesh.growth * self.mesh.tolerance
         found = multipliers([product], [neutral], self.extended(smallest), tolerance)
@@ -720,6 +746,17 @@ class HybridOrbit:
     def _observed(self, z: np.ndarray, found: Multipliers, margins: Any) -> np.ndarray:
         return np.array(observing.values(self, z, found, margins))
 
+    def growth(self, z: np.ndarray) -> np.ndarray:
+        """By how much each state is larger after the whole motion: turns of angles, and drifts."""
+        x, values = self.first_state(z), self.values_of(z)
+        drift = (
+            -self.duration(z) * families.directions(self.system, self.pins, x, values) @ z[self.layout.drifts]
+        )
+        if self.word.image:
+            symmetry, p = self.system.symmetry(self.word.image), ParameterValues(**values)
+            drift = drift + imaged(symmetry, x + drift, p) - imaged(symmetry, x, p)
+        return self.turns + drift
+
     def motion_of(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The closure's motion: times in seconds, (k,), and states, (k, n); both sides of each event."""
         return observing.motion(self, z)
@@ -814,7 +851,7 @@ class HybridOrbit:
             magnitudes,
             tolerance or self.discretization.walking,
             self.discretization.method,
-            self.word.has_parts(2),
+            self.word.has_halves(self.system),
         )
         self._tally[0] += 2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps)
         section = None
@@ -863,11 +900,13 @@ class HybridOrbit:
         return branching.second_direction(self, z) is not None
 
     def label_of(self, sample: Sample, which: int) -> str | None:
-        """PD or NS; a real multiplier at one is the business of the fold and branch point tests."""
+        """PD or NS, SB of half a symmetric orbit; what happens at one, other tests see."""
         value = sample.eigenvalues[which]
         if value.imag != 0.0:
             return "NS"
-        return None if value.real > 0.0 else "PD"
+        if value.real > 0.0:
+            return None
+        return "SB" if self.word.image else "PD"
 
     def special_point(self, label: str, located: Located, sample: Sample, s: float) -> SpecialPoint:
         """The record of a located point, with its normal form, or what it is a limit of."""
@@ -926,6 +965,8 @@ class HybridOrbit:
                 apart = x - start
                 turned = periods > 0.0
                 apart[turned] -= np.round(apart[turned] / periods[turned]) * periods[turned]
+                along = families.directions(self.system, self.pins, start, self.values_of(z))
+                apart = families.across(apart, along, self.mesh.variation)
                 if float(np.linalg.norm(apart / self.mesh.variation)) < 30.0 * ALIKE:
                     return True
         return False

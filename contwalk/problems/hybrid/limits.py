@@ -129,7 +129,7 @@ def limits_of(problem: HybridOrbit) -> tuple[Limit, ...]:
                 label, kind = ("AZ", other.name) if other.role == "watched" else ("OC", "crossing")
                 found.append(Limit(label, kind, other.name, i, "start", acts))
                 found.append(Limit(label, kind, other.name, i, "end", acts))
-            if other.role == "hard" and other.name == problem.word.legs[i - 1].name:
+            if other.role == "hard" and other.name == problem.word.leading_in(problem.system, i):
                 found.append(Limit("GR", "interior", other.name, i, "leaving"))
         if own is None:
             continue
@@ -366,7 +366,7 @@ def _rows(problem: HybridOrbit, limit: Limit, y: np.ndarray, share: float) -> tu
 def place_of(problem: HybridOrbit, limit: Limit, located: Located) -> str:
     """Where in the cycle a limit is met."""
     leg = problem.word.legs[limit.leg]
-    before = problem.word.legs[limit.leg - 1].name or "the start of the period"
+    before = problem.word.leading_in(problem.system, limit.leg) or "the start of the period"
     seconds = float(located.vectors["seconds"])
     if limit.test == "duration":
         return f"'{limit.name}' follows '{before}' at once: between them mode {leg.mode} lasts no time"

@@ -12,7 +12,7 @@ word.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,7 +22,7 @@ from contwalk.errors import ContwalkError, NotFinite
 from contwalk.problems.hybrid import beyond, limits
 from contwalk.problems.hybrid.following import follows
 from contwalk.problems.hybrid.solving import newton_on
-from contwalk.problems.hybrid.switching import discretized
+from contwalk.problems.hybrid.switching import discretized, rotated
 from contwalk.problems.hybrid.word import Leg, Word
 from contwalk.problems.linear import kernel_direction
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
@@ -59,8 +59,8 @@ def found(problem: HybridOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], st
     """The branch of the neighbouring word that leaves a limit, and in words what was found, or tried."""
     try:
         limit, place = _limit_of(problem, point)
-        neighbour = _built(problem, np.array(point.unknowns), limit, place)
-        words = " ".join(neighbour.problem.word.signature) or "no events"
+        neighbour = _built(*_turned(problem, np.array(point.unknowns), limit), place)
+        words = " ".join(neighbour.problem.signature) or "no events"
         seed = _seed(neighbour, point.label, words)
     except _None as reason:
         simulated, told = beyond.seeds(problem, point)
@@ -77,6 +77,9 @@ def corners(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, tangent: n
     across the flow.
     """
     try:
+        if problem.word.image:
+            problem, z, limit = _turned(problem, z, limit)
+            tangent = kernel_direction(problem.linearize(z).jacobian, filled_magnitudes(problem, z))
         neighbour = _built(problem, z, limit, 0.0)
     except (_None, NotFinite, np.linalg.LinAlgError):
         return False
@@ -95,6 +98,27 @@ def corners(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, tangent: n
     return float(np.linalg.norm(before - after)) > CORNER
 
 
+def _turned(
+    problem: HybridOrbit, z: np.ndarray, limit: limits.Limit
+) -> tuple[HybridOrbit, np.ndarray, limits.Limit]:
+    """The same orbit, beginning elsewhere if it closes up to a symmetry just where the word changes.
+
+    Raises
+    ------
+    _None
+        If there is no other place where it may begin.
+    """
+    m, i = problem.layout.legs, limit.leg
+    lowest, highest = (1 if limit.test == "duration" else 0), m - 2
+    if not problem.word.image or lowest <= i <= highest:
+        return problem, z, limit
+    if lowest > highest:
+        raise _None(f"half of the word has {m} events only. Continue the whole orbit to see beyond.")
+    place = (lowest + highest + 1) // 2
+    there, turned = rotated(problem, z, (i - place) % m)
+    return there, turned, replace(limit, leg=place)
+
+
 def _direction_of_orbit(
     problem: HybridOrbit,
     z: np.ndarray,
@@ -103,10 +127,10 @@ def _direction_of_orbit(
     scales: Sequence[np.ndarray],
     weight: float,
 ) -> np.ndarray:
-    """How an orbit changes along a direction, as a unit vector: starts of its legs across the flow, and
-    parameter.
+    """How an orbit changes along a direction, as a unit vector: its legs' starts, and the parameter.
 
-    Along the flow a start moves with the instant of its event, which says nothing about the orbit.
+    Along the flow a start moves with the instant of its event, and along pinned directions with the observer:
+    both say nothing about the orbit.
     """
     parts = []
     for i in range(problem.layout.legs):
@@ -115,7 +139,8 @@ def _direction_of_orbit(
         own, scalars = problem.layout.inputs(i, vector)
         scale = scales[i]
         direction = (np.append(own, scalars[1]) if problem.forced else own) / scale
-        across = complement((problem.flow_direction(z, i) / scale)[:, None])
+        along = [problem.flow_direction(z, i), *problem.pinned_directions(z, i)]
+        across = complement((np.array(along) / scale).T)
         parts.append(across.T @ direction)
     whole = np.concatenate([*parts, [vector[-1] / weight]])
     return whole / max(float(np.linalg.norm(whole)), 1e-300)
@@ -247,7 +272,7 @@ def _inserted(
     after = _after(problem, leg, x, t, z)
     _unchanged(there, transition, x, after)
     if not problem.word.eventful:
-        word = Word((leg,))
+        word = replace(problem.word, legs=(leg,))
         given = [after], [sum(lasting)], t
         grows = 0
     else:
@@ -343,7 +368,7 @@ def _exchanged(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> Neig
             "near."
         )
     states[i], lasting[i] = middle, 0.0
-    other, unknowns = _of_legs(there, Word(tuple(legs)), states, lasting, start, z)
+    other, unknowns = _of_legs(there, replace(problem.word, legs=tuple(legs)), states, lasting, start, z)
     return Neighbour(other, unknowns, _own(other, i, "duration"))
 
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contwalk.errors import called
-from contwalk.problems.hybrid import limits
+from contwalk.problems.hybrid import families, limits
+from contwalk.problems.hybrid.view import LegView
+from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.sampling import MOST_BISECTIONS
 from contwalk.system.declarations import ParameterValues
@@ -16,14 +20,84 @@ if TYPE_CHECKING:
     from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 
 
-def legs(problem: HybridOrbit, z: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Times in seconds and full states of each leg, its two ends and the extremes of its states included."""
-    return [view.motion for view in problem.view(z)]
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """A leg of the whole motion: as integrated, or the image of an integrated one.
+
+    Parameters
+    ----------
+    name : str
+        What ends it.
+    view : LegView
+    later : float
+        Seconds after the integrated one.
+    seen : callable
+        Times and integrated states, shapes (k,) and (k, n), as states of this leg seen from the ground: not
+        by one who drifts along pinned directions.
+    """
+
+    name: str
+    view: LegView
+    later: float
+    seen: Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+    @property
+    def motion(self) -> tuple[np.ndarray, np.ndarray]:
+        """Times in seconds and full states, both ends and the extremes of states included."""
+        times, states = self.view.motion
+        return times + self.later, self.seen(times, states)
+
+    @property
+    def start(self) -> tuple[float, np.ndarray]:
+        """Time and full state at which it starts."""
+        return self._seen_at(self.view.start, self.view.x)
+
+    @property
+    def end(self) -> tuple[float, np.ndarray]:
+        """Time and full state before what ends it."""
+        return self._seen_at(self.view.start + self.view.duration, self.view.end)
+
+    def _seen_at(self, time: float, x: np.ndarray) -> tuple[float, np.ndarray]:
+        return time + self.later, self.seen(np.array([time]), self.view.full(x)[None])[0]
+
+    def at(self, shares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Times and full states at instants in 0..1."""
+        times = self.view.start + self.view.duration * shares
+        return times + self.later, self.seen(times, self.view.full(self.view.at(shares)))
+
+
+def stretches(problem: HybridOrbit, z: np.ndarray) -> list[Stretch]:
+    """The legs of the whole motion; of an orbit that closes up to a symmetry, their images follow."""
+    views, word = problem.view(z), problem.word
+    drifts, values = z[problem.layout.drifts], problem.values_of(z)
+    begins, length = float(problem.starting_times(z)[0]), problem.duration(z)
+
+    def drifted(times: np.ndarray, states: np.ndarray) -> np.ndarray:
+        if not len(drifts):
+            return states
+        rows = [
+            x - (t - begins) * families.directions(problem.system, problem.pins, x, values) @ drifts
+            for t, x in zip(times, states, strict=True)
+        ]
+        return np.array(rows).reshape(states.shape)
+
+    found = [Stretch(leg.name, view, 0.0, drifted) for leg, view in zip(word.legs, views, strict=True)]
+    if not word.image:
+        return found
+    symmetry, p = problem.system.symmetry(word.image), ParameterValues(**values)
+
+    def image(times: np.ndarray, states: np.ndarray) -> np.ndarray:
+        images = np.array([imaged(symmetry, x, p) for x in drifted(times, states)]).reshape(states.shape)
+        # What has drifted until the half is over.
+        return drifted(np.full(len(times), begins + length), images)
+
+    legs = word.unfolded(problem.system).legs[len(word) :]
+    return found + [Stretch(leg.name, view, length, image) for leg, view in zip(legs, views, strict=True)]
 
 
 def motion(problem: HybridOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The closure's motion: times in seconds, (k,), and states, (k, n); both sides of each event."""
-    found = legs(problem, z)
+    """The whole motion: times in seconds, (k,), and states, (k, n); both sides of each event."""
+    found = [stretch.motion for stretch in stretches(problem, z)]
     return np.concatenate([t for t, _ in found]), np.concatenate([x for _, x in found])
 
 
@@ -67,51 +141,51 @@ def split(multipliers: np.ndarray) -> float:
 
 def at_event(problem: HybridOrbit, z: np.ndarray, name: str, side: str) -> tuple[float, np.ndarray] | None:
     """Time and full state before or after the first event of a name; None if the orbit has none."""
-    times, m = problem.starting_times(z), problem.layout.legs
-    for k in range(-1, m - 1):
-        i = k % m  # the leg that the signature's next event ends
-        if problem.word.legs[i].name != name:
-            continue
-        time = float(times[i + 1])
-        if side == "after":
-            x, _ = problem.layout.inputs((i + 1) % m, z)
-            return time, problem.passages[(i + 1) % m].full(x)
-        return time, before_event(problem, z, i)
+    found = stretches(problem, z)
+    for k in range(-1, len(found) - 1):
+        if found[k].name == name:
+            return found[k].end if side == "before" else found[k + 1].start
     return None
 
 
-def before_event(problem: HybridOrbit, z: np.ndarray, i: int) -> np.ndarray:
-    """Full state at the end of leg i, before its transition."""
-    view = problem.view(z)[i]
-    return view.full(view.end)
-
-
 def reported(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
-    """The state before the first event of the signature, or where the run asks for it, shape (n,)."""
+    """The state before the first event of the signature, or where the run asks for it, shape (n,).
+
+    Along pinned directions it is moved to where these are held.
+    """
     place, event = problem.discretization.report_at, problem.discretization.report_event
     if event is not None:
         found = at_event(problem, z, *event)
-        return np.full(problem.states, np.nan) if found is None else found[1]
-    if place is not None:
-        return _passing(problem, z, *place)
-    if not problem.word.eventful:
-        return problem.passages[0].full(problem.layout.inputs(0, z)[0])
-    return before_event(problem, z, problem.layout.legs - 1)
+        x = np.full(problem.states, np.nan) if found is None else found[1]
+    elif place is not None:
+        x = _passing(problem, z, *place)
+    elif not problem.word.eventful:
+        return problem.first_state(z)
+    else:
+        x = stretches(problem, z)[-1].end[1]
+    values = problem.values_of(z)
+    for pin, v in zip(
+        problem.pins, families.directions(problem.system, problem.pins, x, values).T, strict=True
+    ):
+        normal, apart = problem.held(pin, x, values)
+        x = x - v * apart / float(normal @ v)
+    return x
 
 
 def _passing(problem: HybridOrbit, z: np.ndarray, index: int, value: float, direction: float) -> np.ndarray:
     """The state at which state number `index` first passes a value inside a leg; NaN if it never does."""
-    for i, (t, x) in enumerate(legs(problem, z)):
+    for stretch in stretches(problem, z):
+        t, x = stretch.motion
         side = (x[:, index] - value) * direction
         passes = np.flatnonzero((side[:-1] < 0.0) & (side[1:] >= 0.0))
         if not len(passes):
             continue
-        view, k = problem.view(z)[i], int(passes[0])
-        low, high = ((t[j] - view.start) / view.duration for j in (k, k + 1))
+        view, k = stretch.view, int(passes[0])
+        low, high = ((t[j] - stretch.later - view.start) / view.duration for j in (k, k + 1))
         there = x[k]
         for _ in range(MOST_BISECTIONS):
             middle = 0.5 * (low + high)
-            there = view.full(view.at(np.array([middle]))[0])
+            there = stretch.at(np.array([middle]))[1][0]
             low, high = (middle, high) if (there[index] - value) * direction < 0.0 else (low, middle)
             if high - low < 1e-15:
                 break

@@ -50,6 +50,8 @@ class Passage:
     moving : sequence of int
         On a path, positions of the parameters that change along it.
     pins : sequence of Neutral
+    image : str
+        Symmetry that is applied after the transition; none if empty.
     """
 
     def __init__(
@@ -60,8 +62,9 @@ class Passage:
         free: str | None,
         moving: Sequence[int],
         pins: Sequence[Neutral],
+        image: str = "",
     ) -> None:
-        self.system, self.leg, self.target = system, leg, target
+        self.system, self.leg, self.target, self.image = system, leg, target, image
         self.forced = system.period is not None
         self.states = system.states_of(leg.mode)
         self.following = system.states_of(target)
@@ -122,7 +125,7 @@ class Passage:
         return trace(self._rates)
 
     def _after(self, tracer: Tracer) -> list[Any]:
-        """The state after the transition, in the states of the target mode."""
+        """The state after the transition and its images, in the states of the target mode."""
         t, x, p = self._arguments(tracer)
         transition = self.leg.transition
         assert transition is not None
@@ -130,11 +133,11 @@ class Passage:
         if transition.reset is not None:
             out = np.full(len(x), None, dtype=object)
             rebound(transition.reset)(t, x, p, out)
-        if transition.relabel is not None:
-            symmetry = self.system.symmetry(transition.relabel)
-            given = np.array([0.0 if entry is None else entry for entry in out], dtype=object)
-            out = np.full(len(x), None, dtype=object)
-            rebound(symmetry.map)(t, given, p, out)
+        for name in (transition.relabel, self.image):
+            if name:
+                given = np.array([0.0 if entry is None else entry for entry in out], dtype=object)
+                out = np.full(len(x), None, dtype=object)
+                rebound(self.system.symmetry(name).map)(t, given, p, out)
         for i in self.following:
             if out[i] is None:
                 raise SystemDefinitionError(
@@ -401,12 +404,19 @@ _MOST_KNOWN = 256
 
 
 def passage_of(
-    system: System, leg: Leg, target: str, free: str | None, moving: Sequence[int], pins: Sequence[Neutral]
+    system: System,
+    leg: Leg,
+    target: str,
+    free: str | None,
+    moving: Sequence[int],
+    pins: Sequence[Neutral],
+    image: str = "",
 ) -> Passage:
     """As `Passage(...)`, traced and compiled only once for the same arguments."""
-    key = (id(system), leg, target, free, tuple(moving), tuple(id(pin) for pin in pins))
+    key = (id(system), leg, target, free, tuple(moving), tuple(id(pin) for pin in pins), image)
     if key not in _KNOWN:
         while len(_KNOWN) >= _MOST_KNOWN:
             del _KNOWN[next(iter(_KNOWN))]
-        _KNOWN[key] = Passage(system, leg, target, free, moving, pins)  # it keeps its system, and so its id
+        # It keeps its system, and so its id.
+        _KNOWN[key] = Passage(system, leg, target, free, moving, pins, image)
     return _KNOWN[key]

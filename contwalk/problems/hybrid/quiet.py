@@ -44,5 +44,5 @@ def strobes(
         apart = (states[k] - states[0]) / scale[mode.states]
         if float(np.linalg.norm(apart)) < within:
             start = machine.full(arc.mode, states[-1 if not first else 0])
-            return Lap((Stretch(Leg(arc.mode), 0.0, start, k * period),), scale, 0.0)
+            return Lap((Stretch(Leg(arc.mode), 0.0, start, k * period, start),), scale, 0.0, start)
     return None

@@ -3,7 +3,8 @@
 For an orbit with events it is the map of the whole space of starts (states, and time if forced): where a
 start lies on its own motion makes no difference, so the flow's own direction has the multiplier zero, which
 no normal form minds. Each leg's duration changes along a curve so that its guard stays zero, order by order.
-Of an autonomous orbit without events, starts and ends lie in its section.
+Of an autonomous orbit without events, starts and ends lie in its section. Across pinned directions starts and
+ends do not move: the drifts change along a curve so that they do not.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contwalk import flow
+from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.period import period_map
 from contwalk.problems.orbit.motion import JET, PLAIN, TANGENT
 from contwalk.problems.orbit.normal_forms import MOVES, SectionMap
@@ -34,14 +36,17 @@ class EventMap(SectionMap):
     def __init__(self, problem: HybridOrbit, z: np.ndarray) -> None:
         self.problem, self.z = problem, z
         self.first = int(np.argmin(problem.layout.sizes))
-        magnitudes = problem.extended(self.first)
         self.timed = problem.forced and problem.word.eventful
-        if problem.word.eventful or problem.forced:
-            self.basis = np.diag(magnitudes)
-        else:
+        magnitudes = problem.extended(self.first)
+        held = [v / magnitudes**2 for v in problem.pinned_directions(z, self.first)]
+        self.held = np.array(held).reshape(len(held), len(magnitudes))
+        rows = [*held]
+        if not (problem.word.eventful or problem.forced):
             assert problem.section is not None
-            normal = (problem.section.normal * magnitudes)[:, None]
-            self.basis = complement(normal) * magnitudes[:, None]
+            rows.append(problem.section.normal)
+        self.basis = np.diag(magnitudes)
+        if rows:
+            self.basis = complement((np.array(rows) * magnitudes).T) * magnitudes[:, None]
         self.coordinates = (self.basis / magnitudes[:, None]).T / magnitudes
 
     @cached_property
@@ -72,22 +77,47 @@ class EventMap(SectionMap):
         """First derivatives, up to `order`, of the image of the curve xi = s x1 + s^2 x2 / 2, lambda
         + s lam.
         """
-        layout = self.problem.layout
-        width = layout.sizes[self.first]
         start = [self.basis @ x1, np.zeros(len(self.basis)) if x2 is None else self.basis @ x2]
         start.append(np.zeros(len(self.basis)))
+        drifts = [np.zeros(len(self.held)) for _ in range(ORDERS)]
+        if not len(self.held):
+            return [self.coordinates @ end for end in self._round(start, drifts, lam, order)]
+        images = []
+        for j in range(order):
+            end = self._round(start, drifts, lam, j + 1)[j]
+            drifts[j] = self._holding(end)
+            images.append(self.coordinates @ (end + self._by_drifts @ drifts[j]))
+        return images
+
+    def _round(
+        self, start: list[np.ndarray], drifts: list[np.ndarray], lam: float, order: int
+    ) -> list[np.ndarray]:
+        """Derivatives of the end of a curve of starts, at drifts that change along it."""
+        layout = self.problem.layout
+        width = layout.sizes[self.first]
         states = [entry[:width] for entry in start]
         times = [float(entry[width]) if self.timed else 0.0 for entry in start]
         period = self._period(lam)
         for k in range(layout.legs):
-            states, times = self._through((self.first + k) % layout.legs, states, times, lam, period, order)
-        images = []
-        for j in range(order):
-            end = states[j]
-            if self.timed:
-                end = np.append(end, times[j] - period[j])
-            images.append(self.coordinates @ end)
-        return images
+            i = (self.first + k) % layout.legs
+            states, times = self._through(i, states, times, drifts, lam, period, order)
+        if not self.timed:
+            return states[:order]
+        return [np.append(states[j], times[j] - period[j]) for j in range(order)]
+
+    @cached_property
+    def _by_drifts(self) -> np.ndarray:
+        """Derivative of the end by the drifts of pinned directions, shape (r, k)."""
+        count, still = len(self.held), [np.zeros(len(self.basis))] * ORDERS
+        columns = []
+        for j in range(count):
+            drifts = [np.eye(count)[j], np.zeros(count), np.zeros(count)]
+            columns.append(self._round(still, drifts, 0.0, 1)[0])
+        return np.array(columns).T
+
+    def _holding(self, end: np.ndarray) -> np.ndarray:
+        """Change of the drifts that brings an end back to where pinned directions are held."""
+        return -np.linalg.solve(self.held @ self._by_drifts, self.held @ end)
 
     def _period(self, lam: float) -> list[float]:
         """Derivatives of a forced closure's duration along the curve."""
@@ -104,6 +134,7 @@ class EventMap(SectionMap):
         i: int,
         states: list[np.ndarray],
         times: list[float],
+        drifts: list[np.ndarray],
         lam: float,
         period: list[float],
         order: int,
@@ -121,6 +152,7 @@ class EventMap(SectionMap):
                 direction[0] = lasting[o]
                 if forced:
                     direction[1] = times[o]
+                direction[1 + int(forced) : -1] = drifts[o]
                 direction[-1] = lam if o == 0 else 0.0
                 directions.append(direction)
             jets = np.concatenate([x, *states])
@@ -150,6 +182,8 @@ class EventMap(SectionMap):
             by_duration, rate = self._rates[0]
             assert problem.section is not None
             moved -= np.outer(by_duration, problem.section.normal @ moved) / rate
+        if len(self.held):
+            moved += self._by_drifts @ self._holding(moved)
         return self.coordinates @ moved
 
     @cached_property
@@ -180,14 +214,27 @@ class EventMap(SectionMap):
             nodes = flow.along(field, c, piece.steps, np.concatenate([x, v[:n]]), piece.method)
             states = flow.interpolation(field, c, piece.steps, nodes, piece.method)(INSTANTS)
             scale = half[list(piece.passage.states)]
-            deviations = states[:, n:] / scale
+            deviations = self._across_pins(i, states[:, :n], states[:, n:]) / scale
             if not problem.forced:
                 plain = piece.passage.field(PLAIN)
                 own = plain.constants(piece.values(scalars))
-                along = plain.along(INSTANTS, states[:, :n], own) / scale
+                along = self._across_pins(i, states[:, :n], plain.along(INSTANTS, states[:, :n], own)) / scale
                 along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)
                 deviations -= np.sum(deviations * along, axis=1, keepdims=True) * along
             mean = float(SHARES @ np.sum(deviations**2, axis=1))
             total += mean * abs(float(scalars[0])) / max(whole, 1e-300)
             v = factors[i] @ v
         return total
+
+    def _across_pins(self, i: int, states: np.ndarray, deviations: np.ndarray) -> np.ndarray:
+        """Deviations at some states of a leg without their parts along pinned directions."""
+        problem = self.problem
+        if not problem.pins:
+            return deviations
+        passage, values = problem.passages[i], problem.values_of(self.z)
+        own, scale = list(passage.states), problem.mesh.variation[list(passage.states)]
+        result = []
+        for x, deviation in zip(passage.full(states), deviations, strict=True):
+            along = families.directions(problem.system, problem.pins, x, values)[own]
+            result.append(families.across(deviation, along, scale))
+        return np.array(result)

@@ -172,7 +172,7 @@ def meshed(
     magnitudes : ndarray, shape (n,)
         Typical magnitudes of all states. Where one varies less along the orbit, its variation counts.
     alike : bool
-        The second half of the legs repeats the first: steps are made the same in both.
+        The second half of the legs repeats the first, or its image: steps are made the same in both.
 
     Raises
     ------

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,14 +11,18 @@ from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
 from contwalk.problems.hybrid.word import Word
 from contwalk.problems.orbit.branching import amplitude, crossing, filled_magnitudes
+from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.null_vectors import null_vectors
 from contwalk.problems.problem import Seed
+from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
     from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 
 # Size of a state that starts show nothing of, against the largest; tolerance of steps for magnitudes only.
 UNSEEN, ROUGH = 1e-2, 1e-7
+# Shifts along pinned directions that are tried, and how little they leave of the residual.
+MOST_SHIFTS, SHIFTED = 5, 2.0
 
 
 def seeds(problem: HybridOrbit, point: SpecialPoint) -> Sequence[Seed]:
@@ -28,6 +32,8 @@ def seeds(problem: HybridOrbit, point: SpecialPoint) -> Sequence[Seed]:
         there = discretized(problem, z)
         if point.label == "PD":
             return _doubled(there, z)
+        if point.label == "BP" and point.kind == "symmetry-breaking":
+            return _unfolded(there, z)
         if point.label == "BP" and point.coefficients:
             return crossing(there, z, point)
     except (NotFinite, np.linalg.LinAlgError):
@@ -65,20 +71,115 @@ def divided(problem: HybridOrbit, z: np.ndarray, times: int) -> tuple[HybridOrbi
 
 def _doubled(problem: HybridOrbit, z: np.ndarray) -> Sequence[Seed]:
     """The orbit of the word run through twice that leaves along the critical vector."""
+    other = problem.of_word(problem.word.repeated(2), 2)
+    return _alternating(problem, z, other, lambda i, x: x, "PD")
+
+
+def _unfolded(problem: HybridOrbit, z: np.ndarray) -> Sequence[Seed]:
+    """The orbit without the symmetry that its parent closes up to."""
+    other, symmetry = problem.of_word(problem.whole_word), problem.system.symmetry(problem.word.image)
+    p, passages = ParameterValues(**problem.values_of(z)), problem.passages
+
+    def image(i: int, x: np.ndarray) -> np.ndarray:
+        """Of a state (or, as the map is linear in it, of a deviation) at the start of leg i."""
+        following = other.passages[len(passages) + i]
+        return imaged(symmetry, passages[i].full(x), p)[list(following.states)]
+
+    return _alternating(problem, z, other, image, "BP")
+
+
+def _alternating(
+    problem: HybridOrbit,
+    z: np.ndarray,
+    other: HybridOrbit,
+    image: Callable[[int, np.ndarray], np.ndarray],
+    label: str,
+) -> Sequence[Seed]:
+    """A closure followed twice, the second time as its image and with the deviation's sign changed."""
     layout = problem.layout
     matrix = problem.cycle_matrix(problem.linearize(z).jacobian, -1.0)
     v, _ = null_vectors(problem, matrix, *problem.cycle_scales)
     v = v.real
-    other = problem.of_word(problem.word.repeated(2), 2)
-    states, lasting = slice(0, layout.durations.start), layout.durations
-    rest = slice(lasting.stop, layout.size)
+    lasting, rest = layout.durations, slice(layout.durations.stop, layout.size)
     still = np.zeros(layout.size - lasting.stop)
     if layout.start is not None:
         still[0] = v[layout.start]
-    start = np.concatenate([z[states], z[states], z[lasting], z[lasting], z[rest], z[-1:]])
-    tangent = np.concatenate([v[states], -v[states], v[lasting], -v[lasting], still, [0.0]])
+    second = [image(i, z[place]) for i, place in enumerate(layout.states)]
+    turned = [-image(i, v[place]) for i, place in enumerate(layout.states)]
+    states = slice(0, lasting.start)
+    start = np.concatenate([z[states], *second, z[lasting], z[lasting], z[rest], z[-1:]])
+    tangent = np.concatenate([v[states], *turned, v[lasting], -v[lasting], still, [0.0]])
     there = discretized(other, start)
     weights = np.concatenate([there.cycle_scales[1], [1.0]])
+    if problem.pins:
+        start, tangent = _held(there, start, tangent, weights)
     tangent = tangent / float(np.linalg.norm(tangent / weights))
     walking = there.adapted_to(start, filled_magnitudes(there, start))
-    return (Seed("PD", start, tangent, amplitude(tangent), walking, one_sided=True),)
+    return (Seed(label, start, tangent, amplitude(tangent), walking, one_sided=label == "PD"),)
+
+
+def _held(
+    problem: HybridOrbit, start: np.ndarray, tangent: np.ndarray, weights: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """An orbit and a direction in which orbits leave it, as one sees them who drifts along all of the cycle.
+
+    Each half was seen by one who drifts so that it alone closes. What lies across the pinned directions is
+    right; the parts along them follow from the equations.
+    """
+    start, rows = shifted(problem, start), problem.equation_scales
+    plane = (
+        weights[:, None]
+        * np.linalg.svd(problem.linearize(start).jacobian / rows[:, None] * weights)[2][-2:].T
+    )
+    along = _along_pins(problem, start) / weights[:, None]
+
+    def across(vectors: np.ndarray) -> np.ndarray:
+        scaled = vectors / weights[:, None]
+        return scaled - along @ np.linalg.lstsq(along, scaled, rcond=None)[0]
+
+    shares = np.linalg.lstsq(across(plane), across(tangent[:, None]), rcond=None)[0]
+    return start, (plane @ shares)[:, 0]
+
+
+def shifted(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
+    """An orbit that is right but for drifts and for its starts along pinned directions, with these."""
+    z, rows = z.copy(), problem.equation_scales
+    if not problem.pins:
+        return z
+    for _ in range(MOST_SHIFTS):
+        here, along = problem.linearize(z), _along_pins(problem, z)
+        scaled = here.jacobian @ along / rows[:, None]
+        z = z - along @ np.linalg.lstsq(scaled, here.residual / rows, rcond=None)[0]
+        if problem.linearize(z).excess <= SHIFTED:
+            break
+    return z
+
+
+def rotated(problem: HybridOrbit, z: np.ndarray, first: int) -> tuple[HybridOrbit, np.ndarray]:
+    """An orbit that closes up to a symmetry, beginning elsewhere: images of what came before follow."""
+    layout, word = problem.layout, problem.word.rotated(problem.system, first)
+    symmetry, p = problem.system.symmetry(problem.word.image), ParameterValues(**problem.values_of(z))
+    other = problem.of_word(word)
+    result = np.zeros(layout.size + 1)
+    for k, passage in enumerate(other.passages):
+        i = (first + k) % layout.legs
+        x = problem.passages[i].full(z[layout.states[i]])
+        x = imaged(symmetry, x, p) if first + k >= layout.legs else x
+        result[other.layout.states[k]] = x[list(passage.states)]
+    result[other.layout.durations] = np.roll(z[layout.durations], -first)
+    result[other.layout.drifts], result[-1] = z[layout.drifts], z[-1]
+    other.reference = other.passages[0].full(result[other.layout.states[0]])
+    there = discretized(other, result)
+    return there, shifted(there, result)
+
+
+def _along_pins(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
+    """Directions in which the legs' starts move along pinned directions, and the drifts, as columns."""
+    layout, columns = problem.layout, []
+    for i, place in enumerate(layout.states):
+        n = layout.sizes[i]
+        for direction in problem.pinned_directions(z, i):
+            column = np.zeros(layout.size + 1)
+            column[place] = direction[:n]
+            columns.append(column)
+    return np.column_stack([*columns, np.eye(layout.size + 1)[:, layout.drifts]])

@@ -3,6 +3,9 @@
 An orbit is a cycle of *legs*: a leg is a smooth piece in one mode, ended by a transition. The signature that
 a user sees lists the transitions, beginning with the one that leads into the first leg. An orbit that meets
 no event is one leg without a transition.
+
+An orbit that is its own mirror image half a period later is half a cycle: after the last transition the state
+is the image of the first one.
 """
 
 from __future__ import annotations
@@ -38,9 +41,10 @@ class Leg:
 
 @dataclass(frozen=True)
 class Word:
-    """The cycle of legs."""
+    """The cycle of legs; `image` is the spatial symmetry up to which it closes, applied at its end."""
 
     legs: tuple[Leg, ...]
+    image: str = ""
 
     def __len__(self) -> int:
         return len(self.legs)
@@ -50,26 +54,58 @@ class Word:
         """Whether there are events at all."""
         return self.legs[0].transition is not None
 
-    @property
-    def signature(self) -> tuple[str, ...]:
+    def leading_in(self, system: System, i: int) -> str:
+        """Name of the transition that leads into leg i; empty if there is none."""
+        before = self.legs[i - 1]
+        if i == 0 and self.image:
+            before = imaged_leg(system, self.image, before)
+        return before.name
+
+    def signature(self, system: System) -> tuple[str, ...]:
         """Names of the transitions, from the one that leads into the first leg."""
-        if not self.eventful:
-            return ()
-        names = [leg.name for leg in self.legs]
-        return (names[-1], *names[:-1])
+        return tuple(self.leading_in(system, i) for i in range(len(self))) if self.eventful else ()
 
     def target(self, i: int) -> str:
         """Mode that leg i leads into."""
         return self.legs[(i + 1) % len(self)].mode
 
+    def image_at(self, i: int) -> str:
+        """The symmetry that is applied at the end of leg i."""
+        return self.image if i == len(self) - 1 else ""
+
     def repeated(self, times: int) -> Word:
         """The word run through several times."""
         return Word(self.legs * times)
 
+    def unfolded(self, system: System) -> Word:
+        """The word of the whole period, where this one closes up to a symmetry."""
+        if not self.image:
+            return self
+        return Word((*self.legs, *(imaged_leg(system, self.image, leg) for leg in self.legs)))
+
+    def rotated(self, system: System, first: int) -> Word:
+        """The same cycle, beginning with another leg."""
+        early = self.legs[:first]
+        if self.image:
+            early = tuple(imaged_leg(system, self.image, leg) for leg in early)
+        return replace(self, legs=(*self.legs[first:], *early))
+
     def has_parts(self, times: int) -> bool:
         """Whether the word is a shorter one, run through so many times."""
         part, rest = divmod(len(self), times)
-        return not rest and self.legs == self.legs[:part] * times
+        return not (rest or self.image) and self.legs == self.legs[:part] * times
+
+    def has_halves(self, system: System) -> bool:
+        """Whether the second half is the first one again, or its image."""
+        half, rest = divmod(len(self), 2)
+        if rest or self.image or not self.eventful:
+            return False
+        images = [s.name for s in system.symmetries if s.role == "spatial"]
+        part = self.legs[:half]
+        return any(
+            self.legs[half:] == (tuple(imaged_leg(system, name, leg) for leg in part) if name else part)
+            for name in ("", *images)
+        )
 
     def relabelled(self, system: System) -> tuple[str | None, int]:
         """The symmetry up to which the orbit closes, and how many closures make a whole period.
@@ -80,29 +116,38 @@ class Word:
         for leg in self.legs:
             if leg.transition is not None and leg.transition.relabel is not None:
                 count[leg.transition.relabel] = count.get(leg.transition.relabel, 0) + 1
+        if self.image:
+            count[self.image] = 1
         odd = [name for name, number in count.items() if number % 2]
         return ("_".join(odd), 2) if odd else (None, 1)
 
     def inserted(self, i: int, leg: Leg) -> Word:
         """The word with leg i cut in two by another event: `leg` comes first."""
-        return Word((*self.legs[:i], leg, *self.legs[i:]))
+        return replace(self, legs=(*self.legs[:i], leg, *self.legs[i:]))
 
     def without(self, i: int) -> Word:
         """The word without the event that ends leg i; what follows it continues the leg."""
         legs = list(self.legs)
         if len(legs) == 1:
-            return Word((replace(legs[0], transition=None),))
+            return replace(self, legs=(replace(legs[0], transition=None),))
         following = (i + 1) % len(legs)
         legs[following] = replace(legs[following], mode=legs[i].mode)
         del legs[i]
-        return Word(tuple(legs))
+        return replace(self, legs=tuple(legs))
 
 
-def named_word(system: System, legs: Sequence[tuple[str, str, bool]]) -> Word:
+def imaged_leg(system: System, image: str, leg: Leg) -> Leg:
+    """The leg that follows when a leg's image does."""
+    symmetry = system.symmetry(image)
+    mode = symmetry.modes.get(leg.mode, leg.mode)
+    if leg.transition is None:
+        return replace(leg, mode=mode)
+    return Leg(mode, system.transition(symmetry.events.get(leg.name, leg.name), mode), leg.falls)
+
+
+def named_word(system: System, legs: Sequence[tuple[str, str, bool]], image: str = "") -> Word:
     """The word of stored legs: mode, transition (empty for none) and whether its guard falls."""
-    return Word(
-        tuple(
-            Leg(mode, system.transition(name, mode) if name else None, bool(falls))
-            for mode, name, falls in legs
-        )
-    )
+    named = [
+        Leg(mode, system.transition(name, mode) if name else None, bool(falls)) for mode, name, falls in legs
+    ]
+    return Word(tuple(named), image)

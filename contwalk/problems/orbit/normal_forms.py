@@ -24,6 +24,7 @@ from contwalk.problems import neutral as neutrals
 from contwalk.problems.linear import Factored
 from contwalk.problems.orbit.motion import JET, PLAIN, TANGENT
 from contwalk.problems.spectrum import complement
+from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
@@ -196,7 +197,10 @@ class ReturnMap(SectionMap):
             sampled.append(flow.dense(field, c, steps, nodes, inside, problem.mesh.method))
             v = nodes[-1, n:]
         states = np.concatenate(sampled)
-        scale = 0.5 * np.ptp(states[:, :n], axis=0)
+        # Half of a symmetric orbit covers more or less of it, depending on where it begins.
+        parameters = ParameterValues(**problem.values_of(self.z))
+        whole = np.concatenate(problem.closure.images(states[:, :n], parameters))
+        scale = 0.5 * np.ptp(whole, axis=0)
         scale = np.where(scale > MOVES * problem.mesh.magnitudes, scale, problem.mesh.magnitudes)
         deviations = states[:, n:] / scale
         if not problem.forced:

@@ -40,7 +40,6 @@ def wheel(position: bool) -> System:
     )
 
 
-@pytest.mark.xfail(strict=True, reason="declared neutral directions are not pinned on hybrid orbits")
 def test_the_place_along_the_slope_is_held():
     """s is the same after a step, wherever it began: a multiplier one, which is left out of the spectrum."""
     without = branch_of(wheel(False), "gamma", (0.14, 0.2), [-0.25, 0.4], until="settled")

@@ -1,0 +1,109 @@
+"""Declared neutral directions of a hybrid machine: along which of them do motions come in families?
+
+A generator v is neutral if the field carries it along, Df v = Dv f, and each transition takes it to itself
+(or, with a mirror, to its opposite) and leaves the event where it is. All derivatives are exact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contwalk.errors import called
+from contwalk.flow.hybrid_machine import HybridMachine
+from contwalk.flow.traced import generator_field
+from contwalk.system import Neutral, System
+from contwalk.system.declarations import ParameterValues
+
+if TYPE_CHECKING:
+    from contwalk.problems.hybrid.beginning import Lap
+
+# Both sides agree to this part of the size of their terms; a direction that vanishes but for this has none.
+NEUTRAL, VANISHES = 1e-10, 1e-9
+# Directions that differ by less are one.
+DEPENDENT = 1e-6
+
+
+def active(machine: HybridMachine, lap: Lap) -> list[Neutral]:
+    """The generators that are neutral along a lap, without those that depend on earlier ones."""
+    found: list[Neutral] = []
+    scale = lap.magnitudes
+    for neutral in machine.system.neutral:
+        if not all(_kept(machine, neutral, lap, k) for k in range(len(lap.stretches))):
+            continue
+        together = directions(machine.system, [*found, neutral], lap.stretches[0].state, machine.parameters)
+        sizes = np.linalg.svd(together / scale[:, None], compute_uv=False)
+        if sizes[-1] > DEPENDENT * sizes[0]:
+            found.append(neutral)
+    return found
+
+
+def directions(
+    system: System, pins: Sequence[Neutral], x: np.ndarray, parameters: dict[str, float]
+) -> np.ndarray:
+    """Generators at a state as columns, shape (n, k)."""
+    values, result = ParameterValues(**parameters), np.zeros((len(x), len(pins)))
+    for j, pin in enumerate(pins):
+        called(f"generator of '{pin.name}'", pin.generator, 0.0, x, values, result[:, j])
+    return result
+
+
+def commutes(
+    machine: HybridMachine, neutral: Neutral, mode: str, t: float, x: np.ndarray, scale: np.ndarray
+) -> bool:
+    """Whether the field of a mode carries a generator along, at a state and at one beside it."""
+    flow = machine.mode(mode)
+    generator, states = generator_field(machine.system, neutral, mode), flow.states
+    c = generator.constants(machine.p)
+    own = scale[states]
+    for share in (0.0, 0.1):
+        y = x[states] + share * own * np.cos(np.arange(1.0, len(states) + 1.0))
+        v, f = generator(t, y, c), flow.field(t, y, flow.c)
+        size = float(np.max(np.abs(v) / own, initial=0.0))
+        if not (np.isfinite(size) and size > VANISHES):
+            return False
+        by = flow.field.jacobian(t, y, flow.c)[:, : len(y)]
+        apart = by @ v - generator.jacobian(t, y, c)[:, : len(y)] @ f
+        terms = np.abs(by) @ own * size + np.abs(f)
+        if not np.all(np.abs(apart) <= NEUTRAL * terms):
+            return False
+    return True
+
+
+def _kept(machine: HybridMachine, neutral: Neutral, lap: Lap, k: int) -> bool:
+    """Whether a stretch and the transition that ends it keep a generator."""
+    stretch, scale = lap.stretches[k], lap.magnitudes
+    mode = stretch.leg.mode
+    if not commutes(machine, neutral, mode, stretch.start, stretch.state, scale):
+        return False
+    transition = stretch.leg.transition
+    if transition is None:
+        return True
+    before, after = machine.mode(mode), machine.mode(transition.target)
+    t, x = stretch.start + stretch.duration, stretch.end[before.states]
+    jump, constants = machine.jump(transition)
+    given = np.concatenate([[t], x])
+    slopes = jump.jacobian(0.0, given, constants)[:, 1 : 1 + len(x)]
+    landed = jump(0.0, given, constants)[:-1]
+    v = directions(machine.system, [neutral], machine.full(mode, x), machine.parameters)[:, 0]
+    there = machine.full(transition.target, landed)
+    w = directions(machine.system, [neutral], there, machine.parameters)
+    moved, expected = slopes @ v[before.states], w[after.states, 0]
+    size = float(np.max(np.abs(v) / scale))
+    terms = np.abs(slopes) @ scale[before.states] * size
+    kept = min(
+        float(np.max(np.abs(moved[:-1] - sign * expected) - NEUTRAL * (terms[:-1] + np.abs(expected))))
+        for sign in (1.0, -1.0)
+    )
+    return kept <= 0.0 and abs(moved[-1]) <= NEUTRAL * terms[-1]
+
+
+def across(apart: np.ndarray, along: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    """A difference of states without its part along some directions, in the metric of the scales."""
+    if not along.shape[1]:
+        return apart
+    scaled = along / scale[:, None]
+    shares, *_ = np.linalg.lstsq(scaled, apart / scale, rcond=None)
+    return apart - along @ shares
