@@ -122,7 +122,7 @@ def sample_at(segment: Segment, label: str, located: Located, near: Sample) -> S
     linearization = problem.linearize(located.z)
     tangent = problem.tangent_at(label, located, near)
     if tangent is None:
-        tangent = segment.tangent(linearization.jacobian)
+        tangent = segment.tangent(linearization)
     elif segment.normal @ tangent < 0:
         tangent = -tangent
     return problem.examine(located.z, tangent, segment.weights, linearization, near.unstable)

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contwalk.errors import PluginError
-from contwalk.problems.linear import Factored
 from contwalk.problems.problem import Linearization, Problem
 
 # Residuals this many times above their rounding error still count as solved: the bound is of first order.
@@ -103,7 +102,7 @@ def _iterated(
         if not here.finite:
             sentence = f"The vector field is not finite: {problem.explain(z)}."
             return Correction(z, None, iteration, "not_finite", sentence)
-        step = _newton_step(here, here.jacobian, normal, normal @ (z - guess), weights)
+        step = _newton_step(here, here.residual, normal, normal @ (z - guess), weights)
         if step is None and here.excess <= ROUNDED:
             return Correction(z, here, iteration)
         if step is None:
@@ -131,12 +130,11 @@ def _iterated(
 
 
 def _newton_step(
-    here: Linearization, jacobian: np.ndarray, normal: np.ndarray, offset: float, weights: np.ndarray
+    here: Linearization, residual: np.ndarray, normal: np.ndarray, offset: float, weights: np.ndarray
 ) -> np.ndarray | None:
     """What Newton's method subtracts, shape (N + 1,); None where the bordered Jacobian is singular."""
     try:
-        bordered = np.vstack([jacobian, normal])
-        step = Factored(bordered, weights).solve(np.append(here.residual, offset))
+        step = here.bordered(normal, weights).solve(np.append(residual, offset))
     except np.linalg.LinAlgError:
         return None
     # Beyond 1e150 its length would overflow.
@@ -154,7 +152,7 @@ def _settled(
     guess, normal, weights = condition
     size = np.inf
     for _ in range(SETTLING):
-        step = _newton_step(here, here.jacobian, normal, normal @ (z - guess), weights)
+        step = _newton_step(here, here.residual, normal, normal @ (z - guess), weights)
         if step is None:
             break
         before, size = size, float(np.linalg.norm(step / weights))
@@ -192,7 +190,7 @@ def _damped(
         if fraction < 1e-6:
             return moved, there
         if there.finite:
-            following = _newton_step(there, here.jacobian, normal, normal @ (moved - guess), weights)
+            following = _newton_step(here, there.residual, normal, normal @ (moved - guess), weights)
             if (
                 following is not None
                 and np.linalg.norm(following / weights) <= (1.0 - 0.25 * fraction) * size

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.continuation.newton import correct
-from contwalk.problems.linear import tangent_along
-from contwalk.problems.problem import Problem, Sample
+from contwalk.problems.problem import Linearization, Problem, Sample
 
 
 class LostBranch(Exception):
@@ -46,13 +45,13 @@ class Segment:
         along = along + (r * r - 2.0 * t * r) * scale_a * self.a.tangent
         return along - (2.0 * t * r - t * t) * scale_b * self.b.tangent
 
-    def tangent(self, jacobian: np.ndarray) -> np.ndarray:
-        """Tangent of the branch, pointing along the chord, from the Jacobian on it.
+    def tangent(self, linearization: Linearization) -> np.ndarray:
+        """Tangent of the branch, pointing along the chord, at a solution on it.
 
         Exactly at a branch point it is not determined; there the chord stands in for it.
         """
         try:
-            return tangent_along(jacobian, self.normal, self.weights)
+            return linearization.tangent(self.normal, self.weights)
         except np.linalg.LinAlgError:
             return self.chord
 
@@ -66,14 +65,18 @@ class Segment:
         """
         if theta not in self._known:
             near = min(self._known, key=lambda t: abs(t - theta))
-            correction = correct(self.problem, self.guess(theta), self.normal, self.weights)
-            if not correction.ok or correction.linearization is None:
-                raise LostBranch(correction.sentence)
-            tangent = self.tangent(correction.linearization.jacobian)
-            self._known[theta] = self.problem.examine(
-                correction.z, tangent, self.weights, correction.linearization, self._known[near].unstable
-            )
+            z, linearization = self._corrected(self.problem, self.guess(theta))
+            tangent = self.tangent(linearization)
+            unstable = self._known[near].unstable
+            self._known[theta] = self.problem.examine(z, tangent, self.weights, linearization, unstable)
         return self._known[theta]
+
+    def _corrected(self, problem: Problem, guess: np.ndarray) -> tuple[np.ndarray, Linearization]:
+        """The solution in the hyperplane across the chord through a guess."""
+        correction = correct(problem, guess, self.normal, self.weights)
+        if not correction.ok or correction.linearization is None:
+            raise LostBranch(correction.sentence)
+        return correction.z, correction.linearization
 
     def on(self, problem: Problem, theta: float) -> Sample:
         """The solution at theta on another discretisation.
@@ -83,16 +86,18 @@ class Segment:
         LostBranch
             If the corrector does not converge there.
         """
-        correction = correct(problem, self.at(theta).z, self.normal, self.weights)
-        if not correction.ok or correction.linearization is None:
-            raise LostBranch(correction.sentence)
-        tangent = self.tangent(correction.linearization.jacobian)
-        return problem.examine(correction.z, tangent, self.weights, correction.linearization, None)
+        z, linearization = self._corrected(problem, self.at(theta).z)
+        return problem.examine(z, self.tangent(linearization), self.weights, linearization, None)
 
     def until(self, theta: float) -> Segment:
         """The part of the segment before theta."""
         return Segment(self.problem, self.a, self.at(theta))
 
     def distance(self, z: np.ndarray, theta: float) -> float:
-        """Distance of z from the solution at theta, relative to the length of the segment."""
-        return float(np.linalg.norm((self.at(theta).z - z) / self.weights)) / max(self.length, 1e-300)
+        """Distance of z from the solution at theta, relative to the length of the segment.
+
+        What is watched at a solution has its price, and is not asked for here.
+        """
+        known = self._known.get(theta)
+        there = self._corrected(self.problem, self.guess(theta))[0] if known is None else known.z
+        return float(np.linalg.norm((there - z) / self.weights)) / max(self.length, 1e-300)

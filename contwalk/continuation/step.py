@@ -16,7 +16,6 @@ from contwalk.continuation.newton import Correction, correct
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Mark, Settings
 from contwalk.errors import PluginError
-from contwalk.problems.linear import tangent_along
 from contwalk.problems.problem import Linearization, Located, Problem, Sample
 
 # A mark this near to a bifurcation, in parts of the step, is at the same place.
@@ -180,7 +179,7 @@ def _segment(
 
 def _tangent(a: Sample, linearization: Linearization) -> np.ndarray:
     try:
-        return tangent_along(linearization.jacobian, a.tangent / a.weights**2, a.weights)
+        return linearization.tangent(a.tangent / a.weights**2, a.weights)
     except np.linalg.LinAlgError:
         raise Disagreement("BP", "The tangent is not determined.") from None
 

@@ -18,9 +18,8 @@ from contwalk.continuation.limits import LABELS as LIMITS
 from contwalk.continuation.newton import correct
 from contwalk.continuation.reopening import problem_of, reopened, stored_place
 from contwalk.errors import ContwalkError
-from contwalk.problems.linear import Factored
 from contwalk.problems.orbit.discretization import TIGHTEST, Discretization
-from contwalk.problems.problem import Located, Problem, Sample
+from contwalk.problems.problem import Linearization, Located, Problem, Sample
 from contwalk.system import System
 
 # A point may differ by so many times what the two error estimates together allow: estimates are estimates.
@@ -272,7 +271,7 @@ def _extremum(problem: Problem, sample: Sample, name: str) -> Located | None:
         found = correct(problem, guess, sample.tangent / sample.weights**2, sample.weights)
         if not found.ok or found.linearization is None:
             raise ContwalkError(f"There is no solution beside the point: {found.sentence}")
-        tangent = _tangent(found.linearization.jacobian, sample)
+        tangent = _tangent(found.linearization, sample)
         there = problem.examine(found.z, tangent, sample.weights, found.linearization, sample.unstable)
         return there, problem.rate(name, there)
 
@@ -293,10 +292,9 @@ def _extremum(problem: Problem, sample: Sample, name: str) -> Located | None:
     return Located(there.z, abs(moved * sample.tangent[-1]) + float(np.spacing(abs(there.z[-1]))), {})
 
 
-def _tangent(jacobian: np.ndarray, near: Sample) -> np.ndarray:
+def _tangent(linearization: Linearization, near: Sample) -> np.ndarray:
     """Unit tangent at a solution, facing like that of a sample beside it."""
-    bordered = np.vstack([jacobian, near.tangent / near.weights**2])
-    tangent = Factored(bordered, near.weights).solve(np.eye(len(near.z))[-1])
+    tangent = linearization.tangent(near.tangent / near.weights**2, near.weights)
     return tangent / np.linalg.norm(tangent / near.weights)
 
 

@@ -11,8 +11,11 @@ from typing import Any
 import numpy as np
 
 from contwalk.fields.llvm import Code
+from contwalk.flow.addresses import address
+from contwalk.flow.compiled import Entry
 
 _POINTER = ctypes.c_void_p
+EACH = Entry("contwalk.flow.each_driver", "each", "q", "qqqqqqqq")
 
 
 class CompiledField(ABC):
@@ -85,26 +88,41 @@ class CompiledField(ABC):
 
     def __call__(self, t: float, x: Sequence[float] | np.ndarray, c: np.ndarray) -> np.ndarray:
         """f, shape (m,); NaN throughout where one entry does not exist."""
-        return self._called(self._rhs_function, t, x, c, self.m)
+        out = self._called(self._rhs_function, t, x, c, self.m)
+        return out if np.isfinite(out).all() else np.full(self.m, np.nan)
 
     def along(self, times: np.ndarray, states: np.ndarray, c: np.ndarray) -> np.ndarray:
         """f at many instants: times (k,), states (k, n) -> (k, m)."""
-        times = np.asarray(times, dtype=float)
+        times = np.ascontiguousarray(times, dtype=float)
         states = np.ascontiguousarray(states, dtype=float)
         if states.shape != (len(times), self.n) or c.shape != (max(self.constant_count, 1),):
             raise ValueError(f"states {states.shape} and {c.shape} constants for {len(times)} times")
-        out, call, given = np.empty((len(times), self.m)), self._rhs_function, c.ctypes.data
-        state, result, width, size = states.ctypes.data, out.ctypes.data, 8 * self.n, 8 * self.m
-        for k, t in enumerate(times.tolist()):
-            call(t, state + k * width, given, result + k * size)
+        out = np.empty((len(times), self.m))
+        given = address(times), address(states), self.n, address(c), address(out), self.m
+        EACH(self.rhs_address, len(times), *given)
         return out
 
     def jacobian(self, t: float, x: Sequence[float] | np.ndarray, c: np.ndarray) -> np.ndarray:
         """Exact derivatives by the states and the columns, shape (m, n + k); NaN where they do not exist."""
+        return self.linearized(t, x, c)[1]
+
+    def linearized(
+        self, t: float, x: Sequence[float] | np.ndarray, c: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """f and `jacobian`, from one evaluation."""
         out = self._called(self._rhs_jac_function, t, x, c, self.m + len(self.col))
-        dense = np.zeros((self.m, self.n + self.k))
-        dense[np.repeat(np.arange(self.m), np.diff(self.row_ptr)), self.col] = out[self.m :]
-        return dense if np.isfinite(out[0]) else np.full_like(dense, np.nan)
+        f, width = out[: self.m], self.n + self.k
+        if not np.isfinite(out).all():
+            f = f if np.isfinite(f).all() else np.full(self.m, np.nan)
+            return f, np.full((self.m, width), np.nan)
+        dense = np.zeros(self.m * width)
+        dense[self._entries_at] = out[self.m :]
+        return f, dense.reshape(self.m, width)
+
+    @cached_property
+    def _entries_at(self) -> np.ndarray:
+        """Positions of the entries in the dense Jacobian, row by row."""
+        return np.repeat(np.arange(self.m), np.diff(self.row_ptr)) * (self.n + self.k) + self.col
 
     @cached_property
     def _rhs_function(self) -> Any:
@@ -120,5 +138,5 @@ class CompiledField(ABC):
         state, out = np.ascontiguousarray(x, dtype=float), np.empty(m)
         if state.shape != (self.n,) or c.shape != (max(self.constant_count, 1),):
             raise ValueError(f"a state of shape {state.shape} and {c.shape} constants for {self.n} states")
-        call(t, state.ctypes.data, c.ctypes.data, out.ctypes.data)
-        return out if np.isfinite(out).all() else np.full(m, np.nan)
+        call(t, address(state), address(c), address(out))
+        return out

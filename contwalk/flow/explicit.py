@@ -12,8 +12,9 @@ from functools import lru_cache
 import numpy as np
 
 from contwalk.flow import plan, stages
+from contwalk.flow.addresses import address
 from contwalk.flow.compiled import Entry
-from contwalk.flow.compiled_field import CompiledField
+from contwalk.flow.compiled_field import EACH, CompiledField
 from contwalk.flow.path import Path
 from contwalk.flow.tableaus.runge_kutta import RungeKutta
 
@@ -38,7 +39,7 @@ _MOST_KEPT = 4_000_000
 
 def warmup() -> None:
     """Compile everything that does not depend on the field, or find it compiled."""
-    for entry in (ADAPTIVE, MARCH, LEAP, STAGES_OF):
+    for entry in (ADAPTIVE, MARCH, LEAP, STAGES_OF, EACH):
         _ = entry.address
     for name in stages.TABLEAUS:
         stages.code(name)
@@ -65,15 +66,15 @@ class Call:
         self.plan[plan.EXTEND] = code.addresses.get("extend", 0)
         self.plan[plan.EVALUATE] = code.addresses["tangent" if columns else "plain"]
         self.plan[plan.N], self.plan[plan.LENGTH] = field.n, self.length
-        self.plan[plan.WORK], self.plan[plan.VECTORS] = self.vectors.ctypes.data, len(self.vectors)
+        self.plan[plan.WORK], self.plan[plan.VECTORS] = address(self.vectors), len(self.vectors)
         self.plan[plan.LAST_STAGE] = stages.FIRST + self.method.stages - 1
         if not columns:
-            self.give(plan.PROBLEM, np.array([field.rhs_address, self._c.ctypes.data], dtype=np.int64))
+            self.give(plan.PROBLEM, np.array([field.rhs_address, address(self._c)], dtype=np.int64))
 
     def give(self, place: int, array: np.ndarray) -> np.ndarray:
         """Put an array where the driver finds it."""
         self._kept.append(array)
-        self.plan[place] = array.ctypes.data
+        self.plan[place] = address(array)
         return array
 
     def weigh(self, weights: Vector) -> None:
@@ -89,19 +90,17 @@ class Call:
     def tangents(self, x: np.ndarray, sources: Sequence[int] | np.ndarray) -> None:
         """Begin with these tangents, each driven by its parameter column."""
         field, q = self.field, x.shape[1]
-        given = np.asarray(sources, dtype=np.int64)
-        if given.shape != (q,) or ((given < -1) | (given >= field.k)).any():
+        if len(sources) != q:
             raise ValueError(f"{q} tangents of a field with {field.k} columns are driven by {list(sources)}")
         self.split(self.vectors[stages.Y])[1][:, :q] = x
-        driving = _aligned(max(field.k, 1), self.width)
-        driving[given[given >= 0], np.flatnonzero(given >= 0)] = 1.0
+        driving = _driving(field.k, self.width, np.asarray(sources, dtype=np.int64).tobytes())
         buffer = np.empty(field.n + len(field.col))
         self._kept += [driving, buffer]
-        addresses = [field.rhs_jac_address, self._c.ctypes.data, field.product_address]
+        addresses = [field.rhs_jac_address, address(self._c), field.product_address]
         addresses += [
             self.width // stages.WIDTH,
-            driving.ctypes.data,
-            buffer.ctypes.data,
+            address(driving),
+            address(buffer),
             field.n,
             self.start,
         ]
@@ -119,7 +118,7 @@ class Call:
         nodes[0] = self.vectors[stages.Y]
         self.give(plan.NODES, nodes)
         self.plan[plan.ROOM], self.plan[plan.EVERY] = len(grid) - 1, every
-        MARCH(self.plan.ctypes.data)
+        MARCH(address(self.plan))
         return nodes
 
 
@@ -166,9 +165,9 @@ def adaptive(
     times, nodes = np.empty(_ROOM + 1), np.empty((_ROOM + 1, call.length))
     times[0], nodes[0] = t0, call.vectors[stages.Y]
     while True:
-        call.plan[plan.TIMES], call.plan[plan.NODES] = times.ctypes.data, nodes.ctypes.data
+        call.plan[plan.TIMES], call.plan[plan.NODES] = address(times), address(nodes)
         call.plan[plan.ROOM] = len(times) - 1
-        answer = ADAPTIVE(call.plan.ctypes.data, t1, tolerance, call.method.error_order, call.method.stable)
+        answer = ADAPTIVE(address(call.plan), t1, tolerance, call.method.error_order, call.method.stable)
         if answer != plan.FULL:
             break
         times = np.concatenate([times, np.empty(len(times))])
@@ -282,7 +281,7 @@ def _leapt(call: Call, grid: np.ndarray, nodes: np.ndarray, which: np.ndarray, a
     call.give(plan.WHICH, np.ascontiguousarray(which, dtype=np.int64))
     out = call.give(plan.OUT, np.empty((len(at), call.length)))
     call.plan[plan.ROOM] = len(at)
-    LEAP(call.plan.ctypes.data, at.ctypes.data)
+    LEAP(address(call.plan), address(at))
     return out[:, : call.field.n]
 
 
@@ -298,7 +297,7 @@ def _interpolated(
         chosen = call.give(plan.WHICH, np.ascontiguousarray(steps[first : first + batch], dtype=np.int64))
         out = call.give(plan.OUT, np.empty((len(chosen), vectors, call.length)))
         call.plan[plan.ROOM] = len(chosen)
-        STAGES_OF(call.plan.ctypes.data)
+        STAGES_OF(address(call.plan))
         rows = np.flatnonzero((belongs >= first) & (belongs < first + len(chosen)))
         local = belongs[rows] - first
         coefficients = _coefficients(call, grid, nodes, chosen, out[:, :, : call.field.n])
@@ -351,7 +350,7 @@ class Interpolation:
             chosen = call.give(plan.WHICH, np.arange(steps, dtype=np.int64))
             out = call.give(plan.OUT, np.empty((steps, len(call.vectors) - stages.FIRST, call.length)))
             call.plan[plan.ROOM] = steps
-            STAGES_OF(call.plan.ctypes.data)
+            STAGES_OF(address(call.plan))
             self._coefficients = _coefficients(call, self._grid, self._nodes, chosen, out[:, :, : field.n])
 
     def __call__(self, times: Vector) -> np.ndarray:
@@ -383,6 +382,17 @@ def _method(name: str) -> RungeKutta:
     return stages.TABLEAUS[name]
 
 
+@lru_cache
+def _driving(columns: int, width: int, sources: bytes) -> np.ndarray:
+    """Which parameter column drives which tangent: ones in places, shape (columns, width); never changed."""
+    given = np.frombuffer(sources, dtype=np.int64)
+    if ((given < -1) | (given >= columns)).any():
+        raise ValueError(f"tangents of a field with {columns} columns are driven by {given.tolist()}")
+    result = _aligned(max(columns, 1), width)
+    result[given[given >= 0], np.flatnonzero(given >= 0)] = 1.0
+    return result
+
+
 def _padded(count: int) -> int:
     return -(-count // stages.WIDTH) * stages.WIDTH
 
@@ -390,7 +400,7 @@ def _padded(count: int) -> int:
 def _aligned(rows: int, columns: int) -> np.ndarray:
     """Zeros, at an address at which vectors do not straddle the lines of the processor's cache."""
     memory = np.zeros(rows * columns + _LINE)
-    offset = -(memory.ctypes.data // memory.itemsize) % _LINE
+    offset = -(address(memory) // memory.itemsize) % _LINE
     return memory[offset : offset + rows * columns].reshape(rows, columns)
 
 

@@ -16,6 +16,7 @@ from contwalk.fields.llvm import Code, code_of
 from contwalk.fields.machine_code import Input, function, module
 from contwalk.fields.rounding import error_bounds
 from contwalk.fields.trace import Outputs, Program, roots
+from contwalk.flow.addresses import address
 from contwalk.flow.compiled_field import CompiledField
 from contwalk.flow.products import product_text
 
@@ -212,7 +213,7 @@ class Field(CompiledField):
     # -- calls from Python -------------------------------------------------------------------------------
 
     def constants(self, p: Sequence[float] | np.ndarray) -> np.ndarray:
-        """Everything that depends on the parameters only; passed on as `c`.
+        """Everything that depends on the parameters only; passed on as `c`, and not to be written to.
 
         Raises
         ------
@@ -226,8 +227,7 @@ class Field(CompiledField):
         known = self._known_constants.get(key)
         if known is None:
             known = np.empty(max(self.constant_count, 1))
-            self._constants(values.ctypes.data, known.ctypes.data)
-            known.flags.writeable = False
+            self._constants(address(values), address(known))
             if len(self._known_constants) >= _MOST_CONSTANTS:
                 self._known_constants.clear()
             self._known_constants[key] = known

@@ -13,6 +13,7 @@ from functools import cache
 
 import numpy as np
 
+from contwalk.flow.addresses import address
 from contwalk.flow.compiled import Entry
 from contwalk.flow.compiled_field import CompiledField
 from contwalk.flow.path import Path
@@ -79,12 +80,12 @@ class _Call:
         self._pivots = np.empty((1 + modes) * n + pivots, dtype=np.int64)
         numbers = self._kept[-1]
         self.first = (
-            *(field.rhs_address, field.rhs_jac_address, n, field.row_ptr.ctypes.data, field.col.ctypes.data),
-            *(entries, c.ctypes.data, len(c), numbers.ctypes.data, len(numbers), s),
+            *(field.rhs_address, field.rhs_jac_address, n, address(field.row_ptr), address(field.col)),
+            *(entries, address(c), len(c), address(numbers), len(numbers), s),
         )
         self.last = (
-            *(self._scratch.ctypes.data, len(self._scratch)),
-            *(self._pivots.ctypes.data, len(self._pivots)),
+            *(address(self._scratch), len(self._scratch)),
+            *(address(self._pivots), len(self._pivots)),
         )
 
 
@@ -128,10 +129,10 @@ def adaptive(
     memory, counts = np.zeros(5), np.zeros(4, dtype=np.int64)
     code = _FULL
     while True:
-        places = (times.ctypes.data, states.ctypes.data, len(times) - 1)
+        places = (address(times), address(states), len(times) - 1)
         code = _ADAPTIVE(
-            *(*call.first, t1, tolerance, allowed, scales.ctypes.data, max_steps, *places),
-            *(memory.ctypes.data, counts.ctypes.data, *call.last),
+            *(*call.first, t1, tolerance, allowed, address(scales), max_steps, *places),
+            *(address(memory), address(counts), *call.last),
         )
         if code != _FULL:
             break
@@ -162,10 +163,8 @@ def _march(
     call = _Call(field, c, TABLEAUS[method])
     grid, x = np.ascontiguousarray(times, dtype=float), np.array(x0, dtype=float)
     states = np.full((len(grid), field.n), np.nan)
-    places = [0 if array is None else array.ctypes.data for array in (weights, errors, increments)]
-    _MARCH(
-        *call.first, grid.ctypes.data, len(grid) - 1, x.ctypes.data, states.ctypes.data, *places, *call.last
-    )
+    places = [0 if array is None else address(array) for array in (weights, errors, increments)]
+    _MARCH(*call.first, address(grid), len(grid) - 1, address(x), address(states), *places, *call.last)
     return states
 
 
@@ -229,8 +228,8 @@ def tangents(
     count = len(grid) if every else 0
     states, nodes = np.full((count, n), np.nan), np.full((count, n, q), np.nan)
     done = _TANGENTS(
-        *(*call.first, grid.ctypes.data, len(grid) - 1, x.ctypes.data, X.ctypes.data, q, driving.ctypes.data),
-        *(states.ctypes.data if every else 0, nodes.ctypes.data if every else 0, *call.last),
+        *(*call.first, address(grid), len(grid) - 1, address(x), address(X), q, address(driving)),
+        *(address(states) if every else 0, address(nodes) if every else 0, *call.last),
     )
     if every:
         return states, nodes

@@ -15,7 +15,7 @@ from contwalk.problems import defining
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.description import described
 from contwalk.problems.equations import equations_of
-from contwalk.problems.linear import Factored, solution_error
+from contwalk.problems.linear import Factored
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.problem import MAX_RE, Linearization, Located, Sample, Seed
@@ -241,12 +241,12 @@ class Equilibrium:
         # A stored tangent is a unit vector already; dividing again would change its last digits.
         unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
         found = self.spectrum(z, unit, linearization.jacobian)
-        bordered = np.vstack([linearization.jacobian, unit / weights**2])
+        orientation, error = linearization.orientation_and_error(unit, weights, linearization.levels[0])
         return Sample(
             z=z,
             tangent=unit,
             weights=weights,
-            orientation=Factored(bordered, weights).orientation(),
+            orientation=orientation,
             eigenvalues=found.values,
             errors=found.errors,
             rates=found.rates,
@@ -255,7 +255,7 @@ class Equilibrium:
             observables=self.observables(z, found),
             magnitudes=linearization.magnitudes,
             excess=linearization.excess_in(weights),
-            error=solution_error(bordered, linearization.levels[0], weights),
+            error=error,
             forbidden=passed_over(self.system, np.zeros(1), z[None, : self.states], self.values_of(z)),
         )
 

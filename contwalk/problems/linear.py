@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,7 +40,37 @@ def _largest(exponents: np.ndarray, axis: int) -> np.ndarray:
     return np.where(found > _NO_ENTRY // 2, found, 0)
 
 
-class Factored:
+class Factorization(ABC):
+    """A square matrix prepared for solving with it; what raises does so where it is exactly singular."""
+
+    @abstractmethod
+    def solve(self, right: np.ndarray) -> np.ndarray:
+        """x with matrix @ x = right, of one right-hand side or of columns of them.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError
+        """
+
+    @abstractmethod
+    def solve_adjoint(self, right: np.ndarray) -> np.ndarray:
+        """y with matrix* @ y = right, of one right-hand side or of columns of them.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError
+        """
+
+    @abstractmethod
+    def orientation(self) -> float:
+        """Sign of the determinant."""
+
+    @abstractmethod
+    def error(self, levels: np.ndarray, weights: np.ndarray) -> float:
+        """What errors `levels` of the first equations do to the solution in the metric, at most."""
+
+
+class Factored(Factorization):
     """A square matrix, equilibrated; `solve` applies its inverse.
 
     Where typical magnitudes of the unknowns are known (`weights`), they scale the columns, which is cheaper.
@@ -57,28 +88,22 @@ class Factored:
             self._scaled = scaled * self.rows[:, None]
 
     def solve(self, right: np.ndarray) -> np.ndarray:
-        """x with matrix @ x = right.
+        """x with matrix @ x = right, of one right-hand side or of columns of them."""
+        return (self.columns * np.linalg.solve(self._scaled, (self.rows * right.T).T).T).T
 
-        Raises
-        ------
-        numpy.linalg.LinAlgError
-            If the matrix is exactly singular.
-        """
-        return self.columns * np.linalg.solve(self._scaled, self.rows * right)
+    def solve_adjoint(self, right: np.ndarray) -> np.ndarray:
+        """y with matrix* @ y = right, of one right-hand side or of columns of them."""
+        return (self.rows * np.linalg.solve(self._scaled.conj().T, (self.columns * right.T).T).T).T
 
     def orientation(self) -> float:
         """Sign of the determinant."""
         return float(np.linalg.slogdet(self._scaled)[0])
 
-
-def solution_error(bordered: np.ndarray, levels: np.ndarray, weights: np.ndarray) -> float:
-    """What errors of the equations, `levels`, do to their solution in the metric, at most."""
-    scaled = bordered * weights
-    try:
-        inverse = np.linalg.inv(scaled)
-    except np.linalg.LinAlgError:
-        return float("inf")
-    return float(np.max(np.abs(inverse[:, : len(levels)]) @ levels))
+    def error(self, levels: np.ndarray, weights: np.ndarray) -> float:
+        """What errors `levels` of the first equations do to the solution in the metric, at most."""
+        count = len(levels)
+        inverse = np.linalg.inv(self._scaled)[:, :count]
+        return float(np.max((np.abs(inverse) @ (self.rows[:count] * levels)) * (self.columns / weights)))
 
 
 class LeastSquares:
@@ -93,21 +118,11 @@ class LeastSquares:
         return self.columns * (self._inverse @ (self.rows * right))
 
 
-def tangent_along(jacobian: np.ndarray, border: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """The null vector t of DF, shape (N, N + 1), with border . t = 1.
-
-    Raises
-    ------
-    numpy.linalg.LinAlgError
-        Exactly at a branch point, where DF has more than one.
-    """
-    unit = np.zeros(len(border))
-    unit[-1] = 1.0
-    return Factored(np.vstack([jacobian, border]), weights).solve(unit)
-
-
 def kernel_direction(matrix: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """The vector that a matrix with one column more than rows takes to zero, a unit in the metric."""
+    """The vector that a matrix with one column more than rows takes to zero, a unit in the metric.
+
+    It is asked for where a branch begins and no neighbour gives a border: that is what the SVD is for.
+    """
     scaled = matrix * weights
     largest = np.abs(scaled).max(axis=1, keepdims=True)
     return np.linalg.svd(scaled / np.where(largest > 0, largest, 1.0))[2][-1] * weights

@@ -22,7 +22,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
-from contwalk.problems.linear import EPSILON
+from contwalk.problems.linear import EPSILON, Factored, Factorization
 
 # Observables that every problem has: the largest real part of an equilibrium, the largest modulus of an
 # orbit.
@@ -43,9 +43,12 @@ class Linearization:
         jacobian: np.ndarray,
         levels: Callable[[], tuple[np.ndarray, np.ndarray | None]],
         magnitudes: Callable[[], np.ndarray] | None = None,
+        factor: Callable[[np.ndarray, np.ndarray], Factorization] = Factored,
     ) -> None:
         self.residual = residual
         self.jacobian = jacobian
+        self._factor = factor
+        self._bordered: tuple[bytes, Factorization] | None = None
         self._levels = levels
         self._magnitudes = magnitudes
 
@@ -60,6 +63,41 @@ class Linearization:
         found = self.levels[1] if self._magnitudes is None else self._magnitudes()
         assert found is not None
         return found
+
+    def bordered(self, row: np.ndarray, weights: np.ndarray) -> Factorization:
+        """[DF; row], factored; kept until another row is asked for.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError
+            If it is exactly singular, here or when it is used.
+        """
+        key = row.tobytes() + weights.tobytes()
+        if self._bordered is None or self._bordered[0] != key:
+            self._bordered = key, self._factor(np.vstack([self.jacobian, row]), weights)
+        return self._bordered[1]
+
+    def tangent(self, border: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """The null vector t of DF with border . t = 1.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError
+            Exactly at a branch point, where DF has more than one.
+        """
+        unit = np.zeros(len(border))
+        unit[-1] = 1.0
+        return self.bordered(border, weights).solve(unit)
+
+    def orientation_and_error(
+        self, tangent: np.ndarray, weights: np.ndarray, levels: np.ndarray
+    ) -> tuple[float, float]:
+        """Sign of det [DF; tangent], and what errors `levels` of the equations do to the solution at most."""
+        try:
+            bordered = self.bordered(tangent / weights**2, weights)
+            return bordered.orientation(), bordered.error(levels, weights)
+        except np.linalg.LinAlgError:
+            return 0.0, float("inf")
 
     @property
     def finite(self) -> bool:

@@ -30,12 +30,14 @@ def warm() -> tuple[list[Warmed], Path]:
     """Compile the integrators that do not depend on a system, or find them in the cache; its folder."""
     from contwalk.fields import object_cache
     from contwalk.flow import explicit, radau, sampling, walk
+    from contwalk.problems.hybrid import condensed
 
     parts: dict[str, Callable[[], None]] = {
         "explicit methods (dop853, verner98)": explicit.warmup,
         "implicit methods (radau5, radau9)": radau.warmup,
         "sampling": sampling.warmup,
         "hybrid machines": walk.warmup,
+        "condensed linear systems": condensed.warmup,
     }
     folder = object_cache.directory()
     return [_warmed(name, part, folder) for name, part in parts.items()], folder

@@ -12,7 +12,7 @@ import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.hybrid import beyond, families, limits, neighbours, observing, switching
+from contwalk.problems.hybrid import beyond, condensed, families, limits, neighbours, observing, switching
 from contwalk.problems.hybrid.layout import Layout
 from contwalk.problems.hybrid.limits import Limit
 from contwalk.problems.hybrid.passage import Passage, passage_of
@@ -22,7 +22,7 @@ from contwalk.problems.hybrid.shooting import LegMesh, Piece, meshed
 from contwalk.problems.hybrid.solving import newton_on
 from contwalk.problems.hybrid.view import LegView, view_of
 from contwalk.problems.hybrid.word import Word
-from contwalk.problems.linear import EPSILON, Factored, solution_error, tangent_along
+from contwalk.problems.linear import EPSILON, Factorization
 from contwalk.problems.orbit import augmented, branching, describing, ending, rates
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.discretization import FINEST, Discretization
@@ -123,8 +123,7 @@ class HybridOrbit:
     def _varied(self, **changes: Any) -> HybridOrbit:
         other = copy.copy(self)
         other._kept, other._views = {}, {}
-        for cached in ("pieces", "limits"):
-            other.__dict__.pop(cached, None)
+        other.__dict__.pop("pieces", None)
         for name, value in changes.items():
             setattr(other, name, value)
         return other
@@ -282,13 +281,21 @@ class HybridOrbit:
                 del self._kept[next(iter(self._kept))]
             residual, jacobian = self._equations(z)
             self._kept[key] = Linearization(
-                residual, jacobian, lambda: (self._levels(z, jacobian), None), lambda: self.magnitudes_near(z)
+                residual,
+                jacobian,
+                lambda: (self._levels(z, jacobian), None),
+                lambda: self.magnitudes_near(z),
+                self.factored,
             )
         return self._kept[key]
 
     def jacobian(self, z: np.ndarray) -> np.ndarray:
         """DF(z), shape (N, N + 1)."""
         return self.linearize(z).jacobian
+
+    def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factorization:
+        """A matrix of these equations and unknowns, and of borders that come last, factored."""
+        return condensed.factored(self.layout, matrix, weights)
 
     def _equations(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         layout = self.layout
@@ -612,7 +619,18 @@ class HybridOrbit:
 
     def cycle_rate(self, z: np.ndarray, v: np.ndarray, tangent: np.ndarray) -> np.ndarray:
         """Derivative of L v along a direction, for a real v, shape (N,)."""
-        return self.cycle_derivative(z, v) @ tangent
+        layout, lifted, result = self.layout, np.append(v, 0.0), np.zeros(self.size)
+        for i, piece in enumerate(self.pieces):
+            x, scalars = layout.inputs(i, z)
+            direction, along = layout.inputs(i, lifted)
+            y = np.concatenate([x, direction])
+            moved = piece.changing(TANGENT, y, scalars, *layout.inputs(i, tangent), along)
+            width, rows = len(moved) // 2, layout.matches[i]
+            n = rows.stop - rows.start
+            result[rows] = moved[width : width + n]
+            if width > n:
+                result[layout.guards + i] = moved[width + n]
+        return result
 
     def derivative_along(self, z: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Derivative by z of DF(z) v for a real v of length N + 1, shape (N, N + 1)."""
@@ -690,14 +708,13 @@ class HybridOrbit:
         unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
         found = self.multipliers(z, linearization.jacobian)
         trivial = self.trivial_error(z, linearization.jacobian)
-        bordered = np.vstack([linearization.jacobian, unit / weights**2])
+        orientation, error = linearization.orientation_and_error(unit, weights, self._errors(linearization))
         margins = limits.margins(self, z)
-        error = solution_error(bordered, self._errors(linearization), weights)
         return Sample(
             z=z,
             tangent=unit,
             weights=weights,
-            orientation=Factored(bordered, weights).orientation(),
+            orientation=orientation,
             eigenvalues=found.values,
             errors=found.errors,
             rates=rates.of_moduli(self, z, unit, found),
@@ -769,7 +786,7 @@ class HybridOrbit:
         z = newton_on(self, sample.z, sample.weights, normal)
         problem = self.adapted_to(z, sample.weights)
         there = problem.linearize(z)
-        tangent = tangent_along(there.jacobian, normal, sample.weights)
+        tangent = there.tangent(normal, sample.weights)
         again = problem.examine(z, tangent, sample.weights, there, sample.unstable)
         return problem, replace(again, iterations=sample.iterations)
 
@@ -844,7 +861,9 @@ class HybridOrbit:
             own = self.passages[0].field(PLAIN)(0.0, x, c)
             section = section_at(x, own, magnitudes[list(self.passages[0].states)])
         problem = self.on(replace(mesh, total=abs(self.duration(z))), section)
-        return problem._varied(_mesh=replace(problem.mesh, guards=limits.guard_scales(problem, z)))
+        # Its views need the steps, and the units of its equations need the views.
+        problem._mesh = replace(problem.mesh, guards=limits.guard_scales(problem, z))
+        return problem
 
     def refined(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> HybridOrbit:
         """The same problem, section included, on steps for located points."""

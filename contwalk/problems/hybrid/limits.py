@@ -28,7 +28,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.errors import StartError
 from contwalk.problems.hybrid.shooting import Piece
-from contwalk.problems.hybrid.view import LegView, turns
+from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.orbit import augmented
 from contwalk.problems.orbit.motion import PLAIN
 from contwalk.problems.problem import NO_MARGIN, Located, Sample
@@ -44,8 +44,6 @@ DERIVED = ("rate", "duration", "leaving")
 SOFT = "soft"
 # Margins larger than this are not those that a special point is a zero of.
 HIDDEN = 1e-6
-# A minimum is looked at if a sample beside it is below so many times the least one found before.
-DEEPER = 4.0
 # Parts of a guard's largest value: zero to rounding; below zero beyond doubt.
 ZERO, BELOW = 1e-9, 1e-7
 
@@ -166,10 +164,11 @@ class _Watch:
         """Largest value."""
         return max(float(np.abs(self.values).max()), 1e-300)
 
-    def at(self, time: float) -> float:
-        """Its value at any instant."""
-        times = np.array([time])
-        return self.sign * float(self.view.guard_at(self.transition, times, self.view.at(times))[0, 0])
+    @property
+    def dips(self) -> list[tuple[int, float, float]]:
+        """Where it is least: after which sample, at which instant, and its value there."""
+        found = self.view.turning(self.transition)
+        return [(k, time, self.sign * value) for k, time, value in found if self.rates[k] < 0.0]
 
 
 def margins(problem: HybridOrbit, z: np.ndarray) -> Margins:
@@ -237,17 +236,10 @@ def _of_watch(test: str, watch: _Watch, duration: float) -> tuple[float, float, 
         # A guard that has just been zero, or that two events share, is no limit of its own there.
         return (float(v[k]) if abs(v[k]) > ZERO * scale else np.inf), scale, float(t[k])
     least, place = np.inf, np.nan
-    dips = np.flatnonzero((r[:-1] < 0.0) & (r[1:] >= 0.0))
-    if not len(dips):
-        return least, scale, place
-    times = turns(t[dips], t[dips + 1], v[dips], v[dips + 1], r[dips], r[dips + 1])
-    for k, time in zip(dips.tolist(), times.tolist(), strict=True):
+    for k, time, value in watch.dips:
         first, last = k == 0, k == len(t) - 2
         if last and watch.own and abs(v[-1]) < ZERO * scale:
             continue  # what turns just before its own event is told by the rate there
-        if min(v[k], v[k + 1]) > DEEPER * least:
-            continue
-        value = watch.at(time)
         if first and abs(v[0]) < ZERO * scale and value > -BELOW * scale:
             continue  # it has just been zero, and leaves
         if value < least:
@@ -261,8 +253,8 @@ def guard_scales(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
     for i, (leg, view) in enumerate(zip(problem.word.legs, problem.view(z), strict=True)):
         if leg.transition is None:
             continue
-        found = view.guard_at(leg.transition, view.piece.steps, view.nodes)
-        largest = float(np.abs(found[:, 0]).max())
+        found = view.guard_values(leg.transition)
+        largest = float(np.abs(found).max())
         scales[i] = largest if np.isfinite(largest) and largest > 0.0 else 1.0
     return scales
 
@@ -347,7 +339,8 @@ def _rows(problem: HybridOrbit, limit: Limit, y: np.ndarray, share: float) -> tu
     if limit.test == "leaving":
         map_ = piece.passage.bending(transition)
         c = map_.constants(piece.values(scalars))
-        return map_(0.0, x, c), layout.spread(i, map_.jacobian(0.0, x, c))
+        value, derivative = map_.linearized(0.0, x, c)
+        return value, layout.spread(i, derivative)
     watched = piece.passage.watched(transition.name, transition.guard)
     if limit.test == "start":
         own = np.eye(n, n + len(scalars))

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -90,21 +91,41 @@ class Piece:
     ) -> tuple[np.ndarray, np.ndarray]:
         """As `before`, with the derivatives by the state (its first n components) and the columns."""
         field, n, k = self._field(lift), len(self.passage.states), len(self.passage.columns)
-        columns = np.zeros((len(y), n + k))
-        columns[:n, :n] = np.eye(n)
-        sources = np.array([-1] * n + list(range(k)))
+        columns, sources = _beginnings(len(y), n, k)
         c = field.constants(self.values(scalars, *directions))
         return flow.tangents(field, c, self.steps, y, columns, sources, self.method)
+
+    def changing(
+        self,
+        lift: str,
+        y: np.ndarray,
+        scalars: np.ndarray,
+        moving: np.ndarray,
+        changes: np.ndarray,
+        *directions: np.ndarray,
+    ) -> np.ndarray:
+        """Derivative of `end` along one direction, of the state (its first n components) and the scalars.
+
+        Of many states it is far cheaper than all derivatives.
+        """
+        field, n, k = self._field(lift), len(self.passage.states), len(self.passage.columns)
+        columns = np.zeros((len(y), 1 + k))
+        columns[:n, 0] = moving
+        values = self.values(scalars, *directions)
+        sources = np.arange(-1, k)
+        end = flow.tangents(field, field.constants(values), self.steps, y, columns, sources, self.method)
+        _, moved = self.through(self.passage.end(lift), *end, values)
+        return moved[:, 0] + moved[:, 1:] @ changes
 
     def through(
         self, map_: flow.Field, x: np.ndarray, moved: np.ndarray, values: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """A map of the leg's end with its derivatives by the start and the columns."""
         c, k = map_.constants(values), len(self.passage.columns)
-        derivative = map_.jacobian(1.0, x, c)
+        value, derivative = map_.linearized(1.0, x, c)
         total = derivative[:, : len(x)] @ moved
         total[:, -k:] += derivative[:, len(x) :]
-        return map_(1.0, x, c), total
+        return value, total
 
     def nodes(self, x: np.ndarray, scalars: np.ndarray) -> np.ndarray:
         """States at the steps, shape (s + 1, n_i)."""
@@ -121,6 +142,17 @@ class Piece:
         """dx/dt at the start, in the leg's own time."""
         field = self.passage.field(PLAIN)
         return field(0.0, x, field.constants(self.values(scalars)))
+
+
+@lru_cache
+def _beginnings(length: int, n: int, k: int) -> tuple[np.ndarray, np.ndarray]:
+    """Tangents at the start of a leg, and which column drives each: of n states, and of k columns."""
+    columns, sources = np.eye(length, n + k), np.concatenate([np.full(n, -1), np.arange(k)])
+    columns[n:] = 0.0
+    columns[:, n:] = 0.0
+    for array in (columns, sources):
+        array.flags.writeable = False
+    return columns, sources
 
 
 def meshed(

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contwalk.errors import StartError
-from contwalk.problems.linear import Factored
 
 if TYPE_CHECKING:
     from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
@@ -37,8 +36,8 @@ def newton_on(
             scaled = here.jacobian / problem.equation_scales[:, None] * weights
             step = weights * np.linalg.lstsq(scaled, here.residual / problem.equation_scales, rcond=1e-12)[0]
         else:
-            bordered = np.vstack([here.jacobian, normal])
-            step = Factored(bordered, weights).solve(np.append(here.residual, normal @ (z - guess)))
+            right = np.append(here.residual, normal @ (z - guess))
+            step = here.bordered(normal, weights).solve(right)
         size = float(np.linalg.norm(step / weights))
         if here.excess <= 2.0 or size < 1e-13 or (size > 0.5 * before and before < 1e-8):
             return z

@@ -10,9 +10,9 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
 from contwalk.problems.hybrid.word import Word
-from contwalk.problems.orbit.augmented import null_vectors
 from contwalk.problems.orbit.branching import amplitude, crossing, filled_magnitudes
 from contwalk.problems.orbit.closure import imaged
+from contwalk.problems.orbit.null_vectors import null_vectors
 from contwalk.problems.problem import Seed
 from contwalk.system.declarations import ParameterValues
 
@@ -97,7 +97,8 @@ def _alternating(
 ) -> Sequence[Seed]:
     """A closure followed twice, the second time as its image and with the deviation's sign changed."""
     layout = problem.layout
-    v, _ = null_vectors(problem.cycle_matrix(problem.linearize(z).jacobian, -1.0), *problem.cycle_scales)
+    matrix = problem.cycle_matrix(problem.linearize(z).jacobian, -1.0)
+    v, _ = null_vectors(problem, matrix, *problem.cycle_scales)
     v = v.real
     lasting, rest = layout.durations, slice(layout.durations.stop, layout.size)
     still = np.zeros(layout.size - lasting.stop)

@@ -48,6 +48,16 @@ class LegView:
         return self.piece.nodes(self.x, self.scalars)
 
     @cached_property
+    def _values(self) -> np.ndarray:
+        """What the leg's functions depend on."""
+        return self.piece.values(self.scalars)
+
+    @cached_property
+    def _constants(self) -> np.ndarray:
+        """What its field takes from them."""
+        return self.piece.passage.field(PLAIN).constants(self._values)
+
+    @cached_property
     def times(self) -> np.ndarray:
         """Sampled instants in 0..1, the steps' own among them."""
         steps = self.piece.steps
@@ -63,15 +73,13 @@ class LegView:
     def rates(self) -> np.ndarray:
         """Rates of the states over the leg's own time, shape (k, n_i)."""
         field = self.piece.passage.field(PLAIN)
-        c = field.constants(self.piece.values(self.scalars))
-        return field.along(self.times, self.states, c)
+        return field.along(self.times, self.states, self._constants)
 
     @cached_property
     def at(self) -> Callable[[np.ndarray], np.ndarray]:
         """States of the mode at any instants in 0..1, a function of these."""
         field = self.piece.passage.field(PLAIN)
-        c = field.constants(self.piece.values(self.scalars))
-        return flow.interpolation(field, c, self.piece.steps, self.nodes, self.piece.method)
+        return flow.interpolation(field, self._constants, self.piece.steps, self.nodes, self.piece.method)
 
     @property
     def end(self) -> np.ndarray:
@@ -90,18 +98,39 @@ class LegView:
     @cached_property
     def _guards(self) -> np.ndarray:
         """All guards out of the mode with their rates, at the samples."""
-        values = self.piece.values(self.scalars)
+        return self._watched(self.times, self.states, self.rates)
+
+    def _watched(self, times: np.ndarray, states: np.ndarray, rates: np.ndarray | None = None) -> np.ndarray:
+        """All guards out of the mode, each with its rate, at some instants, shape (k, 2 g)."""
         passage = self.piece.passage
         try:
             maps = [passage.guards()]
         except UnsupportedOperation:  # together they compare too often; each alone does not
             maps = [passage.watched(t.name, t.guard) for t in passage.leaving]
-        return np.hstack([map_.along(self.times, self.states, values, self.rates) for map_ in maps])
+        return np.hstack([map_.along(times, states, self._values, rates) for map_ in maps])
+
+    def turning(self, transition: Transition) -> list[tuple[int, float, float]]:
+        """Where a transition's guard turns: after which sample, at which instant, and its value there."""
+        return self._turning[self.piece.passage.leaving.index(transition)]
+
+    @cached_property
+    def _turning(self) -> list[list[tuple[int, float, float]]]:
+        """As `turning`, of all guards, evaluated together."""
+        found: list[list[tuple[int, float, float]]] = [[] for _ in self.piece.passage.leaving]
+        t, v, r = self.times, self._guards[:, ::2], self._guards[:, 1::2]
+        a, b = r[:-1], r[1:]
+        k, g = np.nonzero(((a < 0.0) & (b >= 0.0)) | ((a > 0.0) & (b <= 0.0)))
+        if len(k):
+            at = turns(t[k], t[k + 1], v[k, g], v[k + 1, g], a[k, g], b[k, g])
+            values = self._watched(at, self.at(at))[np.arange(len(k)), 2 * g]
+            for which, *entry in zip(g.tolist(), k.tolist(), at.tolist(), values.tolist(), strict=True):
+                found[which].append((entry[0], entry[1], entry[2]))
+        return found
 
     @cached_property
     def conditions(self) -> dict[str, float]:
         """Values of the conditions at the leg's transition, by name."""
-        passage, values = self.piece.passage, self.piece.values(self.scalars)
+        passage, values = self.piece.passage, self._values
         if not passage.conditions:
             return {}
         try:
@@ -111,10 +140,11 @@ class LegView:
         found = np.concatenate([map_(1.0, self.end, map_.constants(values)) for map_ in maps])
         return dict(zip([c.name for c in passage.conditions], found.tolist(), strict=True))
 
-    def guard_at(self, transition: Transition, times: np.ndarray, states: np.ndarray) -> np.ndarray:
-        """A guard and its rate at some instants, shape (k, 2)."""
-        watched = self.piece.passage.watched(transition.name, transition.guard)
-        return watched.along(times, states, self.piece.values(self.scalars))
+    def guard_values(self, transition: Transition) -> np.ndarray:
+        """A guard at the steps, shape (s + 1,)."""
+        watched, nodes = self.piece.passage.watched(transition.name, transition.guard), self.nodes
+        at_rest = np.zeros_like(nodes)  # its rate is not asked for, nor are theirs
+        return watched.along(self.piece.steps, nodes, self._values, at_rest)[:, 0]
 
     @cached_property
     def motion(self) -> tuple[np.ndarray, np.ndarray]:

@@ -25,8 +25,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contwalk.errors import NotFinite
-from contwalk.problems.linear import EPSILON, Factored
+from contwalk.problems.linear import EPSILON
 from contwalk.problems.orbit.discretization import TIGHTEST
+from contwalk.problems.orbit.null_vectors import bordered, critical_vectors
 from contwalk.problems.problem import Located, Sample
 
 if TYPE_CHECKING:
@@ -123,7 +124,7 @@ def _rounding(problem: Orbit, system: Augmented, y: np.ndarray) -> float:
     _, jacobian = system.evaluate(problem, y)
     # The last rows are bordered inverses: their terms are of size one.
     noise = np.concatenate([own, np.full(len(jacobian) - size, 1e2 * EPSILON)])
-    row = Factored(jacobian.T.copy()).solve(np.eye(len(y))[size])
+    row = problem.factored(jacobian, system.scale).solve_adjoint(np.eye(len(y))[size])
     return float(np.abs(row) @ noise) + EPSILON * abs(float(y[size]))
 
 
@@ -151,61 +152,23 @@ def _correction(problem: Orbit, system: Augmented, y: np.ndarray) -> np.ndarray 
         residual, jacobian = system.evaluate(problem, y)
         if not (np.all(np.isfinite(residual)) and np.all(np.isfinite(jacobian))):
             return None
-        return Factored(jacobian, system.scale).solve(residual)
+        return problem.factored(jacobian, system.scale).solve(residual)
     except (np.linalg.LinAlgError, NotFinite):
         return None
 
 
-def null_vectors(matrix: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Right and left null vectors of a nearly singular matrix from its scaled form, L v = 0 and psi* L = 0.
-
-    `rows` and `columns` are the units of its equations and of its unknowns; both vectors are units in the
-    scaled norm.
-    """
-    u, _, vh = np.linalg.svd(matrix / rows[:, None] * columns)
-    return vh[-1].conj() * columns, u[:, -1] / rows
-
-
-def nearly_null(matrix: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """As `null_vectors`, of a matrix that is singular to rounding: by one step of inverse iteration, which is
-    much cheaper.
-    """
-    scaled = matrix / rows[:, None] * columns
-    start = np.cos(np.arange(1.0, len(matrix) + 1.0))
-    try:
-        right, left = np.linalg.solve(scaled, start), np.linalg.solve(scaled.conj().T, start)
-    except np.linalg.LinAlgError:
-        return null_vectors(matrix, rows, columns)
-    if not (np.all(np.isfinite(right)) and np.all(np.isfinite(left))):
-        return null_vectors(matrix, rows, columns)
-    return right / np.linalg.norm(right) * columns, left / np.linalg.norm(left) / rows
-
-
 # -- the systems -------------------------------------------------------------------------------------------
-
-
-def _bordered(matrix: np.ndarray, b: np.ndarray, c: np.ndarray) -> tuple[np.ndarray, np.ndarray, complex]:
-    """v, psi and g of the bordered systems."""
-    size = len(matrix)
-    whole = np.zeros((size + 1, size + 1), dtype=matrix.dtype)
-    whole[:size, :size], whole[:size, size], whole[size, :size] = matrix, b, c.conj()
-    unit = np.zeros(size + 1)
-    unit[size] = 1.0
-    right = np.linalg.solve(whole, unit)
-    left = np.linalg.solve(whole.conj().T, unit)
-    return right[:size], left[:size], right[size]
 
 
 def _fold(problem: Orbit, sample: Sample, which: int) -> Augmented:
     """F_u singular."""
     size = problem.size
     rows, columns = problem.equation_scales, sample.weights[:size]
-    u, _, vh = np.linalg.svd(problem.jacobian(sample.z)[:, :size] / rows[:, None] * columns)
-    b, c = u[:, -1], vh[-1]
+    b, c = critical_vectors(problem, problem.jacobian(sample.z)[:, :size] / rows[:, None] * columns)
 
     def scaled(there: Orbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
         jacobian = there.linearize(z).jacobian
-        v, psi, g = _bordered(jacobian[:, :size] / rows[:, None] * columns, b, c)
+        v, psi, g = bordered(there, jacobian[:, :size] / rows[:, None] * columns, b, c)
         return v * columns, psi / rows, float(g.real), jacobian
 
     def evaluate(there: Orbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -224,13 +187,13 @@ def _fold(problem: Orbit, sample: Sample, which: int) -> Augmented:
 def _flip(problem: Orbit, sample: Sample, which: int) -> Augmented:
     """A multiplier at -1."""
     size, (rows, columns) = problem.size, problem.cycle_scales
-    u, _, vh = np.linalg.svd(problem.cycle_matrix(problem.jacobian(sample.z), -1.0) / rows[:, None] * columns)
-    b, c = u[:, -1], vh[-1]
+    start = problem.cycle_matrix(problem.jacobian(sample.z), -1.0)
+    b, c = critical_vectors(problem, start / rows[:, None] * columns)
 
     def scaled(there: Orbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
         jacobian = there.linearize(z).jacobian
         matrix = there.cycle_matrix(jacobian, -1.0)
-        v, psi, g = _bordered(matrix / rows[:, None] * columns, b, c)
+        v, psi, g = bordered(there, matrix / rows[:, None] * columns, b, c)
         return v * columns, psi / rows, float(g.real), jacobian
 
     def evaluate(there: Orbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -251,13 +214,12 @@ def _torus(problem: Orbit, sample: Sample, which: int, modulus: float = 1.0) -> 
     value = sample.eigenvalues[which]
     theta = abs(float(np.angle(value)))
     start = problem.cycle_matrix(problem.jacobian(sample.z), complex(value.real, abs(value.imag)))
-    u, _, vh = np.linalg.svd(start / rows[:, None] * columns)
-    b, c = u[:, -1], vh[-1].conj()
+    b, c = critical_vectors(problem, start / rows[:, None] * columns)
 
     def scaled(there: Orbit, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, complex, np.ndarray]:
         jacobian = there.linearize(y[: size + 1]).jacobian
         matrix = there.cycle_matrix(jacobian, modulus * np.exp(1j * y[-1]))
-        v, psi, g = _bordered(matrix / rows[:, None] * columns, b, c)
+        v, psi, g = bordered(there, matrix / rows[:, None] * columns, b, c)
         return v * columns, psi / rows, complex(g), jacobian
 
     def evaluate(there: Orbit, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -283,16 +245,20 @@ def _crossing(problem: Orbit, sample: Sample, which: int) -> Augmented:
     """[F_u F_lambda] of deficient rank: another branch passes."""
     size = problem.size
     rows, columns = problem.equation_scales, sample.weights
-    u, _, vh = np.linalg.svd(problem.jacobian(sample.z) / rows[:, None] * columns)
-    b, c = u[:, -1], vh[-2:]
+    own = sample.tangent / columns
+    start = np.vstack([problem.jacobian(sample.z) / rows[:, None] * columns, own / np.linalg.norm(own)])
+    left, other = critical_vectors(problem, start)
+    b = left[:size] / np.linalg.norm(left[:size])
+    c = np.linalg.qr(np.column_stack([own, other]))[0].T  # the plane of this branch and the other one
 
     def scaled(there: Orbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         jacobian = there.linearize(z).jacobian
         whole = np.zeros((size + 2, size + 2))
         whole[:size, : size + 1] = jacobian / rows[:, None] * columns
         whole[:size, -1], whole[size:, : size + 1] = b, c
-        right = np.linalg.solve(whole, np.eye(size + 2)[:, size:])
-        left = np.linalg.solve(whole.T, np.eye(size + 2)[:, -1])
+        factored = there.factored(whole, np.ones(size + 2))
+        right = factored.solve(np.eye(size + 2)[:, size:])
+        left = factored.solve_adjoint(np.eye(size + 2)[:, -1])
         return (right[: size + 1] * columns[:, None]).T, left[:size] / rows, left[size:], jacobian
 
     def evaluate(there: Orbit, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -12,7 +12,7 @@ import numpy as np
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.errors import called
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.linear import EPSILON, Factored, solution_error
+from contwalk.problems.linear import EPSILON, Factored
 from contwalk.problems.orbit import augmented, branching, describing, ending, rates, switching
 from contwalk.problems.orbit.closure import Closure
 from contwalk.problems.orbit.discretization import FINEST, Discretization
@@ -229,6 +229,10 @@ class PeriodicOrbit:
             )
         return self._kept[key]
 
+    def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factored:
+        """A matrix of these equations and unknowns, and of borders that come last, factored."""
+        return Factored(matrix, weights)
+
     def jacobian(self, z: np.ndarray) -> np.ndarray:
         """DF(z), shape (N, N + 1)."""
         return self.linearize(z).jacobian
@@ -407,12 +411,12 @@ class PeriodicOrbit:
         unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
         found = self.multipliers(z, linearization.jacobian)
         trivial = self.trivial_error(z, linearization.jacobian)
-        bordered = np.vstack([linearization.jacobian, unit / weights**2])
+        orientation, error = linearization.orientation_and_error(unit, weights, self._errors(linearization))
         return Sample(
             z=z,
             tangent=unit,
             weights=weights,
-            orientation=Factored(bordered, weights).orientation(),
+            orientation=orientation,
             eigenvalues=found.values,
             errors=found.errors,
             rates=rates.of_moduli(self, z, unit, found),
@@ -421,7 +425,7 @@ class PeriodicOrbit:
             observables=self.observables(z, found) if known is None else known,
             magnitudes=linearization.magnitudes,
             excess=linearization.excess_in(weights),
-            error=solution_error(bordered, self._errors(linearization), weights),
+            error=error,
             critical=1.0,
             # The flow's own multiplier is one exactly: what it misses by, the others may.
             spectrum_error=max(found.accuracy, 2.0 * float(np.nan_to_num(trivial))),

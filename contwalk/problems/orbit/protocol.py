@@ -6,6 +6,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from contwalk.problems.linear import Factorization
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.normal_forms import SectionMap
@@ -64,6 +65,16 @@ class Orbit(Protocol):
 
     def jacobian(self, z: np.ndarray) -> np.ndarray:
         """DF(z), shape (N, N + 1)."""
+        ...
+
+    def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factorization:
+        """A matrix of these equations and unknowns, and of borders that come last, factored.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError
+            If it is exactly singular, here or when it is used.
+        """
         ...
 
     def refined(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> Any:

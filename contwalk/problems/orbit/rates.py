@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contwalk.problems.orbit.augmented import nearly_null
 from contwalk.problems.orbit.multipliers import Multipliers
+from contwalk.problems.orbit.null_vectors import null_vectors
 
 if TYPE_CHECKING:
     from contwalk.problems.orbit.protocol import Orbit
@@ -39,7 +39,7 @@ def of_modulus(problem: Orbit, z: np.ndarray, tangent: np.ndarray, value: comple
     """Derivative of |mu| along the branch, exact on the steps: mu' = psi* L_s v / psi* v."""
     multiplier = value if value.imag else value.real
     matrix = problem.cycle_matrix(problem.linearize(z).jacobian, multiplier)
-    v, psi = nearly_null(matrix, *problem.cycle_scales)
+    v, psi = null_vectors(problem, matrix, *problem.cycle_scales)
     moved = problem.cycle_rate(z, v.real, tangent).astype(complex)
     if np.iscomplexobj(v):
         moved += 1j * problem.cycle_rate(z, v.imag, tangent)

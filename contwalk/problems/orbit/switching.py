@@ -10,9 +10,9 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
 from contwalk.problems.linear import nearest_eigenpair
-from contwalk.problems.orbit.augmented import null_vectors
 from contwalk.problems.orbit.branching import FAINT, amplitude, crossing, filled_magnitudes
 from contwalk.problems.orbit.closure import imaged, order_of
+from contwalk.problems.orbit.null_vectors import null_vectors
 from contwalk.problems.orbit.section import section_at
 from contwalk.problems.orbit.shooting import meshed
 from contwalk.problems.orbit.transport import carried_to, following, segments_for
@@ -159,7 +159,8 @@ def _repeated(
 ) -> Sequence[Seed]:
     """A closure followed several times, the deviation changing its sign each time."""
     n, m = problem.states, problem.segments
-    v, _ = null_vectors(problem.cycle_matrix(problem.linearize(z).jacobian, -1.0), *problem.cycle_scales)
+    matrix = problem.cycle_matrix(problem.linearize(z).jacobian, -1.0)
+    v, _ = null_vectors(problem, matrix, *problem.cycle_scales)
     v = v.real
     direction = np.concatenate([v, np.zeros(len(z) - m * n)])
     scalars = problem.scalars(z).copy()
