@@ -14,6 +14,7 @@ from contwalk.continuation.settings import Settings
 from contwalk.errors import NotFinite, PluginError, StartError
 from contwalk.problems.hybrid.beginning import lap_from, orbit_of
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
+from contwalk.problems.hybrid.soft_orbit import SoftOrbit, applies, softened
 from contwalk.problems.hybrid.switching import discretized, divided
 from contwalk.problems.hybrid.word import named_word
 from contwalk.problems.orbit.beginning import orbit_at, symmetric
@@ -57,7 +58,8 @@ def opened_orbit(
     try:
         if system.acting:
             lap = lap_from(system, _at_start(parameters, path, at), state, mode, event, until)
-            return _hybrid(*orbit_of(system, parameters, free, lap, path, at, discretization), settings)
+            explicit = orbit_of(system, parameters, free, lap, path, at, discretization)
+            return _hybrid(*softened(*explicit), settings)
         if until is not None:
             found = recurrent(system, _at_start(parameters, path, at), state, until)
             state, period = found.state, found.period
@@ -105,7 +107,8 @@ def opened_word(
     word = named_word(system, stored.legs, stored.image)
     own, reference = list(system.states_of(word.legs[0].mode)), np.zeros(len(system.states))
     reference[own] = stored.unknowns[: len(own)]
-    problem = HybridOrbit(
+    kind = SoftOrbit if applies(system, word) else HybridOrbit
+    problem = kind(
         system,
         word,
         parameters,

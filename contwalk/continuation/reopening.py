@@ -54,11 +54,13 @@ def problem_of(
         return Equilibrium(system, parameters, free, ends, pins, state, discretization)
     if info.problem == "hybrid_orbit":
         from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
+        from contwalk.problems.hybrid.soft_orbit import SoftOrbit, applies
         from contwalk.problems.hybrid.word import named_word
 
         word = named_word(system, stored["legs"], stored.get("image", ""))
         given = pins, state, info.subharmonic, discretization or Discretization()
-        hybrid = HybridOrbit(system, word, parameters, free, ends, *given)
+        kind = SoftOrbit if applies(system, word) else HybridOrbit
+        hybrid = kind(system, word, parameters, free, ends, *given)
         return hybrid.turning(np.array(stored["turns"], dtype=float))
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 

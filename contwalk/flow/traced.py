@@ -17,8 +17,8 @@ from contwalk.system.declarations import ParameterValues
 
 TIME, STATE, PARAMETER, CONSTANT = "t", "x", "p", "m"
 
-# Fields that several modes share, with the system that they are of.
-_SHARED: dict[tuple[int, Callable[..., None], tuple[str, ...]], tuple[System, Field]] = {}
+# Fields that several modes share, and machines that differ in their transitions only.
+_SHARED: dict[tuple, Field] = {}
 _MOST_SHARED = 32
 
 
@@ -58,14 +58,14 @@ def generator_field(system: System, neutral: Neutral, mode: str) -> Field:
 
 def _shared_field(system: System, mode: Mode) -> Field:
     """The field of all modes with the function and the names of constants of this one."""
-    key = id(system), mode.field, tuple(mode.constants)
+    key = mode.field, tuple(mode.constants), system.state_names, system.parameter_names
     if key not in _SHARED:
         while len(_SHARED) >= _MOST_SHARED:
             del _SHARED[next(iter(_SHARED))]
         states = [(STATE, i) for i in range(len(system.states))]
         groups = {CONSTANT: len(mode.constants), PARAMETER: len(system.parameters)}
-        _SHARED[key] = system, Field(shared_program(system, mode), states, groups, time=(TIME, 0))
-    return _SHARED[key][1]
+        _SHARED[key] = Field(shared_program(system, mode), states, groups, time=(TIME, 0))
+    return _SHARED[key]
 
 
 def shared_program(system: System, mode: Mode) -> Program:

@@ -90,7 +90,7 @@ def facts_of(system: System, branch: Branch, point: SpecialPoint | int) -> Hybri
     )
     stored = dict(point.margin) if isinstance(point, SpecialPoint) else {}
     found: dict[str, MarginFact] = {}
-    margins = limits.margins(problem, z)  # type: ignore[arg-type]
+    margins = problem.margins(z)  # type: ignore[attr-defined]
     for limit, value, scale in zip(margins.limits, margins.values, margins.scales, strict=True):
         if not np.isfinite(value):
             continue

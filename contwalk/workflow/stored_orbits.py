@@ -157,7 +157,7 @@ def orbit_at(system: System, branch: Branch, point: SpecialPoint | int) -> Orbit
     free = branch.info.free[0]
     value = f"{sample.parameter:.6g} {_unit(system, free)}".strip()
     label = f"{name}:  {free} = {value},  T = {fold * sample.period:.4g} s"
-    events = tuple(leg.name for leg in problem.whole_word.legs if leg.name) if hybrid else ()
+    events = tuple(s.name for s in problem.stretches(sample.z) if s.name) if hybrid else ()
     return Orbit(
         branch.name,
         name,
@@ -191,10 +191,8 @@ def _motion(problem: Any, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _arcs(problem: Any, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[int, ...]]:
     """Times and states of a hybrid orbit, and the rows with which an arc begins, without the first."""
-    from contwalk.problems.hybrid import observing
-
     times, states = [], []
-    for stretch in observing.stretches(problem, z):
+    for stretch in problem.stretches(z):
         own_times, own_states = stretch.at(np.union1d(stretch.view.times, np.linspace(0.0, 1.0, SMOOTH + 1)))
         times.append(own_times)
         states.append(own_states)

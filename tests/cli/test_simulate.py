@@ -173,6 +173,7 @@ def test_warmup_says_what_it_did_and_where(contwalk, monkeypatch, tmp_path):
     parts = {"explicit": compile_it, "radau": nothing, "sampling": nothing, "walk": nothing}
     for name, part in parts.items():
         monkeypatch.setattr(f"contwalk.flow.{name}.warmup", part)
+    monkeypatch.setattr("contwalk.problems.hybrid.condensed.warmup", nothing)
     done = contwalk("warmup")
     assert done.code == 0
     lines = done.out.splitlines()
@@ -181,4 +182,4 @@ def test_warmup_says_what_it_did_and_where(contwalk, monkeypatch, tmp_path):
     assert f"cache: {folder}" in done.out
     monkeypatch.setenv("CONTWALK_CACHE_DIR", str(tmp_path / "none"))
     monkeypatch.setattr("contwalk.flow.explicit.warmup", nothing)
-    assert [part.state for part in warming.warm()[0]] == ["not kept"] * 4
+    assert [part.state for part in warming.warm()[0]] == ["not kept"] * 5

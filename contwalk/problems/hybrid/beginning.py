@@ -226,7 +226,9 @@ class _Search:
             lasting = float(arc.times[-1]) - start
             self.stretches.append(Stretch(leg, start, x, lasting, arc.states[-1]))
         self.first, self.begun = False, None
-        return self._closed(arc) if self.stretches else None
+        # Laps end with hard transitions, where there are any.
+        hard = any(s.leg.transition is not None and s.leg.transition.role == "hard" for s in self.stretches)
+        return self._closed(arc) if self.stretches and not (transition.role == "soft" and hard) else None
 
     def _closed(self, arc: Arc) -> Lap | None:
         """The shortest lap that ends with this arc's event."""

@@ -14,7 +14,7 @@ from contwalk.branch import Outcome, SpecialPoint
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.hybrid import beyond, condensed, families, limits, neighbours, observing, switching
 from contwalk.problems.hybrid.layout import Layout
-from contwalk.problems.hybrid.limits import Limit
+from contwalk.problems.hybrid.limits import Limit, Margins
 from contwalk.problems.hybrid.passage import Passage, passage_of
 from contwalk.problems.hybrid.period import period_map
 from contwalk.problems.hybrid.return_map import EventMap
@@ -130,7 +130,7 @@ class HybridOrbit:
 
     def of_word(self, word: Word, times: int = 1, turns: np.ndarray | None = None) -> HybridOrbit:
         """The orbits of another word, lasting `times` as many periods of the forcing."""
-        other = HybridOrbit(
+        other = type(self)(
             self.system,
             word,
             self.parameters,
@@ -212,6 +212,14 @@ class HybridOrbit:
                 del self._views[next(iter(self._views))]
             self._views[key] = view_of(self, z)
         return self._views[key]
+
+    def margins(self, z: np.ndarray) -> Margins:
+        """Values of all limits at a solution."""
+        return limits.margins(self, z)
+
+    def stretches(self, z: np.ndarray) -> list[observing.Stretch]:
+        """The legs of the whole motion, images included."""
+        return observing.stretches(self, z)
 
     def transition_of(self, limit: Limit) -> Transition:
         """The transition that a limit is about, out of its leg's mode."""

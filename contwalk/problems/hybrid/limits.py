@@ -32,7 +32,7 @@ from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.orbit import augmented
 from contwalk.problems.orbit.motion import PLAIN
 from contwalk.problems.problem import NO_MARGIN, Located, Sample
-from contwalk.system import Transition
+from contwalk.system import System, Transition
 
 if TYPE_CHECKING:
     from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
@@ -115,33 +115,39 @@ class Margins:
 
 def limits_of(problem: HybridOrbit) -> tuple[Limit, ...]:
     """All limits of a word's orbits, in a fixed order."""
-    found: list[Limit] = []
-    for i, leg in enumerate(problem.word.legs):
-        own = leg.transition
-        for other in problem.system.leaving(leg.mode):
-            if other.role == "soft":
-                if other != own:
-                    found.append(Limit(SOFT, None, other.name, i, "dip"))
-                continue
-            acts = other.role != "watched"
-            found.append(Limit("GR", "terminal" if other == own else "interior", other.name, i, "dip", acts))
-            if other != own and problem.word.eventful:
-                label, kind = ("AZ", other.name) if other.role == "watched" else ("OC", "crossing")
-                found.append(Limit(label, kind, other.name, i, "start", acts))
-                found.append(Limit(label, kind, other.name, i, "end", acts))
-            if other.role == "hard" and other.name == problem.word.leading_in(problem.system, i):
-                found.append(Limit("GR", "interior", other.name, i, "leaving"))
-        if own is None:
-            continue
-        if own.role == "hard":
-            found.append(Limit("GR", "terminal", own.name, i, "rate"))
-            found.append(Limit("OC", "crossing", own.name, i, "duration"))
-        else:
-            found.append(Limit(SOFT, None, own.name, i, "duration"))
-        for condition in problem.system.conditions:
-            if condition.at == own.name:
-                found.append(Limit("AZ", condition.name, condition.name, i, "condition", False))
+    system, word, found = problem.system, problem.word, []
+    for i, leg in enumerate(word.legs):
+        found += limits_of_leg(system, leg.mode, leg.transition, word.leading_in(system, i), i)
     return tuple(found)
+
+
+def limits_of_leg(system: System, mode: str, own: Transition | None, before: str, i: int) -> list[Limit]:
+    """The limits of leg i, in a mode, ended by `own` or nothing, led into by the one named `before`."""
+    found: list[Limit] = []
+    for other in system.leaving(mode):
+        if other.role == "soft":
+            if other != own:
+                found.append(Limit(SOFT, None, other.name, i, "dip"))
+            continue
+        acts = other.role != "watched"
+        found.append(Limit("GR", "terminal" if other == own else "interior", other.name, i, "dip", acts))
+        if other != own and own is not None:
+            label, kind = ("AZ", other.name) if other.role == "watched" else ("OC", "crossing")
+            found.append(Limit(label, kind, other.name, i, "start", acts))
+            found.append(Limit(label, kind, other.name, i, "end", acts))
+        if other.role == "hard" and other.name == before:
+            found.append(Limit("GR", "interior", other.name, i, "leaving"))
+    if own is None:
+        return found
+    if own.role == "hard":
+        found.append(Limit("GR", "terminal", own.name, i, "rate"))
+        found.append(Limit("OC", "crossing", own.name, i, "duration"))
+    else:
+        found.append(Limit(SOFT, None, own.name, i, "duration"))
+    for condition in system.conditions:
+        if condition.at == own.name:
+            found.append(Limit("AZ", condition.name, condition.name, i, "condition", False))
+    return found
 
 
 # -- values ------------------------------------------------------------------------------------------------

@@ -142,12 +142,30 @@ def imaged_leg(system: System, image: str, leg: Leg) -> Leg:
     mode = symmetry.modes.get(leg.mode, leg.mode)
     if leg.transition is None:
         return replace(leg, mode=mode)
-    return Leg(mode, system.transition(symmetry.events.get(leg.name, leg.name), mode), leg.falls)
+    source = leg.transition.source  # not the leg's mode where soft transitions lead from one to the other
+    name, out_of = symmetry.events.get(leg.name, leg.name), symmetry.modes.get(source, source)
+    return Leg(mode, system.transition(name, out_of), leg.falls)
 
 
 def named_word(system: System, legs: Sequence[tuple[str, str, bool]], image: str = "") -> Word:
     """The word of stored legs: mode, transition (empty for none) and whether its guard falls."""
-    named = [
-        Leg(mode, system.transition(name, mode) if name else None, bool(falls)) for mode, name, falls in legs
-    ]
+
+    def out_of(mode: str, name: str) -> Transition | None:
+        if not name:
+            return None
+        sources = system.sources(name)
+        around = modes_around(system, mode)  # soft transitions may lie before it
+        return system.transition(name, next(source for source in around if source in sources))
+
+    named = [Leg(mode, out_of(mode, name), bool(falls)) for mode, name, falls in legs]
     return Word(tuple(named), image)
+
+
+def modes_around(system: System, mode: str) -> tuple[str, ...]:
+    """The modes that soft transitions lead to from a mode, itself first."""
+    found = [mode]
+    for name in found:  # grows meanwhile
+        for transition in system.leaving(name):
+            if transition.role == "soft" and transition.target not in found:
+                found.append(transition.target)
+    return tuple(found)

@@ -1,0 +1,621 @@
+"""Orbits of machines with soft transitions: branches go through where these come and go.
+
+At a soft transition the field switches continuously: the motion through it is once continuously
+differentiable in its start, even where the switch and its reverse meet and vanish. So words leave these
+transitions out, and the unknowns are those of the legs between hard ones. Under them lies an orbit with a leg
+for every smooth piece (`explicit`): the further unknowns, states and instants at the soft transitions, are
+solved for and eliminated, exactly. Which soft transitions there are is found by simulating each leg, and anew
+for every solution: it is a part of the discretisation, as steps are.
+
+Everything that needs more than one derivative is asked of the explicit orbit: special points, normal forms,
+limits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+from contwalk.errors import NotFinite
+from contwalk.problems.hybrid import limits, softness
+from contwalk.problems.hybrid.grouping import Grouping
+from contwalk.problems.hybrid.hybrid_orbit import MOST_KEPT, HybridOrbit
+from contwalk.problems.hybrid.limits import Limit, Margins
+from contwalk.problems.hybrid.observing import Stretch
+from contwalk.problems.hybrid.view import LegView
+from contwalk.problems.hybrid.word import Word
+from contwalk.problems.linear import Factored, Factorization
+from contwalk.problems.orbit.multipliers import Multipliers
+from contwalk.problems.problem import Linearization, Located, Sample, Seed
+
+# Corrections of what is eliminated, and a residual of it that is solved, in units of its level.
+MOST_CORRECTIONS, SOLVED = 8, 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Inner:
+    """An explicit orbit; what is eliminated of it at the unknowns `z`, and how fast that changes."""
+
+    explicit: HybridOrbit
+    grouping: Grouping
+    z: np.ndarray
+    soft: np.ndarray
+    slope: np.ndarray
+
+
+class SoftOrbit(HybridOrbit):
+    """Orbits of one word of hard transitions; parameters as of `HybridOrbit`."""
+
+    _inner: Inner | None = None
+
+    def _varied(self, **changes: Any) -> SoftOrbit:
+        other = super()._varied(**changes)
+        assert isinstance(other, SoftOrbit)
+        other.__dict__.pop("_expanded", None)
+        return other
+
+    @property
+    def inner(self) -> Inner:
+        """The explicit orbit of this discretisation."""
+        if self._inner is None:
+            raise ValueError("the problem has no mesh yet: see `adapted_to`")
+        return self._inner
+
+    # -- what lies under it ------------------------------------------------------------------------------
+
+    def explicit_of(self, word: Word) -> HybridOrbit:
+        """The orbits of a word with soft transitions in it, not discretised."""
+        other = HybridOrbit(
+            self.system,
+            word,
+            self.parameters,
+            self.free,
+            self.path,
+            self.pins,
+            self.reference,
+            self.subharmonic,
+            self.discretization,
+        )
+        other.turns, other._tally = self.turns, self._tally
+        return other
+
+    def around(self, explicit: HybridOrbit, unknowns: np.ndarray) -> SoftOrbit:
+        """This problem on the steps of an explicit orbit, which is discretised."""
+        grouping = Grouping(explicit.word, explicit.layout)
+        z, soft = grouping.split(unknowns)
+        other = self._varied(_mesh=explicit.mesh)
+        slope = _Eliminated(explicit, grouping, unknowns).slope
+        other._inner = Inner(explicit, grouping, z, soft, slope)
+        return other
+
+    def explicit(self, z: np.ndarray) -> tuple[HybridOrbit, np.ndarray]:
+        """The explicit orbit and its unknowns at z, those between soft transitions solved for.
+
+        Raises
+        ------
+        NotFinite
+            If there is no motion over the legs.
+        """
+        found = self._at(z)
+        return found.explicit, found.unknowns
+
+    def _at(self, z: np.ndarray) -> _Eliminated:
+        key = z.tobytes()
+        if key not in self._expanded:
+            while len(self._expanded) >= MOST_KEPT:
+                del self._expanded[next(iter(self._expanded))]
+            self._expanded[key] = self._solved(z)
+        return self._expanded[key]
+
+    @cached_property
+    def _expanded(self) -> dict[bytes, _Eliminated]:
+        return {}
+
+    def _solved(self, z: np.ndarray) -> _Eliminated:
+        """What is eliminated, from how it changes near where it is known; else found anew by simulation."""
+        inner = self.inner
+        soft = inner.soft + inner.slope @ (z - inner.z)
+        found = _corrected(inner.explicit, inner.grouping, z, soft)
+        if found is not None:
+            return found
+        weights = np.ones(len(z))
+        for place, passage in zip(self.layout.states, self.passages, strict=True):
+            weights[place] = self.mesh.magnitudes[list(passage.states)] * np.sqrt(self.layout.legs)
+        there = self.adapted_to(z, weights, self.mesh.tolerance).inner
+        found = _corrected(there.explicit, there.grouping, z, there.soft)
+        if found is None:
+            raise NotFinite("The instants of the soft transitions have no solution there.", "")
+        return found
+
+    def adapted_to(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> SoftOrbit:
+        """The problem with the soft transitions, and on steps, for the orbit of z.
+
+        Raises
+        ------
+        NotFinite
+            If the motion from z ends before the closure does.
+        """
+        magnitudes = self._magnitudes(weights)
+        word, states, lasting = softness.passed(self, z, magnitudes)
+        rough = self.explicit_of(word)
+        unknowns = np.zeros(rough.size + 1)
+        for place, passage, x in zip(rough.layout.states, rough.passages, states, strict=True):
+            unknowns[place] = x[list(passage.states)]
+        unknowns[rough.layout.durations] = lasting
+        if rough.layout.start is not None and self.layout.start is not None:
+            unknowns[rough.layout.start] = z[self.layout.start]
+        unknowns[rough.layout.drifts], unknowns[-1] = z[self.layout.drifts], z[-1]
+        explicit = rough.adapted_to(unknowns, self._explicit_weights(rough, weights), tolerance)
+        found = _corrected(explicit, Grouping(word, rough.layout), z, None, unknowns)
+        return self.around(explicit, unknowns if found is None else found.unknowns)
+
+    # -- metric ------------------------------------------------------------------------------------------
+
+    def _magnitudes(self, weights: np.ndarray) -> np.ndarray:
+        """Typical magnitudes of all states, of weights of the unknowns."""
+        magnitudes = np.ones(self.states)
+        for place, passage in zip(self.layout.states, self.passages, strict=True):
+            magnitudes[list(passage.states)] = weights[place] / np.sqrt(self.layout.legs)
+        return magnitudes
+
+    def _explicit_weights(self, explicit: HybridOrbit, weights: np.ndarray) -> np.ndarray:
+        """Weights of explicit unknowns that stand for the same magnitudes."""
+        layout, own = explicit.layout, self.layout
+        share = np.sqrt(layout.legs / own.legs)
+        magnitudes, result = self._magnitudes(weights), np.ones(layout.size + 1)
+        for place, passage in zip(layout.states, explicit.passages, strict=True):
+            result[place] = magnitudes[list(passage.states)] * np.sqrt(layout.legs)
+        result[layout.durations] = weights[own.durations].mean() * share
+        if layout.start is not None and own.start is not None:
+            result[layout.start] = weights[own.start]
+        result[layout.drifts], result[-1] = weights[own.drifts] * share, weights[-1]
+        return result
+
+    def magnitudes_near(self, z: np.ndarray) -> np.ndarray:
+        """Half the range of each state over the orbit; declared scales where there are any."""
+        explicit, unknowns = self.explicit(z)
+        found, layout, own = explicit.magnitudes_near(unknowns), explicit.layout, self.layout
+        share, result = np.sqrt(own.legs / layout.legs), np.full(self.size + 1, np.nan)
+        for i, group in enumerate(self._at(z).grouping.groups):
+            result[own.states[i]] = found[layout.states[group[0]]] * share
+        result[own.durations] = found[layout.durations.start] * share
+        if own.start is not None:
+            result[own.start] = found[layout.start]
+        result[own.drifts], result[-1] = found[layout.drifts] * share, found[-1]
+        return result
+
+    @property
+    def equation_scales(self) -> np.ndarray:
+        """Units of the equations, shape (N,)."""
+        return self.inner.explicit.equation_scales[self.inner.grouping.hard_rows]
+
+    # -- equations ---------------------------------------------------------------------------------------
+
+    def linearize(self, z: np.ndarray) -> Linearization:
+        """The equations at z."""
+        key = z.tobytes()
+        if key not in self._kept:
+            while len(self._kept) >= MOST_KEPT:
+                del self._kept[next(iter(self._kept))]
+            try:
+                found = self._at(z)
+            except NotFinite:
+                lost = np.full((self.size, self.size + 1), np.nan)
+                return Linearization(lost[:, 0], lost, lambda: (np.ones(self.size), None))
+            self._kept[key] = Linearization(
+                found.residual,
+                found.jacobian,
+                lambda: (found.levels(found.explicit.linearize(found.unknowns).levels[0]), None),
+                lambda: self.magnitudes_near(z),
+                self.factored,
+            )
+        return self._kept[key]
+
+    def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factorization:
+        """A bordered Jacobian, factored."""
+        return Factored(matrix, weights)
+
+    def examine(
+        self,
+        z: np.ndarray,
+        tangent: np.ndarray,
+        weights: np.ndarray,
+        linearization: Linearization,
+        before: int | None,
+        known: Sample | None = None,
+    ) -> Sample:
+        """Everything that is watched at a solution; see `HybridOrbit.examine`."""
+        unit = tangent / float(np.linalg.norm(tangent / weights))
+        there = self._at(z)
+        explicit, unknowns = there.explicit, there.unknowns
+        along, own = there.direction(unit), self._explicit_weights(explicit, weights)
+        # Solved where it is, the explicit orbit is a solution as far as this one is.
+        found = explicit.examine(unknowns, along, own, explicit.linearize(unknowns), before, known)
+        levels = there.levels(explicit._errors(explicit.linearize(unknowns)))
+        orientation, error = linearization.orientation_and_error(unit, weights, levels)
+        return replace(
+            found,
+            z=z,
+            tangent=unit,
+            weights=weights,
+            orientation=orientation,
+            rates=found.rates * float(np.linalg.norm(along / own)),
+            magnitudes=linearization.magnitudes,
+            excess=linearization.excess_in(weights),
+            error=error,
+            sizes=np.nan_to_num(linearization.magnitudes),
+            margins=self.margins(z).relative,
+        )
+
+    def _explicit_sample(self, sample: Sample) -> tuple[HybridOrbit, Sample, float]:
+        """A sample as one of the explicit orbit, and how much faster arclength grows there."""
+        there = self._at(sample.z)
+        along = there.direction(sample.tangent)
+        weights = self._explicit_weights(there.explicit, sample.weights)
+        length = float(np.linalg.norm(along / weights))
+        own = replace(
+            sample,
+            z=there.unknowns,
+            tangent=along / length,
+            weights=weights,
+            rates=sample.rates / length,
+            margins=limits.margins(there.explicit, there.unknowns).relative,
+        )
+        return there.explicit, own, length
+
+    # -- what is told of an orbit ------------------------------------------------------------------------
+
+    def view(self, z: np.ndarray) -> tuple[LegView, ...]:
+        """A solution looked at piece by piece."""
+        explicit, unknowns = self.explicit(z)
+        return explicit.view(unknowns)
+
+    def stretches(self, z: np.ndarray) -> list[Stretch]:
+        """The pieces of the whole motion, soft transitions included."""
+        explicit, unknowns = self.explicit(z)
+        return explicit.stretches(unknowns)
+
+    def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
+        """Multipliers of the closure."""
+        explicit, unknowns = self.explicit(z)
+        return explicit.multipliers(unknowns, explicit.jacobian(unknowns))
+
+    def observables(self, z: np.ndarray, found: Multipliers) -> np.ndarray:
+        """Values of `observable_names`, shape (o,)."""
+        explicit, unknowns = self.explicit(z)
+        return explicit.observables(unknowns, found)
+
+    def motion_of(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The whole motion: times in seconds, (k,), and states, (k, n)."""
+        explicit, unknowns = self.explicit(z)
+        return explicit.motion_of(unknowns)
+
+    def reported(self, z: np.ndarray) -> np.ndarray:
+        """The state that stands for a solution, shape (n,)."""
+        explicit, unknowns = self.explicit(z)
+        return explicit.reported(unknowns)
+
+    def slowness(self, z: np.ndarray) -> float:
+        """Speed where the orbit is slowest against where it is fastest."""
+        explicit, unknowns = self.explicit(z)
+        return explicit.slowness(unknowns)
+
+    # -- limits ------------------------------------------------------------------------------------------
+
+    @cached_property
+    def limits(self) -> tuple[Limit, ...]:
+        """All that must stay positive, whichever soft transitions there are."""
+        return softness.limits_of(self.system, self.word)
+
+    def margins(self, z: np.ndarray) -> Margins:
+        """Values of all limits at a solution."""
+        there = self._at(z)
+        found = limits.margins(there.explicit, there.unknowns)
+        chosen = [self._least(there.grouping, found, limit) for limit in self.limits]
+        rows = [
+            (np.inf, 1.0, np.nan) if k is None else (found.values[k], found.scales[k], found.places[k])
+            for k in chosen
+        ]
+        for k, limit in enumerate(self.limits):
+            if limit.test == "duration":
+                rows[k] = float(z[self.layout.durations][limit.leg]), self.mesh.total, 1.0
+        values, scales, places = np.array(rows, dtype=float).reshape(len(rows), 3).T
+        return Margins(self.limits, values, scales, places)
+
+    def _least(self, grouping: Grouping, found: Margins, limit: Limit) -> int | None:
+        """Which of the explicit orbit's limits is the least of those that one stands for."""
+        group = grouping.groups[limit.leg]
+        legs = {"start": group[:1], "leaving": group[:1], "end": group[-1:]}.get(limit.test, group)
+        fitting = [
+            k
+            for k, other in enumerate(found.limits)
+            if other.leg in legs
+            and (other.name, other.test) == (limit.name, limit.test)
+            and np.isfinite(found.values[k])
+        ]
+        return min(fitting, key=lambda k: float(found.relative[k]), default=None)
+
+    def _own_limit(self, explicit: HybridOrbit, which: int) -> int:
+        """The limit that one of the explicit orbit's is a case of."""
+        other = explicit.limits[which]
+        groups = Grouping(explicit.word, explicit.layout).groups
+        leg = next(i for i, group in enumerate(groups) if other.leg in group)
+        return next(
+            k
+            for k, limit in enumerate(self.limits)
+            if (limit.leg, limit.name, limit.test) == (leg, other.name, other.test)
+        )
+
+    def limit_of(self, point: SpecialPoint) -> int:
+        """Which of the limits a special point is one of."""
+        there, explicit, stored = self._stored(point)
+        return there._own_limit(explicit, explicit.limit_of(stored))
+
+    # -- special points ----------------------------------------------------------------------------------
+
+    def locate(self, label: str, sample: Sample, which: int) -> Located | None:
+        """The special point near a sample, by its defining system."""
+        explicit, own, _ = self._explicit_sample(sample)
+        if label in limits.LABELS:
+            there = self._at(sample.z)
+            chosen = self._least(there.grouping, limits.margins(explicit, there.unknowns), self.limits[which])
+            if chosen is None:
+                return None
+            which = chosen
+        return self._wrapped(explicit.locate(label, own, which))
+
+    def locate_mark(self, name: str, level: float, sample: Sample) -> Located | None:
+        """The point near a sample at which an observable has the value `level`."""
+        explicit, own, _ = self._explicit_sample(sample)
+        return self._wrapped(explicit.locate_mark(name, level, own))
+
+    def _wrapped(self, found: Located | None) -> Located | None:
+        """A point of explicit orbits as one of these."""
+        if found is None:
+            return None
+        other = self.around(found.problem, found.z)
+        vectors: dict[str, Any] = {**found.vectors, "explicit": found}
+        if "limit" in vectors:
+            vectors["limit"] = self._own_limit(found.problem, int(vectors["limit"]))
+        refine = found.refine
+        return Located(
+            other.inner.z,
+            found.error,
+            vectors,
+            found.refined,
+            None if refine is None else lambda: self._wrapped(refine()),
+            other,
+        )
+
+    def rate(self, name: str, sample: Sample) -> float:
+        """Derivative of an observable along the branch."""
+        explicit, own, length = self._explicit_sample(sample)
+        return explicit.rate(name, own) * length
+
+    def tangent_at(self, label: str, located: Located, near: Sample) -> np.ndarray | None:
+        """At a branch point, the tangent of the branch that `near` is on."""
+        explicit, own, _ = self._explicit_sample(near)
+        under = located.vectors["explicit"]
+        if under.problem.word != explicit.word:
+            there = self.adapted_to(located.z, near.weights)
+            explicit, own, _ = there._explicit_sample(replace(near, z=located.z))
+        tangent = explicit.tangent_at(label, under, own)
+        if tangent is None:
+            return None
+        found = Grouping(under.problem.word, under.problem.layout).split(tangent)[0]
+        return found / float(np.linalg.norm(found / near.weights))
+
+    def special_point(self, label: str, located: Located, sample: Sample, s: float) -> SpecialPoint:
+        """The record of a located point, with its normal form, or what it is a limit of."""
+        under, own = self._under(located, sample)
+        record = under.problem.special_point(label, under, own, s)
+        if label in limits.LABELS and record.kind != "corner":
+            record = replace(record, kind=self.limits[int(located.vectors["limit"])].kind)
+        return replace(record, unknowns=tuple(located.z.tolist()), tangent=tuple(sample.tangent.tolist()))
+
+    def _under(self, located: Located, sample: Sample) -> tuple[Located, Sample]:
+        """A located point and the sample there, of the explicit orbit."""
+        there = located.problem if located.problem is not None else self
+        explicit, own, _ = there._explicit_sample(replace(sample, z=located.z))
+        under = located.vectors.get("explicit")
+        return under or Located(own.z, located.error, located.vectors, problem=explicit), own
+
+    def stopped(self, label: str, located: Located, sample: Sample) -> str:
+        """Why an orbit beyond a limit is not the machine's, and what lies next to it."""
+        under, own = self._under(located, sample)
+        return under.problem.stopped(label, under, own)
+
+    # -- the branches that leave -------------------------------------------------------------------------
+
+    def _stored(self, point: SpecialPoint) -> tuple[SoftOrbit, HybridOrbit, SpecialPoint]:
+        """The problem discretised for a stored point, and the point as one of the explicit orbit's."""
+        z = np.array(point.unknowns)
+        from contwalk.problems.hybrid.switching import discretized
+
+        there = discretized(self, z)
+        assert isinstance(there, SoftOrbit)
+        found = there._at(z)
+        along = found.direction(np.array(point.tangent))
+        own = replace(point, unknowns=tuple(found.unknowns.tolist()), tangent=tuple(along.tolist()))
+        return there, found.explicit, own
+
+    def seeds(self, point: SpecialPoint) -> Sequence[Seed]:
+        """The branches that leave a special point."""
+        _, explicit, own = self._stored(point)
+        return [softened_seed(seed) for seed in explicit.seeds(own)]
+
+    def neighbours(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
+        """The branches of other words beyond a limit, and in words what was found, or tried."""
+        _, explicit, own = self._stored(point)
+        found, told = explicit.neighbours(own)
+        return [softened_seed(seed) for seed in found], told
+
+
+class _Eliminated:
+    """An explicit orbit's equations with what is eliminated from them."""
+
+    def __init__(self, explicit: HybridOrbit, grouping: Grouping, unknowns: np.ndarray) -> None:
+        self.explicit, self.grouping, self.unknowns = explicit, grouping, unknowns
+
+    @cached_property
+    def _parts(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        found, grouping = self.explicit.linearize(self.unknowns), self.grouping
+        own, soft = grouping.columns(found.jacobian)
+        hard_rows, soft_rows = grouping.hard_rows, grouping.soft_rows
+        return (
+            found.residual[hard_rows],
+            found.residual[soft_rows],
+            own[hard_rows],
+            soft[hard_rows],
+            own[soft_rows],
+            soft[soft_rows],
+        )
+
+    @property
+    def finite(self) -> bool:
+        """Whether the equations have values."""
+        return self.explicit.linearize(self.unknowns).finite
+
+    @property
+    def excess(self) -> float:
+        """Residual of what is eliminated, in units of its level."""
+        if not len(self.grouping.soft_rows):
+            return 0.0
+        level = self.explicit.linearize(self.unknowns).levels[0][self.grouping.soft_rows]
+        return float(np.max(np.abs(self._parts[1]) / level))
+
+    @cached_property
+    def correction(self) -> np.ndarray:
+        """What Newton's method subtracts from what is eliminated."""
+        return np.linalg.solve(self._parts[5], self._parts[1])
+
+    @cached_property
+    def slope(self) -> np.ndarray:
+        """Derivative of what is eliminated by the unknowns."""
+        _, _, _, _, by_own, by_soft = self._parts
+        return -np.linalg.solve(by_soft, by_own) if len(by_soft) else by_own
+
+    @property
+    def residual(self) -> np.ndarray:
+        """Of the equations that are left."""
+        hard, _, _, by_soft, _, _ = self._parts
+        return hard - by_soft @ self.correction if len(self.correction) else hard
+
+    @property
+    def jacobian(self) -> np.ndarray:
+        """Derivatives of what is left by the unknowns that are left."""
+        _, _, by_own, by_soft, _, _ = self._parts
+        return by_own + by_soft @ self.slope
+
+    def levels(self, explicit: np.ndarray) -> np.ndarray:
+        """Levels of what is left, from levels of all equations."""
+        _, _, _, by_soft, _, inner = self._parts
+        own, soft = explicit[self.grouping.hard_rows], explicit[self.grouping.soft_rows]
+        if not len(soft):
+            return own
+        return own + np.abs(np.linalg.solve(inner.T, by_soft.T).T) @ soft
+
+    def direction(self, tangent: np.ndarray) -> np.ndarray:
+        """A direction of the unknowns that are left as one of all of them."""
+        return self.grouping.joined(tangent, self.slope @ tangent)
+
+
+def _corrected(
+    explicit: HybridOrbit,
+    grouping: Grouping,
+    z: np.ndarray,
+    soft: np.ndarray | None,
+    unknowns: np.ndarray | None = None,
+) -> _Eliminated | None:
+    """The explicit orbit over z; None where Newton's method finds none, or one that runs backwards."""
+    if soft is None:
+        assert unknowns is not None
+        soft = grouping.split(unknowns)[1]
+    for _ in range(MOST_CORRECTIONS):
+        there = grouping.joined(z, soft)
+        lasting = there[explicit.layout.durations]
+        if grouping.backward(lasting):
+            return None
+        found = _Eliminated(explicit, grouping, there)
+        if not found.finite:
+            return None
+        if found.excess <= SOLVED:
+            return found
+        try:
+            soft = soft - found.correction
+        except np.linalg.LinAlgError:
+            return None
+    return None
+
+
+# -- from explicit orbits ----------------------------------------------------------------------------------
+
+
+def softened(explicit: HybridOrbit, unknowns: np.ndarray) -> tuple[HybridOrbit, np.ndarray]:
+    """A discretised orbit as one whose word leaves out soft transitions, if its machine has any."""
+    if not applies(explicit.system, explicit.word):
+        return explicit, unknowns
+    explicit, unknowns = softness.after_hard(explicit, unknowns)
+    word = softness.hard_word(explicit.word)
+    problem = SoftOrbit(
+        explicit.system,
+        word,
+        explicit.parameters,
+        explicit.free,
+        explicit.path,
+        explicit.pins,
+        explicit.reference,
+        explicit.subharmonic,
+        explicit.discretization,
+    )
+    problem.turns, problem._tally = explicit.turns, explicit._tally
+    there = problem.around(explicit, unknowns)
+    return there, there.inner.z
+
+
+def softened_seed(seed: Seed) -> Seed:
+    """A seed of explicit orbits as one of `SoftOrbit`."""
+    assert isinstance(seed.problem, HybridOrbit)
+    if not applies(seed.problem.system, seed.problem.word):
+        return seed
+    turned, unknowns = softness.after_hard(seed.problem, seed.z)
+    problem, z = softened(turned, unknowns)
+    assert isinstance(problem, SoftOrbit)
+    grouping, reach = problem.inner.grouping, seed.reach
+    if turned.word == seed.problem.word:
+        tangent = grouping.split(seed.tangent)[0]
+    else:
+        from contwalk.problems.linear import kernel_direction
+        from contwalk.problems.orbit.branching import filled_magnitudes
+
+        tangent = kernel_direction(problem.jacobian(z), filled_magnitudes(problem, z))
+        tangent = tangent * (np.sign(tangent[-1]) * np.sign(seed.tangent[-1]) or 1.0)
+        reach = _reach(tangent)
+        return replace(seed, z=z, tangent=tangent, problem=problem, reach=reach)
+    return replace(
+        seed,
+        z=z,
+        tangent=tangent,
+        problem=problem,
+        reach=lambda change: np.abs(grouping.split(reach(change))[0]),
+    )
+
+
+def _reach(tangent: np.ndarray) -> Any:
+    from contwalk.problems.orbit.branching import amplitude
+
+    return amplitude(tangent)
+
+
+def applies(system: Any, word: Word) -> bool:
+    """Whether a machine's words leave out its soft transitions: not where there are no others."""
+    soft = any(transition.role == "soft" for transition in system.transitions)
+    return soft and any(leg.transition is not None and leg.transition.role != "soft" for leg in word.legs)
+
+
+__all__ = ["SoftOrbit", "applies", "softened", "softened_seed"]

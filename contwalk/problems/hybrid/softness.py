@@ -1,0 +1,183 @@
+"""Soft transitions on an orbit's legs: which modes they lead through, and where on a leg they happen."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contwalk.errors import NotFinite
+from contwalk.flow.hybrid import arcs, hybrid_machine
+from contwalk.flow.hybrid_machine import HybridMachine
+from contwalk.problems.hybrid.limits import Limit, limits_of_leg
+from contwalk.problems.hybrid.word import Leg, Word, modes_around
+from contwalk.system import System, Transition
+
+if TYPE_CHECKING:
+    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
+    from contwalk.problems.hybrid.soft_orbit import SoftOrbit
+
+TOLERANCE = 1e-9
+# A field that switches and switches back within this part of the closure has not switched: what it does
+# shrinks with the third power of the time.
+SHORT = 1e-6
+MOST_SWITCHES, MOST_ROUNDS = 16, 4
+
+_ONLY_SOFT: dict[int, tuple[System, System]] = {}
+_MOST_KNOWN = 16
+
+
+def only_soft(system: System) -> System:
+    """The machine without its hard transitions: what moves between them."""
+    if id(system) not in _ONLY_SOFT:
+        while len(_ONLY_SOFT) >= _MOST_KNOWN:
+            del _ONLY_SOFT[next(iter(_ONLY_SOFT))]
+        soft = tuple(transition for transition in system.transitions if transition.role == "soft")
+        bare = replace(system, transitions=soft, conditions=(), symmetries=(), observables=(), neutral=())
+        _ONLY_SOFT[id(system)] = system, bare
+    return _ONLY_SOFT[id(system)][1]
+
+
+def hard_word(word: Word) -> Word:
+    """An explicit word without its soft transitions."""
+    legs, mode = [], word.legs[0].mode
+    for i, leg in enumerate(word.legs):
+        if leg.transition is not None and leg.transition.role == "soft":
+            continue
+        legs.append(replace(leg, mode=mode))
+        mode = word.legs[(i + 1) % len(word)].mode
+    return Word(tuple(legs), word.image)
+
+
+def after_hard(problem: HybridOrbit, z: np.ndarray) -> tuple[HybridOrbit, np.ndarray]:
+    """The same orbit, beginning right after a hard transition."""
+    from contwalk.problems.hybrid.switching import discretized, rotated, shifted
+
+    legs, layout = problem.word.legs, problem.layout
+    last = max(
+        i for i, leg in enumerate(legs) if leg.transition is not None and leg.transition.role != "soft"
+    )
+    first = (last + 1) % len(legs)
+    if first == 0:
+        return problem, z
+    if problem.word.image:
+        return rotated(problem, z, first)
+    other = problem.of_word(problem.word.rotated(problem.system, first))
+    order = [(first + k) % len(legs) for k in range(len(legs))]
+    lasting = z[layout.durations]
+    result = np.concatenate(
+        [*(z[layout.states[i]] for i in order), lasting[order], z[layout.durations.stop :]]
+    )
+    if layout.start is not None and other.layout.start is not None:
+        result[other.layout.start] += float(lasting[:first].sum())
+    if problem.pins:
+        other.reference = other.passages[0].full(result[other.layout.states[0]])
+    there = discretized(other, result)
+    return there, shifted(there, result)
+
+
+def passed(
+    problem: SoftOrbit, z: np.ndarray, magnitudes: np.ndarray
+) -> tuple[Word, list[np.ndarray], list[float]]:
+    """The explicit word over z, with full states at the starts of its legs and their durations.
+
+    Raises
+    ------
+    NotFinite
+        If the motion over a leg ends early.
+    """
+    machine = hybrid_machine(only_soft(problem.system), problem.values_of(z))
+    times, legs = problem.starting_times(z), problem.word.legs
+    found: list[Leg] = []
+    states: list[np.ndarray] = []
+    lasting: list[float] = []
+    for i, leg in enumerate(legs):
+        x, begin, end = problem.passages[i].full(problem.layout.inputs(i, z)[0]), times[i], times[i + 1]
+        mode = settled(machine, leg.mode, float(begin), x)
+        pieces = _pieces(machine, mode, float(begin), x, float(end), magnitudes)
+        pieces = _lasting(pieces, SHORT * problem.duration(z))
+        assert leg.transition is not None
+        final = _out_of(problem.system, leg.name, pieces[-1][0].mode)
+        found += [piece[0] for piece in pieces[:-1]] + [Leg(final.source, final, leg.falls)]
+        states += [piece[1] for piece in pieces]
+        lasting += [piece[2] for piece in pieces]
+    return Word(tuple(found), problem.word.image), states, lasting
+
+
+def _out_of(system: System, name: str, mode: str) -> Transition:
+    """The transition of a name out of a mode.
+
+    Raises
+    ------
+    NotFinite
+        If there is none.
+    """
+    if mode not in system.sources(name):
+        raise NotFinite(f"'{name}' does not lead out of mode '{mode}', in which the leg before it ends.", "")
+    return system.transition(name, mode)
+
+
+def settled(machine: HybridMachine, mode: str, t: float, x: np.ndarray) -> str:
+    """The mode that a state is in, of those that soft transitions connect: no guard is past zero there."""
+    for _ in range(MOST_SWITCHES):
+        flow = machine.mode(mode)
+        for transition, guard in zip(flow.transitions, flow.guards, strict=True):
+            value, _, uncertainty = guard(t, x[flow.states], flow.p)
+            sign = {"falling": 1.0, "rising": -1.0}.get(transition.direction, 0.0)
+            if sign * value < -uncertainty:
+                mode = transition.target
+                break
+        else:
+            return mode
+    return mode
+
+
+Piece = tuple[Leg, np.ndarray, float]
+
+
+def _pieces(
+    machine: HybridMachine, mode: str, begin: float, x: np.ndarray, end: float, magnitudes: np.ndarray
+) -> list[Piece]:
+    """Legs between soft transitions with first states and durations; the last one's transition is open."""
+    found: list[Piece] = []
+    if end <= begin:
+        return [(Leg(mode), x, end - begin)]
+    for arc in arcs(machine, begin, x, mode, end, TOLERANCE, magnitudes):
+        if arc.status != "ok":
+            raise NotFinite(f"The motion ends at t = {arc.times[-1]:.6g} s: {arc.reason or arc.status}", "")
+        transition = None
+        if arc.transition is not None:
+            transition = machine.system.transition(arc.transition, arc.mode)
+        lasts = float(arc.times[-1] - arc.times[0])
+        found.append((Leg(arc.mode, transition, not arc.rising), arc.states[0], lasts))
+    if found[-1][0].transition is not None:  # it switches just at the end
+        leg, state, lasts = found[-1]
+        found[-1] = (replace(leg, transition=None), state, lasts)
+    return found
+
+
+def _lasting(pieces: list[Piece], least: float) -> list[Piece]:
+    """The pieces without those in between that last no time: what switched has switched back."""
+    k = 1
+    while k < len(pieces) - 1:
+        (before, x, first), (_, _, own), (after, _, last) = pieces[k - 1 : k + 2]
+        if own < least and before.mode == after.mode:
+            pieces[k - 1 : k + 2] = [(after, x, first + own + last)]
+            k = max(k - 1, 1)
+        else:
+            k += 1
+    return pieces
+
+
+def limits_of(system: System, word: Word) -> tuple[Limit, ...]:
+    """All that must stay positive along the legs of a word, in any of the modes of each."""
+    found: dict[Limit, None] = {}
+    for i, leg in enumerate(word.legs):
+        before = word.leading_in(system, i)
+        for mode in modes_around(system, leg.mode):
+            own = next((t for t in system.leaving(mode) if t.name == leg.name), None)
+            for limit in limits_of_leg(system, mode, own, before, i):
+                if limit.label != "soft":
+                    found[limit] = None
+    return tuple(found)
