@@ -46,6 +46,8 @@ SOFT = "soft"
 HIDDEN = 1e-6
 # Parts of a guard's largest value: zero to rounding; below zero beyond doubt.
 ZERO, BELOW = 1e-9, 1e-7
+# A little time, and none, in parts of the closure's.
+LITTLE, NO_TIME = 1e-3, 1e-12
 
 
 @dataclass(frozen=True)
@@ -164,11 +166,12 @@ class _Watch:
     rates: np.ndarray
     sign: float
     own: bool
+    total: float  # duration of the closure
 
     @cached_property
     def scale(self) -> float:
-        """Largest value."""
-        return max(float(np.abs(self.values).max()), 1e-300)
+        """Largest value; on a leg that lasts nearly no time, what it changes by in a little more."""
+        return max(_largest(self.values, self.rates, self.view.duration, self.total), 1e-300)
 
     @property
     def dips(self) -> list[tuple[int, float, float]]:
@@ -218,7 +221,16 @@ def _watch(problem: HybridOrbit, i: int, view: LegView, transition: Transition) 
     times, values, rates = view.guard(transition)
     own = transition == leg.transition
     sign = _sign(transition, leg.falls if own else None, values)
-    return _Watch(view, transition, times, sign * values, sign * rates, sign, own)
+    return _Watch(view, transition, times, sign * values, sign * rates, sign, own, problem.mesh.total)
+
+
+def _largest(values: np.ndarray, rates: np.ndarray, duration: float, total: float) -> float:
+    """Largest modulus of a guard on a leg of at least a little time; rates are over the leg's own time."""
+    largest = float(np.abs(values).max())
+    little = LITTLE * total
+    if not 0.0 < abs(duration) < little:
+        return largest
+    return max(largest, float(np.abs(rates).max()) * little / abs(duration))
 
 
 def _sign(transition: Transition, falls: bool | None, values: np.ndarray) -> float:
@@ -239,7 +251,10 @@ def _of_watch(test: str, watch: _Watch, duration: float) -> tuple[float, float, 
         return -float(r[-1]) / per_second, whole / abs(per_second), 1.0
     if test in ("start", "end"):
         k = 0 if test == "start" else -1
-        # A guard that has just been zero, or that two events share, is no limit of its own there.
+        # A guard that has just been zero, or that two events share, is no limit of its own there; on a leg
+        # without length none can be told from that.
+        if abs(duration) <= NO_TIME * watch.total:
+            return np.inf, scale, float(t[k])
         return (float(v[k]) if abs(v[k]) > ZERO * scale else np.inf), scale, float(t[k])
     least, place = np.inf, np.nan
     for k, time, value in watch.dips:
