@@ -11,6 +11,7 @@ import numpy as np
 
 from contwalk.branch import Branch
 from contwalk.continuation.newton import correct
+from contwalk.errors import NotFinite
 from contwalk.problems.equilibrium import Equilibrium
 from contwalk.problems.problem import Problem, Sample
 from contwalk.system.declarations import ParameterValues
@@ -133,8 +134,11 @@ def _orbit_on(problem: PeriodicOrbit | HybridOrbit, sample: Sample, branch: Bran
         weights = stored[np.isfinite(stored)]
         normal = np.zeros(len(guess))
         normal[-1] = 1.0 / weights[-1]
-        there = problem.at_stored(guess, weights)
-        correction = correct(there, guess, normal, weights)
+        try:
+            there = _stored_like(problem, branch, guess).at_stored(guess, weights)
+            correction = correct(there, guess, normal, weights)
+        except NotFinite:
+            continue
         if not correction.ok or abs(there.duration(correction.z) - period) > SAME * period:
             continue
         from contwalk.problems.orbit.closure import imaged
@@ -144,3 +148,17 @@ def _orbit_on(problem: PeriodicOrbit | HybridOrbit, sample: Sample, branch: Bran
         if there.passes(correction.z, [x, *[imaged(symmetry, x, p) for symmetry in spatial]]):
             return True
     return False
+
+
+def _stored_like(
+    problem: PeriodicOrbit | HybridOrbit, branch: Branch, guess: np.ndarray
+) -> PeriodicOrbit | HybridOrbit:
+    """The problem whose unknowns a branch stores: of a hybrid orbit, they may begin with another leg."""
+    if problem.kind != "hybrid_orbit":
+        return problem
+    from contwalk.continuation.reopening import problem_of
+
+    first = branch.info.settings["legs"][0][0]
+    state, own = np.zeros(problem.states), list(problem.system.states_of(first))
+    state[own] = guess[: len(own)]
+    return problem_of(problem.system, branch.info, state, problem.discretization)  # type: ignore[return-value]
