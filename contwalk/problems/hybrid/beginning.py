@@ -88,6 +88,7 @@ def lap_from(
     until: float | str | None = "settled",
     time: float = 0.0,
     after: str | None = None,
+    least: float = 0.0,
 ) -> Lap:
     """One lap of the orbit that a motion leads to.
 
@@ -99,6 +100,8 @@ def lap_from(
         The state is the one right before this transition.
     after : str, optional
         The state is the one right after this transition.
+    least : float
+        Seconds that a lap lasts at least.
     until : float, "settled" or None
         Seconds to simulate before looking for a return; `settled` waits until returns agree closely; None
         takes the first that comes near: the state is on an orbit, perhaps an unstable one.
@@ -114,7 +117,7 @@ def lap_from(
     if at is not None:
         happening = machine.transition(at, None if len(system.sources(at)) == 1 else mode)
         x, mode, after = applied(machine, happening, time, x), happening.target, at
-    search = _Search(system, parameters, None if until == 0 else until)
+    search = _Search(system, parameters, None if until == 0 else until, least)
     if after is not None:
         search.first = False  # the first arc is a whole leg
     for arc in _motion(machine, time, x, mode, after, search):
@@ -154,8 +157,10 @@ def _motion(
 class _Search:
     """Looks for a return while a motion is simulated."""
 
-    def __init__(self, system: System, parameters: Mapping[str, float], until: float | str | None) -> None:
-        self.system, self.parameters, self.until = system, dict(parameters), until
+    def __init__(
+        self, system: System, parameters: Mapping[str, float], until: float | str | None, least: float = 0.0
+    ) -> None:
+        self.system, self.parameters, self.until, self.least = system, dict(parameters), until, least
         self.period = 0.0
         if system.period is not None:
             self.period = float(called("period", system.period, ParameterValues(**parameters)))
@@ -278,6 +283,8 @@ class _Search:
             mode, event = symmetry.modes.get(mode, mode), symmetry.events.get(str(event), event)
             after = imaged(symmetry, after, ParameterValues(**self.parameters))
         if first.leg.mode != mode or self._led_in(count - back) not in (None, event):
+            return None
+        if float(arc.times[-1]) - first.start < self.least:
             return None
         apart = after - first.state
         turned = self.turns > 0.0

@@ -24,7 +24,9 @@ if TYPE_CHECKING:
     from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 
 # How far beyond, in the metric.
-STEPS = (1e-3, 1e-2, 1e-4)
+STEPS = (1e-3, 1e-4, 1e-5, 1e-2)
+# What returns sooner than in this part of the orbit's closure is no orbit like it.
+SHORTEST = 0.4
 
 
 def seeds(problem: HybridOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
@@ -67,6 +69,7 @@ def _simulated(problem: HybridOrbit, guess: np.ndarray, outward: np.ndarray, lab
         until=None,
         time=float(problem.starting_times(guess)[0]),
         after=word.leading_in(problem.system, 0) or None,
+        least=SHORTEST * problem.duration(guess),
     )
     if lap.word == word:
         raise ContwalkError("the motion has the same signature still")

@@ -399,6 +399,8 @@ class SoftOrbit(HybridOrbit):
 
     def tangent_at(self, label: str, located: Located, near: Sample) -> np.ndarray | None:
         """At a branch point, the tangent of the branch that `near` is on."""
+        if label != "BP":
+            return None
         explicit, own, _ = self._explicit_sample(near)
         under = located.vectors["explicit"]
         if under.problem.word != explicit.word:
