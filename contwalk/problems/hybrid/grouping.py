@@ -11,6 +11,9 @@ import numpy as np
 from contwalk.problems.hybrid.layout import Layout
 from contwalk.problems.hybrid.word import Word
 
+# A little time, in parts of the closure's.
+NO_TIME = 1e-6
+
 
 class Grouping:
     """The groups of a word that ends with a hard transition.
@@ -82,8 +85,13 @@ class Grouping:
         return own, np.hstack([jacobian[:, self._later], by_inner])
 
     def backward(self, lasting: np.ndarray) -> bool:
-        """Whether a piece beside a soft transition lasts less than no time, of the durations of all legs."""
-        return any(bool(np.any(lasting[group] < 0.0)) for group in self.groups if len(group) > 1)
+        """Whether a piece beside a soft transition lasts less than no time, of the durations of all legs.
+
+        A little less does no harm: the equations are smooth there, and what the field does meanwhile is not
+        felt.
+        """
+        least = -NO_TIME * float(np.abs(lasting).sum())
+        return any(bool(np.any(lasting[group] < least)) for group in self.groups if len(group) > 1)
 
 
 def _joined(slices: list[slice]) -> np.ndarray:

@@ -448,12 +448,18 @@ class SoftOrbit(HybridOrbit):
 
     def seeds(self, point: SpecialPoint) -> Sequence[Seed]:
         """The branches that leave a special point."""
-        _, explicit, own = self._stored(point)
+        try:
+            _, explicit, own = self._stored(point)
+        except NotFinite:
+            return ()
         return [softened_seed(seed) for seed in explicit.seeds(own)]
 
     def neighbours(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
         """The branches of other words beyond a limit, and in words what was found, or tried."""
-        _, explicit, own = self._stored(point)
+        try:
+            _, explicit, own = self._stored(point)
+        except NotFinite as error:
+            return (), f"No neighbour to switch to: the motion there cannot be taken up again ({error})."
         found, told = explicit.neighbours(own)
         return [softened_seed(seed) for seed in found], told
 

@@ -10,19 +10,21 @@ import numpy as np
 from contwalk.errors import NotFinite
 from contwalk.flow.hybrid import arcs, hybrid_machine
 from contwalk.flow.hybrid_machine import HybridMachine
+from contwalk.problems.hybrid.grouping import NO_TIME
 from contwalk.problems.hybrid.limits import Limit, limits_of_leg
 from contwalk.problems.hybrid.word import Leg, Word, modes_around
-from contwalk.system import System, Transition
+from contwalk.system import System
 
 if TYPE_CHECKING:
     from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
     from contwalk.problems.hybrid.soft_orbit import SoftOrbit
 
 TOLERANCE = 1e-9
-# A field that switches and switches back within this part of the closure has not switched: what it does
-# shrinks with the third power of the time.
-SHORT = 1e-6
+# A field that switches and switches back within `NO_TIME` has not switched: what it does shrinks with the
+# third power of the time.
 MOST_SWITCHES, MOST_ROUNDS = 16, 4
+
+Piece = tuple[Leg, np.ndarray, float]
 
 _ONLY_SOFT: dict[int, tuple[System, System]] = {}
 _MOST_KNOWN = 16
@@ -95,27 +97,36 @@ def passed(
     for i, leg in enumerate(legs):
         x, begin, end = problem.passages[i].full(problem.layout.inputs(i, z)[0]), times[i], times[i + 1]
         mode = settled(machine, leg.mode, float(begin), x)
-        pieces = _pieces(machine, mode, float(begin), x, float(end), magnitudes)
-        pieces = _lasting(pieces, SHORT * problem.duration(z))
+        pieces, last = _pieces(machine, mode, float(begin), x, float(end), magnitudes)
+        pieces = _lasting(pieces, NO_TIME * problem.duration(z))
+        pieces = _switched(problem.system, leg.name, pieces, last)
         assert leg.transition is not None
-        final = _out_of(problem.system, leg.name, pieces[-1][0].mode)
+        final = problem.system.transition(leg.name, pieces[-1][0].mode)
         found += [piece[0] for piece in pieces[:-1]] + [Leg(final.source, final, leg.falls)]
         states += [piece[1] for piece in pieces]
         lasting += [piece[2] for piece in pieces]
     return Word(tuple(found), problem.word.image), states, lasting
 
 
-def _out_of(system: System, name: str, mode: str) -> Transition:
-    """The transition of a name out of a mode.
+def _switched(system: System, name: str, pieces: list[Piece], last: np.ndarray) -> list[Piece]:
+    """The pieces of a leg that ends with a transition, which may not lead out of the mode of the last one.
+
+    Where both happen at nearly the same time, a soft transition to a mode that it leads out of comes first.
 
     Raises
     ------
     NotFinite
         If there is none.
     """
-    if mode not in system.sources(name):
-        raise NotFinite(f"'{name}' does not lead out of mode '{mode}', in which the leg before it ends.", "")
-    return system.transition(name, mode)
+    leg, state, lasts = pieces[-1]
+    sources = system.sources(name)
+    if leg.mode in sources:
+        return pieces
+    for soft in system.leaving(leg.mode):
+        if soft.role == "soft" and soft.target in sources:
+            between = Leg(leg.mode, soft, soft.direction != "rising")
+            return [*pieces[:-1], (between, state, lasts), (Leg(soft.target), last, 0.0)]
+    raise NotFinite(f"'{name}' does not lead out of mode '{leg.mode}', in which the leg before it ends.", "")
 
 
 def settled(machine: HybridMachine, mode: str, t: float, x: np.ndarray) -> str:
@@ -133,16 +144,16 @@ def settled(machine: HybridMachine, mode: str, t: float, x: np.ndarray) -> str:
     return mode
 
 
-Piece = tuple[Leg, np.ndarray, float]
-
-
 def _pieces(
     machine: HybridMachine, mode: str, begin: float, x: np.ndarray, end: float, magnitudes: np.ndarray
-) -> list[Piece]:
-    """Legs between soft transitions with first states and durations; the last one's transition is open."""
+) -> tuple[list[Piece], np.ndarray]:
+    """Legs between soft transitions with first states and durations, and the last state.
+
+    The last one's transition is open.
+    """
     found: list[Piece] = []
     if end <= begin:
-        return [(Leg(mode), x, end - begin)]
+        return [(Leg(mode), x, end - begin)], x
     for arc in arcs(machine, begin, x, mode, end, TOLERANCE, magnitudes):
         if arc.status != "ok":
             raise NotFinite(f"The motion ends at t = {arc.times[-1]:.6g} s: {arc.reason or arc.status}", "")
@@ -151,10 +162,11 @@ def _pieces(
             transition = machine.system.transition(arc.transition, arc.mode)
         lasts = float(arc.times[-1] - arc.times[0])
         found.append((Leg(arc.mode, transition, not arc.rising), arc.states[0], lasts))
+        last = arc.states[-1]
     if found[-1][0].transition is not None:  # it switches just at the end
         leg, state, lasts = found[-1]
         found[-1] = (replace(leg, transition=None), state, lasts)
-    return found
+    return found, last
 
 
 def _lasting(pieces: list[Piece], least: float) -> list[Piece]:
