@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 # How far beyond, in the metric.
 STEPS = (1e-3, 1e-4, 1e-5, 1e-2)
 # What returns sooner than in this part of the orbit's closure is no orbit like it.
-SHORTEST = 0.4
+SHORTEST = 0.8
 
 
 def seeds(problem: HybridOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
@@ -71,7 +71,8 @@ def _simulated(problem: HybridOrbit, guess: np.ndarray, outward: np.ndarray, lab
         after=word.leading_in(problem.system, 0) or None,
         least=SHORTEST * problem.duration(guess),
     )
-    if lap.word == word:
+    times, rest = divmod(len(lap.word), len(word))
+    if not rest and lap.word.legs == word.legs * times:
         raise ContwalkError("the motion has the same signature still")
     at = None if problem.path is None else float(guess[-1])
     rough, start = orbit_of(
@@ -83,6 +84,8 @@ def _simulated(problem: HybridOrbit, guess: np.ndarray, outward: np.ndarray, lab
     start = newton_on(rough, start, weights, normal)
     there = discretized(rough, start)
     start = newton_on(there, start, weights, normal)
+    if there.repeats(start) > 1:
+        raise ContwalkError("the orbit that a simulation leads to repeats itself sooner")
     margins = limits.margins(there, start)
     lost = [
         o.name for o, r in zip(margins.limits, margins.relative, strict=True) if r < -limits.ZERO and o.acts
