@@ -33,8 +33,9 @@ from contwalk.problems.linear import Factored, Factorization
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.problem import Linearization, Located, Sample, Seed
 
-# Corrections of what is eliminated, and a residual of it that is solved, in units of its level.
-MOST_CORRECTIONS, SOLVED = 8, 1.0
+# Corrections of what is eliminated, and a residual of it that is solved, in units of its level: what is left
+# of it enters the other equations, to first order.
+MOST_CORRECTIONS, SOLVED = 8, 1e2
 
 
 @dataclass(frozen=True, eq=False)
