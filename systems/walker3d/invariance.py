@@ -8,7 +8,7 @@ from typing import Any
 from contwalk.system import Neutral, Symmetry
 
 from .contacts import Contacts, mirrored, mode_name
-from .model import BALANCED, DAMPED, Model
+from .model import DAMPED, Model
 from .states import P1, Q1, Q3, Q4, Q5, Q6, Q7, Q9, STATES, U1, U5, U6, U7, U9
 
 # Of the mirror x -> -x across the hip line: states that change their sign, and what changes places with what.
@@ -70,7 +70,7 @@ def make_neutral(model: Model) -> tuple[Neutral, ...]:
     """Directions along which gaits come in families."""
     across = Neutral("across", _to_the_side, pin="q1", about="the same gait further to the side")
     along = Neutral("along", _downhill, pin="q3", about="the same gait further downhill")
-    if model.torso == BALANCED and model.hip == DAMPED:
+    if model.hip == DAMPED:  # and its torso is balanced: for which parameters it is, is found at a start
         pitch = Neutral(
             "pitch", _pitched, pin="q4", about="the same gait with its balanced torso at another pitch"
         )

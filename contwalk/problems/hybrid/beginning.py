@@ -6,8 +6,8 @@ happened in between; nobody has to type it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -64,7 +64,7 @@ class Lap:
     """A motion that (nearly) comes back, or comes to the image of where it was.
 
     `magnitudes` are the largest of each state; `returned` is the state after the last event and
-    the image.
+    the image, `origin` the one that the motion began with.
     """
 
     stretches: tuple[Stretch, ...]
@@ -72,6 +72,7 @@ class Lap:
     missed: float
     returned: np.ndarray
     image: str = ""
+    origin: np.ndarray | None = None
 
     @property
     def word(self) -> Word:
@@ -120,6 +121,7 @@ def lap_from(
     search = _Search(system, parameters, None if until == 0 else until, least)
     if after is not None:
         search.first = False  # the first arc is a whole leg
+    search.origin = x
     for arc in _motion(machine, time, x, mode, after, search):
         lap = search.add(arc)
         if lap is not None:
@@ -179,6 +181,7 @@ class _Search:
         )
         self.steps = 0
         self.first = True
+        self.origin: np.ndarray | None = None
         self.ended: Arc | None = None
         self.last_state: tuple[float, np.ndarray, str] | None = None
 
@@ -294,7 +297,7 @@ class _Search:
         if self.period:
             laps = (float(arc.times[-1]) - first.start) / self.period
             missed = max(missed, abs(laps - round(laps)) / 0.05) if round(laps) > 0 else np.inf
-        return Lap(tuple(self.stretches[count - back :]), scale, missed, after, image)
+        return Lap(tuple(self.stretches[count - back :]), scale, missed, after, image, self.origin)
 
     @cached_property
     def neutral(self) -> list[Neutral]:
@@ -390,6 +393,7 @@ def orbit_of(
     """The problem of a lap's word, discretised for it, and the lap as its unknowns."""
     values = _parameters_of(parameters, free, path, at)
     pins = families.active(hybrid_machine(system, values), lap) if system.neutral else []
+    lap = _placed(system, pins, lap, values)
     problem = HybridOrbit(
         system, lap.word, parameters, free, path, pins, lap.stretches[0].state, discretization=discretization
     )
@@ -422,6 +426,27 @@ def _parameters_of(
         return {**parameters} if at is None else {**parameters, free: at}
     begin, end = path
     return {name: begin[name] + float(at or 0.0) * (end[name] - begin[name]) for name in begin}
+
+
+def _placed(system: System, pins: Sequence[Neutral], lap: Lap, parameters: dict[str, float]) -> Lap:
+    """The lap moved along pinned directions to where the motion began: translations only."""
+    if lap.origin is None or not pins:
+        return lap
+    first = lap.stretches[0].state
+    along = families.directions(system, pins, first, parameters)
+    if not np.array_equal(along, families.directions(system, pins, lap.origin, parameters)):
+        return lap
+    held = [system.state_names.index(pin.pin) for pin in pins if pin.pin is not None and pin.value is None]
+    if len(held) < len(pins):
+        return lap
+    try:
+        shift = along @ np.linalg.solve(along[held], (lap.origin - first)[held])
+    except np.linalg.LinAlgError:
+        return lap
+    moved = tuple(
+        replace(stretch, state=stretch.state + shift, end=stretch.end + shift) for stretch in lap.stretches
+    )
+    return replace(lap, stretches=moved, returned=lap.returned + shift)
 
 
 def _drifting(

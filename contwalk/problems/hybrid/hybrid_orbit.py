@@ -402,6 +402,9 @@ class HybridOrbit:
         terms = np.abs(jacobian) @ np.abs(z)
         for i, rows in enumerate(self.layout.matches):  # the identity may have cancelled in the Jacobian
             terms[rows] += np.abs(z[self.layout.states[(i + 1) % self.layout.legs]])
+        held = slice(self.layout.held, self.layout.held + len(self.pins))
+        # A state that is held at zero is known to the rounding of what it is elsewhere.
+        terms[held] += np.abs(jacobian[held, : self.size]) @ self.cycle_scales[1]
         own = SOLVED * self.mesh.tolerance * self.equation_scales
         own[self.layout.guards + self.layout.legs :] = 0.0
         return own + (8.0 + steps) * EPSILON * terms + 1e-300

@@ -19,6 +19,9 @@ from contwalk.system.declarations import ParameterValues
 if TYPE_CHECKING:
     from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 
+# A section's instant is bracketed by interpolation so nearly, in parts of its leg, and then stepped to.
+NEARLY, MOST_SECANTS = 1e-6, 4
+
 
 @dataclass(frozen=True, eq=False)
 class Stretch:
@@ -179,12 +182,29 @@ def _passing(problem: HybridOrbit, z: np.ndarray, index: int, value: float, dire
             continue
         view, k = stretch.view, int(passes[0])
         low, high = ((t[j] - stretch.later - view.start) / view.duration for j in (k, k + 1))
-        there = x[k]
         for _ in range(MOST_BISECTIONS):
             middle = 0.5 * (low + high)
             there = stretch.at(np.array([middle]))[1][0]
             low, high = (middle, high) if (there[index] - value) * direction < 0.0 else (low, middle)
-            if high - low < 1e-15:
+            if high - low < NEARLY:
                 break
-        return there
+        return _refined(stretch, index, value, low)
     return np.full(problem.states, np.nan)
+
+
+def _refined(stretch: Stretch, index: int, value: float, near: float) -> np.ndarray:
+    """The state at which state number `index` has a value, on steps that end there: by the secant method."""
+
+    def at(share: float) -> np.ndarray:
+        time = stretch.view.start + stretch.view.duration * share
+        return stretch.seen(np.array([time]), stretch.view.full(stretch.view.stepped(share))[None])[0]
+
+    a, b = near, near + NEARLY if near < 0.5 else near - NEARLY
+    here, there = at(a), at(b)
+    for _ in range(MOST_SECANTS):
+        before, after = float(here[index]) - value, float(there[index]) - value
+        if after == before or b == a:
+            break
+        a, b, here = b, b - after * (b - a) / (after - before), there
+        there = at(b)
+    return there

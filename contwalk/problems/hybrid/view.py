@@ -8,6 +8,7 @@ tells, and the state there is that of the integrator's own interpolation.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -85,6 +86,12 @@ class LegView:
     def end(self) -> np.ndarray:
         """State of the mode at the end, before the transition."""
         return self.nodes[-1]
+
+    def stepped(self, share: float) -> np.ndarray:
+        """State of the mode at an instant in 0..1 to which the last step is cut: no interpolation."""
+        inside = self.piece.steps[self.piece.steps < share - 1e-12] / share
+        piece = replace(self.piece, steps=np.append(inside, 1.0))
+        return piece.before(PLAIN, self.x, np.concatenate([[self.duration * share], self.scalars[1:]]))
 
     def full(self, x: np.ndarray) -> np.ndarray:
         """States of the mode as states of the system."""
