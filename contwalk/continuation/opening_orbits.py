@@ -12,7 +12,7 @@ from contwalk.continuation.here import Here, begin
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
 from contwalk.errors import NotFinite, PluginError, StartError
-from contwalk.problems.hybrid.beginning import lap_from, orbit_of
+from contwalk.problems.hybrid.beginning import at_start, lap_from, orbit_of
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit, applies, softened
 from contwalk.problems.hybrid.switching import discretized, divided
@@ -57,11 +57,11 @@ def opened_orbit(
     """
     try:
         if system.acting:
-            lap = lap_from(system, _at_start(parameters, path, at), state, mode, event, until)
+            lap = lap_from(system, at_start(parameters, path, at), state, mode, event, until)
             explicit = orbit_of(system, parameters, free, lap, path, at, discretization)
             return _hybrid(*softened(*explicit), settings)
         if until is not None:
-            found = recurrent(system, _at_start(parameters, path, at), state, until)
+            found = recurrent(system, at_start(parameters, path, at), state, until)
             state, period = found.state, found.period
         problem, z = orbit_at(system, parameters, free, state, period, path, at, discretization)
         here = begin(problem, z, settings)
@@ -80,14 +80,6 @@ def opened_orbit(
         return outcomes.no_start("not_finite", error.sentence)
     except StartError as error:
         return outcomes.no_start("no_convergence", f"{error.sentence} {error.remedy}")
-
-
-def _at_start(parameters: Mapping[str, float], path: Path | None, at: float | None) -> Mapping[str, float]:
-    """All parameters where the branch begins."""
-    if path is None:
-        return parameters
-    begin, end = path
-    return {name: begin[name] + float(at or 0.0) * (end[name] - begin[name]) for name in begin}
 
 
 def opened_word(

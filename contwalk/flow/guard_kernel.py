@@ -43,6 +43,7 @@ from contwalk.flow.hybrid_plan import (
     TRIAL,
     VALUE,
 )
+from contwalk.flow.polynomial_kernel import draw
 from contwalk.flow.stages import FIRST, NEXT, Y
 
 REACH = 2.0  # times step length and largest rate of late: as far as a guard may go and come back
@@ -172,17 +173,7 @@ def _draw(m: Any, h: float, share: float, state: int, velocity: int) -> None:
     n, p = m[SIZE], integers(m[TRIAL], plan.PLAN_LENGTH)
     rows, y = doubles(m[DENSE], 7 * n), doubles(place(p, Y), n)
     x, f = doubles(state, n), doubles(velocity, n)
-    for i in range(n):
-        value, slope = 0.0, 0.0
-        for row in range(7):
-            value += rows[(6 - row) * n + i]
-            if row % 2 == 0:
-                slope = slope * share + value
-                value *= share
-            else:
-                slope = slope * (1.0 - share) - value
-                value *= 1.0 - share
-        x[i], f[i] = y[i] + value, slope / h
+    draw(n, rows, y, h, share, x, f)
 
 
 @inlined

@@ -17,6 +17,7 @@ from contwalk.flow.guard import Guard
 from contwalk.flow.guard_code import GuardCode, GuardCodes
 from contwalk.flow.resolving import Resolving
 from contwalk.flow.traced import PARAMETER, STATE, TIME, arguments, field_of
+from contwalk.memory import remembered
 from contwalk.system import System, Transition
 
 _UNWRITTEN = "unwritten"
@@ -83,11 +84,8 @@ _MOST_KNOWN = 64
 
 def hybrid_code(system: System) -> HybridCode:
     """The code of a system; traced and compiled only once."""
-    if id(system) not in _KNOWN:
-        while len(_KNOWN) >= _MOST_KNOWN:
-            del _KNOWN[next(iter(_KNOWN))]
-        _KNOWN[id(system)] = HybridCode(system)  # it keeps its system, and so its id
-    return _KNOWN[id(system)]
+    # It keeps its system, and so its id.
+    return remembered(_KNOWN, id(system), _MOST_KNOWN, lambda: HybridCode(system))
 
 
 # -- tracing -------------------------------------------------------------------------------------------------

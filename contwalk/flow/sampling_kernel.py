@@ -12,6 +12,7 @@ import math
 import numpy as np
 
 from contwalk.flow.calling import call_rhs, caller, doubles, inlined, integers
+from contwalk.flow.polynomial_kernel import draw
 from contwalk.flow.sampling_plan import (
     COEFFICIENTS,
     CONSTANTS,
@@ -131,17 +132,7 @@ def _between(p: np.ndarray, t: float, h: float, share: float, parameters: int) -
     """Value and rate of the guard at a share of the step, both by its polynomial."""
     n, rows, y = p[N], doubles(p[DENSE], 7 * p[N]), doubles(_place(p, Y), p[LENGTH])
     x, f = doubles(p[SPARE], p[LENGTH]), doubles(p[SPEED], p[LENGTH])
-    for i in range(n):
-        value, slope = 0.0, 0.0
-        for row in range(7):
-            value += rows[(6 - row) * n + i]
-            if row % 2 == 0:
-                slope = slope * share + value
-                value *= share
-            else:
-                slope = slope * (1.0 - share) - value
-                value *= 1.0 - share
-        x[i], f[i] = y[i] + value, slope / h
+    draw(n, rows, y, h, share, x, f)
     return _measure(p, t + share * h, p[SPARE], p[SPEED], parameters)
 
 

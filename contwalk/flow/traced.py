@@ -12,6 +12,7 @@ from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow.compiled_field import CompiledField
 from contwalk.flow.field import Field
 from contwalk.flow.restricted import Restricted
+from contwalk.memory import remembered
 from contwalk.system import Mode, Neutral, System
 from contwalk.system.declarations import ParameterValues
 
@@ -40,9 +41,8 @@ _GENERATORS: dict[tuple[int, str, str], tuple[System, Field]] = {}
 def generator_field(system: System, neutral: Neutral, mode: str) -> Field:
     """A neutral direction in the states that exist in a mode, compiled."""
     key = id(system), neutral.name, mode
-    if key not in _GENERATORS:
-        while len(_GENERATORS) >= _MOST_SHARED:
-            del _GENERATORS[next(iter(_GENERATORS))]
+
+    def made() -> tuple[System, Field]:
         states, copy = system.states_of(mode), rebound(neutral.generator)
 
         def along(tracer: Tracer) -> list[Any]:
@@ -51,21 +51,21 @@ def generator_field(system: System, neutral: Neutral, mode: str) -> Field:
             return [v[i] for i in states]
 
         groups = {PARAMETER: len(system.parameters)}
-        field = Field(trace(along), [(STATE, i) for i in states], groups, time=(TIME, 0))
-        _GENERATORS[key] = system, field
-    return _GENERATORS[key][1]
+        return system, Field(trace(along), [(STATE, i) for i in states], groups, time=(TIME, 0))
+
+    return remembered(_GENERATORS, key, _MOST_SHARED, made)[1]
 
 
 def _shared_field(system: System, mode: Mode) -> Field:
     """The field of all modes with the function and the names of constants of this one."""
     key = mode.field, tuple(mode.constants), system.state_names, system.parameter_names
-    if key not in _SHARED:
-        while len(_SHARED) >= _MOST_SHARED:
-            del _SHARED[next(iter(_SHARED))]
+
+    def made() -> Field:
         states = [(STATE, i) for i in range(len(system.states))]
         groups = {CONSTANT: len(mode.constants), PARAMETER: len(system.parameters)}
-        _SHARED[key] = Field(shared_program(system, mode), states, groups, time=(TIME, 0))
-    return _SHARED[key]
+        return Field(shared_program(system, mode), states, groups, time=(TIME, 0))
+
+    return remembered(_SHARED, key, _MOST_SHARED, made)
 
 
 def shared_program(system: System, mode: Mode) -> Program:

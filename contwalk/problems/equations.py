@@ -22,6 +22,7 @@ from contwalk.fields.kernel import Kernel
 from contwalk.fields.rebind import rebound
 from contwalk.fields.rounding import error_bounds
 from contwalk.fields.trace import Program, Tracer, trace
+from contwalk.memory import remembered
 from contwalk.problems.tracing import parameter_symbols, state_symbols, written
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
@@ -252,8 +253,5 @@ def equations_of(
 ) -> Equations:
     """As `Equations(...)`, traced only once for the same arguments (no values of parameters among them)."""
     key = (id(system), free, moving, tuple(id(pin) for pin in pins))
-    if key not in _KNOWN:
-        while len(_KNOWN) >= _MOST_KNOWN:
-            del _KNOWN[next(iter(_KNOWN))]
-        _KNOWN[key] = Equations(system, free, moving, pins)  # it keeps its system and pins, and so their ids
-    return _KNOWN[key]
+    # It keeps its system and pins, and so their ids.
+    return remembered(_KNOWN, key, _MOST_KNOWN, lambda: Equations(system, free, moving, pins))

@@ -169,6 +169,11 @@ class Mode:
                     "It must be a finite number.",
                 )
 
+    @property
+    def code(self) -> tuple:
+        """Equal for modes that are compiled as one."""
+        return (self.field, *self.constants) if self.constants else (self.name,)
+
 
 @dataclass(frozen=True)
 class Transition:

@@ -61,8 +61,7 @@ def _alike(modes: Sequence[Mode]) -> list[list[Mode]]:
     """Modes with the same function and names of constants, together."""
     found: dict[tuple, list[Mode]] = {}
     for mode in modes:
-        key = (mode.field, *mode.constants) if mode.constants else (mode.name,)
-        found.setdefault(key, []).append(mode)
+        found.setdefault(mode.code, []).append(mode)
     return list(found.values())
 
 

@@ -391,7 +391,7 @@ def orbit_of(
     discretization: Discretization | None = None,
 ) -> tuple[HybridOrbit, np.ndarray]:
     """The problem of a lap's word, discretised for it, and the lap as its unknowns."""
-    values = _parameters_of(parameters, free, path, at)
+    values = at_start(parameters, path, at)
     pins = families.active(hybrid_machine(system, values), lap) if system.neutral else []
     lap = _placed(system, pins, lap, values)
     problem = HybridOrbit(
@@ -399,31 +399,21 @@ def orbit_of(
     )
     value = parameters[free] if at is None else at
     layout = problem.layout
-    z = np.zeros(layout.size + 1)
     lasting = np.array([stretch.duration for stretch in lap.stretches])
     drifts, states = _drifting(problem, lap, values)
-    for place, passage, state in zip(layout.states, problem.passages, states, strict=True):
-        z[place] = state[list(passage.states)]
-    z[layout.durations] = lasting
-    z[layout.drifts] = drifts
-    z[-1] = value
+    z = problem.assembled(states, lasting, drifts, value)
     if layout.start is not None and system.period is not None:
         period = float(called("period", system.period, ParameterValues(**problem.values_of(z))))
         problem = problem.of_word(lap.word, max(round(float(lasting.sum()) / period), 1))
         z[layout.start] = lap.stretches[0].start % period if problem.word.eventful else 0.0
     problem = problem.turning(_turns(system, lap))
-    weights = np.ones(len(z))
-    for place, passage in zip(layout.states, problem.passages, strict=True):
-        weights[place] = lap.magnitudes[list(passage.states)] * np.sqrt(layout.legs)
-    return problem.adapted_to(z, weights), z
+    return problem.adapted_to(z, problem.weighted(lap.magnitudes)), z
 
 
-def _parameters_of(
-    parameters: Mapping[str, float], free: str, path: Path | None, at: float | None
-) -> dict[str, float]:
-    """All parameters where the branch begins."""
+def at_start(parameters: Mapping[str, float], path: Path | None, at: float | None) -> dict[str, float]:
+    """All parameters where the branch begins; `at` is a place on the path."""
     if path is None:
-        return {**parameters} if at is None else {**parameters, free: at}
+        return dict(parameters)
     begin, end = path
     return {name: begin[name] + float(at or 0.0) * (end[name] - begin[name]) for name in begin}
 

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contwalk.errors import called
 from contwalk.flow.hybrid_machine import HybridMachine
 from contwalk.flow.traced import generator_field
+from contwalk.problems.mapping import mapped
+from contwalk.problems.neutral import generator_at
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 
@@ -44,10 +45,7 @@ def directions(
     system: System, pins: Sequence[Neutral], x: np.ndarray, parameters: dict[str, float]
 ) -> np.ndarray:
     """Generators at a state as columns, shape (n, k)."""
-    values, result = ParameterValues(**parameters), np.zeros((len(x), len(pins)))
-    for j, pin in enumerate(pins):
-        called(f"generator of '{pin.name}'", pin.generator, 0.0, x, values, result[:, j])
-    return result
+    return np.array([generator_at(pin, x, parameters) for pin in pins]).reshape(len(pins), len(x)).T
 
 
 def shifted(
@@ -60,13 +58,8 @@ def shifted(
     """Many states, (k, n), each moved along the generators by its row of shares, (k, number of pins)."""
     values, result = ParameterValues(**parameters), states.copy()
     for j, pin in enumerate(pins):
-        along = np.zeros(states.shape[::-1])
-        try:
-            pin.generator(0.0, states.T, values, along)
-        except (TypeError, ValueError):  # it chooses by a state, or calls functions of one number
-            for x, v in zip(states, along.T, strict=True):
-                called(f"generator of '{pin.name}'", pin.generator, 0.0, x, values, v)
-        result += along.T * shares[:, j, None]
+        along = mapped(f"generator of '{pin.name}'", pin.generator, states, values)
+        result += along * shares[:, j, None]
     return result
 
 

@@ -6,11 +6,12 @@ import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
+from contwalk.memory import remembered
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.hybrid import beyond, condensed, families, limits, neighbours, observing, switching
 from contwalk.problems.hybrid.layout import Layout
@@ -54,6 +55,8 @@ STILL = 1e-9
 MEET = 1e-12
 # Two orbits whose periods and states differ by less than this part are one.
 ALIKE = 1e-6
+
+Kind = TypeVar("Kind", bound="HybridOrbit")
 
 
 class HybridOrbit:
@@ -130,7 +133,11 @@ class HybridOrbit:
 
     def of_word(self, word: Word, times: int = 1, turns: np.ndarray | None = None) -> HybridOrbit:
         """The orbits of another word, lasting `times` as many periods of the forcing."""
-        other = type(self)(
+        return self.like(type(self), word, times, turns)
+
+    def like(self, kind: type[Kind], word: Word, times: int = 1, turns: np.ndarray | None = None) -> Kind:
+        """As `of_word`, of a class of orbits."""
+        other = kind(
             self.system,
             word,
             self.parameters,
@@ -206,12 +213,7 @@ class HybridOrbit:
 
     def view(self, z: np.ndarray) -> tuple[LegView, ...]:
         """A solution looked at leg by leg."""
-        key = z.tobytes()
-        if key not in self._views:
-            while len(self._views) >= MOST_VIEWS:
-                del self._views[next(iter(self._views))]
-            self._views[key] = view_of(self, z)
-        return self._views[key]
+        return remembered(self._views, z.tobytes(), MOST_VIEWS, lambda: view_of(self, z))
 
     def margins(self, z: np.ndarray) -> Margins:
         """Values of all limits at a solution."""
@@ -279,23 +281,52 @@ class HybridOrbit:
             result[place] = own[list(passage.states)]
         return result
 
+    def assembled(
+        self,
+        states: Sequence[np.ndarray],
+        lasting: Sequence[float] | np.ndarray,
+        drifts: np.ndarray,
+        value: float,
+        start: float = 0.0,
+    ) -> np.ndarray:
+        """Unknowns from full states at the starts of the legs, their durations, and when the first begins."""
+        z = np.zeros(self.layout.size + 1)
+        for place, passage, x in zip(self.layout.states, self.passages, states, strict=True):
+            z[place] = x[list(passage.states)]
+        z[self.layout.durations], z[self.layout.drifts], z[-1] = lasting, drifts, value
+        if self.layout.start is not None:
+            z[self.layout.start] = start
+        return z
+
+    def weighted(self, magnitudes: np.ndarray) -> np.ndarray:
+        """Weights of the unknowns for typical magnitudes of all states; 1 for what is no state."""
+        weights = np.ones(self.layout.size + 1)
+        for place, passage in zip(self.layout.states, self.passages, strict=True):
+            weights[place] = magnitudes[list(passage.states)] * np.sqrt(self.layout.legs)
+        return weights
+
+    def magnitudes_of(self, weights: np.ndarray) -> np.ndarray:
+        """Typical magnitudes of all states, of weights of the unknowns; 1 for those of no leg."""
+        magnitudes = np.ones(self.states)
+        for place, passage in zip(self.layout.states, self.passages, strict=True):
+            magnitudes[list(passage.states)] = weights[place] / np.sqrt(self.layout.legs)
+        return magnitudes
+
     # -- equations ---------------------------------------------------------------------------------------
 
     def linearize(self, z: np.ndarray) -> Linearization:
         """The equations at z."""
-        key = z.tobytes()
-        if key not in self._kept:
-            while len(self._kept) >= MOST_KEPT:
-                del self._kept[next(iter(self._kept))]
-            residual, jacobian = self._equations(z)
-            self._kept[key] = Linearization(
-                residual,
-                jacobian,
-                lambda: (self._levels(z, jacobian), None),
-                lambda: self.magnitudes_near(z),
-                self.factored,
-            )
-        return self._kept[key]
+        return remembered(self._kept, z.tobytes(), MOST_KEPT, lambda: self._linearized(z))
+
+    def _linearized(self, z: np.ndarray) -> Linearization:
+        residual, jacobian = self._equations(z)
+        return Linearization(
+            residual,
+            jacobian,
+            lambda: (self._levels(z, jacobian), None),
+            lambda: self.magnitudes_near(z),
+            self.factored,
+        )
 
     def jacobian(self, z: np.ndarray) -> np.ndarray:
         """DF(z), shape (N, N + 1)."""
@@ -851,9 +882,7 @@ class HybridOrbit:
             If the motion from z ends before the closure does.
         """
         inputs = [self.layout.inputs(i, z) for i in range(self.layout.legs)]
-        magnitudes = np.ones(self.states)
-        for place, passage in zip(self.layout.states, self.passages, strict=True):
-            magnitudes[list(passage.states)] = weights[place] / np.sqrt(self.layout.legs)
+        magnitudes = self.magnitudes_of(weights)
         mesh = meshed(
             self.passages,
             [x for x, _ in inputs],

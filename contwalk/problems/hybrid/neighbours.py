@@ -234,15 +234,8 @@ def _of_legs(
     z: np.ndarray,
 ) -> tuple[HybridOrbit, np.ndarray]:
     """A problem and its unknowns from full states at the legs' starts and their durations."""
-    other = problem.of_word(word)
-    layout, unknowns = other.layout, np.zeros(other.layout.size + 1)
-    for place, passage, x in zip(layout.states, other.passages, states, strict=True):
-        unknowns[place] = x[list(passage.states)]
-    unknowns[layout.durations] = lasting
-    if layout.start is not None:
-        unknowns[layout.start] = start if word.eventful else 0.0
-    unknowns[layout.drifts] = z[problem.layout.drifts]
-    unknowns[-1] = z[-1]
+    other, drifts = problem.of_word(word), z[problem.layout.drifts]
+    unknowns = other.assembled(states, lasting, drifts, float(z[-1]), start if word.eventful else 0.0)
     return discretized(other, unknowns), unknowns
 
 

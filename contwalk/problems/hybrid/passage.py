@@ -20,6 +20,7 @@ from contwalk.fields.derivative import directional
 from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow import CompiledField, Field, Restricted
+from contwalk.memory import remembered
 from contwalk.problems.hybrid.watching import Watched
 from contwalk.problems.hybrid.word import Leg
 from contwalk.problems.orbit.motion import DIRECTIONS, PLAIN, STATES, TANGENT, lifted
@@ -203,11 +204,7 @@ class Passage:
         """What the modes of this one's field have in common."""
         mode, free = self.system.mode(self.leg.mode), (self._free, self._moving)
         key = id(self.system), mode.field, tuple(mode.constants), free, tuple(id(pin) for pin in self.pins)
-        if key not in _SHARED:
-            while len(_SHARED) >= _MOST_SHARED:
-                del _SHARED[next(iter(_SHARED))]
-            _SHARED[key] = SharedField(self)
-        return _SHARED[key]
+        return remembered(_SHARED, key, _MOST_SHARED, lambda: SharedField(self))
 
     def whole_program(self) -> Program:
         """The field over the leg as if all states existed, with the mode's constants as inputs `m`."""
@@ -414,9 +411,7 @@ def passage_of(
 ) -> Passage:
     """As `Passage(...)`, traced and compiled only once for the same arguments."""
     key = (id(system), leg, target, free, tuple(moving), tuple(id(pin) for pin in pins), image)
-    if key not in _KNOWN:
-        while len(_KNOWN) >= _MOST_KNOWN:
-            del _KNOWN[next(iter(_KNOWN))]
-        # It keeps its system, and so its id.
-        _KNOWN[key] = Passage(system, leg, target, free, moving, pins, image)
-    return _KNOWN[key]
+    # It keeps its system, and so its id.
+    return remembered(
+        _KNOWN, key, _MOST_KNOWN, lambda: Passage(system, leg, target, free, moving, pins, image)
+    )

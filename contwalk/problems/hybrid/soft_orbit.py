@@ -22,16 +22,20 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
+from contwalk.memory import remembered
 from contwalk.problems.hybrid import limits, softness
 from contwalk.problems.hybrid.grouping import Grouping
 from contwalk.problems.hybrid.hybrid_orbit import MOST_KEPT, HybridOrbit
 from contwalk.problems.hybrid.limits import Limit, Margins
 from contwalk.problems.hybrid.observing import Stretch
+from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.hybrid.word import Word
-from contwalk.problems.linear import Factored, Factorization
+from contwalk.problems.linear import Factored, Factorization, kernel_direction
+from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.problem import Linearization, Located, Sample, Seed
+from contwalk.system import System
 
 # Corrections of what is eliminated, and a residual of it that is solved, in units of its level: what is left
 # of it enters the other equations, to first order.
@@ -71,19 +75,7 @@ class SoftOrbit(HybridOrbit):
 
     def explicit_of(self, word: Word) -> HybridOrbit:
         """The orbits of a word with soft transitions in it, not discretised."""
-        other = HybridOrbit(
-            self.system,
-            word,
-            self.parameters,
-            self.free,
-            self.path,
-            self.pins,
-            self.reference,
-            self.subharmonic,
-            self.discretization,
-        )
-        other.turns, other._tally = self.turns, self._tally
-        return other
+        return self.like(HybridOrbit, word)
 
     def around(self, explicit: HybridOrbit, unknowns: np.ndarray) -> SoftOrbit:
         """This problem on the steps of an explicit orbit, which is discretised."""
@@ -106,12 +98,7 @@ class SoftOrbit(HybridOrbit):
         return found.explicit, found.unknowns
 
     def _at(self, z: np.ndarray) -> _Eliminated:
-        key = z.tobytes()
-        if key not in self._expanded:
-            while len(self._expanded) >= MOST_KEPT:
-                del self._expanded[next(iter(self._expanded))]
-            self._expanded[key] = self._solved(z)
-        return self._expanded[key]
+        return remembered(self._expanded, z.tobytes(), MOST_KEPT, lambda: self._solved(z))
 
     @cached_property
     def _expanded(self) -> dict[bytes, _Eliminated]:
@@ -124,10 +111,7 @@ class SoftOrbit(HybridOrbit):
         found = _corrected(inner.explicit, inner.grouping, z, soft)
         if found is not None:
             return found
-        weights = np.ones(len(z))
-        for place, passage in zip(self.layout.states, self.passages, strict=True):
-            weights[place] = self.mesh.magnitudes[list(passage.states)] * np.sqrt(self.layout.legs)
-        there = self.adapted_to(z, weights, self.mesh.tolerance).inner
+        there = self.adapted_to(z, self.weighted(self.mesh.magnitudes), self.mesh.tolerance).inner
         found = _corrected(there.explicit, there.grouping, z, there.soft)
         if found is None:
             raise NotFinite("The instants of the soft transitions have no solution there.", "")
@@ -141,36 +125,21 @@ class SoftOrbit(HybridOrbit):
         NotFinite
             If the motion from z ends before the closure does.
         """
-        magnitudes = self._magnitudes(weights)
-        word, states, lasting = softness.passed(self, z, magnitudes)
-        rough = self.explicit_of(word)
-        unknowns = np.zeros(rough.size + 1)
-        for place, passage, x in zip(rough.layout.states, rough.passages, states, strict=True):
-            unknowns[place] = x[list(passage.states)]
-        unknowns[rough.layout.durations] = lasting
-        if rough.layout.start is not None and self.layout.start is not None:
-            unknowns[rough.layout.start] = z[self.layout.start]
-        unknowns[rough.layout.drifts], unknowns[-1] = z[self.layout.drifts], z[-1]
+        word, states, lasting = softness.passed(self, z, self.magnitudes_of(weights))
+        rough, begins = self.explicit_of(word), float(self.starting_times(z)[0])
+        unknowns = rough.assembled(states, lasting, z[self.layout.drifts], float(z[-1]), begins)
         explicit = rough.adapted_to(unknowns, self._explicit_weights(rough, weights), tolerance)
-        found = _corrected(explicit, Grouping(word, rough.layout), z, None, unknowns)
+        grouping = Grouping(word, rough.layout)
+        found = _corrected(explicit, grouping, z, grouping.split(unknowns)[1])
         return self.around(explicit, unknowns if found is None else found.unknowns)
 
     # -- metric ------------------------------------------------------------------------------------------
-
-    def _magnitudes(self, weights: np.ndarray) -> np.ndarray:
-        """Typical magnitudes of all states, of weights of the unknowns."""
-        magnitudes = np.ones(self.states)
-        for place, passage in zip(self.layout.states, self.passages, strict=True):
-            magnitudes[list(passage.states)] = weights[place] / np.sqrt(self.layout.legs)
-        return magnitudes
 
     def _explicit_weights(self, explicit: HybridOrbit, weights: np.ndarray) -> np.ndarray:
         """Weights of explicit unknowns that stand for the same magnitudes."""
         layout, own = explicit.layout, self.layout
         share = np.sqrt(layout.legs / own.legs)
-        magnitudes, result = self._magnitudes(weights), np.ones(layout.size + 1)
-        for place, passage in zip(layout.states, explicit.passages, strict=True):
-            result[place] = magnitudes[list(passage.states)] * np.sqrt(layout.legs)
+        result = explicit.weighted(self.magnitudes_of(weights))
         result[layout.durations] = weights[own.durations].mean() * share
         if layout.start is not None and own.start is not None:
             result[layout.start] = weights[own.start]
@@ -197,25 +166,19 @@ class SoftOrbit(HybridOrbit):
 
     # -- equations ---------------------------------------------------------------------------------------
 
-    def linearize(self, z: np.ndarray) -> Linearization:
-        """The equations at z."""
-        key = z.tobytes()
-        if key not in self._kept:
-            while len(self._kept) >= MOST_KEPT:
-                del self._kept[next(iter(self._kept))]
-            try:
-                found = self._at(z)
-            except NotFinite:
-                lost = np.full((self.size, self.size + 1), np.nan)
-                return Linearization(lost[:, 0], lost, lambda: (np.ones(self.size), None))
-            self._kept[key] = Linearization(
-                found.residual,
-                found.jacobian,
-                lambda: (found.levels(found.explicit.linearize(found.unknowns).levels[0]), None),
-                lambda: self.magnitudes_near(z),
-                self.factored,
-            )
-        return self._kept[key]
+    def _linearized(self, z: np.ndarray) -> Linearization:
+        try:
+            found = self._at(z)
+        except NotFinite:
+            lost = np.full((self.size, self.size + 1), np.nan)
+            return Linearization(lost[:, 0], lost, lambda: (np.ones(self.size), None))
+        return Linearization(
+            found.residual,
+            found.jacobian,
+            lambda: (found.levels(found.explicit.linearize(found.unknowns).levels[0]), None),
+            lambda: self.magnitudes_near(z),
+            self.factored,
+        )
 
     def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factorization:
         """A bordered Jacobian, factored."""
@@ -438,8 +401,6 @@ class SoftOrbit(HybridOrbit):
     def _stored(self, point: SpecialPoint) -> tuple[SoftOrbit, HybridOrbit, SpecialPoint]:
         """The problem discretised for a stored point, and the point as one of the explicit orbit's."""
         z = np.array(point.unknowns)
-        from contwalk.problems.hybrid.switching import discretized
-
         there = discretized(self, z)
         assert isinstance(there, SoftOrbit)
         found = there._at(z)
@@ -535,16 +496,9 @@ class _Eliminated:
 
 
 def _corrected(
-    explicit: HybridOrbit,
-    grouping: Grouping,
-    z: np.ndarray,
-    soft: np.ndarray | None,
-    unknowns: np.ndarray | None = None,
+    explicit: HybridOrbit, grouping: Grouping, z: np.ndarray, soft: np.ndarray
 ) -> _Eliminated | None:
     """The explicit orbit over z; None where Newton's method finds none, or one that runs backwards."""
-    if soft is None:
-        assert unknowns is not None
-        soft = grouping.split(unknowns)[1]
     for _ in range(MOST_CORRECTIONS):
         there = grouping.joined(z, soft)
         lasting = there[explicit.layout.durations]
@@ -570,19 +524,7 @@ def softened(explicit: HybridOrbit, unknowns: np.ndarray) -> tuple[HybridOrbit, 
     if not applies(explicit.system, explicit.word):
         return explicit, unknowns
     explicit, unknowns = softness.after_hard(explicit, unknowns)
-    word = softness.hard_word(explicit.word)
-    problem = SoftOrbit(
-        explicit.system,
-        word,
-        explicit.parameters,
-        explicit.free,
-        explicit.path,
-        explicit.pins,
-        explicit.reference,
-        explicit.subharmonic,
-        explicit.discretization,
-    )
-    problem.turns, problem._tally = explicit.turns, explicit._tally
+    problem = explicit.like(SoftOrbit, softness.hard_word(explicit.word))
     there = problem.around(explicit, unknowns)
     return there, there.inner.z
 
@@ -598,33 +540,19 @@ def softened_seed(seed: Seed) -> Seed:
     grouping, reach = problem.inner.grouping, seed.reach
     if turned.word == seed.problem.word:
         tangent = grouping.split(seed.tangent)[0]
-    else:
-        from contwalk.problems.linear import kernel_direction
-        from contwalk.problems.orbit.branching import filled_magnitudes
-
-        tangent = kernel_direction(problem.jacobian(z), filled_magnitudes(problem, z))
-        tangent = tangent * (np.sign(tangent[-1]) * np.sign(seed.tangent[-1]) or 1.0)
-        reach = _reach(tangent)
-        return replace(seed, z=z, tangent=tangent, problem=problem, reach=reach)
-    return replace(
-        seed,
-        z=z,
-        tangent=tangent,
-        problem=problem,
-        reach=lambda change: np.abs(grouping.split(reach(change))[0]),
-    )
+        return replace(
+            seed,
+            z=z,
+            tangent=tangent,
+            problem=problem,
+            reach=lambda change: np.abs(grouping.split(reach(change))[0]),
+        )
+    tangent = kernel_direction(problem.jacobian(z), filled_magnitudes(problem, z))
+    tangent = tangent * (np.sign(tangent[-1]) * np.sign(seed.tangent[-1]) or 1.0)
+    return replace(seed, z=z, tangent=tangent, problem=problem, reach=amplitude(tangent))
 
 
-def _reach(tangent: np.ndarray) -> Any:
-    from contwalk.problems.orbit.branching import amplitude
-
-    return amplitude(tangent)
-
-
-def applies(system: Any, word: Word) -> bool:
+def applies(system: System, word: Word) -> bool:
     """Whether a machine's words leave out its soft transitions: not where there are no others."""
     soft = any(transition.role == "soft" for transition in system.transitions)
     return soft and any(leg.transition is not None and leg.transition.role != "soft" for leg in word.legs)
-
-
-__all__ = ["SoftOrbit", "applies", "softened", "softened_seed"]

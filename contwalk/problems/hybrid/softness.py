@@ -10,8 +10,10 @@ import numpy as np
 from contwalk.errors import NotFinite
 from contwalk.flow.hybrid import arcs, hybrid_machine
 from contwalk.flow.hybrid_machine import HybridMachine
+from contwalk.memory import remembered
 from contwalk.problems.hybrid.grouping import NO_TIME
-from contwalk.problems.hybrid.limits import Limit, limits_of_leg
+from contwalk.problems.hybrid.limits import SOFT, Limit, limits_of_leg
+from contwalk.problems.hybrid.switching import rotated
 from contwalk.problems.hybrid.word import Leg, Word, modes_around
 from contwalk.system import System
 
@@ -22,7 +24,7 @@ if TYPE_CHECKING:
 TOLERANCE = 1e-9
 # A field that switches and switches back within `NO_TIME` has not switched: what it does shrinks with the
 # third power of the time.
-MOST_SWITCHES, MOST_ROUNDS = 16, 4
+MOST_SWITCHES = 16
 
 Piece = tuple[Leg, np.ndarray, float]
 
@@ -32,13 +34,13 @@ _MOST_KNOWN = 16
 
 def only_soft(system: System) -> System:
     """The machine without its hard transitions: what moves between them."""
-    if id(system) not in _ONLY_SOFT:
-        while len(_ONLY_SOFT) >= _MOST_KNOWN:
-            del _ONLY_SOFT[next(iter(_ONLY_SOFT))]
+
+    def made() -> tuple[System, System]:
         soft = tuple(transition for transition in system.transitions if transition.role == "soft")
         bare = replace(system, transitions=soft, conditions=(), symmetries=(), observables=(), neutral=())
-        _ONLY_SOFT[id(system)] = system, bare
-    return _ONLY_SOFT[id(system)][1]
+        return system, bare
+
+    return remembered(_ONLY_SOFT, id(system), _MOST_KNOWN, made)[1]
 
 
 def hard_word(word: Word) -> Word:
@@ -54,29 +56,12 @@ def hard_word(word: Word) -> Word:
 
 def after_hard(problem: HybridOrbit, z: np.ndarray) -> tuple[HybridOrbit, np.ndarray]:
     """The same orbit, beginning right after a hard transition."""
-    from contwalk.problems.hybrid.switching import discretized, rotated, shifted
-
-    legs, layout = problem.word.legs, problem.layout
+    legs = problem.word.legs
     last = max(
         i for i, leg in enumerate(legs) if leg.transition is not None and leg.transition.role != "soft"
     )
     first = (last + 1) % len(legs)
-    if first == 0:
-        return problem, z
-    if problem.word.image:
-        return rotated(problem, z, first)
-    other = problem.of_word(problem.word.rotated(problem.system, first))
-    order = [(first + k) % len(legs) for k in range(len(legs))]
-    lasting = z[layout.durations]
-    result = np.concatenate(
-        [*(z[layout.states[i]] for i in order), lasting[order], z[layout.durations.stop :]]
-    )
-    if layout.start is not None and other.layout.start is not None:
-        result[other.layout.start] += float(lasting[:first].sum())
-    if problem.pins:
-        other.reference = other.passages[0].full(result[other.layout.states[0]])
-    there = discretized(other, result)
-    return there, shifted(there, result)
+    return (problem, z) if first == 0 else rotated(problem, z, first)
 
 
 def passed(
@@ -190,6 +175,6 @@ def limits_of(system: System, word: Word) -> tuple[Limit, ...]:
         for mode in modes_around(system, leg.mode):
             own = next((t for t in system.leaving(mode) if t.name == leg.name), None)
             for limit in limits_of_leg(system, mode, own, before, i):
-                if limit.label != "soft":
+                if limit.label != SOFT:
                     found[limit] = None
     return tuple(found)

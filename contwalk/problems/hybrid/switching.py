@@ -51,10 +51,7 @@ def discretized(problem: HybridOrbit, z: np.ndarray) -> HybridOrbit:
     largest = float(reached.max()) or 1.0
     # What is zero at the starts of legs is not zero on them.
     reached = np.maximum(reached, UNSEEN * largest)
-    sizes = np.ones(len(z))
-    for place, passage in zip(layout.states, problem.passages, strict=True):
-        sizes[place] = reached[list(passage.states)] * np.sqrt(layout.legs)
-    rough = problem.adapted_to(z, sizes, max(problem.discretization.walking, ROUGH))
+    rough = problem.adapted_to(z, problem.weighted(reached), max(problem.discretization.walking, ROUGH))
     return rough.adapted_to(z, filled_magnitudes(rough, z), problem.discretization.locating)
 
 
@@ -156,19 +153,19 @@ def shifted(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
 
 
 def rotated(problem: HybridOrbit, z: np.ndarray, first: int) -> tuple[HybridOrbit, np.ndarray]:
-    """An orbit that closes up to a symmetry, beginning elsewhere: images of what came before follow."""
-    layout, word = problem.layout, problem.word.rotated(problem.system, first)
-    symmetry, p = problem.system.symmetry(problem.word.image), ParameterValues(**problem.values_of(z))
-    other = problem.of_word(word)
-    result = np.zeros(layout.size + 1)
-    for k, passage in enumerate(other.passages):
-        i = (first + k) % layout.legs
-        x = problem.passages[i].full(z[layout.states[i]])
-        x = imaged(symmetry, x, p) if first + k >= layout.legs else x
-        result[other.layout.states[k]] = x[list(passage.states)]
-    result[other.layout.durations] = np.roll(z[layout.durations], -first)
-    result[other.layout.drifts], result[-1] = z[layout.drifts], z[-1]
-    other.reference = other.passages[0].full(result[other.layout.states[0]])
+    """The same orbit, beginning with another leg: of half a cycle, images of what came before follow."""
+    layout, image, system = problem.layout, problem.word.image, problem.system
+    symmetry, p = system.symmetry(image) if image else None, ParameterValues(**problem.values_of(z))
+    states = [passage.full(z[place]) for passage, place in zip(problem.passages, layout.states, strict=True)]
+    other = problem.of_word(problem.word.rotated(system, first))
+    result = other.assembled(
+        states[first:] + [imaged(symmetry, x, p) for x in states[:first]],
+        np.roll(z[layout.durations], -first),
+        z[layout.drifts],
+        float(z[-1]),
+        float(problem.starting_times(z)[first]),
+    )
+    other.reference = other.first_state(result)
     there = discretized(other, result)
     return there, shifted(there, result)
 

@@ -27,7 +27,7 @@ def equations_text(system: System, free: str | None) -> str:
     UnsupportedOperation, SystemDefinitionError
         With the line of the plugin.
     """
-    modes = {(m.field, *m.constants) if m.constants else (m.name,): m for m in system.modes}
+    modes = {mode.code: mode for mode in system.modes}
     programs = [_field(system, mode) for mode in modes.values()]
     transitions = {_functions_of(system, transition): transition for transition in system.transitions}
     for transition in transitions.values():

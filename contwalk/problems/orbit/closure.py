@@ -17,6 +17,7 @@ from contwalk.errors import called
 from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow import Field
+from contwalk.problems.mapping import mapped
 from contwalk.problems.orbit.motion import DIRECTIONS, STATES, Motion, lifted
 from contwalk.problems.tracing import state_symbols
 from contwalk.system import Symmetry
@@ -128,17 +129,9 @@ def images_of(
     symmetry: Symmetry | None, states: np.ndarray, parameters: ParameterValues, power: int = 1
 ) -> np.ndarray:
     """Images of many states, shape (k, n): all at once where the map allows it."""
-    if symmetry is None or not len(states):
-        return states
-    x = states.T
-    try:
-        for _ in range(power):
-            out = np.zeros_like(x)
-            symmetry.map(0.0, x, parameters, out)
-            x = out
-    except (TypeError, ValueError):  # it chooses by a state, or calls functions of one number
-        return np.array([imaged(symmetry, row, parameters, power) for row in states])
-    return x.T.copy()
+    for _ in range(power if symmetry is not None else 0):
+        states = mapped(f"symmetry '{symmetry.name}'", symmetry.map, states, parameters)  # type: ignore[union-attr]
+    return states
 
 
 def order_of(symmetry: Symmetry, x: np.ndarray, parameters: ParameterValues) -> int | None:

@@ -30,6 +30,7 @@ from contwalk.fields.derivative import directional
 from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow import Field
+from contwalk.memory import remembered
 from contwalk.problems.tracing import parameter_symbols, state_symbols, written
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
@@ -183,8 +184,5 @@ def motion_of(
 ) -> Motion:
     """As `Motion(...)`, traced and compiled only once for the same arguments."""
     key = (id(system), free, tuple(moving), tuple(id(pin) for pin in pins), periods)
-    if key not in _KNOWN:
-        while len(_KNOWN) >= _MOST_KNOWN:
-            del _KNOWN[next(iter(_KNOWN))]
-        _KNOWN[key] = Motion(system, free, moving, pins, periods)  # it keeps its system, and so its id
-    return _KNOWN[key]
+    # It keeps its system, and so its id.
+    return remembered(_KNOWN, key, _MOST_KNOWN, lambda: Motion(system, free, moving, pins, periods))

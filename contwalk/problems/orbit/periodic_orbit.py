@@ -11,6 +11,7 @@ import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.errors import called
+from contwalk.memory import remembered
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.linear import EPSILON, Factored
 from contwalk.problems.orbit import augmented, branching, describing, ending, rates, switching
@@ -219,15 +220,13 @@ class PeriodicOrbit:
 
     def linearize(self, z: np.ndarray) -> Linearization:
         """The equations at z."""
-        key = z.tobytes()
-        if key not in self._kept:
-            while len(self._kept) >= MOST_KEPT:
-                del self._kept[next(iter(self._kept))]
-            residual, jacobian = self._equations(z)
-            self._kept[key] = Linearization(
-                residual, jacobian, lambda: (self._levels(z, jacobian), None), lambda: self.magnitudes_near(z)
-            )
-        return self._kept[key]
+        return remembered(self._kept, z.tobytes(), MOST_KEPT, lambda: self._linearized(z))
+
+    def _linearized(self, z: np.ndarray) -> Linearization:
+        residual, jacobian = self._equations(z)
+        return Linearization(
+            residual, jacobian, lambda: (self._levels(z, jacobian), None), lambda: self.magnitudes_near(z)
+        )
 
     def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factored:
         """A matrix of these equations and unknowns, and of borders that come last, factored."""
