@@ -60,10 +60,12 @@ def walk(
             outcome = step
             break
         for place, found in _on_the_way(step, here, sign):
+            record = None
             if found.label != limits.SOFT:
-                yield Point(place, found_record(problem, found, place.s, sign))
+                record = found_record(problem, found, place.s, sign)
+                yield Point(place, record)
                 number += 1
-            if outcome := _stop(problem, found, settings, observer, place.s):
+            if outcome := _stop(problem, found, record, settings, observer):
                 place = replace(place, sample=replace(place.sample, unstable=found.after))
                 yield End(outcome, end_record(problem, place, outcome, sign))
                 return
@@ -111,9 +113,11 @@ def _arrived(
     return Here(sample, here.s + sign * step.segment.length, step.next_length)
 
 
-def _stop(problem: Problem, found: Found, settings: Settings, observer: Observer, s: float) -> Outcome | None:
-    """The end of the branch at a point of arclength s: at a limit, where it meets its parent, or where a
-    mark has a value of `stop_at`.
+def _stop(
+    problem: Problem, found: Found, record: SpecialPoint | None, settings: Settings, observer: Observer
+) -> Outcome | None:
+    """The end of the branch at a point: at a limit, where it meets its parent, or where a mark has a value of
+    `stop_at`.
     """
     if found.label == limits.SOFT:
         return outcomes.softly(problem.limits[int(found.located.vectors["limit"])].name)
@@ -122,9 +126,8 @@ def _stop(problem: Problem, found: Found, settings: Settings, observer: Observer
         if asked == "ignore":
             return None
         words = problem.stopped(found.label, found.located, found.sample)
-        if asked == "switch":
-            _, told = problem.neighbours(found_record(problem, found, s, 1.0 if s >= 0.0 else -1.0))
-            words = f"{words} {told}"
+        if asked == "switch" and record is not None:
+            words = f"{words} {problem.neighbours(record)[1]}"
         kind = problem.limits[int(found.located.vectors["limit"])].kind
         return outcomes.limit(found.label, kind, asked, words)
     if found.located.vectors.get("fallen_back"):

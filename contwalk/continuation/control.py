@@ -11,8 +11,6 @@ from contwalk.problems.problem import Sample
 GROWTH, DECAY = 1.6, 0.3
 # Shrinking after a failure: fast where the step is small already.
 SHRINK, PLUNGE, SMALL = 0.4, 0.1, 1e-6
-# No step moves the parameter by more than this share of its range: curves of observables look smooth.
-PARAMETER_SHARE = 1.0 / 64.0
 
 
 def turn(a: Sample, tangent: np.ndarray) -> float:
@@ -51,6 +49,6 @@ def shrunk(step: float) -> float:
 
 
 def longest(sample: Sample, settings: Settings) -> float:
-    """The step that moves the parameter by the largest share of its range."""
+    """The step that moves the parameter by the largest share of its range: curves look smooth."""
     moved = abs(sample.tangent[-1])
-    return PARAMETER_SHARE * settings.width / moved if moved > 0.0 else np.inf
+    return settings.max_share * settings.width / moved if moved > 0.0 else np.inf

@@ -79,7 +79,9 @@ def first_tangent(jacobian: np.ndarray, weights: np.ndarray) -> np.ndarray:
 def turned(here: Here) -> Here:
     """The same place, facing the other way."""
     sample = here.sample
-    back = replace(sample, tangent=-sample.tangent, orientation=-sample.orientation, rates=-sample.rates)
+    back = replace(
+        sample, tangent=-sample.tangent, orientation=-sample.orientation, rates=sample.rates.scaled(-1.0)
+    )
     return replace(here, sample=back)
 
 
@@ -88,4 +90,5 @@ def grown(sample: Sample, here: Here, settings: Settings) -> Sample:
     sizes = np.abs(sample.z) if sample.sizes is None else sample.sizes
     weights = updated(here.sample.weights, sample.magnitudes, settings, sizes, float(sample.z[-1]))
     factor = float(np.linalg.norm(sample.tangent / weights))
-    return replace(sample, weights=weights, tangent=sample.tangent / factor, rates=sample.rates / factor)
+    rates = sample.rates.scaled(1.0 / factor)
+    return replace(sample, weights=weights, tangent=sample.tangent / factor, rates=rates)

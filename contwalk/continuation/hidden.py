@@ -109,17 +109,19 @@ def _touches(segment: Segment, which: int, theta: float) -> bool:
 def _suspects(a: Sample, b: Sample, length: float) -> Iterable[int]:
     """Measures with the same sign at both ends whose cubic interpolation comes near zero in between."""
     ma, mb = a.measures, b.measures
-    da, db = a.rates * length, b.rates * length
     certain = (np.abs(ma) > a.errors) & (np.abs(mb) > b.errors)
-    usable = certain & (ma * mb > 0) & np.isfinite(da) & np.isfinite(db)
-    sign = np.sign(ma)
-    # towards zero at the one end, away from it at the other: an extremum lies between
-    turning = usable & (sign * da < 0) & (sign * db > 0)
-    for which in np.flatnonzero(turning):
-        ends = ma[which], mb[which], da[which], db[which], sign[which]
+    for which in np.flatnonzero(certain & (ma * mb > 0)).tolist():
+        sign = float(np.sign(ma[which]))
+        # Towards zero at the one end, away from it at the other: an extremum lies between. A rate has a
+        # price, and a comparison with one that is not known is false.
+        if not (da := a.rates[which] * length) * sign < 0.0:
+            continue
+        if not (db := b.rates[which] * length) * sign > 0.0:
+            continue
+        ends = float(ma[which]), float(mb[which]), da, db, sign
         lowest = min(_cubic_extremum(*ends), _corner(*ends))
         if lowest < NEAR_ZERO * min(abs(ma[which]), abs(mb[which])):
-            yield int(which)
+            yield which
 
 
 def _cubic_extremum(ma: float, mb: float, da: float, db: float, sign: float) -> float:
@@ -144,7 +146,7 @@ def _extremum(
     least = low
 
     def rate(sample: Sample) -> float:
-        value = float(sample.rates[which])
+        value = sample.rates[which]
         return value if np.isfinite(value) else 0.0
 
     def attempt(theta: float, left: float, right: float) -> float | None:

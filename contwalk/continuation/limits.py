@@ -7,8 +7,11 @@ minimum); such a jump is no passage through zero, and no special point.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
+
+import numpy as np
 
 from contwalk.continuation.locating import Disagreement, Found, accepted
 from contwalk.continuation.rootfinding import narrow
@@ -21,8 +24,10 @@ SOFT = "soft"
 # A branch that was born at a limit begins with a margin of zero, which is positive; of one that begins next
 # to a limit the sign is known.
 BORN, ROUNDED = 1e-7, 1e-10
-# Margins on both sides of a bracket this narrow that are still this large jump.
-NARROW, JUMPS = 1e-6, 1e-4
+# Across a bracket this narrow a margin that still changes by this part of what it is jumps; so does one that
+# changes by this much across the narrowest.
+NARROW, JUMPS = 1e-3, 0.05
+NARROWEST, JUMPED = 1e-6, 1e-4
 # Two limits that pass zero at the same place, in parts of the segment, are one if their names agree.
 SAME_PLACE = 1e-6
 
@@ -37,7 +42,7 @@ def passed(segment: Segment) -> list[Found]:
     """
     problem, a, b = segment.problem, segment.a, segment.b
     found: list[Found] = []
-    for which in range(len(a.margins)):
+    for which in sorted(range(len(a.margins)), key=lambda k: problem.limits[k].rank):
         first, last = float(a.margins[which]), float(b.margins[which])
         if abs(first) <= BORN and last > 0.0:
             continue  # born there, or begun next to it, and gone to the machine's side
@@ -45,51 +50,77 @@ def passed(segment: Segment) -> list[Found]:
             first = ROUNDED
         if (first > 0.0) == (last > 0.0):
             continue
-        point = _located(segment, which, first, last)
-        if point is not None:
+        point = _located(segment, which, first, last, found)
+        if point is not None and point not in found:
             found.append(point)
-    kept: list[Found] = []
-    for point in sorted(found, key=lambda f: problem.limits[int(f.located.vectors["limit"])].rank):
-        if not any(_told(problem, f, point) for f in kept):
-            kept.append(point)
-    return sorted(kept, key=lambda f: f.theta)
+    return sorted(found, key=lambda f: f.theta)
 
 
-def _told(problem: Problem, one: Found, other: Found) -> bool:
-    """Whether two limits at the same place are one: of the same name, or of two events that happen
-    at once.
+def _alike(problem: Problem, which: int, other: int) -> bool:
+    """Whether two limits are one where they coincide: of the same name, or of two events that happen at
+    once.
     """
-    if abs(one.theta - other.theta) >= SAME_PLACE:
-        return False
-    a, b = (problem.limits[int(f.located.vectors["limit"])] for f in (one, other))
+    a, b = problem.limits[which], problem.limits[other]
     return a.name == b.name or a.label == b.label == "OC"
 
 
-def _located(segment: Segment, which: int, first: float, last: float) -> Found | None:
-    label = segment.problem.limits[which].label
+class _Jumps(Exception):
+    """A margin changes its sign without passing zero."""
+
+
+def _located(segment: Segment, which: int, first: float, last: float, told: Sequence[Found]) -> Found | None:
+    """The limit between two margins, or which of those told already it is; None where there is none."""
+    problem, label = segment.problem, segment.problem.limits[which].label
     around = {0.0: first, 1.0: last}
 
     def value(theta: float) -> float:
         around[theta] = float(segment.at(theta).margins[which])
         return around[theta]
 
-    def attempt(theta: float, left: float, right: float) -> Found | None:
-        return accepted(segment, label, segment.at(theta), which, left, right)
+    def known(located: Located, theta: float) -> Found | None:
+        same = [f for f in told if abs(f.theta - theta) < SAME_PLACE]
+        alike = (f for f in same if _alike(problem, int(f.located.vectors["limit"]), which))
+        return next(alike, None)
 
-    found = narrow(value, 0.0, 1.0, first, last, attempt, width=NARROW)
+    tried = np.inf  # width of the bracket when the equations were last tried, in vain
+
+    def attempt(theta: float, left: float, right: float) -> Found | None:
+        nonlocal tried
+        # Beyond one, there is no such instant, or it is far from the limit.
+        if abs(around[theta]) < 1.0 and right - left < 0.2 * tried:
+            tried = right - left
+            found = accepted(segment, label, segment.at(theta), which, left, right, known)
+            if found is not None:
+                return found
+        change = abs(around[left] - around[right])
+        if right - left < NARROW and change > JUMPS * max(abs(first), abs(last)):
+            raise _Jumps
+        return None
+
+    if max(abs(first), abs(last)) < 1.0:
+        # Most margins are nearly straight between two solutions: where that puts the limit is near enough for
+        # its own equations, without a solution there.
+        theta = first / (first - last)
+        nearer = segment.a if theta < 0.5 else segment.b
+        guess = replace(nearer, z=segment.guess(theta))
+        found = accepted(segment, label, guess, which, 0.0, 1.0, known)
+        if found is not None:
+            return found
+    try:
+        found = narrow(value, 0.0, 1.0, first, last, attempt, width=NARROWEST)
+    except _Jumps:
+        return None
     if found is not None:
         return found
     positions = sorted(around)
     jumps = [
-        abs(around[p] - around[q]) > JUMPS
+        abs(around[p] - around[q]) > JUMPED
         for p, q in pairwise(positions)
-        if (around[p] > 0.0) != (around[q] > 0.0) and q - p < 4.0 * NARROW
+        if (around[p] > 0.0) != (around[q] > 0.0) and q - p < 4.0 * NARROWEST
     ]
     if any(jumps):
         return None
-    raise Disagreement(
-        label, f"'{segment.problem.limits[which].name}' passes its limit, but cannot be located."
-    )
+    raise Disagreement(label, f"'{problem.limits[which].name}' passes its limit, but cannot be located.")
 
 
 def policy(problem: Problem, located: Located, events: Mapping[str, str]) -> str:

@@ -60,9 +60,18 @@ def locate(
 
 
 def accepted(
-    segment: Segment, label: str, near: Sample, which: int, left: float, right: float
+    segment: Segment,
+    label: str,
+    near: Sample,
+    which: int,
+    left: float,
+    right: float,
+    known: Callable[[Located, float], Found | None] | None = None,
 ) -> Found | None:
-    """The solution of the defining system near a sample, if it lies in the bracket and on this branch."""
+    """The solution of the defining system near a sample, if it lies in the bracket and on this branch.
+
+    `known` is asked whether what lies at a position has been found already, before more is spent on it.
+    """
     located = segment.problem.locate(label, near, which)
     if located is None:
         return None
@@ -74,6 +83,8 @@ def accepted(
     near = replace(near, tangent=segment.direction(min(max(theta, 0.0), 1.0)))
     if not _on_branch(segment, label, located, near, theta, right - left):
         return None
+    if known is not None and (found := known(located, theta)) is not None:
+        return found
     settled = located.settled()
     if settled is None:
         return None
@@ -113,7 +124,10 @@ def passes_through(segment: Segment, z: np.ndarray, tangent: np.ndarray, theta: 
 
 def same_point(segment: Segment, located: Located, theta: float) -> bool:
     """Whether a located point is the branch's own solution at theta."""
-    return segment.distance(located.z, theta) < segment.problem.blur + ROUNDING / segment.length
+    least = segment.problem.blur + ROUNDING / segment.length
+    # As near to what is guessed of the branch there, it is so to the branch.
+    guessed = np.linalg.norm((segment.guess(theta) - located.z) / segment.weights) / segment.length
+    return bool(guessed < 0.1 * least) or segment.distance(located.z, theta) < least
 
 
 def sample_at(segment: Segment, label: str, located: Located, near: Sample) -> Sample:

@@ -17,7 +17,9 @@ NEARLY = 1e-4
 # digits.
 NOTHING = 1e-14
 # Unknowns this small against their typical magnitude may be zero.
-DUST = 1e-20
+DUST = 1e-18
+# Corrections by the same Jacobian, from which size on, and by how much each is smaller at least.
+CHORDS, NEAR, CONTRACTS = 3, 1e-2, 0.1
 # Iterations that may follow when corrections are small already.
 SETTLING = 12
 
@@ -60,6 +62,7 @@ def correct(
     try:
         # What overflows or is not a number on the way is looked at where it matters.
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            guess = _clean(guess, weights)
             found = _iterated(problem, guess, normal, weights, iterations, damped)
             if found.ok:
                 return _without_dust(problem, found, weights)
@@ -71,13 +74,18 @@ def correct(
         return Correction(guess, None, 0, "plugin_error", error.sentence)
 
 
+def _clean(z: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """z without its dust."""
+    return np.where(np.abs(z) < DUST * weights, 0.0, z)
+
+
 def _without_dust(problem: Problem, found: Correction, weights: np.ndarray) -> Correction:
     """A solution whose negligible unknowns are exactly zero, where that is as good a solution.
 
     On an invariant subspace the zero unknowns shrink from step to step, down to where floats end.
     """
     z, here = found.z, found.linearization
-    clean = np.where(np.abs(z) < DUST * weights, 0.0, z)
+    clean = _clean(z, weights)
     if here is None or np.array_equal(clean, z):
         return found
     there = problem.linearize(clean)
@@ -122,11 +130,40 @@ def _iterated(
         if damped:
             z, here = _damped(problem, z, step, here, (guess, normal, weights))
         else:
-            z, here = z - step, problem.linearize(z - step)
+            z = _followed(z, step, here, (guess, normal, weights))
+            # If what is taken for dust is more than that, later iterations show it.
+            z = _clean(z, weights) if iteration < 2 else z
+            here = problem.linearize(z)
     if here.excess <= ROUNDED:  # a solution already, of equations too singular to improve on it
         return Correction(z, here, iterations)
     sentence = f"Newton's method did not converge in {iterations} iterations."
     return Correction(z, here, iterations, "no_convergence", sentence)
+
+
+def _followed(
+    z: np.ndarray,
+    step: np.ndarray,
+    here: Linearization,
+    condition: tuple[np.ndarray, np.ndarray, np.ndarray],
+) -> np.ndarray:
+    """z - step, and corrections after it by the same Jacobian while each is far smaller than the last one.
+
+    Only where a residual is far cheaper than its derivatives: then near a solution most of Newton's
+    iterations need no new ones.
+    """
+    guess, normal, weights = condition
+    z, size = z - step, float(np.linalg.norm(step / weights))
+    if here.nearby is None:
+        return z
+    for _ in range(CHORDS):
+        if not NOTHING < size < NEAR:
+            break
+        following = _newton_step(here, here.nearby(z), normal, normal @ (z - guess), weights)
+        before, size = size, np.inf if following is None else float(np.linalg.norm(following / weights))
+        if following is None or not size < CONTRACTS * before:
+            break
+        z = z - following
+    return z
 
 
 def _newton_step(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, cast
 
@@ -107,13 +107,29 @@ def known_orbit(problem: PeriodicOrbit | HybridOrbit, sample: Sample, branches: 
     for branch in branches:
         if not _comparable(problem, branch) or branch.info.closure != problem.whole[0]:
             continue
-        if sorted(branch.info.signature or ()) != sorted(problem.branch_facts().get("signature") or ()):
+        if _kinds(problem, branch.info.signature) != _kinds(problem, problem.branch_facts().get("signature")):
             continue
         if branch.info.subharmonic != problem.subharmonic:
             continue
         if _orbit_on(problem, sample, branch):
             return branch.name
     return None
+
+
+def _kinds(problem: PeriodicOrbit | HybridOrbit, signature: Sequence[str] | None) -> list[str]:
+    """The events of an orbit in no order, those that are images of each other under one name.
+
+    What closes up to a mirror may begin in either half.
+    """
+    images = [s.events for s in problem.system.symmetries if s.role == "spatial"]
+
+    def kind(name: str) -> str:
+        alike = [name]
+        for other in alike:
+            alike += [image[other] for image in images if image.get(other, name) not in alike]
+        return min(alike)
+
+    return sorted(kind(name) for name in signature or ())
 
 
 def _orbit_on(problem: PeriodicOrbit | HybridOrbit, sample: Sample, branch: Branch) -> bool:

@@ -30,6 +30,8 @@ class Settings:
         First, smallest and largest step.
     max_angle : float
         Largest turn of the tangent in one step, degrees; half of it is aimed at.
+    max_share : float
+        Largest part of the range that one step moves the parameter by.
     newton_iterations : int
         Corrector iterations before a step counts as failed.
     marks : tuple of Mark
@@ -45,6 +47,7 @@ class Settings:
     min_step: float = 1e-12
     max_step: float = 0.1
     max_angle: float = 20.0
+    max_share: float = 1.0 / 64.0
     newton_iterations: int = 8
     marks: tuple[Mark, ...] = ()
     stop_at: Mapping[str, tuple[float, ...]] = field(default_factory=dict)

@@ -345,7 +345,7 @@ def _from_spectrum(
     tangent = np.array(point.tangent)
     at = there.examine(found.z, tangent, sample.weights, there.linearize(found.z), sample.unstable)
     _, which = _search(point, at)
-    rate = abs(float(at.rates[which]))
+    rate = abs(at.rates[which])
     if not rate > 0.0:
         return float("nan"), 0.0
     change = abs(float(at.tangent[-1])) / rate

@@ -18,7 +18,7 @@ from contwalk.problems.equations import equations_of
 from contwalk.problems.linear import Factored
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.passed_over import passed_over
-from contwalk.problems.problem import MAX_RE, Linearization, Located, Sample, Seed
+from contwalk.problems.problem import MAX_RE, Linearization, Located, Rates, Sample, Seed
 from contwalk.problems.spectrum import EPSILON, Spectrum, spectrum
 from contwalk.problems.switching import branch_point_seeds, second_direction, tangent_through
 from contwalk.system import Neutral, System
@@ -249,7 +249,7 @@ class Equilibrium:
             orientation=orientation,
             eigenvalues=found.values,
             errors=found.errors,
-            rates=found.rates,
+            rates=Rates.known(found.rates),
             measures=found.values.real,
             unstable=found.unstable(before),
             observables=self.observables(z, found),
@@ -336,7 +336,7 @@ class Equilibrium:
     def rate(self, name: str, sample: Sample) -> float:
         """Derivative of an observable along the branch."""
         if name == MAX_RE:
-            return float(sample.rates[0])
+            return sample.rates[0]
         gradient = self.observable_kernels(name)[1](*self.inputs(sample.z))
         return float(gradient @ sample.tangent)
 

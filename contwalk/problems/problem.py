@@ -34,7 +34,8 @@ NO_MARGIN = 1e-7
 class Linearization:
     """The equations at one z: F, shape (N,), and DF, shape (N, N + 1).
 
-    What is only needed near a solution is computed when it is first asked for, by `levels`.
+    What is only needed near a solution is computed when it is first asked for, by `levels`. `nearby` tells F
+    at other points near z, where that is far cheaper than DF; else it is None.
     """
 
     def __init__(
@@ -44,9 +45,11 @@ class Linearization:
         levels: Callable[[], tuple[np.ndarray, np.ndarray | None]],
         magnitudes: Callable[[], np.ndarray] | None = None,
         factor: Callable[[np.ndarray, np.ndarray], Factorization] = Factored,
+        nearby: Callable[[np.ndarray], np.ndarray] | None = None,
     ) -> None:
         self.residual = residual
         self.jacobian = jacobian
+        self.nearby = nearby
         self._factor = factor
         self._bordered: tuple[bytes, Factorization] | None = None
         self._levels = levels
@@ -116,6 +119,37 @@ class Linearization:
         return ratio if np.isfinite(ratio) else float("inf")
 
 
+class Rates:
+    """How fast stability measures change along a branch, each computed when it is first asked for.
+
+    Parameters
+    ----------
+    count : int
+    rate : callable
+        Derivative of the measure of a number 0..count-1 by arclength, NaN where none is known.
+    """
+
+    def __init__(self, count: int, rate: Callable[[int], float], factor: float = 1.0) -> None:
+        self._count, self._rate, self._factor = count, rate, factor
+
+    @classmethod
+    def known(cls, values: np.ndarray) -> Rates:
+        """Rates that are known already."""
+        return cls(len(values), values.tolist().__getitem__)
+
+    def __len__(self) -> int:
+        return self._count
+
+    def __getitem__(self, which: int) -> float:
+        if not 0 <= which < self._count:
+            raise IndexError(which)
+        return self._factor * self._rate(which)
+
+    def scaled(self, factor: float) -> Rates:
+        """Rates by another arclength."""
+        return Rates(self._count, self._rate, self._factor * factor)
+
+
 @dataclass(frozen=True)
 class Sample:
     """A solution with all that is watched along a branch.
@@ -129,8 +163,10 @@ class Sample:
         Typical magnitudes; the metric is the Euclidean norm of z / weights.
     orientation : float
         Sign of det [DF; tangent]; changes at a simple branch point and nowhere else.
-    eigenvalues, errors, rates : ndarray, shape (m,)
-        Spectrum, its estimated errors, and the rates of its stability measures along the branch.
+    eigenvalues, errors : ndarray, shape (m,)
+        Spectrum, and its estimated errors.
+    rates : Rates
+        Of its stability measures along the branch.
     measures : ndarray, shape (m,)
         What must be negative for stability, in descending order (real parts; moduli minus one for orbits).
     unstable : int
@@ -164,7 +200,7 @@ class Sample:
     orientation: float
     eigenvalues: np.ndarray
     errors: np.ndarray
-    rates: np.ndarray
+    rates: Rates
     measures: np.ndarray
     unstable: int
     observables: np.ndarray

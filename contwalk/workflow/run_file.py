@@ -74,8 +74,8 @@ class RunFile:
     sweep : tuple of (str, tuple of float), optional
         A parameter and the values at each of which the diagram is computed; see `studies`.
     engine : mapping
-        Those of `step`, `min_step`, `max_step`, `max_angle`, `newton_iterations`, `method`, `tolerance`,
-        `segments`, `phase` that are given or have a default.
+        Those of `step`, `min_step`, `max_step`, `max_angle`, `max_share`, `newton_iterations`, `method`,
+        `tolerance`, `segments`, `phase` that are given or have a default.
     """
 
     path: Path

@@ -155,6 +155,9 @@ class Engine(Section):
     min_step: Positive | None = Field(default=None, description="a positive number")
     max_step: Positive | None = Field(default=None, description="a positive number")
     max_angle: Angle | None = Field(default=None, description="degrees above 0, up to 90")
+    max_share: Positive | None = Field(
+        default=None, description="a positive number: the largest step, in parts of the range"
+    )
     newton_iterations: int | None = Field(default=None, ge=1, description="a whole number from 1 up")
     method: Literal["auto", "dop853", "verner98", "radau5", "radau9"] | None = Field(
         default=None, description="auto, dop853, verner98, radau5 or radau9"
@@ -218,8 +221,8 @@ class RunModel(Section):
     )
     engine: Engine = Field(
         default=Engine(),
-        description="{step, min_step, max_step, max_angle, newton_iterations, method, tolerance, segments, "
-        "phase}, all optional",
+        description="{step, min_step, max_step, max_angle, max_share, newton_iterations, method, tolerance, "
+        "segments, phase}, all optional",
     )
     simulate: Simulation | None = Field(
         default=None, description="{until: settled, points: 1000, perturb: {state: value}, ...}"

@@ -86,7 +86,7 @@ def _simulated(problem: HybridOrbit, guess: np.ndarray, outward: np.ndarray, lab
     start = newton_on(there, start, weights, normal)
     if there.repeats(start) > 1:
         raise ContwalkError("the orbit that a simulation leads to repeats itself sooner")
-    margins = limits.margins(there, start)
+    margins = there.margins(start)
     lost = [
         o.name for o, r in zip(margins.limits, margins.relative, strict=True) if r < -limits.ZERO and o.acts
     ]

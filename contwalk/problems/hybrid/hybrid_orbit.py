@@ -5,13 +5,13 @@ from __future__ import annotations
 import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, TypeVar
 
 import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
-from contwalk.memory import remembered
+from contwalk.memory import remembered, unowned
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.hybrid import beyond, condensed, families, limits, neighbours, observing, switching
 from contwalk.problems.hybrid.layout import Layout
@@ -55,6 +55,10 @@ STILL = 1e-9
 MEET = 1e-12
 # Two orbits whose periods and states differ by less than this part are one.
 ALIKE = 1e-6
+
+# Limits whose neighbours are kept.
+_NEIGHBOURS: dict[tuple, tuple[System, tuple[Sequence[Seed], str]]] = {}
+_MOST_NEIGHBOURS = 4
 
 Kind = TypeVar("Kind", bound="HybridOrbit")
 
@@ -118,6 +122,8 @@ class HybridOrbit:
         self._tally = [0]
         self._kept: dict[bytes, Linearization] = {}
         self._views: dict[bytes, tuple[LegView, ...]] = {}
+        self._margins: dict[bytes, Margins] = {}
+        self._stretches: dict[bytes, list[observing.Stretch]] = {}
         sizes = [len(system.states_of(leg.mode)) for leg in word.legs]
         self.layout = Layout(sizes, self.forced, len(self.pins))
 
@@ -125,7 +131,7 @@ class HybridOrbit:
 
     def _varied(self, **changes: Any) -> HybridOrbit:
         other = copy.copy(self)
-        other._kept, other._views = {}, {}
+        other._kept, other._views, other._margins, other._stretches = {}, {}, {}, {}
         other.__dict__.pop("pieces", None)
         for name, value in changes.items():
             setattr(other, name, value)
@@ -217,11 +223,11 @@ class HybridOrbit:
 
     def margins(self, z: np.ndarray) -> Margins:
         """Values of all limits at a solution."""
-        return limits.margins(self, z)
+        return remembered(self._margins, z.tobytes(), MOST_VIEWS, lambda: limits.margins(self, z))
 
     def stretches(self, z: np.ndarray) -> list[observing.Stretch]:
         """The legs of the whole motion, images included."""
-        return observing.stretches(self, z)
+        return remembered(self._stretches, z.tobytes(), MOST_VIEWS, lambda: observing.stretches(self, z))
 
     def transition_of(self, limit: Limit) -> Transition:
         """The transition that a limit is about, out of its leg's mode."""
@@ -320,17 +326,28 @@ class HybridOrbit:
 
     def _linearized(self, z: np.ndarray) -> Linearization:
         residual, jacobian = self._equations(z)
+        levels, magnitudes = unowned(self._levels), unowned(self.magnitudes_near)
         return Linearization(
             residual,
             jacobian,
-            lambda: (self._levels(z, jacobian), None),
-            lambda: self.magnitudes_near(z),
-            self.factored,
+            lambda: (levels(z, jacobian), None),
+            lambda: magnitudes(z),
+            partial(condensed.factored, self.layout),
+            unowned(self.residual),
         )
 
     def jacobian(self, z: np.ndarray) -> np.ndarray:
         """DF(z), shape (N, N + 1)."""
         return self.linearize(z).jacobian
+
+    def residual(self, z: np.ndarray) -> np.ndarray:
+        """F(z), shape (N,), for far less than with its derivatives."""
+        residual = np.zeros(self.size)
+        for i, piece in enumerate(self.pieces):
+            self._match(i, z, piece.end(PLAIN, *self.layout.inputs(i, z)), residual)
+        self._closed(z, residual, np.zeros((self.size, self.size + 1)))
+        self._tally[0] += STAGES[self.mesh.method] * sum(len(piece.steps) - 1 for piece in self.pieces)
+        return residual
 
     def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factorization:
         """A matrix of these equations and unknowns, and of borders that come last, factored."""
@@ -342,15 +359,31 @@ class HybridOrbit:
         for i, piece in enumerate(self.pieces):
             x, scalars = layout.inputs(i, z)
             end, moved = piece.differentiated(PLAIN, x, scalars)
+            self._match(i, z, end, residual)
             following, rows = layout.states[(i + 1) % layout.legs], layout.matches[i]
             n, derivative = rows.stop - rows.start, layout.spread(i, moved)
-            residual[rows] = end[:n] - z[following]
-            if i == layout.legs - 1:
-                residual[rows] -= self.turns[list(self.passages[0].states)]
             jacobian[rows] += derivative[:n]
             jacobian[rows, following] -= np.eye(n)
             if len(end) > n:
-                residual[layout.guards + i], jacobian[layout.guards + i] = end[n], derivative[n]
+                jacobian[layout.guards + i] = derivative[n]
+        self._closed(z, residual, jacobian)
+        self._tally[0] += self._cost
+        return residual, jacobian
+
+    def _match(self, i: int, z: np.ndarray, end: np.ndarray, residual: np.ndarray) -> None:
+        """Write the equations of the end of leg i: it is the next one's start, and its guard is zero."""
+        layout = self.layout
+        rows = layout.matches[i]
+        n = rows.stop - rows.start
+        residual[rows] = end[:n] - z[layout.states[(i + 1) % layout.legs]]
+        if i == layout.legs - 1:
+            residual[rows] -= self.turns[list(self.passages[0].states)]
+        if len(end) > n:
+            residual[layout.guards + i] = end[n]
+
+    def _closed(self, z: np.ndarray, residual: np.ndarray, jacobian: np.ndarray) -> None:
+        """Write the equations of the closure, of phase or period and of pins, with their gradients."""
+        layout = self.layout
         if not self.word.eventful:
             residual[layout.guards] = self._phase(z, jacobian[layout.guards])
         if layout.sum is not None:
@@ -360,8 +393,6 @@ class HybridOrbit:
             jacobian[layout.sum, -1] = -slope
         for j, pin in enumerate(self.pins):
             residual[layout.held + j] = self._pinned(pin, z, jacobian[layout.held + j])
-        self._tally[0] += self._cost
-        return residual, jacobian
 
     def _phase(self, z: np.ndarray, row: np.ndarray) -> float:
         """What fixes the phase of an orbit without events; its gradient is written into `row`."""
@@ -663,10 +694,8 @@ class HybridOrbit:
         """Derivative of L v along a direction, for a real v, shape (N,)."""
         layout, lifted, result = self.layout, np.append(v, 0.0), np.zeros(self.size)
         for i, piece in enumerate(self.pieces):
-            x, scalars = layout.inputs(i, z)
-            direction, along = layout.inputs(i, lifted)
-            y = np.concatenate([x, direction])
-            moved = piece.changing(TANGENT, y, scalars, *layout.inputs(i, tangent), along)
+            direction, along = layout.inputs(i, lifted), layout.inputs(i, tangent)
+            moved = piece.changing(*layout.inputs(i, z), direction, along)
             width, rows = len(moved) // 2, layout.matches[i]
             n = rows.stop - rows.start
             result[rows] = moved[width : width + n]
@@ -751,7 +780,7 @@ class HybridOrbit:
         found = self.multipliers(z, linearization.jacobian)
         trivial = self.trivial_error(z, linearization.jacobian)
         orientation, error = linearization.orientation_and_error(unit, weights, self._errors(linearization))
-        margins = limits.margins(self, z)
+        margins = self.margins(z)
         return Sample(
             z=z,
             tangent=unit,
@@ -778,7 +807,7 @@ class HybridOrbit:
 
     def observables(self, z: np.ndarray, found: Multipliers) -> np.ndarray:
         """Values of `observable_names`, shape (o,)."""
-        return self._observed(z, found, limits.margins(self, z))
+        return self._observed(z, found, self.margins(z))
 
     def observable(self, name: str, z: np.ndarray) -> float:
         """The value of one observable."""
@@ -961,14 +990,14 @@ class HybridOrbit:
         if label == "UZ" and abs(observing.split(sample.eigenvalues)) < MEET:
             met = "two multipliers meet: each is known to the root of rounding only, their mean far better"
             record = replace(record, note=met if record.note is None else f"{record.note}; {met}")
-        values = limits.margins(there, located.z)
+        values = there.margins(located.z)
         return replace(record, admissible=values.admissible, margin=values.by_name)
 
     def limit_of(self, point: SpecialPoint) -> int:
         """Which of the limits a special point is one of."""
         z = np.array(point.unknowns)
         there = self if self._mesh is not None else switching.discretized(self, z)
-        return limits.nearest(limits.margins(there, z), point)
+        return limits.nearest(there.margins(z), point)
 
     def stopped(self, label: str, located: Located, sample: Sample) -> str:
         """Why an orbit beyond a limit is not the machine's, and what lies next to it."""
@@ -989,7 +1018,17 @@ class HybridOrbit:
         return switching.seeds(self, point)
 
     def neighbours(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
-        """The branches of other words beyond a limit, and in words what was found, or tried."""
+        """The branches of other words beyond a limit, and in words what was found, or tried.
+
+        They are asked for twice: where a branch ends, for the words, and where others begin.
+        """
+        values = tuple(self.values_of(np.array(point.unknowns)).items())
+        key = id(self.system), self.word, self.free, values, self.discretization, point.label, point.unknowns
+        # What is found keeps the system, and so its id.
+        found = remembered(_NEIGHBOURS, key, _MOST_NEIGHBOURS, lambda: (self.system, self._beyond(point)))
+        return found[1]
+
+    def _beyond(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
         return neighbours.found(self, point)
 
     def first_state(self, z: np.ndarray) -> np.ndarray:

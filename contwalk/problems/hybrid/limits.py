@@ -319,7 +319,7 @@ def _system(problem: HybridOrbit, which: int, limit: Limit, sample: Sample) -> a
     start, scale = sample.z, sample.weights
     share = 1.0
     if limit.test == "dip":
-        share = float(margins(problem, sample.z).places[which])
+        share = float(problem.margins(sample.z).places[which])
         if not np.isfinite(share):
             return None
         duration = float(sample.z[problem.layout.durations][i])
@@ -407,7 +407,7 @@ def sentence(problem: HybridOrbit, label: str, located: Located, sample: Sample)
     """What fails beyond a limit, and what is nearest to it."""
     there = located.problem if located.problem is not None else problem
     limit = problem.limits[int(located.vectors["limit"])]
-    found = margins(there, located.z)
+    found = there.margins(located.z)
     others = [
         (float(r), o, float(v))
         for k, (r, o, v) in enumerate(zip(found.relative, found.limits, found.values, strict=True))

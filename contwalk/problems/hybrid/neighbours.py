@@ -150,7 +150,7 @@ def _limit_of(problem: HybridOrbit, point: SpecialPoint) -> tuple[limits.Limit, 
     """Which limit a stored point is, and where on its leg, 0..1."""
     z = np.array(point.unknowns)
     there = discretized(problem, z)
-    values = limits.margins(there, z)
+    values = there.margins(z)
     k = limits.nearest(values, point)
     limit, place = values.limits[k], float(values.places[k])
     if not limit.acts:
@@ -423,7 +423,7 @@ def _looks(
     normal = tangent / weights**2
     try:
         there = newton_on(problem, guess, weights, normal)
-        margins = limits.margins(problem, there)
+        margins = problem.margins(there)
         lost = [
             o
             for o, r in zip(margins.limits, margins.relative, strict=True)

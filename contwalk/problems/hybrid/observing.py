@@ -71,7 +71,8 @@ class Stretch:
 
 def stretches(problem: HybridOrbit, z: np.ndarray) -> list[Stretch]:
     """The legs of the whole motion; of an orbit that closes up to a symmetry, their images follow."""
-    views, word = problem.view(z), problem.word
+    # What is returned is kept with the problem, and does not keep it.
+    views, word, system, pins = problem.view(z), problem.word, problem.system, problem.pins
     drifts, values = z[problem.layout.drifts], problem.values_of(z)
     begins, length = float(problem.starting_times(z)[0]), problem.duration(z)
 
@@ -79,25 +80,25 @@ def stretches(problem: HybridOrbit, z: np.ndarray) -> list[Stretch]:
         if not len(drifts):
             return states
         shares = -(times - begins)[:, None] * drifts
-        return families.shifted(problem.system, problem.pins, states, values, shares)
+        return families.shifted(system, pins, states, values, shares)
 
     found = [Stretch(leg.name, view, 0.0, drifted) for leg, view in zip(word.legs, views, strict=True)]
     if not word.image:
         return found
-    symmetry, p = problem.system.symmetry(word.image), ParameterValues(**values)
+    symmetry, p = system.symmetry(word.image), ParameterValues(**values)
 
     def image(times: np.ndarray, states: np.ndarray) -> np.ndarray:
         images = images_of(symmetry, drifted(times, states), p)
         # What has drifted until the half is over.
         return drifted(np.full(len(times), begins + length), images)
 
-    legs = word.unfolded(problem.system).legs[len(word) :]
+    legs = word.unfolded(system).legs[len(word) :]
     return found + [Stretch(leg.name, view, length, image) for leg, view in zip(legs, views, strict=True)]
 
 
 def motion(problem: HybridOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The whole motion: times in seconds, (k,), and states, (k, n); both sides of each event."""
-    found = [stretch.motion for stretch in stretches(problem, z)]
+    found = [stretch.motion for stretch in problem.stretches(z)]
     return np.concatenate([t for t, _ in found]), np.concatenate([x for _, x in found])
 
 
@@ -141,7 +142,7 @@ def split(multipliers: np.ndarray) -> float:
 
 def at_event(problem: HybridOrbit, z: np.ndarray, name: str, side: str) -> tuple[float, np.ndarray] | None:
     """Time and full state before or after the first event of a name; None if the orbit has none."""
-    found = stretches(problem, z)
+    found = problem.stretches(z)
     for k in range(-1, len(found) - 1):
         if found[k].name == name:
             return found[k].end if side == "before" else found[k + 1].start
@@ -162,7 +163,7 @@ def reported(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
     elif not problem.word.eventful:
         return problem.first_state(z)
     else:
-        x = stretches(problem, z)[-1].end[1]
+        x = problem.stretches(z)[-1].end[1]
     values = problem.values_of(z)
     for pin, v in zip(
         problem.pins, families.directions(problem.system, problem.pins, x, values).T, strict=True
@@ -174,7 +175,7 @@ def reported(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
 
 def _passing(problem: HybridOrbit, z: np.ndarray, index: int, value: float, direction: float) -> np.ndarray:
     """The state at which state number `index` first passes a value inside a leg; NaN if it never does."""
-    for stretch in stretches(problem, z):
+    for stretch in problem.stretches(z):
         t, x = stretch.motion
         side = (x[:, index] - value) * direction
         passes = np.flatnonzero((side[:-1] < 0.0) & (side[1:] >= 0.0))

@@ -18,7 +18,7 @@ from contwalk import flow
 from contwalk.flow.method import Carried, choose
 from contwalk.problems.hybrid.passage import Passage
 from contwalk.problems.orbit.discretization import TIGHTEST
-from contwalk.problems.orbit.motion import PLAIN, TANGENT
+from contwalk.problems.orbit.motion import MIXED, PLAIN, TANGENT
 from contwalk.problems.orbit.shooting import CONSTANT, LEAST_SHARE, Mesh, arrived, growth_of
 
 # Local errors may grow by so much over a leg before its steps are made finer.
@@ -97,25 +97,38 @@ class Piece:
 
     def changing(
         self,
-        lift: str,
-        y: np.ndarray,
+        x: np.ndarray,
         scalars: np.ndarray,
-        moving: np.ndarray,
-        changes: np.ndarray,
-        *directions: np.ndarray,
+        direction: tuple[np.ndarray, np.ndarray],
+        along: tuple[np.ndarray, np.ndarray],
     ) -> np.ndarray:
-        """Derivative of `end` along one direction, of the state (its first n components) and the scalars.
+        """Derivative of `end` in one direction, of the tangent lift, along another one.
 
-        Of many states it is far cheaper than all derivatives.
+        Directions are of the state and of the scalars. Of many states it is far cheaper than all derivatives.
         """
-        field, n, k = self._field(lift), len(self.passage.states), len(self.passage.columns)
-        columns = np.zeros((len(y), 1 + k))
-        columns[:n, 0] = moving
-        values = self.values(scalars, *directions)
-        sources = np.arange(-1, k)
-        end = flow.tangents(field, field.constants(values), self.steps, y, columns, sources, self.method)
-        _, moved = self.through(self.passage.end(lift), *end, values)
-        return moved[:, 0] + moved[:, 1:] @ changes
+        moved, change = self._moved_along(x, scalars, direction, along)
+        map_ = self.passage.end(TANGENT)
+        _, derivative = map_.linearized(1.0, moved, map_.constants(self.values(scalars, direction[1])))
+        return derivative[:, : len(moved)] @ change + derivative[:, len(moved) :] @ along[1]
+
+    def _moved_along(
+        self,
+        x: np.ndarray,
+        scalars: np.ndarray,
+        direction: tuple[np.ndarray, np.ndarray],
+        along: tuple[np.ndarray, np.ndarray],
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """The tangent lift before the transition, and its derivative."""
+        y, n, k = np.concatenate([x, direction[0]]), len(x), len(scalars)
+        start = np.concatenate([along[0], np.zeros(n)])
+        if not self.method.startswith("radau"):
+            end = self.before(MIXED, np.concatenate([y, start]), scalars, direction[1], along[1])
+            return end[: 2 * n], end[2 * n :]
+        # Of the tangent lift implicit steps have the Jacobian; of a further lift it takes long to compile.
+        field, columns = self._field(TANGENT), np.column_stack([start, np.zeros((2 * n, k))])
+        c = field.constants(self.values(scalars, direction[1]))
+        end, moved = flow.tangents(field, c, self.steps, y, columns, np.arange(-1, k), self.method)
+        return end, moved[:, 0] + moved[:, 1:] @ along[1]
 
     def through(
         self, map_: flow.Field, x: np.ndarray, moved: np.ndarray, values: np.ndarray

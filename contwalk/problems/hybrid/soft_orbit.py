@@ -14,7 +14,7 @@ limits.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -22,8 +22,9 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
-from contwalk.memory import remembered
+from contwalk.memory import remembered, unowned
 from contwalk.problems.hybrid import limits, softness
+from contwalk.problems.hybrid.eliminated import SOLVED, Eliminated, Followed, corrected
 from contwalk.problems.hybrid.grouping import Grouping
 from contwalk.problems.hybrid.hybrid_orbit import MOST_KEPT, HybridOrbit
 from contwalk.problems.hybrid.limits import Limit, Margins
@@ -37,35 +38,22 @@ from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.problem import Linearization, Located, Sample, Seed
 from contwalk.system import System
 
-# Corrections of what is eliminated, and a residual of it that is solved, in units of its level: what is left
-# of it enters the other equations, to first order.
-MOST_CORRECTIONS, SOLVED = 8, 1e2
-
-
-@dataclass(frozen=True, eq=False)
-class Inner:
-    """An explicit orbit; what is eliminated of it at the unknowns `z`, and how fast that changes."""
-
-    explicit: HybridOrbit
-    grouping: Grouping
-    z: np.ndarray
-    soft: np.ndarray
-    slope: np.ndarray
-
 
 class SoftOrbit(HybridOrbit):
     """Orbits of one word of hard transitions; parameters as of `HybridOrbit`."""
 
-    _inner: Inner | None = None
+    _inner: Eliminated | None = None
+    _followed: Followed | None = None
 
     def _varied(self, **changes: Any) -> SoftOrbit:
         other = super()._varied(**changes)
         assert isinstance(other, SoftOrbit)
-        other.__dict__.pop("_expanded", None)
+        for name in ("_expanded", "_approximate", "_followed"):
+            other.__dict__.pop(name, None)
         return other
 
     @property
-    def inner(self) -> Inner:
+    def inner(self) -> Eliminated:
         """The explicit orbit of this discretisation."""
         if self._inner is None:
             raise ValueError("the problem has no mesh yet: see `adapted_to`")
@@ -80,10 +68,8 @@ class SoftOrbit(HybridOrbit):
     def around(self, explicit: HybridOrbit, unknowns: np.ndarray) -> SoftOrbit:
         """This problem on the steps of an explicit orbit, which is discretised."""
         grouping = Grouping(explicit.word, explicit.layout)
-        z, soft = grouping.split(unknowns)
         other = self._varied(_mesh=explicit.mesh)
-        slope = _Eliminated(explicit, grouping, unknowns).slope
-        other._inner = Inner(explicit, grouping, z, soft, slope)
+        other._inner = Eliminated(explicit, grouping, *grouping.split(unknowns))
         return other
 
     def explicit(self, z: np.ndarray) -> tuple[HybridOrbit, np.ndarray]:
@@ -97,25 +83,49 @@ class SoftOrbit(HybridOrbit):
         found = self._at(z)
         return found.explicit, found.unknowns
 
-    def _at(self, z: np.ndarray) -> _Eliminated:
-        return remembered(self._expanded, z.tobytes(), MOST_KEPT, lambda: self._solved(z))
+    def _at(self, z: np.ndarray) -> Eliminated:
+        """What is eliminated, solved for."""
+        return remembered(self._expanded, z.tobytes(), MOST_KEPT, lambda: self._solved(z, SOLVED))
+
+    def _near(self, z: np.ndarray) -> Eliminated:
+        """As `_at`, solved for as far as Newton's method for the rest needs it.
+
+        Both converge together: what is left of the one enters the other's equations, to first order.
+        """
+        if z.tobytes() in self._expanded:
+            return self._expanded[z.tobytes()]
+        found = remembered(self._approximate, z.tobytes(), MOST_KEPT, lambda: self._solved(z, None))
+        if found.excess <= SOLVED:
+            self._expanded[z.tobytes()] = found
+        return found
 
     @cached_property
-    def _expanded(self) -> dict[bytes, _Eliminated]:
+    def _expanded(self) -> dict[bytes, Eliminated]:
         return {}
 
-    def _solved(self, z: np.ndarray) -> _Eliminated:
-        """What is eliminated, from how it changes near where it is known; else found anew by simulation."""
-        inner = self.inner
-        soft = inner.soft + inner.slope @ (z - inner.z)
-        found = _corrected(inner.explicit, inner.grouping, z, soft)
+    @cached_property
+    def _approximate(self) -> dict[bytes, Eliminated]:
+        return {}
+
+    def _solved(self, z: np.ndarray, level: float | None) -> Eliminated:
+        """What is eliminated, from where it is known nearest by; else found anew by simulation."""
+        near = self._nearest(z)
+        found = corrected(near.explicit, near.grouping, z, near.predicted(z), level)
         if found is not None:
             return found
         there = self.adapted_to(z, self.weighted(self.mesh.magnitudes), self.mesh.tolerance).inner
-        found = _corrected(there.explicit, there.grouping, z, there.soft)
+        found = corrected(there.explicit, there.grouping, z, there.predicted(z), level)
         if found is None:
             raise NotFinite("The instants of the soft transitions have no solution there.", "")
         return found
+
+    def _nearest(self, z: np.ndarray) -> Eliminated | Followed:
+        """What is known nearest to z, of the orbits that were looked at last."""
+        weights = self.weighted(self.mesh.magnitudes)
+        known: list[Eliminated | Followed] = [self.inner, *self._expanded.values()]
+        known += self._approximate.values()
+        known += [] if self._followed is None else [self._followed]
+        return min(known, key=lambda found: float(np.linalg.norm((z - found.z) / weights)))
 
     def adapted_to(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> SoftOrbit:
         """The problem with the soft transitions, and on steps, for the orbit of z.
@@ -130,8 +140,11 @@ class SoftOrbit(HybridOrbit):
         unknowns = rough.assembled(states, lasting, z[self.layout.drifts], float(z[-1]), begins)
         explicit = rough.adapted_to(unknowns, self._explicit_weights(rough, weights), tolerance)
         grouping = Grouping(word, rough.layout)
-        found = _corrected(explicit, grouping, z, grouping.split(unknowns)[1])
-        return self.around(explicit, unknowns if found is None else found.unknowns)
+        found = corrected(explicit, grouping, z, grouping.split(unknowns)[1])
+        there = self.around(explicit, unknowns)
+        if found is not None:
+            there._inner = there._expanded[z.tobytes()] = found
+        return there
 
     # -- metric ------------------------------------------------------------------------------------------
 
@@ -168,17 +181,25 @@ class SoftOrbit(HybridOrbit):
 
     def _linearized(self, z: np.ndarray) -> Linearization:
         try:
-            found = self._at(z)
+            found = self._near(z)
         except NotFinite:
             lost = np.full((self.size, self.size + 1), np.nan)
             return Linearization(lost[:, 0], lost, lambda: (np.ones(self.size), None))
+        magnitudes, nearby = unowned(self.magnitudes_near), unowned(self._nearby)
         return Linearization(
             found.residual,
             found.jacobian,
             lambda: (found.levels(found.explicit.linearize(found.unknowns).levels[0]), None),
-            lambda: self.magnitudes_near(z),
-            self.factored,
+            lambda: magnitudes(z),
+            nearby=lambda there: nearby(found, there),
         )
+
+    def _nearby(self, found: Eliminated, z: np.ndarray) -> np.ndarray:
+        """Residual at a point near another one."""
+        before = self._followed
+        known = before if before is not None and before.near is found else None
+        residual, self._followed = found.followed(z, known)
+        return residual
 
     def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factorization:
         """A bordered Jacobian, factored."""
@@ -208,7 +229,7 @@ class SoftOrbit(HybridOrbit):
             tangent=unit,
             weights=weights,
             orientation=orientation,
-            rates=found.rates * float(np.linalg.norm(along / own)),
+            rates=found.rates.scaled(float(np.linalg.norm(along / own))),
             magnitudes=linearization.magnitudes,
             excess=linearization.excess_in(weights),
             error=error,
@@ -227,8 +248,8 @@ class SoftOrbit(HybridOrbit):
             z=there.unknowns,
             tangent=along / length,
             weights=weights,
-            rates=sample.rates / length,
-            margins=limits.margins(there.explicit, there.unknowns).relative,
+            rates=sample.rates.scaled(1.0 / length),
+            margins=there.explicit.margins(there.unknowns).relative,
         )
         return there.explicit, own, length
 
@@ -279,7 +300,7 @@ class SoftOrbit(HybridOrbit):
     def margins(self, z: np.ndarray) -> Margins:
         """Values of all limits at a solution."""
         there = self._at(z)
-        found = limits.margins(there.explicit, there.unknowns)
+        found = there.explicit.margins(there.unknowns)
         chosen = [self._least(there.grouping, found, limit) for limit in self.limits]
         rows = [
             (np.inf, 1.0, np.nan) if k is None else (found.values[k], found.scales[k], found.places[k])
@@ -317,8 +338,8 @@ class SoftOrbit(HybridOrbit):
 
     def limit_of(self, point: SpecialPoint) -> int:
         """Which of the limits a special point is one of."""
-        there, explicit, stored = self._stored(point)
-        return there._own_limit(explicit, explicit.limit_of(stored))
+        there, _, _ = self._stored(point)
+        return limits.nearest(there.margins(np.array(point.unknowns)), point)
 
     # -- special points ----------------------------------------------------------------------------------
 
@@ -327,7 +348,7 @@ class SoftOrbit(HybridOrbit):
         explicit, own, _ = self._explicit_sample(sample)
         if label in limits.LABELS:
             there = self._at(sample.z)
-            chosen = self._least(there.grouping, limits.margins(explicit, there.unknowns), self.limits[which])
+            chosen = self._least(there.grouping, explicit.margins(there.unknowns), self.limits[which])
             if chosen is None:
                 return None
             which = chosen
@@ -410,110 +431,21 @@ class SoftOrbit(HybridOrbit):
 
     def seeds(self, point: SpecialPoint) -> Sequence[Seed]:
         """The branches that leave a special point."""
+        if point.label in ("GR", "OC"):
+            return self.neighbours(point)[0]
         try:
             _, explicit, own = self._stored(point)
         except NotFinite:
             return ()
         return [softened_seed(seed) for seed in explicit.seeds(own)]
 
-    def neighbours(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
-        """The branches of other words beyond a limit, and in words what was found, or tried."""
+    def _beyond(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
         try:
             _, explicit, own = self._stored(point)
         except NotFinite as error:
             return (), f"No neighbour to switch to: the motion there cannot be taken up again ({error})."
-        found, told = explicit.neighbours(own)
+        found, told = explicit._beyond(own)
         return [softened_seed(seed) for seed in found], told
-
-
-class _Eliminated:
-    """An explicit orbit's equations with what is eliminated from them."""
-
-    def __init__(self, explicit: HybridOrbit, grouping: Grouping, unknowns: np.ndarray) -> None:
-        self.explicit, self.grouping, self.unknowns = explicit, grouping, unknowns
-
-    @cached_property
-    def _parts(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        found, grouping = self.explicit.linearize(self.unknowns), self.grouping
-        own, soft = grouping.columns(found.jacobian)
-        hard_rows, soft_rows = grouping.hard_rows, grouping.soft_rows
-        return (
-            found.residual[hard_rows],
-            found.residual[soft_rows],
-            own[hard_rows],
-            soft[hard_rows],
-            own[soft_rows],
-            soft[soft_rows],
-        )
-
-    @property
-    def finite(self) -> bool:
-        """Whether the equations have values."""
-        return self.explicit.linearize(self.unknowns).finite
-
-    @property
-    def excess(self) -> float:
-        """Residual of what is eliminated, in units of its level."""
-        if not len(self.grouping.soft_rows):
-            return 0.0
-        level = self.explicit.linearize(self.unknowns).levels[0][self.grouping.soft_rows]
-        return float(np.max(np.abs(self._parts[1]) / level))
-
-    @cached_property
-    def correction(self) -> np.ndarray:
-        """What Newton's method subtracts from what is eliminated."""
-        return np.linalg.solve(self._parts[5], self._parts[1])
-
-    @cached_property
-    def slope(self) -> np.ndarray:
-        """Derivative of what is eliminated by the unknowns."""
-        _, _, _, _, by_own, by_soft = self._parts
-        return -np.linalg.solve(by_soft, by_own) if len(by_soft) else by_own
-
-    @property
-    def residual(self) -> np.ndarray:
-        """Of the equations that are left."""
-        hard, _, _, by_soft, _, _ = self._parts
-        return hard - by_soft @ self.correction if len(self.correction) else hard
-
-    @property
-    def jacobian(self) -> np.ndarray:
-        """Derivatives of what is left by the unknowns that are left."""
-        _, _, by_own, by_soft, _, _ = self._parts
-        return by_own + by_soft @ self.slope
-
-    def levels(self, explicit: np.ndarray) -> np.ndarray:
-        """Levels of what is left, from levels of all equations."""
-        _, _, _, by_soft, _, inner = self._parts
-        own, soft = explicit[self.grouping.hard_rows], explicit[self.grouping.soft_rows]
-        if not len(soft):
-            return own
-        return own + np.abs(np.linalg.solve(inner.T, by_soft.T).T) @ soft
-
-    def direction(self, tangent: np.ndarray) -> np.ndarray:
-        """A direction of the unknowns that are left as one of all of them."""
-        return self.grouping.joined(tangent, self.slope @ tangent)
-
-
-def _corrected(
-    explicit: HybridOrbit, grouping: Grouping, z: np.ndarray, soft: np.ndarray
-) -> _Eliminated | None:
-    """The explicit orbit over z; None where Newton's method finds none, or one that runs backwards."""
-    for _ in range(MOST_CORRECTIONS):
-        there = grouping.joined(z, soft)
-        lasting = there[explicit.layout.durations]
-        if grouping.backward(lasting):
-            return None
-        found = _Eliminated(explicit, grouping, there)
-        if not found.finite:
-            return None
-        if found.excess <= SOLVED:
-            return found
-        try:
-            soft = soft - found.correction
-        except np.linalg.LinAlgError:
-            return None
-    return None
 
 
 # -- from explicit orbits ----------------------------------------------------------------------------------

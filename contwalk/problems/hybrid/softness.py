@@ -11,6 +11,7 @@ from contwalk.errors import NotFinite
 from contwalk.flow.hybrid import arcs, hybrid_machine
 from contwalk.flow.hybrid_machine import HybridMachine
 from contwalk.memory import remembered
+from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.grouping import NO_TIME
 from contwalk.problems.hybrid.limits import SOFT, Limit, limits_of_leg
 from contwalk.problems.hybrid.switching import rotated
@@ -87,10 +88,18 @@ def passed(
         pieces = _switched(problem.system, leg.name, pieces, last)
         assert leg.transition is not None
         final = problem.system.transition(leg.name, pieces[-1][0].mode)
+        own = [piece[2] for piece in pieces]
+        since = np.concatenate([[0.0], np.cumsum(own)[:-1]])
         found += [piece[0] for piece in pieces[:-1]] + [Leg(final.source, final, leg.falls)]
-        states += [piece[1] for piece in pieces]
-        lasting += [piece[2] for piece in pieces]
+        states += [*_held(problem, z, np.array([piece[1] for piece in pieces]), since)]
+        lasting += own
     return Word(tuple(found), problem.word.image), states, lasting
+
+
+def _held(problem: SoftOrbit, z: np.ndarray, states: np.ndarray, since: np.ndarray) -> np.ndarray:
+    """States of a motion, so long after its leg began, moved along pinned directions as the drifts say."""
+    shares = np.outer(since, z[problem.layout.drifts])
+    return families.shifted(problem.system, problem.pins, states, problem.values_of(z), shares)
 
 
 def _switched(system: System, name: str, pieces: list[Piece], last: np.ndarray) -> list[Piece]:

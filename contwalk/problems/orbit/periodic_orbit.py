@@ -11,7 +11,7 @@ import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.errors import called
-from contwalk.memory import remembered
+from contwalk.memory import remembered, unowned
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.linear import EPSILON, Factored
 from contwalk.problems.orbit import augmented, branching, describing, ending, rates, switching
@@ -224,9 +224,8 @@ class PeriodicOrbit:
 
     def _linearized(self, z: np.ndarray) -> Linearization:
         residual, jacobian = self._equations(z)
-        return Linearization(
-            residual, jacobian, lambda: (self._levels(z, jacobian), None), lambda: self.magnitudes_near(z)
-        )
+        levels, magnitudes = unowned(self._levels), unowned(self.magnitudes_near)
+        return Linearization(residual, jacobian, lambda: (levels(z, jacobian), None), lambda: magnitudes(z))
 
     def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factored:
         """A matrix of these equations and unknowns, and of borders that come last, factored."""

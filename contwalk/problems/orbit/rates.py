@@ -8,6 +8,7 @@ import numpy as np
 
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.null_vectors import null_vectors
+from contwalk.problems.problem import Rates
 
 if TYPE_CHECKING:
     from contwalk.problems.orbit.protocol import Orbit
@@ -21,18 +22,24 @@ LEADING, LEAST, MOST = 2, 0.4, 1e8
 BESIDE = 1e-4
 
 
-def of_moduli(problem: Orbit, z: np.ndarray, tangent: np.ndarray, found: Multipliers) -> np.ndarray:
+def of_moduli(problem: Orbit, z: np.ndarray, tangent: np.ndarray, found: Multipliers) -> Rates:
     """Derivative of each modulus by arclength; NaN where it is far from one, or real and positive.
 
     A real multiplier passes one at a fold or a branch point, which other tests see.
     """
-    rates = np.full(len(found.values), np.nan)
-    for k, value in enumerate(found.values):
+    known: dict[int, float] = {}
+
+    def rate(k: int) -> float:
+        value = complex(found.values[k])
         if not LEAST < abs(value) < MOST or k >= LEADING or (value.imag == 0.0 and value.real > 0.0):
-            continue
+            return float("nan")
         paired = k > 0 and value.imag != 0.0 and value == np.conj(found.values[k - 1])
-        rates[k] = rates[k - 1] if paired else of_modulus(problem, z, tangent, complex(value))
-    return rates
+        first = k - 1 if paired else k
+        if first not in known:
+            known[first] = of_modulus(problem, z, tangent, complex(found.values[first]))
+        return known[first]
+
+    return Rates(len(found.values), rate)
 
 
 def of_modulus(problem: Orbit, z: np.ndarray, tangent: np.ndarray, value: complex) -> float:
@@ -57,7 +64,7 @@ def of_observable(problem: Orbit, name: str, sample: Sample) -> float:
     tangent to both sides; `max_abs` has an exact derivative.
     """
     if name == problem.observable_names[-1]:
-        value, rate = complex(sample.eigenvalues[0]), float(sample.rates[0])
+        value, rate = complex(sample.eigenvalues[0]), sample.rates[0]
         if not np.isfinite(rate):
             rate = of_modulus(problem, sample.z, sample.tangent, value)
         return problem.rounds * abs(value) ** (problem.rounds - 1) * rate
