@@ -104,14 +104,19 @@ def known_orbit(problem: PeriodicOrbit | HybridOrbit, sample: Sample, branches: 
     An orbit begins anywhere on itself: candidates are recomputed at the same parameter, and compared as
     curves.
     """
+    own = _kinds(problem, problem.branch_facts().get("signature"))
     for branch in branches:
-        if not _comparable(problem, branch) or branch.info.closure != problem.whole[0]:
+        if not _comparable(problem, branch) or branch.info.subharmonic != problem.subharmonic:
             continue
-        if _kinds(problem, branch.info.signature) != _kinds(problem, problem.branch_facts().get("signature")):
+        closures = 1
+        if branch.info.closure != problem.whole[0]:
+            # Of a whole orbit that is its own image, half may be what is stored.
+            if problem.whole[0] != "full" or not branch.info.settings.get("image"):
+                continue
+            closures = 2
+        if sorted(_kinds(problem, branch.info.signature) * closures) != own:
             continue
-        if branch.info.subharmonic != problem.subharmonic:
-            continue
-        if _orbit_on(problem, sample, branch):
+        if _orbit_on(problem, sample, branch, closures):
             return branch.name
     return None
 
@@ -132,8 +137,10 @@ def _kinds(problem: PeriodicOrbit | HybridOrbit, signature: Sequence[str] | None
     return sorted(kind(name) for name in signature or ())
 
 
-def _orbit_on(problem: PeriodicOrbit | HybridOrbit, sample: Sample, branch: Branch) -> bool:
-    value, period = sample.z[-1], sample.period
+def _orbit_on(
+    problem: PeriodicOrbit | HybridOrbit, sample: Sample, branch: Branch, closures: int = 1
+) -> bool:
+    value, period = sample.z[-1], sample.period / closures
     for k, (ta, tb) in enumerate(pairwise(branch["period"])):
         a, b = branch.unknowns(k), branch.unknowns(k + 1)
         if len(a) != len(b):

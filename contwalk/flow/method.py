@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contwalk.flow.compiled_field import CompiledField
-from contwalk.flow.path import Path
+from contwalk.flow.path import FINER, STEADY, Path
 from contwalk.flow.verbs import adaptive
 
 IMPLICIT = "radau9"
@@ -30,9 +30,6 @@ TRIAL_STEPS = 2000
 NOTABLE = 0.02
 # A few steps may be limited by the way a motion begins: compiling another method costs more than they do.
 FEW = 10
-
-# A share of stability-limited steps that is still harmless if the steps are taken again from elsewhere.
-STEADY = 0.1
 
 _NAMES = {
     "dop853": "explicit 8th-order pair",
@@ -98,8 +95,7 @@ def choose(
     """The method that does least work on the path from (t0, x0) to t1; arguments as for `adaptive`.
 
     `carried` are the tangents that are to be computed on the steps of the path, from neighbouring starts.
-    Explicit steps at the limit of stability, taken again, go beyond it: the implicit method is then taken
-    whatever it costs.
+    Explicit steps at the limit of stability, taken again, would go beyond it: at a price they are made finer.
     """
 
     def run(method: str, most: float) -> Path:
@@ -124,8 +120,7 @@ def choose(
         # on, as far as it may still turn out to be the cheaper one
         explicit = run(pair, _steps(explicit) * work / spent)
         spent = explicitly(explicit)
-    steady = carried is None or explicit.stiff_fraction <= STEADY
-    if explicit.status == "ok" and spent <= work and steady:
+    if explicit.status == "ok" and spent <= work:
         return _chosen(pair, _limited(pair, explicit), explicit, explicit, spent, work)
     return _chosen(IMPLICIT, _against(explicit, spent, work), implicit, explicit, spent, work)
 
@@ -144,7 +139,8 @@ def explicit_work(field: CompiledField, path: Path, carried: Carried | None = No
     if carried is not None:
         other, q = carried.field, carried.columns
         each = 2.0 * _rhs(other) + 0.08 * q * (len(other.col) + 6.0 * other.n)
-        work += REPEATED * path.evaluations * each
+        finer = FINER if path.stiff_fraction > STEADY else 1.0
+        work += REPEATED * finer * path.evaluations * each
     return work / _rhs(field)
 
 

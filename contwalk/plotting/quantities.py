@@ -17,8 +17,9 @@ BUILT_IN_OBSERVABLES = ("max_re", "max_abs")
 
 
 def units_of(system: System) -> dict[str, str]:
-    """Units of a system's states, parameters and observables by name, as the figures' `units` take them."""
+    """Units of a system's quantities by name, as the figures' `units` take them."""
     units = {state.name: state.unit for state in system.states}
+    units |= {signal.name: signal.unit for signal in system.signals}
     units |= {parameter.name: parameter.unit for parameter in system.parameters}
     return units | {observable.name: observable.unit for observable in system.observables}
 

@@ -306,6 +306,24 @@ class Observable:
 
 
 @dataclass(frozen=True)
+class Signal:
+    """A quantity that figures show along a motion: `function(t, x, p)`, of the shapes that observables take.
+
+    It returns an array of shape (k,), NaN where the quantity does not exist: the height of a foot, the force
+    on it. Nothing is computed with it.
+    """
+
+    name: str
+    function: Callable[..., Any]
+    unit: str = "1"
+    about: str = ""
+
+    def __post_init__(self) -> None:
+        _require_name("A signal", self.name)
+        _require_callable(f"The function of signal '{self.name}'", self.function)
+
+
+@dataclass(frozen=True)
 class Start:
     """A named equilibrium known in closed form.
 
@@ -336,6 +354,7 @@ class System:
     ----------
     name : str
     states, parameters, modes, transitions, symmetries, neutral, observables, starts, conditions : tuple
+    signals : tuple
         The declarations of this module.
     period : callable, optional
         `period(p)`, in seconds, of the forcing of a time-periodic system.
@@ -365,6 +384,7 @@ class System:
     model: Mapping[str, Any] = attribute(default_factory=dict)
     source: str = ""
     conditions: tuple[Condition, ...] = ()
+    signals: tuple[Signal, ...] = ()
 
     def __post_init__(self) -> None:
         _require_name("A system", self.name)
@@ -398,6 +418,10 @@ class System:
         for shared in set(state_names) & set(parameter_names):
             raise SystemDefinitionError(
                 f"System '{self.name}': '{shared}' is a state and a parameter.", "Rename one of them."
+            )
+        for shared in set(state_names) & {signal.name for signal in self.signals}:
+            raise SystemDefinitionError(
+                f"System '{self.name}': '{shared}' is a state and a signal.", "Rename one of them."
             )
         modes = {mode.name: mode for mode in self.modes}
         for transition in self.transitions:
@@ -546,6 +570,11 @@ class System:
         return tuple(dict.fromkeys([*watched, *(condition.name for condition in self.conditions)]))
 
     @property
+    def signal_names(self) -> tuple[str, ...]:
+        """Names of the signals."""
+        return tuple(signal.name for signal in self.signals)
+
+    @property
     def observable_names(self) -> tuple[str, ...]:
         """Names of the observables, of a hybrid system with the margins that its branches tell as well."""
         own = tuple(observable.name for observable in self.observables)
@@ -607,4 +636,5 @@ _TUPLES: dict[str, type] = {
     "observables": Observable,
     "starts": Start,
     "conditions": Condition,
+    "signals": Signal,
 }

@@ -118,17 +118,18 @@ def _stick_figure(branches: Sequence[Branch], system: System, options: Mapping[s
 
 
 def _time_series(branches: Sequence[Branch], system: System, options: Mapping[str, Any]) -> Any:
-    """States over one period of one orbit, by default that of the start."""
+    """States, or what is asked for, over one period of one orbit, by default that of the start."""
     from contwalk import plotting
     from contwalk.plotting.style import whole_title
     from contwalk.workflow.orbit_motions import motion_along
-    from contwalk.workflow.stored_orbits import columns_by_name, titled
+    from contwalk.workflow.quantities import check_names, values_along
+    from contwalk.workflow.stored_orbits import titled
 
-    names = [options["y"]] if options.get("y") else list(system.state_names)
-    columns = columns_by_name(system, names)
+    names = _listed(options.get("y")) or list(system.state_names)
+    check_names(system, names)
     orbit = _orbit(branches, system, options, "time series")
     motion = motion_along(system, orbit)
-    times, values = motion.columns(columns)
+    times, values = motion.broken(values_along(system, names, motion.times, motion.states, orbit.parameters))
     happened: dict[str, list[float]] = {}
     for time, name in motion.events:
         happened.setdefault(name, []).append(time)
@@ -136,6 +137,11 @@ def _time_series(branches: Sequence[Branch], system: System, options: Mapping[st
     panels = plotting.plot_time_series_panels(times, values, names, events=happened, units=units)
     whole_title(panels[0].figure, titled(orbit))
     return panels
+
+
+def _listed(names: str | Sequence[str] | None) -> list[str]:
+    """Names that are given as one, or as several."""
+    return [names] if isinstance(names, str) else list(names or ())
 
 
 def _orbit(branches: Sequence[Branch], system: System, options: Mapping[str, Any], what: str) -> Any:

@@ -37,11 +37,10 @@ class Motion:
         """All events, the one that it begins after included."""
         return ((float(self.times[0]), self.begins), *self.events) if self.begins else self.events
 
-    def columns(self, columns: list[int]) -> tuple[np.ndarray, np.ndarray]:
-        """Times and some of the states, with a row of NaN at each event."""
+    def broken(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Times and values along the motion, (k, m), with a row of NaN at each event."""
         jumps = np.flatnonzero(np.diff(self.times) == 0.0) + 1
-        values = np.insert(self.states[:, columns], jumps, np.nan, axis=0)
-        return np.insert(self.times, jumps, self.times[jumps]), values
+        return np.insert(self.times, jumps, self.times[jumps]), np.insert(values, jumps, np.nan, axis=0)
 
 
 def motion_along(system: System, orbit: Orbit, periods: int = 1) -> Motion:

@@ -135,7 +135,9 @@ class ReportPlace(Section):
 
 class FigureOptions(Section):
     x: str | None = Field(default=None, description="a parameter, state or observable")
-    y: str | None = Field(default=None, description="a parameter, state or observable")
+    y: str | tuple[str, ...] | None = Field(
+        default=None, description="a parameter, state or observable; of a time_series, a list of them as well"
+    )
     z: str | None = Field(default=None, description="a state, for a phase_portrait in space")
     xlim: Range | None = Field(default=None, description="two numbers, [left, right]")
     ylim: Range | None = Field(default=None, description="two numbers, [lowest, highest]")

@@ -216,12 +216,19 @@ def _check_axes(problems: Problems, system: System, key: Key, options: FigureOpt
     observables = system.observable_names
     known = (*system.parameter_names, *system.state_names, *observables, *BUILT_IN, "period", PATH)
     what = "neither a parameter, a state nor an observable"
-    if key[-1] in (*MOTION_FIGURES, *SAMPLE_FIGURES):
+    if key[-1] in SAMPLE_FIGURES:
         known, what = system.state_names, "not a state"
+    if key[-1] in MOTION_FIGURES:
+        known = (*system.state_names, *system.signal_names)
+        what = "neither a state nor a signal" if system.signals else "not a state"
+    if isinstance(options.y, tuple) and key[-1] != "time_series":
+        problems.add((*key, "y"), f"'{key[-1]}' shows one quantity.", "Give one name.")
+        return
     if options.z is not None and key[-1] != "phase_portrait":
         problems.add((*key, "z"), f"'{key[-1]}' has no third axis.", "Remove it.")
     _check_limits(problems, key, options)
-    for axis, name in (("x", options.x), ("y", options.y), ("z", options.z)):
+    several = options.y if isinstance(options.y, tuple) else (options.y,)
+    for axis, name in (("x", options.x), *(("y", name) for name in several), ("z", options.z)):
         if name is not None and name not in known:
             problems.add(
                 (*key, axis),

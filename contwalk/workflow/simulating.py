@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,6 +13,7 @@ import numpy as np
 from contwalk.errors import ContwalkError, NotFinite, StartError
 from contwalk.storage.failures import failures_of
 from contwalk.workflow.made_with import made_with
+from contwalk.workflow.quantities import values_along
 from contwalk.workflow.run_settings import FigureSpec
 from contwalk.workflow.run_simulate import SimulationFile
 from contwalk.workflow.run_starts import StartSpec
@@ -297,28 +298,32 @@ def _named(run: SimulationFile, spec: FigureSpec, default: Path) -> Path:
 def _drawn(run: SimulationFile, spec: FigureSpec, path: Path, trajectory: Any) -> Path:
     from contwalk import plotting
 
-    names, units = trajectory.states, plotting.units_of(run.system)
-    times, values = _with_gaps(run, trajectory)
+    units = plotting.units_of(run.system)
     if spec.name == "phase_portrait":
         axes = [spec.options[axis] for axis in ("x", "y", "z") if axis in spec.options]
-        columns = [names.index(axis) for axis in axes]
-        return plotting.save(plotting.plot_phase_portrait([values[:, columns]], axes, units=units), path)
-    shown = [name for name in (spec.options.get("y"),) if name] or list(names)
-    columns = [names.index(name) for name in shown]
+        _, values = _with_gaps(run, trajectory, axes)
+        return plotting.save(plotting.plot_phase_portrait([values], axes, units=units), path)
+    asked = spec.options.get("y")
+    shown = [asked] if isinstance(asked, str) else list(asked or trajectory.states)
+    times, values = _with_gaps(run, trajectory, shown)
     events: dict[str, list[float]] = {}
     for name, t in zip(trajectory.event_names, trajectory.event_times.tolist(), strict=True):
         events.setdefault(name, []).append(t)
     panels = plotting.plot_time_series_panels(
-        times, values[:, columns], shown, events=events, units=units, time_label="time"
+        times, values, shown, events=events, units=units, time_label="time"
     )
     return plotting.save(panels[0], path)
 
 
-def _with_gaps(run: SimulationFile, trajectory: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Instants and states as they are drawn: a gap at each jump, and nothing of states that do not exist."""
-    times, values = trajectory.times, trajectory.values.copy()
-    for number, mode in enumerate(run.system.modes):
-        absent = np.setdiff1d(np.arange(values.shape[1]), run.system.states_of(mode.name))
+def _with_gaps(run: SimulationFile, trajectory: Any, names: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
+    """Instants and values as they are drawn: a gap at each jump, and nothing of states that do not exist."""
+    system, times = run.system, trajectory.times
+    values = values_along(system, names, times, trajectory.values, run.start.parameters)
+    for number, mode in enumerate(system.modes):
+        own = [system.state_names[i] for i in system.states_of(mode.name)]
+        absent = np.array(
+            [k for k, name in enumerate(names) if name in system.state_names and name not in own], dtype=int
+        )
         values[np.ix_(np.flatnonzero(trajectory.modes == number), absent)] = np.nan
     jumps = np.flatnonzero((np.diff(times) == 0.0) & (np.diff(trajectory.values, axis=0) != 0.0).any(axis=1))
     return np.insert(times, jumps + 1, times[jumps]), np.insert(values, jumps + 1, np.nan, axis=0)

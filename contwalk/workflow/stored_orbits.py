@@ -14,7 +14,7 @@ from contwalk.continuation.reopening import reopened
 from contwalk.errors import ContwalkError
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.system import System
-from contwalk.system.declarations import nearest
+from contwalk.workflow.quantities import values_along
 
 # Orbits of one branch, and branches, that one figure shows if it is not told which.
 MOST_ORBITS, MOST_BRANCHES = 5, 6
@@ -203,17 +203,17 @@ def _arcs(problem: Any, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[in
 
 
 def columns_of(system: System, orbit: Orbit, names: Sequence[str]) -> np.ndarray:
-    """Some states of an orbit, shape (k, m); angles that turn are folded into one turn.
+    """Some states and signals of an orbit, shape (k, m); angles that turn are folded into one turn.
 
     A row of NaN stands where the curve is broken: at an event, and where an angle comes round.
 
     Raises
     ------
     ContwalkError
-        For a name that is no state.
+        For a name that is neither a state nor a signal.
     """
-    columns, periods = columns_by_name(system, names), _folded(system, orbit, names)
-    curve = np.insert(orbit.states[:, columns], orbit.breaks, np.nan, axis=0)
+    values, periods = _values(system, orbit, names), _folded(system, orbit, names)
+    curve = np.insert(values, orbit.breaks, np.nan, axis=0)
     for column, period in enumerate(periods):
         if period:
             turns = np.floor(curve[:, column] / period + 0.5)
@@ -225,47 +225,31 @@ def columns_of(system: System, orbit: Orbit, names: Sequence[str]) -> np.ndarray
 
 
 def jumps_of(system: System, orbit: Orbit, names: Sequence[str]) -> np.ndarray:
-    """Some states before and after each event, shape (j, 2, m), folded as those of `columns_of` are.
+    """Some states and signals before and after each event, shape (j, 2, m), folded as those of `columns_of`
+    are.
 
     Raises
     ------
     ContwalkError
-        For a name that is no state.
+        For a name that is neither a state nor a signal.
     """
-    columns, periods = columns_by_name(system, names), _folded(system, orbit, names)
+    values, periods = _values(system, orbit, names), _folded(system, orbit, names)
     after = [*orbit.breaks, 0] if orbit.events else []
-    ends = (
-        orbit.states[[[row - 1, row] for row in after]][..., columns]
-        if after
-        else np.zeros((0, 2, len(names)))
-    )
+    ends = values[[[row - 1, row] for row in after]] if after else np.zeros((0, 2, len(names)))
     for column, period in enumerate(periods):
         if period:
             ends[..., column] -= np.floor(ends[..., column] / period + 0.5) * period
     return ends
 
 
-def columns_by_name(system: System, names: Sequence[str]) -> list[int]:
-    """Positions of states.
-
-    Raises
-    ------
-    ContwalkError
-        For a name that is no state.
-    """
-    known = system.state_names
-    for name in names:
-        if name not in known:
-            raise ContwalkError(
-                f"'{name}' is not a state of '{system.name}'.",
-                f"{nearest(name, known)} Known: {', '.join(known)}.".strip(),
-            )
-    return [known.index(name) for name in names]
+def _values(system: System, orbit: Orbit, names: Sequence[str]) -> np.ndarray:
+    times = orbit.times if len(orbit.times) else np.zeros(len(orbit.states))
+    return values_along(system, names, times, orbit.states, orbit.parameters)
 
 
 def _folded(system: System, orbit: Orbit, names: Sequence[str]) -> list[float]:
     """Periods of the angles that go all the way round; 0 of what is drawn as it is."""
-    columns = columns_by_name(system, names)
-    ranges = np.ptp(orbit.states[:, columns], axis=0)
-    periods = [system.states[column].period or 0.0 for column in columns]
+    states = system.state_names
+    periods = [(system.states[states.index(name)].period or 0.0) if name in states else 0.0 for name in names]
+    ranges = np.ptp(_values(system, orbit, names), axis=0)
     return [p if 0.0 < p * (1.0 - 1e-9) <= r else 0.0 for p, r in zip(periods, ranges, strict=True)]

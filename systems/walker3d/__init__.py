@@ -13,7 +13,7 @@ from .events import make_functions, make_transitions
 from .field import make_field
 from .invariance import make_mirror, make_neutral
 from .model import CHOICES, LOCKED, MIRRORED, Model
-from .observables import make_observables
+from .observables import make_observables, make_signals
 from .parameters import make_parameters, make_presets
 from .states import STATES
 
@@ -53,6 +53,7 @@ def build(**choices: str) -> System:
         symmetries=(make_mirror(contacts, events),) if model.legs == MIRRORED else (),
         neutral=make_neutral(model),
         observables=make_observables(model),
+        signals=make_signals(model),
         presets=make_presets(model),
         draw=make_draw(model),
         reference=REFERENCE,

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.system import Observable
+from contwalk.system import Observable, Signal
 
 from .bodies import total_mass
 from .forces import ground_force
@@ -130,6 +130,41 @@ def _slipping(t: Any, x: Any, p: Any, leg: int, toe: int, model: Model) -> Any:
     apart = np.where(higher > lower, higher - lower, 1.0)
     part = np.where(lower >= 0.0, np.where(higher > 0.0, 1.0, 0.0), np.clip(higher / apart, 0.0, 1.0))
     return np.sum(lasting(t) * part) / strides(x)
+
+
+def _height(t: Any, x: Any, p: Any, leg: int, toe: int, model: Model) -> Any:
+    return toe_place(x.T, p, leg, toe, model)[1]
+
+
+def _ratio(t: Any, x: Any, p: Any, leg: int, toe: int, model: Model, axis: int) -> Any:
+    """A force along the slope over the normal force, while the toe is on the ground."""
+    force = force_of_ground(x, p, leg, toe, model)
+    return np.where(on_ground(x, leg, toe), force[axis] / force[1], np.nan)
+
+
+def make_signals(model: Model) -> tuple[Signal, ...]:
+    """What figures show along a motion: heights of toes, and the friction they need."""
+    found = []
+    for leg in LEGS:
+        for toe in TOES:
+            of = {"leg": leg, "toe": toe, "model": model}
+            name = f"{leg}{toe}"
+            found += [
+                Signal(f"height{name}", _of(_height, **of), "m", f"height of toe {name}"),
+                Signal(
+                    f"push_side{name}",
+                    _of(_ratio, **of, axis=0),
+                    "1",
+                    f"force on toe {name} to the side, over the normal force",
+                ),
+                Signal(
+                    f"push_down{name}",
+                    _of(_ratio, **of, axis=2),
+                    "1",
+                    f"force on toe {name} downhill, over the normal force",
+                ),
+            ]
+    return tuple(found)
 
 
 def make_observables(model: Model) -> tuple[Observable, ...]:

@@ -1,12 +1,9 @@
-"""The 3D walker with overlapping feet in the inclination: special points of its straight gait.
-
-What lies on the branches beyond (the second fold, the pitchfork, both ends) takes minutes: the run file
-computes it, these tests the part around the printed gait.
-"""
+"""The 3D walkers in the inclination: all special points of the straight gaits, and where the gaits end."""
 
 from __future__ import annotations
 
 import json
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -19,53 +16,88 @@ from contwalk.workflow.run_file import read_run_file
 pytestmark = [pytest.mark.thesis, pytest.mark.slow]
 
 REFERENCE = json.loads((Path(__file__).parent / "walker3d_reference.json").read_text(encoding="utf-8"))
-# What the independent implementation is known to.
-KNOWN = 1e-8
-RANGES = ("[0.066, 0.0801]", "[0.0799, 0.115]")
+# What the independent implementation is known to; of the ends it has orbits beside them.
+KNOWN, BESIDE = 1e-8, 1e-6
+STUDIES = ("overlap", "no_overlap")
+# The torso of the walker that can be built is balanced: its pitch is neutral.
+PINS = {"overlap": ["across", "along"], "no_overlap": ["across", "along", "pitch"]}
 
 
-def study(span: str) -> tuple[Branch, ...]:
-    """The straight gait on both sides of the printed one."""
-    return figure_run("walker3d_overlap_inclination", f"continue.range={span}", "diagram.follow=[PD]")
+def study(name: str) -> tuple[Branch, ...]:
+    """The straight gait of a walker, both ways from the printed one."""
+    return figure_run(f"walker3d_{name}_inclination", "diagram.follow=none")
 
 
-def points() -> list[SpecialPoint]:
-    return [point for span in RANGES for branch in study(span) for point in branch.special_points]
+def points(name: str) -> list[SpecialPoint]:
+    return list(chain.from_iterable(branch.special_points for branch in study(name)))
 
 
-def reached() -> list[dict]:
-    """Those of the reference that lie on the way: not beyond the folds and ends of the lower side."""
-    upper = [e for e in REFERENCE["overlap"] if e["alpha"] > 0.08]
-    lower = [
-        e for e in REFERENCE["overlap"] if e["what"] in ("HOPF", "dip hind22") and e["half_period"] > 0.8
+def expected() -> list:
+    return [
+        pytest.param(name, entry, id=f"{name} {entry['label']} {entry['alpha']:.6f}")
+        for name in STUDIES
+        for entry in REFERENCE[name]
     ]
-    return upper + lower
 
 
-@pytest.mark.parametrize("expected", reached(), ids=lambda entry: f"{entry['what']} {entry['alpha']:.6f}")
-def test_special_point(expected):
+@pytest.mark.parametrize(("name", "entry"), expected())
+def test_special_point(name, entry):
     found = [
         point
-        for point in points()
-        if point.label == expected["label"]
-        and abs(point.parameters["alpha"] / expected["alpha"] - 1.0) < KNOWN
+        for point in points(name)
+        if point.label == entry["label"] and abs(point.parameters["alpha"] / entry["alpha"] - 1.0) < KNOWN
     ]
-    assert found, [(point.label, point.parameters["alpha"]) for point in points()]
+    assert found, [(point.label, point.parameters["alpha"]) for point in points(name)]
     for point in found:
         assert point.status == "located"
-        assert point.error < KNOWN * expected["alpha"]
-        assert point.period == pytest.approx(expected["half_period"], rel=1e-6)
+        assert point.error < KNOWN * entry["alpha"]
+        assert point.period == pytest.approx(entry["half_period"], rel=1e-6)
 
 
 def test_there_are_enough_of_them():
-    assert [entry["label"] for entry in reached()] == ["LP", "GR", "GR", "NS", "GR"]
+    assert [len(REFERENCE[name]) for name in STUDIES] == [9, 4]
 
 
-def test_all_of_it_is_half_a_stride():
-    for branch in (branch for span in RANGES for branch in study(span)):
+@pytest.mark.parametrize("entry", REFERENCE["overlap_ends"], ids=lambda entry: f"{entry['alpha']:.6f}")
+def test_end(entry):
+    """A toe comes down, or lifts off, without speed: beyond it there is no such gait."""
+    found = [
+        point
+        for point in points("overlap")
+        if (point.label, point.kind) == ("GR", "terminal")
+        and abs(point.parameters["alpha"] / entry["alpha"] - 1.0) < BESIDE
+    ]
+    assert len(found) == 1
+    assert found[0].period == pytest.approx(entry["half_period"], rel=1e-4)
+    assert any(
+        point.kind == "grazing" and point.parameters == found[0].parameters
+        for branch in study("overlap")
+        for point in branch.special_points
+        if point.label == "EP"
+    )
+
+
+def test_both_folds_and_no_other():
+    """The gait of the walker with overlapping feet is one curve between its two ends."""
+    assert sorted(round(p.parameters["alpha"], 6) for p in points("overlap") if p.label == "LP") == [
+        0.064192,
+        0.112333,
+    ]
+    assert not [p for p in points("no_overlap") if p.label == "LP"]
+
+
+def test_the_pitchfork_of_the_walker_that_can_be_built_is_subcritical():
+    (found,) = [p for p in points("no_overlap") if p.label == "BP" and p.parameters["alpha"] < 0.086]
+    assert (found.kind, found.criticality) == ("symmetry-breaking", "subcritical")
+    assert (found.unstable_before, found.unstable_after) == (2, 3)
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_all_of_it_is_half_a_stride(name):
+    for branch in study(name):
         assert branch.info.closure == "mirror"
-        assert branch.info.settings["pins"] == ["across", "along"]
-        assert not any(name.endswith("loads") for name in branch.info.signature)
+        assert branch.info.settings["pins"] == PINS[name]
+        assert not any(event.endswith("loads") for event in branch.info.signature)
         regular = branch.points[~branch.points["special"]]
         assert np.all(np.isfinite(regular["spectrum"][:, 0]))
 

@@ -39,8 +39,8 @@ from contwalk.system.declarations import ParameterValues
 SOLVED = 1e-3
 # Evaluations of the field in a step of each method (of the implicit ones, about).
 STAGES = {"dop853": 12, "verner98": 16, "radau5": 24, "radau9": 40}
-# Linearizations that are kept: a step asks for the same ones several times.
-MOST_KEPT = 12
+# Linearizations that are kept, as far as they fit: a step asks for the same ones several times.
+LEAST_KEPT, MOST_KEPT, MOST_BYTES = 3, 12, 5e7
 # Solutions that are looked at again soon: at a step's ends.
 MOST_VIEWS = 4
 # Residuals so many times above their level are no solution's.
@@ -322,7 +322,12 @@ class HybridOrbit:
 
     def linearize(self, z: np.ndarray) -> Linearization:
         """The equations at z."""
-        return remembered(self._kept, z.tobytes(), MOST_KEPT, lambda: self._linearized(z))
+        return remembered(self._kept, z.tobytes(), self.most_kept, lambda: self._linearized(z))
+
+    @property
+    def most_kept(self) -> int:
+        """How many linearizations are kept."""
+        return int(np.clip(MOST_BYTES / (8.0 * self.size**2), LEAST_KEPT, MOST_KEPT))
 
     def _linearized(self, z: np.ndarray) -> Linearization:
         residual, jacobian = self._equations(z)

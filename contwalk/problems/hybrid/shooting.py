@@ -205,7 +205,7 @@ def meshed(
         paths, chosen, reason = _passed(passages, starts, scalars, fixed, variation, finer, method)
         growth = _growth(passages, paths, variation)
     amplified = max(growth * finer / tolerance, 1.0)
-    steps = [path.times for path in paths]
+    steps = [path.steady for path in paths]
     if alike:
         half = len(steps) // 2
         for i in range(half):

@@ -26,7 +26,7 @@ from contwalk.memory import remembered, unowned
 from contwalk.problems.hybrid import limits, softness
 from contwalk.problems.hybrid.eliminated import SOLVED, Eliminated, Followed, corrected
 from contwalk.problems.hybrid.grouping import Grouping
-from contwalk.problems.hybrid.hybrid_orbit import MOST_KEPT, HybridOrbit
+from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.limits import Limit, Margins
 from contwalk.problems.hybrid.observing import Stretch
 from contwalk.problems.hybrid.switching import discretized
@@ -83,9 +83,14 @@ class SoftOrbit(HybridOrbit):
         found = self._at(z)
         return found.explicit, found.unknowns
 
+    @property
+    def most_kept(self) -> int:
+        """How many of them are kept."""
+        return self.inner.explicit.most_kept
+
     def _at(self, z: np.ndarray) -> Eliminated:
         """What is eliminated, solved for."""
-        return remembered(self._expanded, z.tobytes(), MOST_KEPT, lambda: self._solved(z, SOLVED))
+        return remembered(self._expanded, z.tobytes(), self.most_kept, lambda: self._solved(z, SOLVED))
 
     def _near(self, z: np.ndarray) -> Eliminated:
         """As `_at`, solved for as far as Newton's method for the rest needs it.
@@ -94,7 +99,7 @@ class SoftOrbit(HybridOrbit):
         """
         if z.tobytes() in self._expanded:
             return self._expanded[z.tobytes()]
-        found = remembered(self._approximate, z.tobytes(), MOST_KEPT, lambda: self._solved(z, None))
+        found = remembered(self._approximate, z.tobytes(), self.most_kept, lambda: self._solved(z, None))
         if found.excess <= SOLVED:
             self._expanded[z.tobytes()] = found
         return found

@@ -212,7 +212,7 @@ def meshed(
             variation = smaller
             paths, chosen, reason = finer
     growth = max(growth_of(path.states[:, len(variation) :] / variation) for path in paths)
-    steps = tuple(path.times for path in paths)
+    steps = tuple(path.steady for path in paths)
     if parts > 1:
         steps = repeating(steps, parts)
     return Mesh(steps, chosen, tolerance, variation, magnitudes, growth, reason)
