@@ -21,7 +21,7 @@ import math
 import os
 import platform
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,13 +66,11 @@ def main() -> None:
     given = parser.parse_args()
     print(f"python {platform.python_version()}, numpy {np.__version__}, {os.cpu_count()} cores, CPU seconds")
     chosen = [way for way in ways() if any(part in way.name for part in given.ways)]
-    measured = [[_run(way, tolerance) for tolerance in way.tolerances] for way in chosen]
+    measured = [
+        [prepared(way.prepare, way.error, tolerance) for tolerance in way.tolerances] for way in chosen
+    ]
     for _ in range(given.repeats):
-        for run in (run for runs in measured for run in runs):
-            begin = time.process_time()
-            for _ in range(run.calls):
-                run.call()
-            run.seconds.append((time.process_time() - begin) / run.calls)
+        take_turns(run for runs in measured for run in runs)
     targets = "".join(f"{f'at {target:.0e}':>22}" for target in TARGETS)
     print(f"{'microseconds, and ratio to the first line':44}{targets}{'best reached':>15}")
     base = [seconds_at(measured[0], target) for target in TARGETS]
@@ -85,13 +83,25 @@ def main() -> None:
         print(f"{way.name:44}{cells}{min(run.error for run in runs):>15.0e}")
 
 
-def _run(way: Way, tolerance: float) -> Run:
-    call = way.prepare(tolerance)
-    error = way.error(call())
+def prepared(
+    prepare: Callable[[float], Callable[[], Result]], error_of: Callable[[Result], float], tolerance: float
+) -> Run:
+    """A way at a tolerance: the first result tells the error reached, the second how often to repeat it."""
+    call = prepare(tolerance)
+    error = error_of(call())
     begin = time.process_time()
     call()
     calls = max(1, math.ceil(LEAST_SECONDS / max(time.process_time() - begin, 1e-6)))
     return Run(tolerance, call, error if math.isfinite(error) else math.inf, calls, [])
+
+
+def take_turns(runs: Iterable[Run]) -> None:
+    """Measure each of them once."""
+    for run in runs:
+        begin = time.process_time()
+        for _ in range(run.calls):
+            run.call()
+        run.seconds.append((time.process_time() - begin) / run.calls)
 
 
 def ways() -> list[Way]:
@@ -125,63 +135,115 @@ def _exact(walker: HybridMachine, x: np.ndarray, **which: object) -> Result:
     return StepMap(walker, weights=WEIGHTS, method="verner98", **which)(0.0, x, 1e-14)
 
 
-def _rates(walker: HybridMachine, mode: str) -> tuple[Callable[[float, np.ndarray], np.ndarray], int, int]:
-    """Rates of a mode's states and of deviations from them, by one call of machine code.
-
-    And where the deviations begin in a vector, and how wide their rows are: both are padded.
-    """
-    flow, code = walker.mode(mode), stages.code("dop853")
-    call = Call(flow.field, flow.c, "dop853", None, COLUMNS)
-    call.tangents(np.zeros((len(flow.states), COLUMNS)), [-1] * COLUMNS)
-    address, pointer = int(call.plan[plan.PROBLEM]), ctypes.c_void_p
-    evaluate = code.function("tangent", None, pointer, ctypes.c_double, pointer, pointer)
-
-    def rates(t: float, y: np.ndarray) -> np.ndarray:
-        given, out = np.ascontiguousarray(y), np.zeros(call.length)
-        evaluate(address, t, given.ctypes.data, out.ctypes.data)
-        return out
-
-    return rates, call.start, call.width
-
-
 def _scipy(walker: HybridMachine, x: np.ndarray, tolerance: float) -> Callable[[], Result]:
     """States and deviations by `solve_ivp`."""
-    from scipy.integrate import solve_ivp
+    by_scipy = ByScipy(walker, COLUMNS, WEIGHTS, tolerance)
 
-    prepared = {mode: _rates(walker, mode) for mode, _ in (FIRST, SECOND)}
+    def step() -> Result:
+        t, state, columns = 0.0, x, np.eye(COLUMNS)
+        for mode, name in (FIRST, SECOND):
+            t, state, columns, _ = by_scipy.arc(t, state, columns, mode, [name])
+        matrix, states = np.zeros((7, 7)), walker.mode("three_link").states
+        matrix[np.ix_(states, states)] = columns
+        return t, state, matrix
 
-    def arc(t: float, x: np.ndarray, columns: np.ndarray, mode: str, name: str) -> Result:
-        flow, (rates, first, width) = walker.mode(mode), prepared[mode]
-        n, began = len(flow.states), t
-        guard = flow.guards[[transition.name for transition in flow.transitions].index(name)]
+    return step
+
+
+class ByScipy:
+    """Arcs of a machine with deviations by `solve_ivp`, the machine code of field and guards being the same.
+
+    Parameters
+    ----------
+    machine : HybridMachine
+    columns : int
+        How many deviations are carried along, which may be none.
+    weights : ndarray, shape (n,)
+        Typical magnitudes of the states, of full length.
+    tolerance : float
+        Relative; of the states in units of their weights absolute, too.
+    controlled : bool
+        Whether the errors of deviations count as those of states do; otherwise they do not count.
+    longest : float
+        Time after which an arc is given up.
+    """
+
+    def __init__(
+        self,
+        machine: HybridMachine,
+        columns: int,
+        weights: np.ndarray,
+        tolerance: float,
+        controlled: bool = True,
+        longest: float = 5.0,
+    ) -> None:
+        self.machine, self.columns, self.weights = machine, columns, weights
+        self.tolerance, self.longest = tolerance, longest
+        self.of_deviations = tolerance if controlled else math.inf
+        self._rates: dict[str, tuple[Callable[[float, np.ndarray], np.ndarray], int, int]] = {}
+
+    def arc(
+        self, t: float, x: np.ndarray, columns: np.ndarray, mode: str, names: Collection[str]
+    ) -> tuple[float, np.ndarray, np.ndarray, str]:
+        """Time, full-length state and deviations right after the first of the named events, and its name."""
+        from scipy.integrate import solve_ivp
+
+        flow, n = self.machine.mode(mode), len(self.machine.mode(mode).states)
+        rates, first, width = self._rates_in(mode)
+        awaited = [transition for transition in flow.transitions if transition.name in names]
+        start, atol = np.zeros(first + n * width), np.full(first + n * width, self.of_deviations)
+        start[:n], atol[:n] = x[flow.states], self.tolerance * self.weights[flow.states]
+        if self.columns:
+            start[first:].reshape(n, width)[:, : self.columns] = columns
+        found = solve_ivp(
+            rates,
+            (t, t + self.longest),
+            start,
+            method="DOP853",
+            events=[self._event(mode, transition.name, t) for transition in awaited],
+            rtol=self.tolerance,
+            atol=atol,
+        )
+        which = next(i for i, times in enumerate(found.t_events) if len(times))
+        t, y, happening = float(found.t_events[which][0]), found.y_events[which][0], awaited[which]
+        before = self.machine.full(mode, y[:n])
+        if self.columns:
+            through = saltation(self.machine, happening, t, before)[0]
+            columns = through @ y[first:].reshape(n, width)[:, : self.columns]
+        return t, applied(self.machine, happening, t, before), columns, happening.name
+
+    def _event(self, mode: str, name: str, began: float) -> Callable[[float, np.ndarray], float]:
+        flow = self.machine.mode(mode)
+        guard, n = flow.guards[[each.name for each in flow.transitions].index(name)], len(flow.states)
 
         def event(t: float, y: np.ndarray) -> float:
             # Right after a transition the guard may be zero; it counts when it has been left.
             return 1.0 if t == began else guard(t, y[:n], flow.p)[0]
 
         event.terminal, event.direction = True, guard.direction
-        start, atol = np.zeros(first + n * width), np.full(first + n * width, tolerance)
-        start[:n], atol[:n] = x[flow.states], tolerance * WEIGHTS[flow.states]
-        start[first:].reshape(n, width)[:, :COLUMNS] = columns
-        found = solve_ivp(
-            rates, (t, t + 5.0), start, method="DOP853", events=event, rtol=tolerance, atol=atol
-        )
-        t, y = float(found.t_events[0][0]), found.y_events[0][0]
-        before = walker.full(mode, y[:n])
-        columns = (
-            saltation(walker, walker.transition(name), t, before)[0]
-            @ y[first:].reshape(n, width)[:, :COLUMNS]
-        )
-        return t, applied(walker, walker.transition(name), t, before), columns
+        return event
 
-    def step() -> Result:
-        t, state, columns = arc(0.0, x, np.eye(COLUMNS), *FIRST)
-        t, state, columns = arc(t, state, columns, *SECOND)
-        matrix, states = np.zeros((7, 7)), walker.mode("three_link").states
-        matrix[np.ix_(states, states)] = columns
-        return t, state, matrix
+    def _rates_in(self, mode: str) -> tuple[Callable[[float, np.ndarray], np.ndarray], int, int]:
+        """Rates of a mode's states and of deviations from them, by one call of machine code.
 
-    return step
+        And where the deviations begin in a vector, and how wide their rows are: both are padded.
+        """
+        if mode not in self._rates:
+            flow, code = self.machine.mode(mode), stages.code("dop853")
+            call = Call(flow.field, flow.c, "dop853", None, self.columns)
+            if self.columns:
+                call.tangents(np.zeros((len(flow.states), self.columns)), [-1] * self.columns)
+            address, pointer = int(call.plan[plan.PROBLEM]), ctypes.c_void_p
+            name = "tangent" if self.columns else "plain"
+            evaluate = code.function(name, None, pointer, ctypes.c_double, pointer, pointer)
+
+            def rates(t: float, y: np.ndarray) -> np.ndarray:
+                given, out = np.ascontiguousarray(y), np.zeros(call.length)
+                evaluate(address, t, given.ctypes.data, out.ctypes.data)
+                return out
+
+            self._rates[mode] = rates, call.start, call.width
+        return self._rates[mode]
 
 
 if __name__ == "__main__":

@@ -31,7 +31,13 @@ WITH_AXES = ("bifurcation_diagram", "stability_map", "phase_portrait")
 @click.command("plot")
 @click.argument("db")
 @click.option("-x", "x", metavar="P", help="What stands on the horizontal axis.")
-@click.option("-y", "y", metavar="OBS", help="What stands on the vertical axis.")
+@click.option(
+    "-y",
+    "several",
+    metavar="OBS",
+    multiple=True,
+    help="What stands on the vertical axis; of a time series, any number of them.",
+)
 @click.option("-z", "z", metavar="STATE", help="The third axis of a phase portrait.")
 @click.option("-o", "output", metavar="FIG", required=True, help="The file to write: PNG, SVG or PDF.")
 @click.option("--kind", type=click.Choice(KINDS), default=KINDS[0], show_default=True, help="The figure.")
@@ -46,7 +52,7 @@ WITH_AXES = ("bifurcation_diagram", "stability_map", "phase_portrait")
 def command(
     db: str,
     x: str | None,
-    y: str | None,
+    several: tuple[str, ...],
     z: str | None,
     output: str,
     kind: str,
@@ -55,14 +61,17 @@ def command(
 ) -> None:
     """Draw a figure of the database DB into the file FIG.
 
-    The axes take any parameter, state or observable; those of a phase portrait take states. For a stability
-    map, -x is the free parameter and -y the swept one.
+    The axes take any parameter, state or observable; those of motions take states and signals. For a
+    stability map, -x is the free parameter and -y the swept one.
     """
     from contwalk.cli.point_page import stored_point
     from contwalk.cli.stored_system import system_of
     from contwalk.storage import open_database
     from contwalk.workflow.figures import draw_figure
 
+    if len(several) > 1 and kind != "time_series":
+        raise ContwalkError(f"The figure {kind} has one vertical axis.", "Give -y once.")
+    y = several[0] if several else None
     _check_options(kind, x, y, z, points)
     with open_database(db) as database:
         branches = [database.branch(name) for name in dict.fromkeys(names)] or database.branches()
@@ -79,6 +88,8 @@ def command(
         if kind == "stability_map":
             y = y or _swept(branches)
         options: dict[str, Any] = {axis: name for axis, name in (("x", x), ("y", y), ("z", z)) if name}
+        if len(several) > 1:
+            options["y"] = several
         options["points"] = [(branch, stored_point(branch, point)) for branch, point in pointed]
         draw_figure(kind, branches, system, Path(output), options)
     click.echo(f"Wrote {output}.")

@@ -75,8 +75,10 @@ def correct(
 
 
 def _clean(z: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """z without its dust."""
-    return np.where(np.abs(z) < DUST * weights, 0.0, z)
+    """z without its dust; a parameter may be that small."""
+    clean = np.where(np.abs(z) < DUST * weights, 0.0, z)
+    clean[-1] = z[-1]
+    return clean
 
 
 def _without_dust(problem: Problem, found: Correction, weights: np.ndarray) -> Correction:

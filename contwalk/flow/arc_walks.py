@@ -17,7 +17,6 @@ from contwalk.flow.hybrid_machine import HybridMachine, ModeFlow
 from contwalk.flow.walk import METHOD, Walk
 
 ROOM = 100
-MOST_BITS = 62  # as in `hybrid_kernel`
 _STATUS = {told.NOT_FINITE: "not_finite", told.STEP_TOO_SMALL: "step_too_small"}
 
 
@@ -98,7 +97,7 @@ class ByWalk:
         events = []
         for step in np.flatnonzero(marks).tolist():
             mark = int(marks[step])
-            numbers = [i for i in range(len(flow.guards)) if mark >> min(i, MOST_BITS) & 1]
+            numbers = [i for i in range(len(flow.guards)) if mark >> min(i, told.MOST_BITS) & 1]
             numbers = [i for i in numbers if not flow.acting(i)]
             guards = [flow.guards[i] for i in numbers]
             begins = {k: leaving[i] for k, i in enumerate(numbers) if i in leaving} if step == 0 else {}

@@ -174,7 +174,7 @@ def _stands(
             begins = f"after transition '{last}'" if last else "at the start"
             reason = f"The {what} of mode '{flow.name}' is not finite {begins}, t = {t:.10g}."
             return [], Verdict("not_finite", reason)
-    own, given = () if last is None else (last,), (noise[flow.states], weights[flow.states])
+    own, given = flow.left_at_zero(last), (noise[flow.states], weights[flow.states])
     standing = departures(flow, t, y, *given, own)
     for transition, guard in zip(flow.transitions, standing, strict=True):
         if guard.kind == UNDEFINED and transition.role != "watched":

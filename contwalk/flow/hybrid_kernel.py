@@ -50,17 +50,19 @@ from contwalk.flow.hybrid_plan import (
     GUARDS,
     HAPPENED,
     JUMP,
-    LAST,
     LEADS,
+    LEAVES,
     MARKS,
     MODE,
     MODE_LENGTH,
     MODES,
+    MOST_BITS,
     MOVING,
     NOISE,
     NOT_FINITE,
     OF_GUARD,
     OUTPUTS,
+    OWN,
     OWN_STEPS,
     RATE,
     RATE_AT_END,
@@ -92,7 +94,6 @@ from contwalk.flow.stages import FIRST, NEXT, Y
 COINCIDE = 8.0
 ROUNDINGS, AFTER_RESET = 8.0, 1e3  # as in `departure`
 MOST_SHORTENED = 30  # times in a row, where a guard is not resolved
-MOST_BITS = 62  # further guards share the last one
 _EVENT = 100  # and more: the guard's number is added
 
 
@@ -115,8 +116,11 @@ def _stands(m: Any, guard: int, own: bool, t: float) -> bool:
 
 
 @inlined
-def _begin(m: Any, last: int, t: float) -> int:
-    """The first stage of an arc, and its guards; `ARRIVED`, or why it cannot begin."""
+def _begin(m: Any, own: int, t: float) -> int:
+    """The first stage of an arc, and its guards; `ARRIVED`, or why it cannot begin.
+
+    `own` has a bit for each guard that what has just happened leaves at zero.
+    """
     p = integers(m[MOVING], plan.PLAN_LENGTH)
     first_stage(p, t, Y)
     if not (finite(doubles(place(p, Y), m[SIZE])) and finite(doubles(place(p, FIRST), m[SIZE]))):
@@ -130,7 +134,7 @@ def _begin(m: Any, last: int, t: float) -> int:
             at = doubles(standing(m, guard), OF_GUARD)
             at[VALUE], at[RATE], _ = measured(m, guard, t, place(p, Y), place(p, FIRST))
             at[BEGINS], at[FASTEST] = 0.0, 0.0
-        elif not _stands(m, guard, leads[guard] == last, t):
+        elif not _stands(m, guard, guard < MOST_BITS and (own >> guard) & 1 == 1, t):
             return UNSURE
     return ARRIVED
 
@@ -194,7 +198,7 @@ def _arc(w: Any, m: Any, t1: float, tolerance: float, order: float, stable: floa
     happened, marks = integers(w[HAPPENED], WORD), integers(w[MARKS], w[ROOM])
     t, steps, shortened = clock[0], 0, 0
     if happened[GOES_ON] == 0:
-        status = _begin(m, happened[LAST], t)
+        status = _begin(m, happened[OWN], t)
         if status != ARRIVED:
             return status
     happened[GOES_ON], happened[OWN_STEPS], times[0] = 0, 0, t
@@ -314,7 +318,7 @@ def _through(w: Any, number: int) -> int:
     if w[COLUMNS] > 0:
         _derivatives(w, m, to, j, n)
     copy(j[GIVEN], place(moving, Y), rows)
-    happened[MODE], happened[LAST] = j[TARGET], number
+    happened[MODE], happened[OWN] = j[TARGET], j[LEAVES]
     return ARRIVED
 
 

@@ -13,7 +13,7 @@ WALK_LENGTH = 12
 # What happens, as integers: the mode's number; the transition that has just happened, and one that happens
 # before all else, -1 if none; whether an arc goes on for which there was no room; how many events there were;
 # steps, and those of the last arc; from `WORD` on the transitions' numbers.
-MODE, LAST, FIRST_OF_ALL, GOES_ON, COUNT, STEPS, OWN_STEPS, WORD = range(8)
+MODE, OWN, FIRST_OF_ALL, GOES_ON, COUNT, STEPS, OWN_STEPS, WORD = range(8)
 
 # A mode: two plans of explicit methods, one that moves, with derivatives if these are wanted, and one to try;
 # number of states.
@@ -31,9 +31,9 @@ MODE_LENGTH = 21
 
 # A transition: its map with the Jacobian, constants, rows and columns of the entries; scratch for what it
 # takes and gives; number of states it leads to; number of the mode, -1 if it is none of the walk's; scratch
-# for speeds before and after, for derivatives.
-JUMP, CONSTANTS, ROWS, ENTRIES, TAKEN, GIVEN, OUTPUTS, TARGET, SPEEDS, SLOPES = range(10)
-TRANSITION_LENGTH = 10
+# for speeds before and after, for derivatives; a bit for each guard of that mode that is zero right after it.
+JUMP, CONSTANTS, ROWS, ENTRIES, TAKEN, GIVEN, OUTPUTS, TARGET, SPEEDS, SLOPES, LEAVES = range(11)
+TRANSITION_LENGTH = 11
 
 PARTS = 8  # of a step that is sampled: a guard has at most one extremum in each
 
@@ -45,3 +45,5 @@ OF_GUARD = 6
 # How it ended. `UNSURE`: there is something that only the careful way can tell, such as transitions at once.
 # `AWAY`: at a transition to a mode that the walk does not know, before its reset.
 ARRIVED, NOT_FINITE, STEP_TOO_SMALL, FULL, UNSURE, TIME_UP, AWAY = range(7)
+
+MOST_BITS = 62  # of guards that are marked by a bit each; further ones share the last

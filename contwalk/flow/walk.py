@@ -13,7 +13,7 @@ from contwalk.flow.compiled import Entry
 from contwalk.flow.explicit import Call
 from contwalk.flow.guard import EPSILON
 from contwalk.flow.guard_code import OUTPUTS
-from contwalk.flow.hybrid_machine import HybridMachine
+from contwalk.flow.hybrid_machine import HybridMachine, ModeFlow
 from contwalk.flow.tableaus.dop853 import DOP853
 from contwalk.system import Transition
 
@@ -151,7 +151,7 @@ class Walk:
         if self._marks:
             nodes = self.nodes[name] = np.zeros((len(self.times), moving.length))
             moving.give(plan.NODES, nodes)
-        numbers = [i for i in range(len(flow.guards)) if self._marks or flow.acting(i)]
+        numbers = self._numbers(flow)
         guards = [flow.guards[i] for i in numbers]
         leads = [self._number(flow.transitions[i]) for i in numbers]
         sloping = [g.slopes_address if at >= 0 else 0 for g, at in zip(guards, leads, strict=True)]
@@ -206,6 +206,7 @@ class Walk:
             told.TARGET: self.modes.index(transition.target),
             told.SPEEDS: self._keep(speeds),
             told.SLOPES: self._keep(np.zeros((outputs + 1) * (n + 1))),
+            told.LEAVES: self._own(transition.name, transition.target),
         })  # fmt: skip
 
     def begin(
@@ -228,13 +229,18 @@ class Walk:
         place.noise[1:] = EPSILON * np.abs(place.state) if noise is None else noise[place.states]
         self.happened[:] = 0
         self.happened[told.MODE] = self.modes.index(mode)
-        self.happened[told.LAST] = -1 if last is None else self._own(last, mode)
+        self.happened[told.OWN] = 0 if last is None else self._own(last, mode)
         self.happened[told.FIRST_OF_ALL] = -1 if first is None else self.transitions.index(first)
 
+    def _numbers(self, flow: ModeFlow) -> list[int]:
+        """Which of a mode's guards the walk looks at."""
+        return [i for i in range(len(flow.guards)) if self._marks or flow.acting(i)]
+
     def _own(self, last: str, mode: str) -> int:
-        """Number of the transition out of a mode that has the name of the one that led into it, or -1."""
-        same = [i for i, t in enumerate(self.transitions) if t.name == last and t.source == mode]
-        return same[0] if same else -1
+        """A bit for each guard of a mode that one named `last`, which has led into it, leaves at zero."""
+        flow, own = self.machine.mode(mode), self.machine.system.left_at_zero(last, mode)
+        names = [flow.transitions[i].name for i in self._numbers(flow)]
+        return sum(1 << k for k, name in enumerate(names[: told.MOST_BITS]) if name in own)
 
     def velocity(self, transition: Transition) -> np.ndarray:
         """The field right after a transition that has happened last."""

@@ -10,9 +10,10 @@ from matplotlib.figure import Figure
 
 from contwalk.errors import ContwalkError
 from contwalk.plotting.quantities import written
-from contwalk.plotting.style import INK, PALETTE, dress, new_axes, new_panels
+from contwalk.plotting.style import GREY, INK, PALETTE, dress, new_axes, new_panels
 
 MOST_LINES = 40  # events of one kind beyond it are ticks at the lower edge: lines would cover the curves
+MOST_KINDS = 8  # kinds of events beyond it share one look: a legend of all would be taller than the axes
 MOST_NAMED = 3  # quantities whose names fit beside an axis
 EVENT_COLORS = PALETTE[::-1]  # from the other end, so that few curves and few events share no colour
 
@@ -134,6 +135,14 @@ def _common_label(names: Sequence[str], units: Mapping[str, str] | None) -> str:
 
 
 def _mark(ax: Axes, events: Mapping[str, Sequence[float]]) -> None:
+    if len(events) > MOST_KINDS:
+        every = sorted(t for at in events.values() for t in at)
+        for position, t in enumerate(every):
+            label = None if position else f"events ({len(every)})"
+            ax.axvline(
+                t, color=GREY, linewidth=0.5, linestyle=(0, (1.0, 1.5)), label=label, gid="events", zorder=1.5
+            )
+        return
     for number, (name, at) in enumerate(events.items()):
         color = EVENT_COLORS[number % len(EVENT_COLORS)]
         label = f"{name} ({len(at)})"

@@ -569,6 +569,22 @@ class System:
         watched = [transition.name for transition in self.transitions if transition.role == "watched"]
         return tuple(dict.fromkeys([*watched, *(condition.name for condition in self.conditions)]))
 
+    def left_at_zero(self, last: str, mode: str) -> frozenset[str]:
+        """Transitions out of a mode whose guards are zero right after one named `last` has led into it.
+
+        It is one of them where there is one of its name; so is its reverse, which has the same guard.
+        """
+        guards = self._entering.get((last, mode), ())
+        return frozenset({last} | {t.name for t in self.leaving(mode) if t.guard in guards})
+
+    @cached_property
+    def _entering(self) -> dict[tuple[str, str], set[Callable[..., float]]]:
+        """Guards of the transitions of a name into a mode."""
+        found: dict[tuple[str, str], set[Callable[..., float]]] = {}
+        for transition in self.transitions:
+            found.setdefault((transition.name, transition.target), set()).add(transition.guard)
+        return found
+
     @property
     def signal_names(self) -> tuple[str, ...]:
         """Names of the signals."""

@@ -35,7 +35,7 @@ def values_along(
         with np.errstate(divide="ignore", invalid="ignore"):
             found = called(
                 f"signal '{name}'",
-                lambda function, *given: np.asarray(function(*given), dtype=float),
+                lambda function, given: np.asarray(function(*given), dtype=float),
                 signal.function,
                 (times, states, p),
             )

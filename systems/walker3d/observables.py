@@ -24,6 +24,8 @@ from .states import KNEE, LEGS, Q1, Q2, Q3, TOES, anchor
 
 # A toe bears this share of the weight at least, or hardly holds: at lift-off (2) is infinite, for an instant.
 BEARS = 0.1
+# One that bears less than this share is not shown.
+HARDLY = 1e-3
 SAME_TIME = 1e-12
 
 
@@ -136,10 +138,14 @@ def _height(t: Any, x: Any, p: Any, leg: int, toe: int, model: Model) -> Any:
     return toe_place(x.T, p, leg, toe, model)[1]
 
 
-def _ratio(t: Any, x: Any, p: Any, leg: int, toe: int, model: Model, axis: int) -> Any:
-    """A force along the slope over the normal force, while the toe is on the ground."""
+def _friction_needed(t: Any, x: Any, p: Any, leg: int, toe: int, model: Model, axis: int) -> Any:
+    """A part of the force along the slope over the normal one; beyond one, its logarithm is added to one."""
     force = force_of_ground(x, p, leg, toe, model)
-    return np.where(on_ground(x, leg, toe), force[axis] / force[1], np.nan)
+    bears = on_ground(x, leg, toe) & (force[1] > HARDLY * total_mass(p, model) * p.g)
+    normal = np.where(bears, force[1], 1.0)
+    size = np.hypot(force[0], force[2]) / normal
+    shown = np.where(size > 1.0, (1.0 + np.log10(np.where(size > 1.0, size, 1.0))) / size, 1.0)
+    return np.where(bears, shown * force[axis] / normal, np.nan)
 
 
 def make_signals(model: Model) -> tuple[Signal, ...]:
@@ -151,17 +157,14 @@ def make_signals(model: Model) -> tuple[Signal, ...]:
             name = f"{leg}{toe}"
             found += [
                 Signal(f"height{name}", _of(_height, **of), "m", f"height of toe {name}"),
-                Signal(
-                    f"push_side{name}",
-                    _of(_ratio, **of, axis=0),
-                    "1",
-                    f"force on toe {name} to the side, over the normal force",
-                ),
-                Signal(
-                    f"push_down{name}",
-                    _of(_ratio, **of, axis=2),
-                    "1",
-                    f"force on toe {name} downhill, over the normal force",
+                *(
+                    Signal(
+                        f"friction_{way}{name}",
+                        _of(_friction_needed, **of, axis=axis),
+                        "1",
+                        f"friction that toe {name} needs, {words}; beyond one on a logarithmic scale",
+                    )
+                    for way, axis, words in (("side", 0, "to the side"), ("down", 2, "downhill"))
                 ),
             ]
     return tuple(found)

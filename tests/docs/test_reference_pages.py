@@ -73,7 +73,17 @@ def _argument(field: dataclasses.Field) -> str:
 
 def test_every_declaration_is_explained():
     page = read("docs/reference/plugin.md")
-    for name in ("State", "Parameter", "Mode", "Transition", "Symmetry", "Neutral", "Observable", "Start"):
+    for name in (
+        "State",
+        "Parameter",
+        "Mode",
+        "Transition",
+        "Symmetry",
+        "Neutral",
+        "Observable",
+        "Signal",
+        "Start",
+    ):
         declaration = getattr(contract, name)
         arguments = ", ".join(_argument(field) for field in dataclasses.fields(declaration))
         assert f"### `{name}({arguments})`" in page

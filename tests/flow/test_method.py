@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from small_flows import field_of
 
-from contwalk.flow import Field, adaptive
+from contwalk.flow import Field, adaptive, along
 from contwalk.flow.method import Carried, Choice, choose, explicit_work, implicit_work
 
 
@@ -85,13 +87,28 @@ def test_tangents_count() -> None:
 
 
 def test_steps_to_be_taken_again_are_not_at_the_limit_of_stability() -> None:
-    """At mu = 20 the explicit pair is cheaper, but on its steps a neighbouring motion may grow."""
+    """At mu = 20 the explicit pair is cheaper, but on its own steps a neighbouring motion grows."""
     field = field_of(lambda t, x, p: [x[1], p[0] * (1.0 - x[0] ** 2) * x[1] - x[0]], 2, 1)
-    arguments = (field, field.constants([20.0]), 0.0, [2.0, 0.0], 40.0, 1e-6, [2.0, 30.0])
-    assert choose(*arguments).method == "dop853"
-    choice = choose(*arguments, carried=Carried(field, 2))
-    assert choice.method == "radau9"
+    c, weights = field.constants([20.0]), [2.0, 30.0]
+    choice = choose(field, c, 0.0, [2.0, 0.0], 40.0, 1e-6, weights, carried=Carried(field, 2))
+    assert choice.method == "dop853"
     assert "limited by stability" in choice.reason
+    own, steady = choice.path.times, choice.path.steady
+    assert len(steady) - 1 == math.ceil(1.25 * (len(own) - 1))
+    assert (steady[0], steady[-1]) == (own[0], own[-1])
+    beside = np.array([2.002, 0.0])
+    exact = adaptive(field, c, 0.0, beside, 40.0, 1e-12, weights, "radau9").states[-1]
+    on_own, on_steady = (along(field, c, times, beside, "dop853")[-1] for times in (own, steady))
+    assert np.abs(on_steady - exact).max() < 0.1 * np.abs(on_own - exact).max()
+    farther = np.array([2.01, 0.0])
+    assert not np.isfinite(along(field, c, own, farther, "dop853")[-1]).all()
+    assert np.isfinite(along(field, c, steady, farther, "dop853")[-1]).all()
+
+
+def test_steps_that_accuracy_limits_are_as_they_are() -> None:
+    field = field_of(lambda t, x, p: [x[1], -x[0]], 2, 1)
+    path = adaptive(field, field.constants([0.0]), 0.0, [1.0, 0.0], 10.0, 1e-9, [1.0, 1.0], "dop853")
+    assert path.steady is path.times
 
 
 def test_the_choice_is_the_same_every_time() -> None:

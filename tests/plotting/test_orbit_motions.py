@@ -70,7 +70,8 @@ def test_a_period_is_as_many_closures_as_it_takes():
 
 
 def test_gaps_at_events_of_a_series():
-    times, values = motion_along(SYSTEM, hybrid()).columns([1])
+    motion = motion_along(SYSTEM, hybrid())
+    times, values = motion.broken(motion.states[:, [1]])
     np.testing.assert_array_equal(times, [10.0, 11.0, 11.0, 11.0, 12.0, 13.0])
     np.testing.assert_array_equal(values[:, 0], [0.0, 1.0, np.nan, 5.0, 6.0, 7.0])
 

@@ -10,6 +10,7 @@ from contwalk_systems.walker3d.observables import strides, way
 from matplotlib.figure import Figure
 from walker3d_motion import ENDS, GAITS, gait, mode_named, random_state, values, walker
 
+from contwalk.flow.hybrid import arcs, hybrid_machine
 from contwalk.workflow.check_traced import Traced, number_form, vector_form
 
 STANDING = mode_named(walker(), "21 22", "2", "1")
@@ -237,3 +238,22 @@ def test_a_single_instant_is_drawn_in_three_views():
     assert words == {"from its right", "from the front", "from above"}
     labels = [line.get_label() for line in axes.lines if not line.get_label().startswith("_")]
     assert labels == ["leg 1, on the left", "leg 2, on the right"]
+
+
+@pytest.mark.parametrize(
+    ("preset", "mode"),
+    [("overlap", "swing1_toe21_toe22_knee2"), ("no_overlap", "swing1_toe21_toe22up_knee2")],
+)
+def test_a_damper_that_switches_does_not_switch_back_at_once(preset, mode):
+    """Both transitions of a damper have one guard, which rounding leaves beside zero after either."""
+    known, random = GAITS[preset], np.random.default_rng(1)
+    x, machine = np.array(known["x"]), hybrid_machine(walker(), values(walker(), preset, alpha=0.08))
+    for tolerance in (1e-8, 1e-9):
+        for _ in range(8):
+            start = x * (1.0 + 3e-6 * random.standard_normal(len(x)))
+            weights = np.maximum(np.abs(x), 0.05)
+            ends = [
+                arc.times[-1]
+                for arc in arcs(machine, 0.0, start, mode, 0.45 * known["T"], tolerance, weights)
+            ]
+            assert np.diff(ends).min() > 1e-6

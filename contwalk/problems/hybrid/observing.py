@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 # A section's instant is bracketed by interpolation so nearly, in parts of its leg, and then stepped to.
 NEARLY, MOST_SECANTS = 1e-6, 4
+# Multipliers this small are zero but for errors.
+NOTHING = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,9 +129,10 @@ def values(problem: HybridOrbit, z: np.ndarray, found: Multipliers, margins: lim
 def split(multipliers: np.ndarray) -> float:
     """Signed square of the smallest difference of two multipliers: negative of a complex pair.
 
-    It is smooth where two real multipliers meet and become a pair, and passes zero there.
+    It is smooth where two real multipliers meet and become a pair, and passes zero there. Those that are zero
+    but for errors, of what a motion forgets, are left out.
     """
-    best, finite = np.nan, multipliers[np.isfinite(multipliers)]
+    best, finite = np.nan, multipliers[np.isfinite(multipliers) & (np.abs(multipliers) > NOTHING)]
     for k, a in enumerate(finite):
         for b in finite[k + 1 :]:
             square = (a - b) ** 2

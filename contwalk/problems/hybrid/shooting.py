@@ -136,8 +136,9 @@ class Piece:
         """A map of the leg's end with its derivatives by the start and the columns."""
         c, k = map_.constants(values), len(self.passage.columns)
         value, derivative = map_.linearized(1.0, x, c)
-        total = derivative[:, : len(x)] @ moved
-        total[:, -k:] += derivative[:, len(x) :]
+        with np.errstate(over="ignore", invalid="ignore"):  # whoever asks looks whether it is finite
+            total = derivative[:, : len(x)] @ moved
+            total[:, -k:] += derivative[:, len(x) :]
         return value, total
 
     def nodes(self, x: np.ndarray, scalars: np.ndarray) -> np.ndarray:

@@ -1,0 +1,150 @@
+"""What becomes of a small deviation along a hybrid orbit, at the same time as the orbit itself.
+
+At an event the neighbour is late by d = -g_x v / g_t, where g is the guard at the end of the leg. A moment
+after, it differs by R_x v + (R_t - f) d: what the transition R makes of it, less what the orbit has moved on
+meanwhile.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+
+from contwalk import flow
+from contwalk.errors import ContwalkError
+from contwalk.problems.hybrid.hybrid_orbit import NO_RATE, HybridOrbit
+from contwalk.problems.hybrid.soft_orbit import SoftOrbit
+from contwalk.problems.orbit.modes import NOTHING, Mode, chosen_multiplier, eigenvector, linear_part
+from contwalk.problems.orbit.motion import TANGENT
+
+
+class HybridDeviations:
+    """Deviations from a hybrid orbit.
+
+    Parameters
+    ----------
+    problem : HybridOrbit
+    z : ndarray
+        A solution.
+    """
+
+    def __init__(self, problem: HybridOrbit, z: np.ndarray) -> None:
+        self.problem, self.z = problem.explicit(z) if isinstance(problem, SoftOrbit) else (problem, z)
+        self.legs = self.problem.layout.legs
+        self.timed = self.problem.forced and self.problem.word.eventful
+
+    @property
+    def rounds(self) -> int:
+        """Closures of the motion that `stretches` are of."""
+        return self.problem.rounds
+
+    @cached_property
+    def _jacobian(self) -> np.ndarray:
+        return self.problem.linearize(self.z).jacobian
+
+    def _velocity(self, i: int) -> np.ndarray:
+        """dx/dt at the start of leg i."""
+        return self.problem.flow_direction(self.z, i)[: self.problem.layout.sizes[i]]
+
+    def mode(self, number: int) -> Mode:
+        """A mode by the number of its multiplier, from 1 on; along pinned directions it starts at zero.
+
+        It starts at the event that leads into the first leg, unless it is forgotten within a closure.
+
+        Raises
+        ------
+        ContwalkError
+            If there is no multiplier of this number, or it is infinite.
+        """
+        problem, z = self.problem, self.z
+        multiplier = chosen_multiplier(problem.multipliers(z, self._jacobian).values, number)
+        own, size = problem.extended(0), problem.layout.sizes[0]
+        product = np.eye(len(own))
+        for factor in problem.factors(self._jacobian):
+            product = factor @ product
+        pinned = problem.pinned_directions(z, 0)
+        still = problem.forced and not problem.word.eventful
+        directions = ([] if still else [problem.flow_direction(z, 0)]) + pinned
+        v = eigenvector(product, _columns(directions, len(own)), own, number)
+        if problem.word.eventful and abs(multiplier) > NOTHING:
+            v = product @ v / multiplier
+        start = v[:size]
+        if self.timed:
+            start = start - self._velocity(0) * v[size]
+        along = _columns([direction[:size] for direction in pinned], size)
+        if along.shape[1]:
+            start = start - along @ np.linalg.solve(self._held @ along, self._held @ start)
+        flowing = [] if problem.forced else [self._velocity(0)]
+        neutral = np.hstack([_columns(flowing, size), along])
+        return Mode(multiplier, start, neutral, own[:size])
+
+    @cached_property
+    def _held(self) -> np.ndarray:
+        """Across which directions the start is held, shape (k, n)."""
+        problem, x = self.problem, self.problem.first_state(self.z)
+        normals = [problem.held(pin, x, problem.values_of(self.z))[0] for pin in problem.pins]
+        return np.array(normals)[:, list(problem.passages[0].states)]
+
+    def full(self, start: np.ndarray) -> np.ndarray:
+        """A deviation at the start, of all states of the system; those that do not exist there are zero."""
+        passage = self.problem.passages[0]
+        return passage.full(start.real) + 1j * passage.full(start.imag)
+
+    def closure(self, start: np.ndarray, which: int, shares: Sequence[np.ndarray]) -> list[np.ndarray]:
+        """Deviations of all states along each leg of a closure, as seen from the ground, each (k, n).
+
+        Parameters
+        ----------
+        start : ndarray
+        which : int
+            Which closure of those in `rounds`.
+        shares : sequence of ndarray, shape (k,)
+            Instants of each leg, 0 to 1.
+        """
+        found, d = [], start
+        stretches = self.problem.stretches(self.z)[which * self.legs : (which + 1) * self.legs]
+        for i, (stretch, at) in enumerate(zip(stretches, shares, strict=True)):
+            x, scalars = self.problem.layout.inputs(i, self.z)
+            piece, n = self.problem.pieces[i], len(x)
+            field = piece.passage.field(TANGENT)
+            c = field.constants(piece.values(scalars, np.zeros(len(scalars))))
+            nodes = flow.along(field, c, piece.steps, np.concatenate([x, d]), piece.method)
+            states = flow.interpolation(field, c, piece.steps, nodes, piece.method)(at)
+            times = stretch.view.start + stretch.view.duration * at
+            own, moved = piece.passage.full(states[:, :n]), piece.passage.full(states[:, n:])
+            seen, scale = stretch.seen, self.problem.mesh.magnitudes
+            found.append(linear_part(lambda y, t=times, s=seen: s(t, y), own, moved, scale))  # type: ignore[misc]
+            d = self._through(i, d)
+        return found
+
+    def after(self, start: np.ndarray) -> np.ndarray:
+        """The deviation after a closure."""
+        for i in range(self.legs):
+            start = self._through(i, start)
+        return start
+
+    def _through(self, i: int, d: np.ndarray) -> np.ndarray:
+        """The deviation at the start of the leg after leg i, from that at the start of leg i."""
+        problem, layout, jacobian = self.problem, self.problem.layout, self._jacobian
+        rows, place = layout.matches[i], layout.states[i]
+        x = jacobian[rows, place].copy()
+        if self.legs == 1:  # the start is the next one's
+            x += np.eye(len(x))
+        if not problem.word.eventful:
+            return x @ d
+        own, guard = layout.durations.start + i, layout.guards + i
+        rate, scale = jacobian[guard, own], 1.0 if problem.mesh.guards is None else problem.mesh.guards[i]
+        if abs(rate) * problem.mesh.total <= NO_RATE * scale:
+            raise ContwalkError(
+                f"Event '{problem.word.legs[i].name}' is only touched: what becomes of a deviation there "
+                "has no derivative.",
+                "Name a point beside it.",
+            )
+        late = -float(jacobian[guard, place] @ d) / rate
+        return x @ d + (jacobian[rows, own] - self._velocity((i + 1) % self.legs)) * late
+
+
+def _columns(vectors: Sequence[np.ndarray], size: int) -> np.ndarray:
+    return np.array(vectors).reshape(len(vectors), size).T
