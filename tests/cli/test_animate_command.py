@@ -107,6 +107,15 @@ def test_a_smooth_orbit_is_played_as_a_page(contwalk, circle, folder):
     assert text.count("data:image/png;base64") == 6
 
 
+def test_a_mode_is_shown_beside_it(contwalk, wheel, circle, folder):
+    done = contwalk("animate", wheel, "b1/0", "-o", "mode.gif", "--fps", "5", "--mode", "1", "--periods", "2")
+    assert (done.code, done.err) == (0, "")
+    assert "2 periods of 0.7548 s in 1.6 s, beside it mode 1: multiplier 0." in done.out
+    assert frames(folder / "mode.gif") == 8
+    given = ("--fps", "2", "--mode", "1", "--amplitude", "0.5")
+    assert contwalk("animate", circle, "b2/EP1", "-o", "mode.html", *given).code == 0
+
+
 def test_quiet(contwalk, wheel):
     done = contwalk("animate", wheel, "b1/EP1", "-o", "gait.gif", "--fps", "2", "--quiet")
     assert (done.code, done.out, done.err) == (0, "", "")
@@ -135,6 +144,11 @@ def test_a_file_that_exists_is_replaced_only_with_force(contwalk, wheel, folder)
         ("b2/5", ("-o", "a.gif", "--slow", "1000"), "frames, more than 5000. Play fewer periods"),
         ("b2/5", ("-o", "a.gif", "--periods", "0"), "--periods"),
         ("b2/5", ("-o", "a.gif", "--fps", "0"), "--fps"),
+        ("b2/5", ("-o", "a.gif", "--mode", "0"), "--mode"),
+        ("b2/5", ("-o", "a.gif", "--mode", "2"), "There is no mode 2: the orbit has 1 multiplier. Name mode"),
+        ("b2/5", ("-o", "a.gif", "--mode", "1", "--amplitude", "0"), "--amplitude"),
+        ("b2/5", ("-o", "a.gif", "--amplitude", "1"), "--amplitude is that of a mode, and none is named."),
+        ("b1/HB1", ("-o", "a.gif", "--mode", "1"), "Name a point on a branch of periodic orbits."),
         ("b2/5", (), "Missing option '-o'"),
     ],
 )

@@ -73,6 +73,25 @@ def test_a_plugin_that_sets_no_limits_has_the_same_ones_in_all_frames():
     assert limits[3] > 0.99
 
 
+def test_a_second_motion_is_pale_and_behind():
+    """The ground is there once, and the camera follows the first one."""
+    plain = _Film(Playback(HOPPER, TIMES, STATES, {}), (), 1.0, "")
+    film = _Film(
+        Playback(HOPPER, TIMES, STATES, {}), (), 1.0, "", Playback(HOPPER, TIMES, STATES + 0.2, {}), "said"
+    )
+    for one in (plain, film):
+        one.show(0.5)
+    assert len(film.stage.lines) == len(plain.stage.lines) + 1
+    pale, strong = [line for line in film.stage.lines if line.get_gid() == "leg"]
+    assert [line.get_xdata()[0] for line in (pale, strong)] == pytest.approx([0.7, 0.5])
+    assert pale.get_alpha() < 0.5
+    assert strong.get_alpha() is None
+    assert pale.get_zorder() < strong.get_zorder()
+    assert film.stage.get_legend_handles_labels()[1] == ["leg"]
+    assert film.stage.get_xlim() == plain.stage.get_xlim()
+    assert "said" in [text.get_text() for text in film.figure.texts]
+
+
 def test_progress_is_told(tmp_path):
     told = []
     save_animation(

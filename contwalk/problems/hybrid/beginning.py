@@ -392,7 +392,7 @@ def orbit_of(
 ) -> tuple[HybridOrbit, np.ndarray]:
     """The problem of a lap's word, discretised for it, and the lap as its unknowns."""
     values = at_start(parameters, path, at)
-    pins = families.active(hybrid_machine(system, values), lap) if system.neutral else []
+    pins = _neutral(system, values, free, lap, path) if system.neutral else []
     lap = _placed(system, pins, lap, values)
     problem = HybridOrbit(
         system, lap.word, parameters, free, path, pins, lap.stretches[0].state, discretization=discretization
@@ -408,6 +408,35 @@ def orbit_of(
         z[layout.start] = lap.stretches[0].start % period if problem.word.eventful else 0.0
     problem = problem.turning(_turns(system, lap))
     return problem.adapted_to(z, problem.weighted(lap.magnitudes)), z
+
+
+def _neutral(
+    system: System, values: dict[str, float], free: str, lap: Lap, path: Path | None
+) -> list[Neutral]:
+    """The directions that are neutral along a lap, and so along its branch.
+
+    Raises
+    ------
+    StartError
+        If one is neutral where the branch begins, and not beside it.
+    """
+    pins = families.active(hybrid_machine(system, values), lap)
+    others = [dict(end) for end in path] if path else [{**values, free: _beside(values[free])}]
+    for other in others:
+        kept = families.active(hybrid_machine(system, other), lap)
+        lost = [pin.name for pin in pins if pin not in kept]
+        if lost:
+            raise StartError(
+                f"The direction '{lost[0]}' is neutral where the branch begins, and not along '{free}': "
+                "orbits are not isolated there.",
+                "Begin elsewhere, such as at the other end of the path.",
+            )
+    return pins
+
+
+def _beside(value: float) -> float:
+    """A value of a parameter near another one, at which what holds for that one only does not."""
+    return 1.01 * value if value else 0.01
 
 
 def at_start(parameters: Mapping[str, float], path: Path | None, at: float | None) -> dict[str, float]:

@@ -44,9 +44,16 @@ class HybridDeviations:
     def _jacobian(self) -> np.ndarray:
         return self.problem.linearize(self.z).jacobian
 
+    def _drifting(self, i: int) -> np.ndarray:
+        """What drifts along pinned directions add to the velocity at the start of leg i."""
+        size = self.problem.layout.sizes[i]
+        along = _columns([v[:size] for v in self.problem.pinned_directions(self.z, i)], size)
+        return along @ self.z[self.problem.layout.drifts]
+
     def _velocity(self, i: int) -> np.ndarray:
-        """dx/dt at the start of leg i."""
-        return self.problem.flow_direction(self.z, i)[: self.problem.layout.sizes[i]]
+        """dx/dt at the start of leg i, as seen from the ground."""
+        flowing = self.problem.flow_direction(self.z, i)[: self.problem.layout.sizes[i]]
+        return flowing - self._drifting(i)
 
     def mode(self, number: int) -> Mode:
         """A mode by the number of its multiplier, from 1 on; along pinned directions it starts at zero.
@@ -143,7 +150,9 @@ class HybridDeviations:
                 "Name a point beside it.",
             )
         late = -float(jacobian[guard, place] @ d) / rate
-        return x @ d + (jacobian[rows, own] - self._velocity((i + 1) % self.legs)) * late
+        # A mirror may turn a drift round, so that it is left out on both sides.
+        arriving = jacobian[rows, own] - x @ self._drifting(i)
+        return x @ d + (arriving - self._velocity((i + 1) % self.legs)) * late
 
 
 def _columns(vectors: Sequence[np.ndarray], size: int) -> np.ndarray:

@@ -88,8 +88,12 @@ def chosen_multiplier(values: np.ndarray, number: int) -> complex:
         If there is none of this number, or it is not finite.
     """
     if not 1 <= number <= len(values):
-        known = f"They are 1 to {len(values)}." if len(values) else "Choose an orbit of a larger system."
-        raise ContwalkError(f"There is no mode {number}: the orbit has {len(values)} multipliers.", known)
+        count = len(values)
+        if not count:
+            raise ContwalkError("The orbit has no multipliers.", "Name an orbit of a larger system.")
+        many = "1 multiplier" if count == 1 else f"{count} multipliers"
+        remedy = "Name mode 1." if count == 1 else f"Name one of the modes 1 to {count}."
+        raise ContwalkError(f"There is no mode {number}: the orbit has {many}.", remedy)
     value = complex(values[number - 1])
     if not np.isfinite(value):
         raise ContwalkError(

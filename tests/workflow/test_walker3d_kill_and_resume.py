@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
-from autobalancer_figures import RUNS
 from killed_runs import Runs, assert_same, stored
 
 from contwalk.storage import open_database
 
 pytestmark = [pytest.mark.thesis, pytest.mark.slow]
 
+RUNS = Path(__file__).parents[2] / "runs"
 # The stable side: a Neimark-Sacker point, two changes of order, and a foot that touches the ground.
 STUDY = ("continue.range=[0.0655, 0.0801]", "continue.direction=backward", "diagram.follow=none")
 # Reports after which the process ends: within the first branch, right after it, and within the second.

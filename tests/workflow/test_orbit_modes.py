@@ -1,0 +1,90 @@
+"""Orbits displaced by a mode, as they are played."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hybrid_runs import branch_of, machine
+from hybrid_systems import BALL
+from small_systems import small_system
+
+import contwalk as cw
+from contwalk.errors import ContwalkError
+from contwalk.workflow.orbit_modes import displaced_along
+from contwalk.workflow.orbit_motions import motion_along
+from contwalk.workflow.stored_orbits import orbit_at
+
+# Pictures are drawn of orbits that are integrated to 1e-7.
+PICTURED = 1e-5
+
+
+def circle(t, x, p, dx):
+    growth = p.mu - x[0] ** 2 - x[1] ** 2
+    dx[0] = growth * x[0] - x[1]
+    dx[1] = x[0] + growth * x[1]
+
+
+@pytest.fixture(scope="module")
+def circles():
+    """Circles of radius sqrt(mu): a deviation across one decays as exp(-2 mu t)."""
+    system = small_system(circle, ("x", "y"), {"mu": 0.1})
+    problem = cw.PeriodicOrbit(system, system.defaults(), "mu")
+    return system, cw.continue_branch(problem, [0.3, 0.0], range=(0.05, 0.15), period=2.0 * np.pi)
+
+
+def test_a_circle_that_is_displaced_comes_back(circles):
+    system, branch = circles
+    orbit = orbit_at(system, branch, 1)
+    mu, radius = orbit.parameters["mu"], np.sqrt(orbit.parameters["mu"])
+    motion = motion_along(system, orbit, 2)
+    shown = displaced_along(system, branch, 1, orbit, motion.states, 1, 0.3)
+    assert shown.multiplier == pytest.approx(np.exp(-4.0 * np.pi * mu), rel=PICTURED)
+    assert shown.words.startswith("mode 1: multiplier 0.")
+    away = shown.states - motion.states
+    # The largest part of the start is a state's 0.3 of half its range, to the positive side.
+    largest = np.argmax(np.abs(away[0]))
+    assert away[0, largest] == pytest.approx(0.3 * radius, rel=1e-3)
+    outward = np.sum(away * motion.states, axis=1) / radius
+    expected = outward[0] * np.exp(-2.0 * mu * (motion.times - motion.times[0]))
+    np.testing.assert_allclose(outward, expected, atol=PICTURED * radius)
+    along = away - outward[:, None] * motion.states / radius
+    np.testing.assert_allclose(along, 0.0, atol=PICTURED * radius)
+
+
+def test_a_ball_that_bounces_once_in_a_period_of_the_table():
+    """Each flight of the displaced ball is a parabola again, to first order: the orbit's, moved and tilted."""
+    branch = branch_of(
+        BALL_ON_TABLE, "a", (0.05, 0.06), STARTS, {"a": 0.055}, until="settled", max_points=3, direction="up"
+    )
+    orbit = orbit_at(BALL_ON_TABLE, branch, 0)
+    motion = motion_along(BALL_ON_TABLE, orbit, 3)
+    shown = displaced_along(BALL_ON_TABLE, branch, 0, orbit, motion.states, 1, 0.1)
+    away, jumps = shown.states - motion.states, np.flatnonzero(np.diff(motion.times) == 0.0) + 1
+    parts = np.split(np.column_stack([motion.times, away]), jumps)
+    starts = []
+    for part in parts[1:]:
+        t, y, v = part.T
+        np.testing.assert_allclose(v, v[0], atol=1e-6)
+        np.testing.assert_allclose(y - y[0], v[0] * (t - t[0]), atol=1e-6)
+        starts.append(part[0, 1:])
+    # Three flights after one another obey the recurrence of a pair of multipliers, or of two real ones.
+    values = branch.points["spectrum"][0]
+    total, product = values.sum().real, np.prod(values).real
+    np.testing.assert_allclose(
+        starts[2], total * starts[1] - product * starts[0], atol=1e-5 * np.abs(starts).max()
+    )
+
+
+@pytest.mark.parametrize(
+    ("number", "amplitude", "said"),
+    [
+        (2, 0.3, "There is no mode 2: the orbit has 1 multiplier. Name mode 1."),
+        (1, 0.0, "The amplitude 0 shows no displacement. Give a positive number."),
+        (1, float("nan"), "The amplitude nan shows no displacement."),
+    ],
+)
+def test_what_has_no_mode(circles, number, amplitude, said):
+    system, branch = circles
+    orbit = orbit_at(system, branch, 0)
+    with pytest.raises(ContwalkError, match=said):
+        displaced_along(system, branch, 0, orbit, orbit.states, number, amplitude)
