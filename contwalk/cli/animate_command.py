@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
+
+from contwalk.errors import ContwalkError
 
 if TYPE_CHECKING:
     from contwalk.branch import Branch, SpecialPoint
@@ -31,26 +33,55 @@ if TYPE_CHECKING:
     show_default=True,
     help="A second of the motion lasts so many seconds.",
 )
+@click.option(
+    "--mode",
+    type=click.IntRange(1),
+    metavar="N",
+    help="Show beside it the machine displaced by a mode: multiplier number N, 1 for the largest.",
+)
+@click.option(
+    "--amplitude",
+    type=click.FloatRange(0.0, min_open=True),
+    metavar="A",
+    help="The largest displacement at the start, in half the range of each state; 0.3.",
+)
 @click.option("--force", is_flag=True, help="Replace a file that exists.")
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 def command(
-    db: str, point: str, output: str, periods: int, fps: float, slow: float, force: bool, quiet: bool
+    db: str,
+    point: str,
+    output: str,
+    periods: int,
+    fps: float,
+    slow: float,
+    mode: int | None,
+    amplitude: float | None,
+    force: bool,
+    quiet: bool,
 ) -> None:
     """Play the orbit of a stored point of the database DB, as the system draws its machine.
 
     The point is one of a branch of periodic orbits, named as b1/PD1, or by its number along the branch as
     b1/12. Frames are evenly spaced in time; the camera follows a machine that gets somewhere. MP4 needs the
     program ffmpeg.
+
+    With --mode, the machine displaced by one mode of small deviations is drawn pale beside it: how it grows,
+    decays or goes round is what the multiplier tells.
     """
     from contwalk.cli.point_page import stored_point
     from contwalk.cli.stored_system import system_of
     from contwalk.storage import open_database
 
+    if amplitude is not None and mode is None:
+        raise ContwalkError("--amplitude is that of a mode, and none is named.", "Name one: --mode 1.")
     with open_database(db) as database:
         branch = database.branch(point.partition("/")[0])
         where = stored_point(branch, point)
         system = system_of(database.header, Path(db))
-    done = _animate(system, branch, where, Path(output), periods, fps, slow, force, quiet)
+    options: dict[str, Any] = {"periods": periods, "fps": fps, "slow": slow, "mode": mode, "force": force}
+    if amplitude is not None:
+        options["amplitude"] = amplitude
+    done = _animate(system, branch, where, Path(output), options, quiet)
     if not quiet:
         click.echo(f"Wrote {done.path}: {_told(done, periods)}.")
 
@@ -60,38 +91,29 @@ def _animate(
     branch: Branch,
     point: SpecialPoint | int,
     path: Path,
-    periods: int,
-    fps: float,
-    slow: float,
-    force: bool,
+    options: dict[str, Any],
     quiet: bool,
 ) -> Animated:
     """With a live bar where somebody watches a terminal."""
     from contwalk.workflow.animating import animate
 
     if quiet or not (sys.stdout.isatty() and sys.stderr.isatty()):
-        return animate(system, branch, point, path, periods=periods, fps=fps, slow=slow, force=force)
+        return animate(system, branch, point, path, **options)
     from rich.progress import Progress
 
     from contwalk.cli.terminal import console
 
+    def told(done: int, number: int) -> None:
+        bar.update(task, completed=done, total=number)
+
     with Progress(console=console(stderr=True), transient=True) as bar:
         task = bar.add_task("frames", total=None)
-        return animate(
-            system,
-            branch,
-            point,
-            path,
-            periods=periods,
-            fps=fps,
-            slow=slow,
-            force=force,
-            progress=lambda done, number: bar.update(task, completed=done, total=number),
-        )
+        return animate(system, branch, point, path, **options, progress=told)
 
 
 def _told(done: Animated, periods: int) -> str:
     from contwalk.cli.words import plural
 
     shown = f"{plural(periods, 'period')} of {done.motion / periods:.4g} s"
-    return f"{plural(done.frames, 'frame')}, {shown} in {done.seconds:.4g} s"
+    beside = f", beside it {done.mode}" if done.mode else ""
+    return f"{plural(done.frames, 'frame')}, {shown} in {done.seconds:.4g} s{beside}"

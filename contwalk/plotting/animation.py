@@ -14,11 +14,13 @@ from typing import Any
 import matplotlib
 import numpy as np
 from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, HTMLWriter, PillowWriter
+from matplotlib.artist import Artist
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from contwalk.errors import ContwalkError
+from contwalk.plotting.machine import scenery
 from contwalk.plotting.playback import Playback
 from contwalk.plotting.style import GREY, INK, PALETTE
 from contwalk.system import System
@@ -36,6 +38,8 @@ MOST_BYTES = 500  # megabytes of frames in a page of HTML
 EVENTS = (*PALETTE[2:], *PALETTE[:2])  # colours; not the first ones, which a machine may well have
 # How long the name of an event stays, in seconds of the animation.
 LINGER = 0.25
+# How pale a second motion is, and by how many layers the first one is in front of it.
+PALE, IN_FRONT = 0.4, 10
 
 
 def save_animation(
@@ -49,6 +53,8 @@ def save_animation(
     fps: float = 30.0,
     slow: float = 1.0,
     title: str = "",
+    beside: Sequence[Sequence[float]] | np.ndarray | None = None,
+    told: str = "",
     progress: Callable[[int, int], None] | None = None,
 ) -> int:
     """Write a motion of a machine as an animation, by the suffix of `path`: GIF, MP4 (by ffmpeg) or HTML.
@@ -73,6 +79,10 @@ def save_animation(
     slow : float
         A second of the motion lasts so many seconds.
     title : str
+    beside : array of shape (k, n), optional
+        States of a second motion at the same instants: the machine is drawn there as well, pale.
+    told : str
+        What is said below the title.
     progress : callable, optional
         Told the number of frames that are done, and of all.
 
@@ -95,7 +105,8 @@ def save_animation(
     fps = played_fps(suffix, fps)
     number = frames_of(motion.end - motion.begin, fps, slow)
     instants = motion.begin + (motion.end - motion.begin) * np.arange(number) / number
-    film = _Film(motion, events, slow, title)
+    second = None if beside is None else Playback(system, times, beside, parameters)
+    film = _Film(motion, events, slow, title, second, told)
     partial = target.with_name(f".{target.stem}.partial{suffix}")
     try:
         with matplotlib.rc_context({"animation.embed_limit": MOST_BYTES}):
@@ -142,18 +153,24 @@ class _Film:
     """A figure that shows one instant of a motion after another."""
 
     def __init__(
-        self, motion: Playback, events: Sequence[tuple[float, str]], slow: float, title: str
+        self,
+        motion: Playback,
+        events: Sequence[tuple[float, str]],
+        slow: float,
+        title: str,
+        beside: Playback | None = None,
+        told: str = "",
     ) -> None:
-        self.motion, self.events = motion, tuple(events)
+        self.motion, self.beside, self.events = motion, beside, tuple(events)
         self.figure = Figure(figsize=SIZE, dpi=DPI)
         FigureCanvasAgg(self.figure)
         self.stage, clock = self.figure.add_axes(MACHINE), self.figure.add_axes(CLOCK)
         self.figure.text(0.02, 0.975, title, fontsize=10, color=INK, va="top")
         self.said = self.figure.text(0.98, 0.925, "", fontsize=11, va="top", ha="right", weight="bold")
         self.linger = LINGER / slow
-        if slow != 1.0:
-            speed = f"1/{slow:g} of its speed" if slow > 1.0 else f"{1.0 / slow:g} times its speed"
-            self.figure.text(0.02, 0.925, speed, fontsize=9, color=GREY, va="top")
+        speed = f"1/{slow:g} of its speed" if slow > 1.0 else f"{1.0 / slow:g} times its speed"
+        below = [*([told] if told else []), *([speed] if slow != 1.0 else [])]
+        self.figure.text(0.02, 0.935, "\n".join(below), fontsize=9, color=GREY, va="top", linespacing=1.4)
         names = dict.fromkeys(name for _, name in self.events)
         self.colors = {name: EVENTS[number % len(EVENTS)] for number, name in enumerate(names)}
         self.clock = clock
@@ -174,7 +191,15 @@ class _Film:
 
     def _draw(self, time: float) -> None:
         self.stage.clear()
-        self.motion.draw(self.stage, time)
+        if self.beside is None:
+            self.motion.draw(self.stage, time)
+            return
+        _pale(self.beside.draw(self.stage, time))
+        added = self.motion.draw(self.stage, time)  # after the other one: the camera follows this one
+        still = scenery(added)
+        for artist in added:
+            if artist not in still:
+                artist.set_zorder(artist.get_zorder() + IN_FRONT)
 
     def _limits(self) -> np.ndarray | None:
         """Limits that hold all instants; None where the plugin sets its own."""
@@ -213,6 +238,18 @@ class _Film:
             )
         (hand,) = ax.plot([0.0], [0.0], marker="o", markersize=8, color=INK, zorder=3, clip_on=False)
         return hand
+
+
+def _pale(artists: Sequence[Artist]) -> None:
+    """Make what is drawn of a machine pale and nameless, and take away what stands still."""
+    still = scenery(artists)
+    for artist in artists:
+        if artist in still:
+            artist.remove()
+            continue
+        alpha = artist.get_alpha()
+        artist.set_alpha(PALE * (1.0 if alpha is None else float(alpha)))
+        artist.set_label("_beside")
 
 
 def checked_suffix(path: Path) -> str:

@@ -10,6 +10,8 @@ from contwalk.branch import Branch, SpecialPoint
 from contwalk.errors import ContwalkError
 from contwalk.system import System
 
+AMPLITUDE = 0.3  # of the displacement by a mode, in half the range of each state
+
 
 @dataclass(frozen=True)
 class Animated:
@@ -23,12 +25,15 @@ class Animated:
         How long it plays.
     motion : float
         How long the motion lasts that it shows, seconds.
+    mode : str
+        The mode that displaces the second machine; empty without one.
     """
 
     path: Path
     frames: int
     seconds: float
     motion: float
+    mode: str = ""
 
 
 def animate(
@@ -40,6 +45,8 @@ def animate(
     periods: int = 1,
     fps: float = 30.0,
     slow: float = 1.0,
+    mode: int | None = None,
+    amplitude: float = AMPLITUDE,
     force: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Animated:
@@ -59,6 +66,10 @@ def animate(
         Frames in a second.
     slow : float
         A second of the motion lasts so many seconds.
+    mode : int, optional
+        Number of a multiplier, 1 for the largest modulus: the machine displaced by its mode is drawn beside.
+    amplitude : float
+        The largest displacement at the start, in half the range of each state.
     force : bool
         Replace a file that exists.
     progress : callable, optional
@@ -68,10 +79,12 @@ def animate(
     ------
     ContwalkError
         Before anything is written, for a point that is no orbit, a system without `draw`, a suffix that is
-        not known or cannot be written here, a file that exists, and more frames than one file should have.
+        not known or cannot be written here, a file that exists, more frames than one file should have, and
+        a mode that the orbit does not have.
     """
     from contwalk.plotting.animation import checked_suffix, frames_of, played_fps, save_animation
     from contwalk.plotting.machine import require_draw
+    from contwalk.workflow.orbit_modes import displaced_along
     from contwalk.workflow.orbit_motions import motion_along
     from contwalk.workflow.stored_orbits import orbit_at, titled
 
@@ -85,6 +98,10 @@ def animate(
     rate = played_fps(suffix, fps)
     frames_of(periods * orbit.period, rate, slow)
     motion = motion_along(system, orbit, periods)
+    beside, words = None, ""
+    if mode is not None:
+        displaced = displaced_along(system, branch, point, orbit, motion.states, mode, amplitude)
+        beside, words = displaced.states, displaced.words
     frames = save_animation(
         system,
         motion.times,
@@ -95,6 +112,8 @@ def animate(
         fps=fps,
         slow=slow,
         title=titled(orbit),
+        beside=beside,
+        told=words and f"pale: displaced by {words}",
         progress=progress,
     )
-    return Animated(path, frames, frames / rate, periods * orbit.period)
+    return Animated(path, frames, frames / rate, periods * orbit.period, words)

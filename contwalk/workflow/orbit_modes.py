@@ -129,7 +129,7 @@ def _shares(orbit: Orbit, rounds: int, legs: int) -> list[np.ndarray]:
     times = orbit.times
     if len(orbit.breaks) == rounds * legs - 1:
         parts = np.split(times, orbit.breaks)
-        return [np.clip((part - part[0]) / (part[-1] - part[0]), 0.0, 1.0) for part in parts]
+        return [np.clip((part - part[0]) / ((part[-1] - part[0]) or 1.0), 0.0, 1.0) for part in parts]
     closures = rounds * (times - times[0]) / (times[-1] - times[0])  # where two meet, there is one row
     parts = np.split(closures, np.searchsorted(closures, np.arange(1, rounds) * (1.0 + 1e-9), side="right"))
     return [np.clip(part - k, 0.0, 1.0) for k, part in enumerate(parts)]

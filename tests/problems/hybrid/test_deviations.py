@@ -13,11 +13,15 @@ from hybrid_machines import CASES, orbit
 from hybrid_runs import machine, solution
 from scipy.integrate import solve_ivp
 from test_hybrid_mirror import MIRROR, START, field, travelling, two_sided
+from test_soft_orbit import system as spring_and_wall
 
 import contwalk as cw
+from contwalk.continuation.reopening import reopened
 from contwalk.problems.hybrid.deviations import HybridDeviations
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
+from contwalk.problems.hybrid.soft_orbit import SoftOrbit
 from contwalk.problems.orbit.deviations import SmoothDeviations
+from contwalk.problems.orbit.modes import chosen_multiplier
 
 # Neighbours on both sides, this far away in units of the orbit's variation: differences are known to its
 # square, and to scipy's errors over it.
@@ -94,10 +98,21 @@ def deviated(deviations, mode, legs: int) -> np.ndarray:
     return np.array(found)
 
 
-@pytest.mark.parametrize("name", list(CASES))
+@cache
+def soft_orbit() -> tuple[HybridOrbit, np.ndarray]:
+    """One whose word leaves out the soft transitions that it meets."""
+    found = solution(spring_and_wall(), "force", [0.0, 0.5], {"force": 1.5}, until="settled", accuracy=1e-11)
+    assert isinstance(found[0], SoftOrbit)
+    return found
+
+
+ORBITS = {name: lambda name=name: orbit(name, 1e-11) for name in CASES} | {"soft and hard": soft_orbit}
+
+
+@pytest.mark.parametrize("name", list(ORBITS))
 def test_neighbouring_motions_go_as_the_deviation_says(name):
-    problem, z = orbit(name, 1e-11)
-    deviations = HybridDeviations(problem, z)
+    deviations = HybridDeviations(*ORBITS[name]())
+    problem, z = deviations.problem, deviations.z
     for number in range(1, min(problem.spectrum_size, 3) + 1):
         mode = deviations.mode(number)
         start, scale = mode.start.real, problem.mesh.variation
@@ -109,11 +124,11 @@ def test_neighbouring_motions_go_as_the_deviation_says(name):
         assert np.max(np.abs(found - expected)) <= NEAR * np.max(np.abs(expected)), number
 
 
-@pytest.mark.parametrize("name", list(CASES))
+@pytest.mark.parametrize("name", list(ORBITS))
 def test_a_closure_multiplies_a_mode(name):
     """But for what it moves along the orbit; every multiplier of the spectrum has its mode."""
-    problem, z = orbit(name, 1e-11)
-    deviations = HybridDeviations(problem, z)
+    deviations = HybridDeviations(*ORBITS[name]())
+    problem, z = deviations.problem, deviations.z
     spectrum = problem.multipliers(z, problem.jacobian(z)).values
     for number, multiplier in enumerate(spectrum, start=1):
         mode = deviations.mode(number)
@@ -140,8 +155,6 @@ def smooth_orbit() -> tuple[cw.PeriodicOrbit, np.ndarray]:
     given = cw.Discretization(accuracy=1e-11)
     problem = cw.PeriodicOrbit(system, system.defaults(), "rho", discretization=given)
     branch = cw.continue_branch(problem, START, range=(320.0, 330.0), until="settled", max_points=2)
-    from contwalk.continuation.reopening import reopened
-
     found, sample = reopened(system, branch, 0, given)
     return found, sample.z
 
@@ -193,3 +206,9 @@ def test_modes_beyond_the_spectrum_are_refused(kind):
     )
     with pytest.raises(cw.ContwalkError, match=f"no mode {number + 1}.* Name one of the modes 1 to {number}"):
         deviations.mode(number + 1)
+
+
+def test_an_infinite_multiplier_has_no_mode():
+    with pytest.raises(cw.ContwalkError, match=r"infinite multiplier.* Name a point beside it"):
+        chosen_multiplier(np.array([complex(np.inf), 0.5]), 1)
+    assert chosen_multiplier(np.array([complex(np.inf), 0.5]), 2) == 0.5
