@@ -43,3 +43,10 @@ def labelled(branch: Branch, *labels: str) -> list[SpecialPoint]:
 def bifurcations(branch: Branch) -> list[SpecialPoint]:
     """Special points but end points and marks."""
     return labelled(branch, "LP", "BP", "HB")
+
+
+def circle(t, x, p, dx):
+    """A limit cycle: the circle of radius sqrt(mu), gone round in 2 pi."""
+    growth = p.mu - x[0] ** 2 - x[1] ** 2
+    dx[0] = growth * x[0] - x[1]
+    dx[1] = x[0] + growth * x[1]

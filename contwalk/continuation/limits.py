@@ -51,7 +51,7 @@ def passed(segment: Segment) -> list[Found]:
         if (first > 0.0) == (last > 0.0):
             continue
         point = _located(segment, which, first, last, found)
-        if point is not None and point not in found:
+        if point is not None and not any(point is known for known in found):
             found.append(point)
     return sorted(found, key=lambda f: f.theta)
 

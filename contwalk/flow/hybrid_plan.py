@@ -10,9 +10,9 @@ MODES, TRANSITIONS, CLOCK, HAPPENED, TIMES, MARKS, ROOM, EVENTS = range(8)
 COLUMNS, WIDTH, COLUMN, SHIFT = range(8, 12)
 WALK_LENGTH = 12
 
-# What happens, as integers: the mode's number; the transition that has just happened, and one that happens
-# before all else, -1 if none; whether an arc goes on for which there was no room; how many events there were;
-# steps, and those of the last arc; from `WORD` on the transitions' numbers.
+# What happens, as integers: the mode's number; a bit for each guard that what has just happened leaves at
+# zero; the transition that happens before all else, -1 if none; whether an arc goes on for which there was no
+# room; how many events there were; steps, and those of the last arc; from `WORD` on the transitions' numbers.
 MODE, OWN, FIRST_OF_ALL, GOES_ON, COUNT, STEPS, OWN_STEPS, WORD = range(8)
 
 # A mode: two plans of explicit methods, one that moves, with derivatives if these are wanted, and one to try;

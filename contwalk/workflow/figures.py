@@ -122,10 +122,10 @@ def _time_series(branches: Sequence[Branch], system: System, options: Mapping[st
     from contwalk import plotting
     from contwalk.plotting.style import whole_title
     from contwalk.workflow.orbit_motions import motion_along
-    from contwalk.workflow.quantities import check_names, values_along
+    from contwalk.workflow.quantities import check_names, listed, values_along
     from contwalk.workflow.stored_orbits import titled
 
-    names = _listed(options.get("y")) or list(system.state_names)
+    names = listed(options.get("y")) or list(system.state_names)
     check_names(system, names)
     orbit = _orbit(branches, system, options, "time series")
     motion = motion_along(system, orbit)
@@ -137,11 +137,6 @@ def _time_series(branches: Sequence[Branch], system: System, options: Mapping[st
     panels = plotting.plot_time_series_panels(times, values, names, events=happened, units=units)
     whole_title(panels[0].figure, titled(orbit))
     return panels
-
-
-def _listed(names: str | Sequence[str] | None) -> list[str]:
-    """Names that are given as one, or as several."""
-    return [names] if isinstance(names, str) else list(names or ())
 
 
 def _orbit(branches: Sequence[Branch], system: System, options: Mapping[str, Any], what: str) -> Any:

@@ -48,6 +48,11 @@ def values_along(
     return np.array(columns).T
 
 
+def listed(names: str | Sequence[str] | None) -> list[str]:
+    """Names that are given as one, as several, or not at all."""
+    return [names] if isinstance(names, str) else list(names or ())
+
+
 def check_names(system: System, names: Sequence[str]) -> None:
     """Refuse what is neither a state nor a signal.
 

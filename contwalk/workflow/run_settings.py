@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from contwalk.system.declarations import System
+from contwalk.workflow.quantities import listed
 from contwalk.workflow.run_model import FigureOptions, ReportPlace, RunModel
 from contwalk.workflow.run_parameters import check_bounds, parameter_named
 from contwalk.workflow.run_problems import Problems, allowed
@@ -227,9 +228,9 @@ def _check_axes(problems: Problems, system: System, key: Key, options: FigureOpt
     if options.z is not None and key[-1] != "phase_portrait":
         problems.add((*key, "z"), f"'{key[-1]}' has no third axis.", "Remove it.")
     _check_limits(problems, key, options)
-    several = options.y if isinstance(options.y, tuple) else (options.y,)
-    for axis, name in (("x", options.x), *(("y", name) for name in several), ("z", options.z)):
-        if name is not None and name not in known:
+    given = {"x": options.x, "y": options.y, "z": options.z}
+    for axis, name in ((axis, name) for axis, names in given.items() for name in listed(names)):
+        if name not in known:
             problems.add(
                 (*key, axis),
                 f"'{name}' is {what} of '{system.name}'.",

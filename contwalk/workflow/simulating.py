@@ -13,7 +13,7 @@ import numpy as np
 from contwalk.errors import ContwalkError, NotFinite, StartError
 from contwalk.storage.failures import failures_of
 from contwalk.workflow.made_with import made_with
-from contwalk.workflow.quantities import values_along
+from contwalk.workflow.quantities import listed, values_along
 from contwalk.workflow.run_settings import FigureSpec
 from contwalk.workflow.run_simulate import SimulationFile
 from contwalk.workflow.run_starts import StartSpec
@@ -303,8 +303,7 @@ def _drawn(run: SimulationFile, spec: FigureSpec, path: Path, trajectory: Any) -
         axes = [spec.options[axis] for axis in ("x", "y", "z") if axis in spec.options]
         _, values = _with_gaps(run, trajectory, axes)
         return plotting.save(plotting.plot_phase_portrait([values], axes, units=units), path)
-    asked = spec.options.get("y")
-    shown = [asked] if isinstance(asked, str) else list(asked or trajectory.states)
+    shown = listed(spec.options.get("y")) or list(trajectory.states)
     times, values = _with_gaps(run, trajectory, shown)
     events: dict[str, list[float]] = {}
     for name, t in zip(trajectory.event_names, trajectory.event_times.tolist(), strict=True):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from contwalk_systems.bouncing_ball import SYSTEM as BALL
 from hybrid_runs import branch_of
-from small_systems import small_system
+from small_systems import circle, small_system
 
 import contwalk as cw
 from contwalk.errors import ContwalkError
@@ -18,12 +18,6 @@ from contwalk.workflow.stored_orbits import orbit_at
 
 # Pictures are drawn of orbits that are integrated to 1e-7.
 PICTURED = 1e-5
-
-
-def circle(t, x, p, dx):
-    growth = p.mu - x[0] ** 2 - x[1] ** 2
-    dx[0] = growth * x[0] - x[1]
-    dx[1] = x[0] + growth * x[1]
 
 
 @pytest.fixture(scope="module")

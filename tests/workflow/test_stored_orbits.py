@@ -4,19 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from small_systems import small_system
+from small_systems import circle, small_system
 
 import contwalk as cw
 from contwalk.errors import ContwalkError
 from contwalk.system import State
 from contwalk.workflow.figures import draw_figure
 from contwalk.workflow.stored_orbits import MOST_ORBITS, columns_of, orbit_at, orbits_of
-
-
-def circle(t, x, p, dx):
-    growth = p.mu - x[0] ** 2 - x[1] ** 2
-    dx[0] = growth * x[0] - x[1]
-    dx[1] = x[0] + growth * x[1]
 
 
 @pytest.fixture(scope="module")

@@ -68,19 +68,14 @@ class HybridDeviations:
         problem, z = self.problem, self.z
         multiplier = chosen_multiplier(problem.multipliers(z, self._jacobian).values, number)
         own, size = problem.extended(0), problem.layout.sizes[0]
-        product = np.eye(len(own))
-        for factor in problem.factors(self._jacobian):
-            product = factor @ product
-        pinned = problem.pinned_directions(z, 0)
-        still = problem.forced and not problem.word.eventful
-        directions = ([] if still else [problem.flow_direction(z, 0)]) + pinned
-        v = eigenvector(product, _columns(directions, len(own)), own, number)
+        product = problem.once_round(self._jacobian, 0)
+        v = eigenvector(product, problem.neutral_directions(z, 0), own, number)
         if problem.word.eventful and abs(multiplier) > NOTHING:
             v = product @ v / multiplier
         start = v[:size]
         if self.timed:
             start = start - self._velocity(0) * v[size]
-        along = _columns([direction[:size] for direction in pinned], size)
+        along = _columns([direction[:size] for direction in problem.pinned_directions(z, 0)], size)
         if along.shape[1]:
             start = start - along @ np.linalg.solve(self._held @ along, self._held @ start)
         flowing = [] if problem.forced else [self._velocity(0)]

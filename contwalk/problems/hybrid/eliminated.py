@@ -151,11 +151,11 @@ def corrected(
     grouping: Grouping,
     z: np.ndarray,
     soft: np.ndarray,
-    level: float | None = SOLVED,
+    roughly: bool = False,
 ) -> Eliminated | None:
     """The explicit orbit over z; None where Newton's method finds none, or one that runs backwards.
 
-    Residuals are solved to a level, or, if None, to where they are negligible beside those that are left.
+    Residuals are solved to their level, or roughly: to where they are negligible beside those that are left.
     """
     before = np.inf
     for _ in range(MOST_CORRECTIONS):
@@ -169,7 +169,7 @@ def corrected(
                 return None
         except np.linalg.LinAlgError:
             return None
-        if level is None and found.negligible:
+        if roughly and found.negligible:
             return found
         before, soft = found.step, soft - found.correction
     return None

@@ -592,6 +592,14 @@ class HybridOrbit:
             result.append(whole)
         return result
 
+    def once_round(self, jacobian: np.ndarray, first: int) -> np.ndarray:
+        """Derivative of the closure by the start of a leg: the product of all factors from that leg on."""
+        factors = self.factors(jacobian)
+        product = np.eye(len(self.extended(first)))
+        for k in range(len(factors)):
+            product = factors[(first + k) % len(factors)] @ product
+        return product
+
     def _arrives_without_rate(self, jacobian: np.ndarray) -> bool:
         """Whether an event is a terminal grazing, to rounding: there multipliers may be infinite."""
         if not self.word.eventful:
@@ -621,21 +629,22 @@ class HybridOrbit:
         timed = self.forced and self.word.eventful
         return list((np.vstack([own, np.zeros((1, own.shape[1]))]) if timed else own).T)
 
+    def neutral_directions(self, z: np.ndarray, i: int) -> np.ndarray:
+        """The flow's own direction, if there is one, and pinned ones, at the start of leg i, as columns."""
+        still = self.forced and not self.word.eventful
+        directions = [] if still else [self.flow_direction(z, i)]
+        directions += self.pinned_directions(z, i)
+        return np.array(directions).reshape(len(directions), len(self.extended(i))).T
+
     def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
         """Multipliers of the closure, of the map of the smallest section."""
-        factors = self.factors(jacobian)
         smallest = int(np.argmin(self.layout.sizes))
-        product = np.eye(len(self.extended(smallest)))
-        for k in range(len(factors)):
-            product = factors[(smallest + k) % len(factors)] @ product
+        product = self.once_round(jacobian, smallest)
         if not np.all(np.isfinite(product)):
             return Multipliers(
                 np.full(self.spectrum_size, np.nan + 0j), np.full(self.spectrum_size, np.inf), 1.0
             )
-        forced_still = self.forced and not self.word.eventful
-        directions = [] if forced_still else [self.flow_direction(z, smallest)]
-        directions += self.pinned_directions(z, smallest)
-        neutral = np.array(directions).reshape(len(directions), len(product)).T
+        neutral = self.neutral_directions(z, smallest)
         tolerance = self.mesh.growth * self.mesh.tolerance
         found = multipliers([product], [neutral], self.extended(smallest), tolerance)
         if self._arrives_without_rate(jacobian):

@@ -173,11 +173,7 @@ class EventMap(SectionMap):
     def a(self) -> np.ndarray:
         """A, shape (r, r)."""
         problem = self.problem
-        factors = problem.factors(problem.linearize(self.z).jacobian)
-        product = np.eye(len(self.basis))
-        for k in range(len(factors)):
-            product = factors[(self.first + k) % len(factors)] @ product
-        moved = product @ self.basis
+        moved = problem.once_round(problem.linearize(self.z).jacobian, self.first) @ self.basis
         if not (problem.word.eventful or problem.forced):
             by_duration, rate = self._rates[0]
             assert problem.section is not None

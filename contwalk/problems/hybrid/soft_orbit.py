@@ -90,7 +90,7 @@ class SoftOrbit(HybridOrbit):
 
     def _at(self, z: np.ndarray) -> Eliminated:
         """What is eliminated, solved for."""
-        return remembered(self._expanded, z.tobytes(), self.most_kept, lambda: self._solved(z, SOLVED))
+        return remembered(self._expanded, z.tobytes(), self.most_kept, lambda: self._solved(z))
 
     def _near(self, z: np.ndarray) -> Eliminated:
         """As `_at`, solved for as far as Newton's method for the rest needs it.
@@ -98,10 +98,10 @@ class SoftOrbit(HybridOrbit):
         Both converge together: what is left of the one enters the other's equations, to first order.
         """
         if z.tobytes() in self._expanded:
-            return self._expanded[z.tobytes()]
-        found = remembered(self._approximate, z.tobytes(), self.most_kept, lambda: self._solved(z, None))
+            return self._at(z)
+        found = remembered(self._approximate, z.tobytes(), self.most_kept, lambda: self._solved(z, True))
         if found.excess <= SOLVED:
-            self._expanded[z.tobytes()] = found
+            remembered(self._expanded, z.tobytes(), self.most_kept, lambda: found)
         return found
 
     @cached_property
@@ -112,14 +112,14 @@ class SoftOrbit(HybridOrbit):
     def _approximate(self) -> dict[bytes, Eliminated]:
         return {}
 
-    def _solved(self, z: np.ndarray, level: float | None) -> Eliminated:
+    def _solved(self, z: np.ndarray, roughly: bool = False) -> Eliminated:
         """What is eliminated, from where it is known nearest by; else found anew by simulation."""
         near = self._nearest(z)
-        found = corrected(near.explicit, near.grouping, z, near.predicted(z), level)
+        found = corrected(near.explicit, near.grouping, z, near.predicted(z), roughly)
         if found is not None:
             return found
         there = self.adapted_to(z, self.weighted(self.mesh.magnitudes), self.mesh.tolerance).inner
-        found = corrected(there.explicit, there.grouping, z, there.predicted(z), level)
+        found = corrected(there.explicit, there.grouping, z, there.predicted(z), roughly)
         if found is None:
             raise NotFinite("The instants of the soft transitions have no solution there.", "")
         return found

@@ -245,13 +245,14 @@ def simulated(
     system, legs = problem.system, problem.word.legs
     for k in range(len(legs)):
         i = (first + k) % len(legs)
-        x, t = _through(system, legs[i], p, x, t, float(durations[i]))
+        x, t = through(system, legs[i], p, x, t, float(durations[i]))
     return x, t
 
 
-def _through(
+def through(
     system: System, leg: Leg, p: SimpleNamespace, x: np.ndarray, t: float, lasting: float
 ) -> tuple[np.ndarray, float]:
+    """State and time after a leg that lasts about so long, and its event."""
     place, event, field = list(system.states_of(leg.mode)), leg.transition, system.mode(leg.mode).field
     assert event is not None
     sign = 1.0 if leg.falls else -1.0

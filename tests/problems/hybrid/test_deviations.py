@@ -8,8 +8,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from hybrid_invariants import after, written
-from hybrid_machines import CASES, orbit
+from hybrid_invariants import written
+from hybrid_machines import CASES, orbit, through
 from hybrid_runs import machine, solution
 from scipy.integrate import solve_ivp
 from test_hybrid_mirror import MIRROR, START, field, travelling, two_sided
@@ -52,28 +52,9 @@ def neighbour(problem: HybridOrbit, z: np.ndarray, start: np.ndarray) -> np.ndar
             result[place] = y
             return result
 
-        def guard(time: float, y: np.ndarray, leg=leg, t=t, full=full, lasting=lasting) -> float:
-            sign = 1.0 if leg.falls else -1.0
-            return 1.0 if time < t + 0.05 * lasting else sign * leg.transition.guard(time, full(y), p)
-
-        guard.terminal, guard.direction = True, -1.0
-        solved = solve_ivp(
-            lambda time, y, leg=leg, place=place, full=full: written(
-                system.mode(leg.mode).field, time, full(y), p
-            )[place],
-            (t, t + 3.0 * lasting),
-            x,
-            "DOP853",
-            rtol=1e-13,
-            atol=1e-15,
-            events=guard,
-            max_step=0.04 * lasting,
-        )
         # scipy's dense output is of lower order: a run up to each instant is not.
         found.append([full(_until(system, leg.mode, p, full, place, x, t, time)) for time in instants[i]])
-        t = float(solved.t_events[0][0])
-        x = after(system, leg.transition, t, full(solved.y_events[0][0]), p)
-        x = x[list(system.states_of(leg.transition.target))]
+        x, t = through(system, leg, p, x, t, float(lasting))
     return np.array(found)
 
 
