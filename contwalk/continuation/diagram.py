@@ -22,7 +22,7 @@ from contwalk.continuation.recognition import known_branch
 from contwalk.continuation.records import start_record
 from contwalk.continuation.rows import from_row, to_row
 from contwalk.continuation.settings import Settings
-from contwalk.continuation.work import Start, Stored, Work, closed, combined, info_of, resumed
+from contwalk.continuation.work import Start, Stored, Work, closed, combined, info_of, resumed, spent
 from contwalk.problems.problem import Problem
 
 
@@ -130,7 +130,7 @@ class Diagram:
         problem, here = start.opening.problem, start.opening.here
         if start.parent is None:
             return known_branch(problem, here.sample, self.branches)
-        if start.origin.rpartition("/")[2].startswith("HB"):
+        if start.label == "HB":
             ending = next((b.name for b in self.branches if _ends_at_point(b, here)), None)
             if ending is not None:
                 return ending
@@ -190,14 +190,14 @@ class Diagram:
             born = work.info.parent is not None
             places = {sign: from_row(problem, work.rows[0][0], sign, born) for sign in signs}
         else:
-            places = resumed(problem, work, stored, signs)
+            places = resumed(problem, work, stored, signs, settings.events)
             yield Cut(work.info, len(work.rows), len(work.special_points))
         if len(work.rows) == 1:
             yield from self._start_marks(work, opening, observer)
         for sign in signs:
             if sign not in places or closed(work):
                 continue
-            left = settings.max_points - len(work.rows)
+            left = settings.max_points - spent(work, sign)
             for event in walk(*places[sign], settings, observer, sign, left):
                 if isinstance(event, End):
                     work.outcomes.append((sign, event.outcome))
@@ -220,18 +220,18 @@ class Diagram:
             work.special_points.append(record)
             yield Found(work.info, row, record)
 
-    def _followed(self, problem: Problem, point: SpecialPoint) -> bool:
+    def _followed(self, branch: Branch, point: SpecialPoint) -> bool:
         """Whether the branches that leave a point are wanted."""
         if point.label in ("GR", "OC"):
             return self._plan.settings.events.get(point.label) == "switch"
         if point.label == "EP":
-            return outcomes.JOINS in (point.note or "")
+            return outcomes.joins_softly(point, branch.special_points)
         return point.label in self._plan.follow
 
     def _grown(self, start: Start, problem: Problem, branch: Branch) -> Iterator[Start]:
         """Starts for the branches that leave a branch's special points."""
         for point in branch.special_points:
-            if not self._followed(problem, point) or point.status != "located":
+            if not self._followed(branch, point) or point.status != "located":
                 continue
             if start.parent is not None and abs(point.s) < 1e-9:
                 continue  # the point that this branch itself was born at
@@ -244,6 +244,7 @@ class Diagram:
                         origin=f"{branch.name}/{point.name}",
                         parent=(branch.name, point.s),
                         depth=start.depth + 1,
+                        label=point.label,
                     )
 
 
@@ -257,7 +258,7 @@ def _ends_at_point(branch: Branch, here: Here) -> bool:
         return False
     sample, n = here.sample, len(branch.info.states)
     for point in branch.special_points:
-        if point.label != "EP" or "shrinks onto an equilibrium" not in (point.note or ""):
+        if point.label != "EP" or point.kind != "shrunk":
             continue
         row = branch.points[point.index]
         weights = row["weights"]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from contwalk.branch import Outcome
+from collections.abc import Iterable, Mapping
+
+from contwalk.branch import Outcome, SpecialPoint
 
 
 def bound(name: str, value: float) -> Outcome:
@@ -20,7 +22,9 @@ def closed() -> Outcome:
 def fallen_back() -> Outcome:
     """The orbit became its own parent again."""
     return Outcome(
-        "complete", "closed", "The orbit has become its parent's again: the branch ends on it. Nothing to do."
+        "complete",
+        "rejoined",
+        "The orbit has become its parent's again: the branch ends on it. Nothing to do.",
     )
 
 
@@ -29,20 +33,20 @@ def stop_at(what: str) -> Outcome:
     return Outcome("stopped", "stop_at", f"Stopped at {what}, as asked. Remove it from `stop_at` to go on.")
 
 
-_TO_GO_ON = "To go on"
-JOINS = "joins the signature or leaves it there"
+# The reason that an end at a limit of each label has.
+AT_LIMITS = {"GR": "grazing", "OC": "order_change", "AZ": "inadmissible"}
 
 
 def limit(label: str, kind: str | None, asked: str, words: str) -> Outcome:
     """The orbits beyond are not the machine's, or have another word."""
-    reason = {"GR": "grazing", "OC": "order_change", "AZ": "inadmissible"}[label]
+    reason = AT_LIMITS[label]
     if asked == "switch":
         return Outcome("complete", reason, words)
     if kind == "terminal":
         words += " Beyond it that event happens earlier, and no orbit of this signature is the machine's."
     ways = [] if kind == "terminal" else [f"past it with --set events.{label}=ignore"]
     ways += [] if label == "AZ" else [f"to orbits of another signature with --set events.{label}=switch"]
-    return Outcome("stopped", reason, f"{words} {_TO_GO_ON} {', or '.join(ways)}.")
+    return Outcome("stopped", reason, f"{words} To go on {', or '.join(ways)}.")
 
 
 def softly(name: str) -> Outcome:
@@ -50,7 +54,8 @@ def softly(name: str) -> Outcome:
     return Outcome(
         "complete",
         "order_change",
-        f"The soft transition '{name}' {JOINS}: the orbit goes on as another branch.",
+        f"The soft transition '{name}' joins the signature or leaves it there: the orbit goes on as another "
+        "branch.",
     )
 
 
@@ -68,13 +73,32 @@ def interrupted() -> Outcome:
     )
 
 
-def restored(reason: str, message: str) -> Outcome:
-    """The outcome of an end that is stored."""
-    complete = ("bound", "closed", "grazing", "order_change")
-    status = "complete" if reason in complete and _TO_GO_ON not in message else "stopped"
-    if reason in ("step_too_small", "no_convergence", "not_finite", "plugin_error"):
-        status = "failed"
-    return Outcome(status, reason, message or f"Ended with {reason}. Nothing more is known.")
+_COMPLETE = ("bound", "closed", "shrunk", "rejoined", "unbounded")
+_FAILED = ("step_too_small", "no_convergence", "not_finite", "plugin_error")
+
+
+def restored(end: SpecialPoint, goes_on: bool) -> Outcome:
+    """The outcome of an end point that is stored; `goes_on`: other branches leave the limit there."""
+    reason = str(end.kind)
+    status = "complete" if goes_on or reason in _COMPLETE else "failed" if reason in _FAILED else "stopped"
+    return Outcome(status, reason, end.note or f"Ended with {reason}. Nothing more is known.")
+
+
+def joins_softly(end: SpecialPoint, others: Iterable[SpecialPoint]) -> bool:
+    """Whether a branch ends where a soft transition joins its word or leaves it.
+
+    That is a change of order without a special point of its own: one that the machine feels has its OC there.
+    """
+    if end.label != "EP" or end.kind != AT_LIMITS["OC"]:
+        return False
+    return all(point.label != "OC" or point.s != end.s for point in others)
+
+
+def goes_on(end: SpecialPoint, others: Iterable[SpecialPoint], events: Mapping[str, str]) -> bool:
+    """Whether an end point is a limit at which the diagram goes over to other branches."""
+    if joins_softly(end, others):
+        return True
+    return any(end.kind == reason and events.get(label) == "switch" for label, reason in AT_LIMITS.items())
 
 
 def stuck(reason: str, sentence: str, step: float, name: str, value: float) -> Outcome:

@@ -25,7 +25,7 @@ class Settings:
     range : tuple of float
         Values of the free parameter at which the branch ends.
     max_points : int
-        Points of one branch, both directions together.
+        Points of each direction of a branch, the start among them.
     step, min_step, max_step : float
         First, smallest and largest step.
     max_angle : float

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -18,7 +19,11 @@ from contwalk.system import System
 
 @dataclass(frozen=True)
 class Start:
-    """One entry of the queue. `opening` is an `Outcome` where the start failed; `orbit`: of an orbit."""
+    """One entry of the queue.
+
+    `opening` is an `Outcome` where the start failed; `orbit`: of an orbit; `label`: of the special point that
+    it leaves.
+    """
 
     system: System
     free: str
@@ -28,6 +33,7 @@ class Start:
     parent: tuple[str, float] | None = None
     depth: int = 0
     orbit: bool = False
+    label: str | None = None
 
 
 @dataclass(frozen=True)
@@ -86,8 +92,13 @@ def closed(work: Work) -> bool:
     return any(outcome.reason == "closed" for _, outcome in work.outcomes)
 
 
+def spent(work: Work, sign: float) -> int:
+    """How many of the points that a direction may have are there: those at the start, and its own."""
+    return sum(1 for row in work.rows if row["s"][0] * sign >= 0.0)
+
+
 def resumed(
-    problem: Problem, work: Work, stored: Stored, signs: tuple[float, ...]
+    problem: Problem, work: Work, stored: Stored, signs: tuple[float, ...], events: Mapping[str, str]
 ) -> dict[float, tuple[Problem, Here]]:
     """Where each direction goes on; those that have ended are left out and their outcomes taken over."""
     rows = stored.rows
@@ -107,7 +118,8 @@ def resumed(
     for sign in signs:
         if sign in ends:
             end = ends[sign]
-            work.outcomes.append((sign, outcomes.restored(str(end.kind), end.note or "")))
+            told = outcomes.restored(end, outcomes.goes_on(end, work.special_points, events))
+            work.outcomes.append((sign, told))
             continue
         side = kept[(np.sign(kept["s"]) == sign) & ~kept["special"]]
         if len(side):

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, fields
+from dataclasses import asdict, fields, replace
 from typing import Any
 
 import numpy as np
@@ -95,7 +95,24 @@ def special_from_text(text: str) -> SpecialPoint:
     stored = decode(text)
     for key in ("spectrum", "spectrum_full", "unknowns", "tangent"):
         stored[key] = None if stored[key] is None else tuple(stored[key])
+    if stored["label"] == "EP":
+        stored["kind"] = _told_apart(stored["kind"], stored["note"] or "")
     return SpecialPoint(**stored)
+
+
+# What `closed` stood for as well, before these ends had codes of their own: files of that time tell them by
+# their sentences only.
+_ONCE_CLOSED = {
+    "The orbit shrinks onto an equilibrium": "shrunk",
+    "The orbit has become its parent's": "rejoined",
+}
+
+
+def _told_apart(reason: str, sentence: str) -> str:
+    """The reason code that a stored one is today."""
+    if reason != "closed":
+        return reason
+    return next((code for words, code in _ONCE_CLOSED.items() if words in sentence), reason)
 
 
 def outcome_text(outcome: Outcome, cost: Mapping[str, float]) -> str:
@@ -106,7 +123,10 @@ def outcome_text(outcome: Outcome, cost: Mapping[str, float]) -> str:
 def outcome_from_text(text: str | None) -> tuple[Outcome, dict[str, float]] | None:
     """Inverse of `outcome_text`; None for a branch that is not finished (no text, or reopened)."""
     stored = decode(text) if text else None
-    return (Outcome(**stored["outcome"]), stored["cost"]) if stored else None
+    if not stored:
+        return None
+    outcome = Outcome(**stored["outcome"])
+    return replace(outcome, reason=_told_apart(outcome.reason, outcome.message)), stored["cost"]
 
 
 def point_record_dtype(info: BranchInfo) -> np.dtype:

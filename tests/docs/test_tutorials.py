@@ -78,7 +78,7 @@ def test_more_cooling_does_what_the_text_says(tutorial):
     (fold,) = [p for p in cycle.special_points if p.label != "EP"]
     assert (fold.label, round(fold.parameters["Da"], 4)) == ("LP", 0.1617)
     assert (fold.unstable_before, fold.unstable_after) == (1, 0)
-    assert cycle.outcome.reason == "closed"
+    assert cycle.outcome.reason == "shrunk"
 
 
 def test_every_file_the_tutorial_names_is_there(tutorial):
@@ -140,7 +140,7 @@ def test_the_family_of_cycles_joins_both_hopf_points(orbits):
     cycles = database["b2"]
     assert [p.label for p in cycles.special_points if p.label != "EP"] == ["UZ"]
     assert cycles["stable"][~cycles["special"]].all()
-    assert cycles.outcome.reason == "closed"
+    assert cycles.outcome.reason == "shrunk"
     assert cycles.outcome.message.startswith(
         "The orbit shrinks onto an equilibrium, at a Hopf point near b = 0.84"
     )

@@ -93,7 +93,7 @@ class TestAmplitude:
             branch = cw.continue_branch(problem, [1e-7, 0.0], (1e-15, 1e-10), period=6.28)
         except StartError:
             return
-        assert branch.outcome.reason in ("bound", "closed"), branch.outcome
+        assert branch.outcome.reason in ("bound", "shrunk"), branch.outcome
         if branch.outcome.reason == "bound":
             assert np.all(np.hypot(branch["x"], branch["y"]) > 1e-9)
 

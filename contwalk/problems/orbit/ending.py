@@ -48,7 +48,7 @@ def at_a_point(problem: PeriodicOrbit | HybridOrbit, a: Sample, b: Sample) -> Ou
     value = float(a.z[-1] + share * (b.z[-1] - a.z[-1]))
     return Outcome(
         "complete",
-        "closed",
+        "shrunk",
         f"The orbit shrinks onto an equilibrium, at a Hopf point near {problem.free} = {value:.6g}: "
         "the family ends there. Nothing to do.",
     )
