@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,11 +14,14 @@ from contwalk.continuation.newton import correct
 from contwalk.continuation.settings import Settings
 from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.equilibrium import Equilibrium, solution_at
-from contwalk.problems.neutral import active, constant
+from contwalk.problems.neutral import active, constant, forced
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.problem import Problem, Sample
 from contwalk.problems.switching import second_direction
 from contwalk.system import System
+
+# How far from a start its branch is looked at, in arclength.
+BESIDE = 1e-3
 
 
 @dataclass(frozen=True)
@@ -86,20 +89,36 @@ def _stays_neutral(problem: Equilibrium, here: Here) -> bool:
     """Whether the pinned directions are still neutral a little along the branch, and held without force."""
     if _drifts(problem, here):
         return False
-    sample = here.sample
-    for sign in (1.0, -1.0):
-        guess = sample.z + sign * 1e-3 * sample.tangent
-        moved = correct(problem, guess, sample.tangent / sample.weights**2, sample.weights)
-        if moved.ok and moved.linearization is not None:
-            n = problem.states
-            values = problem.values_of(moved.z)
-            still = active(problem.system, moved.z[:n], values, moved.linearization.jacobian[:n, :n])
-            return len(still) >= len(problem.pins)
+    for moved in _around(problem, here):
+        n = problem.states
+        matrix = problem.jacobian(moved.z)[:n, :n]
+        return len(active(problem.system, moved.z[:n], problem.values_of(moved.z), matrix)) >= len(
+            problem.pins
+        )
     return True
 
 
+def _around(problem: Equilibrium, here: Here) -> Iterator[Sample]:
+    """Solutions a little along a branch, on both sides of its start, as far as there are any."""
+    sample = here.sample
+    for sign in (1.0, -1.0):
+        guess = sample.z + sign * BESIDE * sample.tangent
+        moved = correct(problem, guess, sample.tangent / sample.weights**2, sample.weights)
+        if moved.ok:
+            yield replace(sample, z=moved.z)
+
+
+def _is_family(problem: Equilibrium, here: Here) -> bool:
+    """Whether a direction that is held at a start is one of a family of equilibria, beside the start too."""
+    return not _drifts(problem, here) and all(
+        forced(problem, moved) is None for moved in _around(problem, here)
+    )
+
+
 def _drifts(problem: Equilibrium, here: Here) -> bool:
-    """Whether holding the pinned directions takes a force that grows along the branch."""
+    """Whether holding the pinned directions takes a force, at the start or growing along the branch."""
+    if forced(problem, here.sample) is not None:
+        return True
     jacobian = problem.jacobian(here.sample.z)
     n = problem.states
     tangent = here.sample.tangent
@@ -138,10 +157,13 @@ def _degenerate(
     z, n = here.sample.z, problem.states
     held = problem.with_pins((*problem.pins, constant(generator[:n])), z[:n])
     there = begin(held, np.concatenate([z[: problem.size], [0.0], z[-1:]]), settings)
-    if isinstance(there, Here) and not _drifts(held, there):
+    if isinstance(there, Here) and _is_family(held, there):
         return Opening(held, there, _report(problem, generator[:n]))
     return outcomes.no_start(
-        "no_convergence", "More than one branch passes through the start, and none of them could be followed."
+        "no_convergence",
+        "an eigenvalue is zero there, but no branch could be followed from it and there is no family of "
+        "equilibria either. More than two branches may meet there, or the solution is a multiple root, as "
+        "x = a of (a - x)^3.",
     )
 
 

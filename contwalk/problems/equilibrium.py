@@ -290,8 +290,17 @@ class Equilibrium:
         return self, sample
 
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
-        """Branches of equilibria end at what the walk sees itself."""
-        return None
+        """Where a pinned direction takes a force to hold, what is held there is no equilibrium."""
+        name = neutrals.forced(self, b)
+        if name is None:
+            return None
+        return Outcome(
+            "failed",
+            "no_convergence",
+            f"Beyond {self.free} = {a.parameter:.10g}, holding the neutral direction '{name}' takes a force: "
+            "what solves the equations with that direction pinned is no equilibrium of the machine. End the "
+            "range there, or declare as neutral only what is neutral everywhere.",
+        )
 
     def same(self, a: Sample, b: Sample) -> bool:
         """Whether two solutions at the same parameter are one."""

@@ -8,6 +8,7 @@ from invariants import check_branch
 from small_systems import bifurcations, small_problem
 
 import contwalk as cw
+from contwalk.errors import StartError
 from contwalk.system import Neutral
 
 
@@ -153,3 +154,55 @@ def test_a_hopf_point_beside_a_rotation_says_what_its_coefficient_means():
     (hopf,) = bifurcations(branch)
     assert hopf.coefficients["l1"] == pytest.approx(-2.0, rel=1e-12)
     assert "pinned" in hopf.note
+
+
+def cube(t, x, p, dx):
+    dx[0] = (p.mu - x[0]) ** 3
+
+
+def square_beside(t, x, p, dx):
+    dx[0] = (p.mu - x[0]) ** 2 * (1.0 + x[1] ** 2)
+    dx[1] = x[0] - 2.0 * x[1]
+
+
+MULTIPLE_ROOTS = [(cube, [1.0]), (square_beside, [1.0, 0.5])]
+
+
+@pytest.mark.parametrize(("field", "start"), MULTIPLE_ROOTS)
+def test_a_multiple_root_is_no_family(field, start):
+    """x = mu is a multiple root for every mu: held at its start, it solves nothing at another mu."""
+    problem = small_problem(field, "xy"[: len(start)], {"mu": 1.0}, "mu")
+    with pytest.raises(StartError, match="multiple root"):
+        cw.continue_branch(problem, start, (0.0, 4.0))
+
+
+def test_a_family_that_ends_is_not_held_beyond_its_end():
+    """y is free while mu <= 1/2 only; beyond, y' = (mu - 1/2)^2 takes a force to hold."""
+
+    def field(t, x, p, dx):
+        dx[0] = p.mu - x[0]
+        dx[1] = np.maximum(p.mu - 0.5, 0.0) ** 2
+
+    for neutral in ((), (Neutral("family", along_y, pin="y"),)):
+        problem = small_problem(field, "xy", {"mu": 0.0}, "mu", neutral=neutral)
+        branch = cw.continue_branch(problem, [0.0, 0.2], (-1.0, 1.0))
+        assert branch["mu"].min() == -1.0
+        assert branch["mu"].max() <= 0.5
+        assert (branch.outcome.status, branch.outcome.reason) == ("failed", "no_convergence")
+        assert "takes a force" in branch.outcome.message
+
+
+def test_a_steady_motion_is_no_equilibrium():
+    """x moves on with the velocity 1: a declared direction along x must not make it rest."""
+
+    def field(t, x, p, dx):
+        dx[0] = 1.0 + x[1] - p.mu
+        dx[1] = p.mu - x[1]
+
+    def along_x(t, x, p, v):
+        v[0] = 1.0
+        v[1] = 0.0
+
+    problem = small_problem(field, "xy", {"mu": 0.0}, "mu", neutral=(Neutral("place", along_x, pin="x"),))
+    with pytest.raises(StartError):
+        cw.continue_branch(problem, [0.0, 0.0], (-1.0, 1.0))
