@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from contwalk.cli.stored_system import required_system, trust_option
 from contwalk.errors import ContwalkError
 
 if TYPE_CHECKING:
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
 )
 @click.option("--force", is_flag=True, help="Replace a file that exists.")
 @click.option("--quiet", is_flag=True, help="Print errors only.")
+@trust_option
 def command(
     db: str,
     point: str,
@@ -58,6 +60,7 @@ def command(
     amplitude: float | None,
     force: bool,
     quiet: bool,
+    trust: bool,
 ) -> None:
     """Play the orbit of a stored point of the database DB, as the system draws its machine.
 
@@ -69,7 +72,6 @@ def command(
     decays or goes round is what the multiplier tells.
     """
     from contwalk.cli.point_page import stored_point
-    from contwalk.cli.stored_system import system_of
     from contwalk.storage import open_database
 
     if amplitude is not None and mode is None:
@@ -77,7 +79,7 @@ def command(
     with open_database(db) as database:
         branch = database.branch(point.partition("/")[0])
         where = stored_point(branch, point)
-        system = system_of(database.header, Path(db))
+        system = required_system(database, trust)
     options: dict[str, Any] = {"periods": periods, "fps": fps, "slow": slow, "mode": mode, "force": force}
     if amplitude is not None:
         options["amplitude"] = amplitude

@@ -8,7 +8,8 @@ import click
 @click.command("export")
 @click.argument("db")
 @click.option("--csv", "directory", metavar="DIR", required=True, help="The directory to write into.")
-def command(db: str, directory: str) -> None:
+@click.option("--force", is_flag=True, help="Replace tables that exist.")
+def command(db: str, directory: str, force: bool) -> None:
     """Write the database DB as CSV tables into the directory DIR.
 
     branches.csv, special_points.csv, and one table per branch with every point. Numbers keep all digits.
@@ -16,5 +17,5 @@ def command(db: str, directory: str) -> None:
     from contwalk.storage import open_database, write_tables
 
     with open_database(db) as database:
-        for path in write_tables(database, directory):
+        for path in write_tables(database, directory, overwrite=force):
             click.echo(path)

@@ -17,14 +17,16 @@ if TYPE_CHECKING:
 
 
 def facts_at(system: System | None, branch: Branch, point: SpecialPoint | int) -> HybridFacts | None:
-    """Legs and margins; None of other orbits, and where the system cannot be had or has changed."""
+    """Legs and margins; None of other orbits, and where they cannot be had: why is said on stderr."""
     if system is None or branch.info.problem != "hybrid_orbit":
         return None
+    from contwalk.cli.entry import say
     from contwalk.workflow.stored_legs import facts_of
 
     try:
         return facts_of(system, branch, point)
-    except ContwalkError:
+    except ContwalkError as error:
+        say(f"Not shown: legs and margins of the orbit. {error}")
         return None
 
 

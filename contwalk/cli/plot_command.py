@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from contwalk.cli.stored_system import required_system, trust_option, units_of_run
 from contwalk.errors import ContwalkError
 
 if TYPE_CHECKING:
@@ -49,6 +50,8 @@ WITH_AXES = ("bifurcation_diagram", "stability_map", "phase_portrait")
     multiple=True,
     help="Where to draw the machine, or an orbit; by default the start, and a handful of orbits.",
 )
+@click.option("--force", is_flag=True, help="Replace a file that exists.")
+@trust_option
 def command(
     db: str,
     x: str | None,
@@ -58,6 +61,8 @@ def command(
     kind: str,
     names: tuple[str, ...],
     points: tuple[str, ...],
+    force: bool,
+    trust: bool,
 ) -> None:
     """Draw a figure of the database DB into the file FIG.
 
@@ -65,23 +70,21 @@ def command(
     stability map, -x is the free parameter and -y the swept one.
     """
     from contwalk.cli.point_page import stored_point
-    from contwalk.cli.stored_system import system_of
     from contwalk.storage import open_database
+    from contwalk.storage.failures import refuse_existing
     from contwalk.workflow.figures import draw_figure
 
     if len(several) > 1 and kind != "time_series":
         raise ContwalkError(f"The figure {kind} has one vertical axis.", "Give -y once.")
     y = several[0] if several else None
     _check_options(kind, x, y, z, points)
+    refuse_existing([Path(output)], force)
     with open_database(db) as database:
         branches = [database.branch(name) for name in dict.fromkeys(names)] or database.branches()
         pointed = [(database.branch(point.partition("/")[0]), point) for point in points]
-        system: System | None = None
-        try:
-            system = system_of(database.header, Path(db))
-        except ContwalkError:
-            if kind in OF_POINTS:
-                raise
+        places = [(branch, stored_point(branch, point)) for branch, point in pointed]
+        system = required_system(database, trust) if kind in OF_POINTS else None
+        units = units_of_run(database, trust) if system is None else None
     if kind == "machine" and pointed and system is not None:
         _draw_machine(system, *pointed[0], output)
     else:
@@ -90,8 +93,8 @@ def command(
         options: dict[str, Any] = {axis: name for axis, name in (("x", x), ("y", y), ("z", z)) if name}
         if len(several) > 1:
             options["y"] = several
-        options["points"] = [(branch, stored_point(branch, point)) for branch, point in pointed]
-        draw_figure(kind, branches, system, Path(output), options)
+        options["points"] = places
+        draw_figure(kind, branches, system, Path(output), options, units)
     click.echo(f"Wrote {output}.")
 
 

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from contwalk.errors import ContwalkError
+from contwalk.cli.stored_system import optional_system, trust_option, units_of_run
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from contwalk.branch import Branch
-    from contwalk.storage import Database
-    from contwalk.system import System
+    from contwalk.storage import Database, Hdf5Database
 
 
 @click.command("show")
@@ -22,7 +20,8 @@ if TYPE_CHECKING:
 @click.argument("what", metavar="[BRANCH|BRANCH/POINT]", required=False)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON and nothing else.")
 @click.option("--points", is_flag=True, help="Include every point of each branch.")
-def command(db: str, what: str | None, as_json: bool, points: bool) -> None:
+@trust_option
+def command(db: str, what: str | None, as_json: bool, points: bool, trust: bool) -> None:
     """Show the database DB: its branches, or one of them, or everything about one point.
 
     A point is named as b1/HB1, or by its number along the branch as b1/12.
@@ -34,7 +33,7 @@ def command(db: str, what: str | None, as_json: bool, points: bool) -> None:
         if as_json:
             _print_json(database, branch_name, point_name, points)
         else:
-            _print_text(database, branch_name, point_name, points)
+            _print_text(database, branch_name, point_name, points, trust)
 
 
 def _print_json(database: Database, branch_name: str, point_name: str, points: bool) -> None:
@@ -66,13 +65,13 @@ def _keep_point(entry: dict[str, Any], index: int, name: str | None) -> None:
         entry["points"] = entry["points"][index : index + 1]
 
 
-def _print_text(database: Database, branch_name: str, point_name: str, points: bool) -> None:
+def _print_text(database: Hdf5Database, branch_name: str, point_name: str, points: bool, trust: bool) -> None:
     from contwalk.cli.summary import print_branches, print_notes
     from contwalk.cli.terminal import console
 
     out = console()
     if point_name:
-        _print_point(out, database, branch_name, point_name)
+        _print_point(out, database, branch_name, point_name, trust)
         return
     among = database.branches()
     chosen = [database.branch(branch_name)] if branch_name else among
@@ -84,18 +83,17 @@ def _print_text(database: Database, branch_name: str, point_name: str, points: b
         print_notes(out, list(dict.fromkeys(database.notes().values())))
 
 
-def _print_point(out: Console, database: Database, branch_name: str, point_name: str) -> None:
+def _print_point(
+    out: Console, database: Hdf5Database, branch_name: str, point_name: str, trust: bool
+) -> None:
     from contwalk.cli.point_page import print_row, print_special, row_of, special_of
-    from contwalk.cli.stored_system import system_of
-    from contwalk.plotting.quantities import units_of
 
     branch = database.branch(branch_name)
     row = row_of(branch, point_name)
     special = special_of(branch, point_name) if row is None else None
-    system: System | None = None
-    with suppress(ContwalkError):  # then there are no units
-        system = None if database.path is None else system_of(database.header, database.path)
-    units = {} if system is None else units_of(system)
+    units = units_of_run(database, trust)
+    hybrid = branch.info.problem == "hybrid_orbit"
+    system = optional_system(database, trust, "legs and margins of the orbit") if hybrid else None
     if special is not None:
         print_special(out, branch, special, units, system)
     elif row is not None:

@@ -1,61 +1,60 @@
-"""The system that a database was computed with, if it can still be loaded."""
+"""The system of a database for a command: what may not run, and what has changed, is said."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import click
 
 from contwalk.errors import ContwalkError
 
 if TYPE_CHECKING:
-    from contwalk.storage import RunHeader
+    from collections.abc import Callable, Mapping
+
+    from contwalk.storage import Hdf5Database
     from contwalk.system import System
 
 
-def system_of(header: RunHeader, database: Path) -> System:
-    """The system of a run.
+def trust_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The option `--trust` of the commands that may need the system of a database."""
+    return click.option(
+        "--trust", is_flag=True, help="Run the plugin that the database names, also if it has changed."
+    )(command)
 
-    Parameters
-    ----------
-    header : RunHeader
-    database : Path
-        A plugin file is looked for where the run file was, then beside the database.
+
+def required_system(database: Hdf5Database, trust: bool) -> System:
+    """The system of a run.
 
     Raises
     ------
     ContwalkError
-        If it cannot be loaded; the sentence says why.
+        If it may not run without `--trust`, or cannot be loaded.
     """
-    from contwalk.system import load_system
+    from contwalk.cli.entry import say
 
-    reference = _reference(header)
-    problem: Exception | None = None
-    for base in _bases(header, database):
-        try:
-            return load_system(reference, dict(header.model), base)
-        except Exception as error:  # a plugin may have changed, or raise anything
-            problem = problem or error
-    raise ContwalkError(
-        f"The system '{reference}' of {database} cannot be loaded: {problem}",
-        "Install it, or put its plugin file beside the database.",
-    )
+    stored = database.stored_system(trust)
+    if stored.changed:
+        say(f"warning: {stored.changed} What is computed with it may differ from what is stored.")
+    return stored.system
 
 
-def _reference(header: RunHeader) -> str:
-    """What the run file said after `system:`."""
-    from contwalk.workflow.yaml_lines import parse_yaml
+def optional_system(database: Hdf5Database, trust: bool, needed_for: str) -> System | None:
+    """The same; where it cannot be had, what is not shown is said on stderr."""
+    from contwalk.cli.entry import say
 
-    if "system_reference" in header.provenance:
-        return str(header.provenance["system_reference"])
     try:
-        data = parse_yaml(header.config, "the stored run file")[0]
-    except ContwalkError:
-        data = None
-    return str(data.get("system", header.system)) if isinstance(data, dict) else header.system
+        return required_system(database, trust)
+    except ContwalkError as error:
+        say(f"Not shown: {needed_for}. {error}")
+        return None
 
 
-def _bases(header: RunHeader, database: Path) -> Iterator[Path]:
-    if "run_file_directory" in header.provenance:
-        yield Path(str(header.provenance["run_file_directory"]))
-    yield database.resolve().parent
+def units_of_run(database: Hdf5Database, trust: bool) -> Mapping[str, str]:
+    """Units by name: as stored, or else the system's."""
+    from contwalk.plotting.quantities import units_of
+
+    stored = database.header.provenance.get("units")
+    if stored is not None:
+        return {str(name): str(unit) for name, unit in stored.items()}
+    system = optional_system(database, trust, "units")
+    return {} if system is None else units_of(system)

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+
+from contwalk.cli.stored_system import required_system, trust_option
 
 if TYPE_CHECKING:
     from contwalk.branch import Branch, SpecialPoint
@@ -26,7 +27,8 @@ METHODS = ("dop853", "verner98", "radau5", "radau9")
     "--method", type=click.Choice(METHODS), help="The integrator; by default another one than used."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print JSON and nothing else.")
-def command(db: str, what: str | None, method: str | None, as_json: bool) -> int:
+@trust_option
+def command(db: str, what: str | None, method: str | None, as_json: bool, trust: bool) -> int:
     """Recompute every located special point of the database DB, and compare.
 
     Orbits are computed with another integrator at a tolerance far below the stored error, equilibria from
@@ -35,12 +37,11 @@ def command(db: str, what: str | None, method: str | None, as_json: bool) -> int
 
     Exit codes: 0 if all agree; 1 if one does not; 2 for bad input.
     """
-    from contwalk.cli.stored_system import system_of
     from contwalk.storage import open_database
 
     with open_database(db) as database:
-        system = system_of(database.header, Path(db))
         points = _chosen(database, what or "")
+        system = required_system(database, trust)
         header = database.header
     found = _compared(system, header, points, method or "", as_json)
     if as_json:

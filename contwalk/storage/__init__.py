@@ -43,8 +43,14 @@ __all__ = [
 ]
 
 
-def open_database(path: str | Path) -> Hdf5Database:
-    """Open a stored run for reading.
+def open_database(path: str | Path, trust: bool = False) -> Hdf5Database:
+    """Open a stored run for reading. No code that it names is run.
+
+    Parameters
+    ----------
+    path : str or Path
+    trust : bool
+        Whether `system()` of the database may run a plugin file, or a system that has changed since the run.
 
     Raises
     ------
@@ -53,7 +59,9 @@ def open_database(path: str | Path) -> Hdf5Database:
     """
     from contwalk.storage.hdf5 import Hdf5Database
 
-    return Hdf5Database.open(path)
+    database = Hdf5Database.open(path)
+    database.trust = trust
+    return database
 
 
 def __getattr__(name: str) -> Any:

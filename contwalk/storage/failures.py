@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -95,6 +95,23 @@ def check_output(path: Path, overwrite: bool) -> None:
         raise DatabaseError(
             f"{path} exists.", "Continue it with --resume, replace it with --force, or choose another output."
         )
+
+
+def refuse_existing(paths: Sequence[Path], force: bool, made: bool = False) -> None:
+    """Refuse names that cannot be written or stand for files already, before anything is computed.
+
+    `made` says that a folder that is missing will be made.
+    """
+    for path in paths:
+        if not made and not path.parent.is_dir():
+            raise DatabaseError(
+                f"{path} cannot be created: the directory {path.parent} does not exist.",
+                "Create it, or choose another output.",
+            )
+        if path.is_dir():
+            raise DatabaseError(f"{path} is a directory.", "Choose another output.")
+        if path.exists() and not force:
+            raise DatabaseError(f"{path} exists.", "Replace it with --force, or choose another output.")
 
 
 def check_input(path: Path) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -31,12 +32,15 @@ from contwalk.storage.hdf5_branch import StoredBranch
 from contwalk.storage.hdf5_file import CATALOGUE, NOTES, catalogued, create_file, open_file, read_header
 from contwalk.storage.records import RecordLog
 from contwalk.storage.schema import TEXT_DTYPE, decode, encode, joined, pieces
+from contwalk.storage.stored_system import StoredSystem, system_of_run
+from contwalk.system import System
 
 
 class Hdf5Database:
     """A `Database` in a file. Make one with `create` or `open`; use it as a context manager."""
 
     def __init__(self, path: Path, file: h5py.File, writable: bool) -> None:
+        self.trust = False  # whether `system` may run code that is not trusted by itself
         self._path = path
         self._writable = writable
         self._attach(file)
@@ -113,6 +117,18 @@ class Hdf5Database:
     def path(self) -> Path:
         """The file."""
         return self._path
+
+    def stored_system(self, trust: bool = False) -> StoredSystem:
+        """The system of this run, loaded; see `system_of_run` for what may be loaded, and what it raises."""
+        given = self._header.provenance, self._header.model, self._header.system
+        return system_of_run(*given, self._path, trust or self.trust)
+
+    def system(self, trust: bool = False) -> System:
+        """The same as a `System`; a Python warning says where it has changed since the run."""
+        stored = self.stored_system(trust)
+        if stored.changed:
+            warnings.warn(stored.changed, stacklevel=2)
+        return stored.system
 
     def close(self) -> None:
         """Release the file. Everything was flushed before."""

@@ -10,14 +10,14 @@ from typing import Any
 
 from contwalk.storage.database import Database
 from contwalk.storage.document import document
-from contwalk.storage.failures import explained
+from contwalk.storage.failures import explained, refuse_existing
 
 
-def write_tables(db: Database, directory: str | Path) -> list[Path]:
+def write_tables(db: Database, directory: str | Path, overwrite: bool = False) -> list[Path]:
     """Write `branches.csv`, `special_points.csv` and one table per branch, such as `b1.csv`.
 
-    The directory is made where missing; tables of these names in it are replaced. Floats are written with as
-    many digits as reading them back exactly needs.
+    The directory is made where missing. Floats are written with as many digits as reading them back exactly
+    needs.
 
     Returns
     -------
@@ -27,9 +27,11 @@ def write_tables(db: Database, directory: str | Path) -> list[Path]:
     Raises
     ------
     DatabaseError
-        If the directory or a file cannot be written.
+        If tables of these names exist (unless `overwrite`), or the directory or a file cannot be written.
     """
     directory = Path(directory)
+    names = ("branches", "special_points", *db.branch_names())
+    refuse_existing([directory / f"{name}.csv" for name in names], overwrite, made=True)
     described = document(db)["branches"]
     try:
         directory.mkdir(parents=True, exist_ok=True)

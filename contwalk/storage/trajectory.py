@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -168,18 +168,6 @@ def read_samples(path: str | Path) -> Samples:
         )
 
     return _read(path, SAMPLES, take)
-
-
-def refuse_existing(paths: Sequence[Path], force: bool) -> None:
-    """Refuse names that cannot be written or stand for files already, before anything is computed."""
-    for path in paths:
-        if not path.parent.is_dir():
-            raise DatabaseError(
-                f"{path} cannot be created: the directory {path.parent} does not exist.",
-                "Create it, or choose another output.",
-            )
-        if path.is_dir() or (path.exists() and not force):
-            raise DatabaseError(f"{path} exists.", "Replace it with --force, or choose another output.")
 
 
 def _written(

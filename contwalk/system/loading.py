@@ -15,6 +15,7 @@ from typing import Any
 from contwalk.errors import ContwalkError, SystemDefinitionError, called
 from contwalk.system.declarations import System, nearest
 from contwalk.system.family import Family
+from contwalk.system.plugin_files import hash_of, hashes_of_file, hashes_of_installed
 
 GROUP = "contwalk.systems"
 
@@ -74,6 +75,7 @@ def load_system(
         As `load_declaration`, and for a model choice that the system does not have.
     """
     reference = str(reference)
+    source = hash_of(plugin_files(reference, base))  # of what is loaded in the next line
     declared = load_declaration(reference, base)
     if isinstance(declared, Family):
         system = called(f"system '{reference}'", declared.with_model, model or {})
@@ -84,16 +86,19 @@ def load_system(
         )
     else:
         system = declared
-    return replace(system, source=source_hash(system))
+    return replace(system, source=source)
 
 
-def source_hash(system: System) -> str:
-    """Hash of the file that defines the system's first field, for provenance."""
-    code = getattr(system.modes[0].field, "__code__", None)
-    path = Path(code.co_filename) if code is not None else None
-    if path is None or not path.is_file():
-        return ""
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+def plugin_files(reference: str, base: Path | None = None) -> dict[str, str]:
+    """SHA-256 of each file of a plugin, by name; nothing of it is run.
+
+    They are the plugin's own file and the files of its folder, or package, that it imports; see
+    `contwalk.system.plugin_files`. Empty where there is no such plugin.
+    """
+    if is_path(reference):
+        return hashes_of_file((base or Path.cwd()) / reference)
+    point = next((point for point in entry_points(group=GROUP) if point.name == reference), None)
+    return {} if point is None else hashes_of_installed(point)
 
 
 def _from_file(path: Path, reference: str) -> System | Family:

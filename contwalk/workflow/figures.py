@@ -14,7 +14,12 @@ from contwalk.system import System
 
 
 def draw_figure(
-    name: str, branches: Sequence[Branch], system: System | None, path: Path, options: Mapping[str, Any]
+    name: str,
+    branches: Sequence[Branch],
+    system: System | None,
+    path: Path,
+    options: Mapping[str, Any],
+    units: Mapping[str, str] | None = None,
 ) -> Path:
     """Draw one figure of a diagram into a file (PNG, SVG or PDF by its suffix).
 
@@ -23,14 +28,17 @@ def draw_figure(
     name : str
         One of `run_values.DIAGRAM_FIGURES`, or `time_series`.
     system : System, optional
-        For units, and for figures of machines and motions.
+        For figures of machines and motions, and for units.
     options : mapping
         `x`, `y` and `z` where the figure takes them; `points`, pairs of a branch and a stored point, for
         figures of points.
+    units : mapping, optional
+        Units by name, instead of the system's.
     """
     from contwalk import plotting
 
-    units = plotting.units_of(system) if system is not None else None
+    if units is None and system is not None:
+        units = plotting.units_of(system)
     x, y = options.get("x"), options.get("y")
     axes: Any
     if name == "bifurcation_diagram":

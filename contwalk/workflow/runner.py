@@ -23,6 +23,7 @@ from contwalk.problems.equilibrium import Equilibrium
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.storage.database import Database, RunHeader
 from contwalk.storage.hdf5 import Hdf5Database
+from contwalk.system.loading import plugin_files
 from contwalk.workflow.figures import draw_figure
 from contwalk.workflow.run_file import RunFile
 from contwalk.workflow.starting import Place, places, starts
@@ -222,7 +223,9 @@ def provenance(run_file: RunFile) -> dict[str, Any]:
     import numpy as np
 
     from contwalk import __version__
+    from contwalk.plotting.quantities import units_of
 
+    files = plugin_files(run_file.system_reference, run_file.path.parent)
     return {
         "contwalk_version": __version__,
         "python": sys.version.split()[0],
@@ -234,6 +237,8 @@ def provenance(run_file: RunFile) -> dict[str, Any]:
         "run_file_directory": str(run_file.path.resolve().parent),
         "system_reference": run_file.system_reference,
         "plugin_sha256": run_file.system.source,
+        "plugin_files": files,
+        "units": units_of(run_file.system),
         "equations_sha256": equations_hash(run_file),
         "accuracy": run_file.accuracy,
         "engine": dict(run_file.engine),

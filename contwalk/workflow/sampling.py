@@ -91,7 +91,8 @@ def sample(
     ContwalkError
         For bad input, before anything is written.
     """
-    from contwalk.storage.trajectory import Samples, refuse_existing, write_samples
+    from contwalk.storage.failures import refuse_existing
+    from contwalk.storage.trajectory import Samples, write_samples
 
     database, table = run.file("samples.h5"), run.file("samples.csv")
     named = (figure.options.get("file") for figure in run.figures)

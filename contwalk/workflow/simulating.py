@@ -71,7 +71,8 @@ def simulate(
     ContwalkError
         For bad input, before anything is written.
     """
-    from contwalk.storage.trajectory import refuse_existing, write_trajectory
+    from contwalk.storage.failures import refuse_existing
+    from contwalk.storage.trajectory import write_trajectory
 
     names = [(spec, run.file(_figure_file(run, number))) for number, spec in enumerate(run.figures)]
     names = [(spec, _named(run, spec, path)) for spec, path in names] if figures else []

@@ -13,8 +13,8 @@ from pathlib import Path
 from contwalk.branch import Branch
 from contwalk.continuation.verification import Comparison
 from contwalk.errors import ContwalkError
+from contwalk.storage.failures import refuse_existing
 from contwalk.storage.hdf5 import Hdf5Database
-from contwalk.storage.trajectory import refuse_existing
 from contwalk.workflow.pairing import counted, paired, value_of
 from contwalk.workflow.run_file import RunFile
 from contwalk.workflow.run_values import LOWEST_ACCURACY

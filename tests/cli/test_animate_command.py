@@ -93,14 +93,14 @@ def frames(path):
 
 
 def test_a_gait_is_played(contwalk, wheel, folder):
-    done = contwalk("animate", wheel, "b1/0", "-o", "gait.gif", "--fps", "10", "--periods", "2")
+    done = contwalk("animate", "--trust", wheel, "b1/0", "-o", "gait.gif", "--fps", "10", "--periods", "2")
     assert (done.code, done.err) == (0, "")
     assert done.out == "Wrote gait.gif: 15 frames, 2 periods of 0.7548 s in 1.5 s.\n"
     assert frames(folder / "gait.gif") == 15
 
 
 def test_a_smooth_orbit_is_played_as_a_page(contwalk, circle, folder):
-    done = contwalk("animate", circle, "b2/EP1", "-o", "turn.html", "--fps", "2", "--slow", "0.5")
+    done = contwalk("animate", "--trust", circle, "b2/EP1", "-o", "turn.html", "--fps", "2", "--slow", "0.5")
     assert done.code == 0
     assert done.out.startswith("Wrote turn.html: 6 frames, 1 period of 6.283 s in 3 s.")
     text = (folder / "turn.html").read_text(encoding="utf-8")
@@ -108,22 +108,24 @@ def test_a_smooth_orbit_is_played_as_a_page(contwalk, circle, folder):
 
 
 def test_a_mode_is_shown_beside_it(contwalk, wheel, circle, folder):
-    done = contwalk("animate", wheel, "b1/0", "-o", "mode.gif", "--fps", "5", "--mode", "1", "--periods", "2")
+    done = contwalk(
+        "animate", "--trust", wheel, "b1/0", "-o", "mode.gif", "--fps", "5", "--mode", "1", "--periods", "2"
+    )
     assert (done.code, done.err) == (0, "")
     assert "2 periods of 0.7548 s in 1.6 s, beside it mode 1: multiplier 0." in done.out
     assert frames(folder / "mode.gif") == 8
     given = ("--fps", "2", "--mode", "1", "--amplitude", "0.5")
-    assert contwalk("animate", circle, "b2/EP1", "-o", "mode.html", *given).code == 0
+    assert contwalk("animate", "--trust", circle, "b2/EP1", "-o", "mode.html", *given).code == 0
 
 
 def test_quiet(contwalk, wheel):
-    done = contwalk("animate", wheel, "b1/EP1", "-o", "gait.gif", "--fps", "2", "--quiet")
+    done = contwalk("animate", "--trust", wheel, "b1/EP1", "-o", "gait.gif", "--fps", "2", "--quiet")
     assert (done.code, done.out, done.err) == (0, "", "")
 
 
 def test_a_file_that_exists_is_replaced_only_with_force(contwalk, wheel, folder):
     (folder / "gait.gif").write_bytes(b"mine")
-    given = ("animate", wheel, "b1/0", "-o", "gait.gif", "--fps", "2")
+    given = ("animate", "--trust", wheel, "b1/0", "-o", "gait.gif", "--fps", "2")
     done = contwalk(*given)
     assert done.code == 2
     assert done.err == "error: gait.gif exists. Name another file, or replace it with --force.\n"
@@ -154,7 +156,7 @@ def test_a_file_that_exists_is_replaced_only_with_force(contwalk, wheel, folder)
 )
 def test_what_cannot_be_played(contwalk, circle, folder, point, options, said):
     before = {path.name for path in folder.iterdir()}
-    done = contwalk("animate", circle, point, *options)
+    done = contwalk("animate", "--trust", circle, point, *options)
     assert (done.code, done.out) == (2, "")
     assert said in done.err
     assert {path.name for path in folder.iterdir()} == before
@@ -162,7 +164,7 @@ def test_what_cannot_be_played(contwalk, circle, folder, point, options, said):
 
 def test_without_ffmpeg_there_is_a_remedy(contwalk, circle, monkeypatch):
     monkeypatch.setenv("PATH", "")
-    done = contwalk("animate", circle, "b2/5", "-o", "a.mp4")
+    done = contwalk("animate", "--trust", circle, "b2/5", "-o", "a.mp4")
     assert done.code == 2
     assert "MP4 needs the program ffmpeg, which is not there. Install ffmpeg, or name a .gif" in done.err
 
@@ -170,8 +172,8 @@ def test_without_ffmpeg_there_is_a_remedy(contwalk, circle, monkeypatch):
 def test_a_system_without_draw(contwalk, wheel, folder):
     (folder / "wheel.py").write_text(WHEEL.replace(", draw=draw", ""), encoding="utf-8")
     for command in (
-        ("animate", wheel, "b1/0", "-o", "a.gif"),
-        ("plot", wheel, "--kind", "stick_figure", "-o", "a.png"),
+        ("animate", "--trust", wheel, "b1/0", "-o", "a.gif"),
+        ("plot", "--trust", wheel, "--kind", "stick_figure", "-o", "a.png"),
     ):
         done = contwalk(*command)
         assert done.code == 2
@@ -180,7 +182,12 @@ def test_a_system_without_draw(contwalk, wheel, folder):
 
 def test_stick_figures_of_one_point_or_the_start(contwalk, wheel, folder):
     for options, title in (((), "b1/0:"), (("--point", "b1/EP2"), "b1/EP2:")):
-        assert contwalk("plot", wheel, "--kind", "stick_figure", "-o", "s.svg", *options).code == 0
+        assert (
+            contwalk(
+                "plot", "--trust", wheel, "--kind", "stick_figure", "--force", "-o", "s.svg", *options
+            ).code
+            == 0
+        )
         text = (folder / "s.svg").read_text(encoding="utf-8")
         assert f"<!-- {title}  gamma = 0.1" in text
         assert text.count('id="event"') == 2
@@ -194,12 +201,20 @@ def test_a_run_file_draws_the_stick_figure_of_the_start(circle, folder):
 
 def test_time_series_have_the_events(contwalk, wheel, circle, folder):
     for options in (("--point", "b1/0"), ()):
-        assert contwalk("plot", wheel, "--kind", "time_series", "-o", "t.svg", *options).code == 0
+        assert (
+            contwalk(
+                "plot", "--trust", wheel, "--kind", "time_series", "--force", "-o", "t.svg", *options
+            ).code
+            == 0
+        )
         text = (folder / "t.svg").read_text(encoding="utf-8")
         assert "<!-- heel_strike (1) -->" in text
         assert 'id="series-theta"' in text
         assert 'id="series-omega_"' in text
-    assert contwalk("plot", circle, "--kind", "time_series", "-y", "x", "-o", "t.svg").code == 0
+    assert (
+        contwalk("plot", "--trust", circle, "--kind", "time_series", "--force", "-y", "x", "-o", "t.svg").code
+        == 0
+    )
     text = (folder / "t.svg").read_text(encoding="utf-8")
     assert "<!-- x (m) -->" in text
     assert 'id="series-y"' not in text
@@ -217,14 +232,14 @@ def test_time_series_have_the_events(contwalk, wheel, circle, folder):
     ],
 )
 def test_what_cannot_be_drawn(contwalk, circle, options, said):
-    done = contwalk("plot", circle, "-o", "a.png", *options)
+    done = contwalk("plot", "--trust", circle, "-o", "a.png", *options)
     assert done.code == 2
     assert said in done.err
 
 
 def test_show_tells_legs_and_margins(contwalk, wheel):
     for point in ("b1/0", "b1/EP1"):
-        lines = [line.split() for line in contwalk("show", wheel, point).out.splitlines()]
+        lines = [line.split() for line in contwalk("show", "--trust", wheel, point).out.splitlines()]
         assert ["admissible"] in lines
         assert ["signature:", "heel_strike"] in lines
         head = lines.index(["leg", "mode", "duration", "unit", "ended", "by"])
@@ -239,7 +254,7 @@ def test_show_tells_legs_and_margins(contwalk, wheel):
 
 def test_show_without_the_system_tells_what_is_stored(contwalk, wheel, folder):
     (folder / "wheel.py").unlink()
-    done = contwalk("show", wheel, "b1/EP1")
+    done = contwalk("show", "--trust", wheel, "b1/EP1")
     assert done.code == 0
     assert "admissible" in done.out
     assert "of its largest" not in done.out

@@ -25,9 +25,21 @@ def test_axes_with_units(contwalk, database, folder):
     text = (folder / "figure.svg").read_text(encoding="utf-8")
     assert "<!-- x (m) -->" in text
     assert "<!-- r (N) -->" in text
-    (folder / "fork.py").unlink()
-    assert contwalk("plot", database, "-x", "x", "-y", "r", "-o", "figure.svg").code == 0
-    assert "<!-- x (m) -->" not in (folder / "figure.svg").read_text(encoding="utf-8")
+    (folder / "fork.py").unlink()  # they are stored
+    assert contwalk("plot", database, "-x", "x", "-y", "r", "-o", "figure.svg", "--force").code == 0
+    assert "<!-- x (m) -->" in (folder / "figure.svg").read_text(encoding="utf-8")
+
+
+def test_a_file_that_exists_is_replaced_only_with_force(contwalk, database, folder):
+    (folder / "mine.png").write_bytes(b"mine")
+    done = contwalk("plot", database, "-o", "mine.png")
+    assert (done.code, done.err) == (
+        2,
+        "error: mine.png exists. Replace it with --force, or choose another output.\n",
+    )
+    assert (folder / "mine.png").read_bytes() == b"mine"
+    assert contwalk("plot", database, "-o", "mine.png", "--force").code == 0
+    assert (folder / "mine.png").read_bytes().startswith(MAGIC["png"])
 
 
 def test_chosen_branches(contwalk, database, folder):
@@ -48,11 +60,16 @@ def test_eigenvalues(contwalk, database, folder):
 
 def test_machine(contwalk, database, folder):
     for name in ("b1/BP1", "b1/3"):
-        assert contwalk("plot", database, "--kind", "machine", "--point", name, "-o", "m.svg").code == 0
+        assert (
+            contwalk(
+                "plot", "--trust", "--force", database, "--kind", "machine", "--point", name, "-o", "m.svg"
+            ).code
+            == 0
+        )
         assert f"<!-- {name}: r = " in (folder / "m.svg").read_text(encoding="utf-8")
-    assert contwalk("plot", database, "--kind", "machine", "-o", "start.png").code == 0
+    assert contwalk("plot", "--trust", "--force", database, "--kind", "machine", "-o", "start.png").code == 0
     (folder / "fork.py").unlink()
-    done = contwalk("plot", database, "--kind", "machine", "-o", "m.png")
+    done = contwalk("plot", "--trust", "--force", database, "--kind", "machine", "-o", "m.png")
     assert done.code == 2
     assert "cannot be loaded" in done.err
 
@@ -70,7 +87,7 @@ def test_stability_map_finds_the_swept_parameter(contwalk, folder):
     ("options", "said"),
     [
         (("-o", "x.gif"), ".png, .svg, .pdf"),
-        (("-o", "nowhere/x.png"), "existing folder"),
+        (("-o", "nowhere/x.png"), "the directory nowhere does not exist"),
         (("-o", "x.png", "-y", "heigt"), "Did you mean 'height'?"),
         (("-o", "x.png", "--branch", "b9"), "has no branch 'b9'"),
         (("-o", "x.png", "--kind", "multipliers"), "No branch has multipliers"),

@@ -66,7 +66,7 @@ def tampered(path, change, to="wrong.h5"):
 
 
 def test_a_branch_point_agrees(contwalk, database):
-    done = contwalk("verify", database)
+    done = contwalk("verify", "--trust", database)
     assert done.code == 0
     assert done.err == ""
     assert "1 of 1 point agree." in done.out
@@ -76,7 +76,7 @@ def test_a_branch_point_agrees(contwalk, database):
 
 
 def test_orbits_are_recomputed_by_another_integrator(contwalk, cycles):
-    done = contwalk("verify", cycles, "--json")
+    done = contwalk("verify", "--trust", cycles, "--json")
     shown = json.loads(done.out)
     assert done.code == 0
     assert shown["agree"] is True
@@ -89,10 +89,10 @@ def test_orbits_are_recomputed_by_another_integrator(contwalk, cycles):
 
 
 def test_one_point_by_a_chosen_integrator(contwalk, cycles):
-    done = contwalk("verify", cycles, "b2/UZ1", "--method", "radau5", "--json")
+    done = contwalk("verify", "--trust", cycles, "b2/UZ1", "--method", "radau5", "--json")
     (point,) = json.loads(done.out)["points"]
     assert (point["branch"], point["point"], point["method"]) == ("b2", "UZ1", "radau5")
-    assert contwalk("verify", cycles, "b1").out.count("\nb1/") >= 1
+    assert contwalk("verify", "--trust", cycles, "b1").out.count("\nb1/") >= 1
 
 
 def test_a_wrong_value_is_found(contwalk, database):
@@ -100,23 +100,23 @@ def test_a_wrong_value_is_found(contwalk, database):
         return replace(point, unknowns=(*point.unknowns[:-1], point.unknowns[-1] + 1e-6))
 
     wrong = tampered(database, change)
-    done = contwalk("verify", wrong)
+    done = contwalk("verify", "--trust", wrong)
     assert done.code == 1
     assert "DISAGREES" in done.out
     assert "0 of 1 point agree, 1 DISAGREE." in done.out
-    assert json.loads(contwalk("verify", wrong, "--json").out)["agree"] is False
+    assert json.loads(contwalk("verify", "--trust", wrong, "--json").out)["agree"] is False
 
 
 def test_points_that_were_not_located_do_not_fail(contwalk, database):
     wrong = tampered(database, lambda point: replace(point, status="unlocated"))
-    done = contwalk("verify", wrong)
+    done = contwalk("verify", "--trust", wrong)
     assert done.code == 0
     assert "1 not recomputed" in done.out
 
 
 def test_nothing_to_recompute(contwalk):
     contwalk("continue", "run.yaml", "--quiet", "--set", "continue.range=[-1.0,-0.1]")
-    done = contwalk("verify", "fork.h5")
+    done = contwalk("verify", "--trust", "fork.h5")
     assert (done.code, done.out) == (0, "There is no special point to recompute.\n")
 
 
@@ -130,7 +130,7 @@ def test_nothing_to_recompute(contwalk):
     ],
 )
 def test_bad_input(contwalk, database, arguments, said):
-    done = contwalk("verify", *arguments)
+    done = contwalk("verify", "--trust", *arguments)
     assert done.code == 2
     assert said in done.err
     assert "Traceback" not in done.err
@@ -138,7 +138,7 @@ def test_bad_input(contwalk, database, arguments, said):
 
 def test_a_plugin_that_is_gone(contwalk, database, folder):
     (folder / "fork.py").unlink()
-    done = contwalk("verify", database)
+    done = contwalk("verify", "--trust", database)
     assert done.code == 2
     assert "cannot be loaded" in done.err
 
@@ -156,13 +156,22 @@ def test_pages_of_orbits(contwalk, cycles):
 
 
 def test_a_phase_portrait_of_stored_orbits(contwalk, cycles, folder):
-    done = contwalk("plot", cycles, "--kind", "phase_portrait", "-x", "x", "-y", "y", "-o", "p.svg")
+    done = contwalk(
+        "plot", "--trust", "--force", cycles, "--kind", "phase_portrait", "-x", "x", "-y", "y", "-o", "p.svg"
+    )
     assert (done.code, done.out) == (0, "Wrote p.svg.\n")
     assert "mu = 0.5,  T = 6.283 s" in (folder / "p.svg").read_text(encoding="utf-8")
     point = ("--point", "b2/2", "--point", "b2/UZ1")
-    assert contwalk("plot", cycles, "--kind", "phase_portrait", *point, "-o", "p.svg").code == 0
-    refused = contwalk("plot", cycles, "--kind", "phase_portrait", "-x", "mu", "-o", "p.svg")
+    assert (
+        contwalk("plot", "--trust", "--force", cycles, "--kind", "phase_portrait", *point, "-o", "p.svg").code
+        == 0
+    )
+    refused = contwalk(
+        "plot", "--trust", "--force", cycles, "--kind", "phase_portrait", "-x", "mu", "-o", "p.svg"
+    )
     assert refused.code == 2
     assert "'mu' is not a state" in refused.err
-    assert contwalk("plot", cycles, "-z", "x", "-o", "p.svg").code == 2
-    assert contwalk("plot", cycles, "--kind", "machine", *point, "-o", "p.svg").code == 2
+    assert contwalk("plot", "--trust", "--force", cycles, "-z", "x", "-o", "p.svg").code == 2
+    assert (
+        contwalk("plot", "--trust", "--force", cycles, "--kind", "machine", *point, "-o", "p.svg").code == 2
+    )

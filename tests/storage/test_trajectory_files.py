@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from contwalk.errors import DatabaseError
+from contwalk.storage.failures import refuse_existing
 from contwalk.storage.trajectory import (
     Samples,
     Trajectory,
     read_samples,
     read_trajectory,
-    refuse_existing,
     write_samples,
     write_trajectory,
 )
@@ -116,5 +116,5 @@ def test_existing_files_are_refused_unless_forced(tmp_path):
         refuse_existing([tmp_path / "new.h5", path], force=False)
     with pytest.raises(DatabaseError, match="does not exist"):
         refuse_existing([tmp_path / "nowhere" / "x.h5"], force=True)
-    with pytest.raises(DatabaseError, match="exists"):
+    with pytest.raises(DatabaseError, match="is a directory"):
         refuse_existing([tmp_path], force=True)

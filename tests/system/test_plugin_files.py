@@ -1,0 +1,53 @@
+"""The files of a plugin, found without running them."""
+
+from __future__ import annotations
+
+from contwalk.system import load_system
+from contwalk.system.loading import plugin_files
+from contwalk.system.plugin_files import hash_of, hashes_of_file
+
+
+def write(folder, **files):
+    for name, text in files.items():
+        path = folder / f"{name.replace('__', '/')}.py"
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+
+
+def test_files_that_are_imported_count(tmp_path):
+    write(
+        tmp_path,
+        machine="import numpy, json\nimport masses\nfrom parts import springs\n",
+        masses="def f():\n    import late\n",
+        late="import machine\n",  # a circle
+        parts__springs="from .dampers import c\nfrom .. import outside\n",
+        parts__dampers="c = 1.0\n",
+        unrelated="",
+        outside="",
+    )
+    (tmp_path / "parts" / "__init__.py").write_text("", encoding="utf-8")
+    found = hashes_of_file(tmp_path / "machine.py")
+    package = [f"parts/{name}.py" for name in ("__init__", "dampers", "springs")]
+    assert list(found) == ["late.py", "machine.py", "masses.py", "outside.py", *package]
+
+
+def test_the_hash_depends_on_each_of_them(tmp_path):
+    write(tmp_path, machine="import masses\n", masses="m = 1.0\n")
+    before = hash_of(hashes_of_file(tmp_path / "machine.py"))
+    write(tmp_path, masses="m = 2.0\n")
+    assert hash_of(hashes_of_file(tmp_path / "machine.py")) != before
+
+
+def test_what_is_no_python_is_a_file_all_the_same(tmp_path):
+    write(tmp_path, broken="def f(:\n", deep="(" * 3000)
+    for name in ("broken", "deep"):
+        assert list(hashes_of_file(tmp_path / f"{name}.py")) == [f"{name}.py"]
+    assert hashes_of_file(tmp_path / "missing.py") == {}
+
+
+def test_an_installed_system_has_the_files_of_its_package():
+    found = plugin_files("autobalancer")
+    assert {"__init__.py", "autobalancer/isotropic.py", "autobalancer/parameters.py"} <= set(found)
+    assert not any("walker" in name for name in found)
+    assert load_system("autobalancer").source == hash_of(found)
+    assert plugin_files("no_such_system") == {}
