@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from contwalk.problems.orbit.protocol import Orbit
     from contwalk.problems.problem import Sample
 
+# An orbit that goes a smaller part of its metric in one closure is a point: solutions are known to 1e-10.
+POINT = 1e-8
 # An orbit that is this slow somewhere, against its fastest, passes an equilibrium.
 CREEPING = 1e-2
 # Two states of an orbit nearer than this, in units of its range, are one.
@@ -32,7 +34,26 @@ REST = 10.0
 
 def ended(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:
     """Why the branch ends between two neighbouring orbits, if it does."""
-    return at_a_point(problem, a, b) or homoclinic(problem, a, b)
+    return unborn(problem, a, b) or at_a_point(problem, a, b) or homoclinic(problem, a, b)
+
+
+def unborn(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:
+    """Two orbits that are points to rounding: the walk has not left the Hopf point that it began at."""
+    if problem.forced or max(_extent(problem, sample) for sample in (a, b)) > POINT:
+        return None
+    return Outcome(
+        "failed",
+        "step_too_small",
+        f"The cycle that is born at {problem.free} = {a.z[-1]:.10g} cannot be followed away from its Hopf "
+        "point: what the steps there find is rounding. Give the states a `scale` in the plugin, or start on "
+        "the cycle itself with start: {simulate: ...}.",
+    )
+
+
+def _extent(problem: PeriodicOrbit, sample: Sample) -> float:
+    """How far an orbit goes in one closure at its present speed, in the metric."""
+    n = problem.states
+    return float(np.linalg.norm(problem.velocity(sample.z) / sample.weights[:n])) * np.sqrt(problem.segments)
 
 
 def at_a_point(problem: PeriodicOrbit | HybridOrbit, a: Sample, b: Sample) -> Outcome | None:

@@ -39,6 +39,8 @@ SAMPLES = 512
 SOLVED = 1e-3
 # Evaluations of the field in a step of each method (of the implicit ones, about).
 STAGES = {"dop853": 12, "verner98": 16, "radau5": 24, "radau9": 40}
+# An orbit that moves less than this part of its magnitudes is a point.
+POINT = 1e-10
 # A state that moves less than this part of what others do, in units of its size, tells no magnitude.
 CONSTANT = 1e-5
 # An orbit that goes a smaller part of its own size in one period has become a point.
@@ -338,7 +340,11 @@ class PeriodicOrbit:
         nodes = np.concatenate(self.shooting.states(self.starts(z), self.scalars(z)))
         half = 0.5 * np.ptp(nodes, axis=0)
         shares = half / np.maximum(np.abs(nodes).max(axis=0), self.mesh.variation)
-        half = np.where(shares > max(CONSTANT * float(shares.max()), 1e-13), half, np.nan)
+        moves = np.any(
+            half > POINT * self.mesh.magnitudes
+        )  # a point tells nothing: what it moves is rounding
+        told = moves & (shares > max(CONSTANT * float(shares.max()), 1e-13))
+        half = np.where(told, half, np.nan)
         for i, state in enumerate(self.system.states):
             if state.scale is not None:
                 half[i] = state.scale

@@ -9,8 +9,8 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
-from contwalk.problems.linear import nearest_eigenpair
-from contwalk.problems.orbit.branching import FAINT, amplitude, crossing, filled_magnitudes
+from contwalk.problems.orbit.birth import CycleSizes
+from contwalk.problems.orbit.branching import amplitude, crossing, filled_magnitudes
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.null_vectors import null_vectors
 from contwalk.problems.orbit.section import section_at
@@ -34,10 +34,9 @@ def from_hopf(equilibrium: Equilibrium, point: SpecialPoint) -> Sequence[Seed]:
 
     n, z = equilibrium.states, np.array(point.unknowns)
     omega = float(point.coefficients["omega"])
-    a = equilibrium.jacobian(z)[:n, :n]
-    q = nearest_eigenpair(a, 1j * omega).right
-    magnitudes = np.maximum(np.abs(q), FAINT * np.abs(q).max())
-    q = _turned(q, magnitudes)
+    sizes = CycleSizes(equilibrium, point)
+    magnitudes = sizes(abs(float(z[-1])) or 1.0)
+    q = _turned(sizes.right, magnitudes)
     orbit = PeriodicOrbit(
         equilibrium.system,
         equilibrium.parameters,
@@ -68,14 +67,10 @@ def from_hopf(equilibrium: Equilibrium, point: SpecialPoint) -> Sequence[Seed]:
     m = segments_for(problem, start)
     if m > 1:
         problem, start, tangent = cut(m)
-    l1, rate = float(point.coefficients["l1"]), abs(float(point.coefficients["crossing_rate"]))
 
     def reach(change: float) -> np.ndarray:
-        """Amplitudes on the cycle while the parameter changes so much: rho^2 = rate change / (omega |l1|)."""
-        amplitude = 2.0 * np.sqrt(rate * change / (omega * abs(l1))) if l1 != 0.0 and rate > 0.0 else 1.0
-        size = np.maximum(amplitude * magnitudes, 1e-12 * np.abs(x)) * np.sqrt(problem.segments)
         moved = np.zeros(len(start))
-        moved[: problem.segments * n] = np.tile(size, problem.segments)
+        moved[: m * n] = np.tile(sizes(change) * np.sqrt(m), m)
         moved[-1] = change
         return moved
 

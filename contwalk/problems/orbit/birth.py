@@ -1,0 +1,118 @@
+"""How far each state moves on the cycle that is born at a Hopf point.
+
+To first order only the states with a share in the critical vector move. Others follow with the square of the
+amplitude, with its cube, or with the square of what follows with its square; and all of them move with the
+equilibrium. So the cycle is solved for at one amplitude, harmonic by harmonic: with the linear part inverted,
+each round of substitution adds an order.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+from contwalk.errors import PluginError
+from contwalk.problems.linear import EPSILON, nearest_eigenpair
+
+if TYPE_CHECKING:
+    from contwalk.problems.equilibrium import Equilibrium
+
+# Samples of a round, and harmonics that are solved for: some orders of a small cycle.
+SAMPLES, HARMONICS = 32, 6
+# Higher orders may be so large against the first one; else the amplitude is halved, so often at most.
+MOST, HALVINGS = 0.5, 40
+# What a state moves by less than this part of what the others could make of it is rounding.
+NOISE = 1e3 * EPSILON
+# A state that nothing moves counts as moving this part of what the one does that moves most.
+FAINT = 1e-6
+
+
+class CycleSizes:
+    """The sizes of a cycle that is born, when the parameter has changed by a given amount."""
+
+    def __init__(self, equilibrium: Equilibrium, point: SpecialPoint) -> None:
+        n, z = equilibrium.states, np.array(point.unknowns)
+        self._equilibrium, self._z = equilibrium, z
+        self._omega = float(point.coefficients["omega"])
+        self._square = _square_per_change(point)
+        jacobian = equilibrium.jacobian(z)
+        self._a = jacobian[:n, :n]
+        pair = nearest_eigenpair(self._a, 1j * self._omega)
+        self.right = pair.right / np.linalg.norm(pair.right)
+        self._first = 2.0 * np.abs(self.right)
+        self._shift = np.abs(equilibrium.solve_states(z, jacobian[:n, -1]))
+        self._inverses = [self._inverse(k, pair.left) for k in range(HARMONICS + 1)]
+
+    def _inverse(self, k: int, left: np.ndarray) -> np.ndarray:
+        """(i k omega - A)^-1; of the first harmonic, the amplitude stays as it is."""
+        n = len(self._a)
+        if k == 0:
+            return -np.column_stack([self._equilibrium.solve_states(self._z, unit) for unit in np.eye(n)])
+        matrix = 1j * k * self._omega * np.eye(n) - self._a
+        if k > 1:
+            return np.linalg.inv(matrix)
+        border = self.right / self._first.max(), left / np.linalg.norm(left)
+        bordered = np.block([[matrix, border[0][:, None]], [border[1][None, :], np.zeros((1, 1))]])
+        return np.linalg.inv(bordered)[:n, :n]
+
+    def __call__(self, change: float) -> np.ndarray:
+        """Half of what each state moves by, or what its mean does, shape (n,): positive."""
+        rho = np.sqrt(self._square * change) if self._square > 0.0 else 0.5
+        moved = None
+        for _ in range(HALVINGS):
+            moved = self._moved(rho)
+            if moved is not None:
+                break
+            rho *= 0.5
+        by_itself = self._first > FAINT * self._first.max()
+        sizes = rho * self._first if moved is None else moved
+        sizes = np.where(by_itself, np.maximum(sizes, rho * self._first), sizes + self._shift * change)
+        least = np.maximum(FAINT * rho * self._first.max(), 1e-12 * np.abs(self._z[: len(sizes)]))
+        return np.where(sizes > 0.0, np.maximum(sizes, 1e-12 * np.abs(self._z[: len(sizes)])), least)
+
+    def _moved(self, rho: float) -> np.ndarray | None:
+        """What each state moves by on the cycle of an amplitude; None where the orders do not fall."""
+        n = len(self._a)
+        turn = np.exp(2j * np.pi * np.outer(np.arange(SAMPLES), np.arange(HARMONICS + 1)) / SAMPLES)
+        first = np.zeros((HARMONICS + 1, n), dtype=complex)
+        first[1] = 2.0 * rho * self.right
+        harmonics = first.copy()
+        by_itself = self._first > FAINT * self._first.max()
+        for _ in range(n + 2):
+            fields = self._fields((turn @ harmonics).real)
+            if fields is None:
+                return None
+            # x = sum of Re(c_k exp(i k w t)) solves (i k w - A) c_k = (f(x) - A x)_k.
+            bends = (
+                np.fft.fft(fields - (turn @ harmonics).real @ self._a.T, axis=0)[: HARMONICS + 1] / SAMPLES
+            )
+            bends[1:] *= 2.0
+            harmonics = first + np.array([m @ b for m, b in zip(self._inverses, bends, strict=True)])
+            higher = np.abs(harmonics - first).sum(axis=0)
+            if not np.all(higher[by_itself] <= MOST * rho * self._first[by_itself].max()):
+                return None
+        size = 0.5 * np.ptp((turn @ harmonics).real, axis=0) + np.abs(harmonics[0])
+        noise = NOISE * sum(np.abs(m) for m in self._inverses) @ (np.abs(self._a) @ size)
+        return np.where(size > noise, size, 0.0)
+
+    def _fields(self, deviations: np.ndarray) -> np.ndarray | None:
+        """The field at the Hopf point's state displaced, shape (s, n); None where it is not finite."""
+        n, z, fields = len(self._a), self._z, []
+        for deviation in deviations:
+            moved = z.copy()
+            moved[:n] += deviation
+            try:
+                with np.errstate(all="ignore"):
+                    fields.append(self._equilibrium.kernels.residual(*self._equilibrium.inputs(moved))[:n])
+            except PluginError:
+                return None
+        return np.array(fields) if np.all(np.isfinite(fields)) else None
+
+
+def _square_per_change(point: SpecialPoint) -> float:
+    """rho^2 per change of the parameter: rate / (omega |l1|); 0 where the normal form does not tell."""
+    omega, l1 = float(point.coefficients["omega"]), abs(float(point.coefficients["l1"]))
+    rate = abs(float(point.coefficients["crossing_rate"]))
+    return rate / (omega * l1) if l1 > 0.0 else 0.0
