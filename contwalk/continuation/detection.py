@@ -28,6 +28,8 @@ BESIDE = 1e-3
 NEAR_REAL = 1e-5
 # Below this share of the parameter in the unit tangent, its sign is rounding noise.
 NO_SHARE = 1e-9
+# At a branch point the tangent comes from second derivatives at a point that is known to about this.
+FAINT_SHARE = 1e-6
 # How many eigenvalues pass at points that only eigenvalues tell: a pair, or a real one (SB: of half a
 # symmetric orbit, where its whole loses the symmetry).
 PASSING = {"HB": 2, "NS": 2, "PD": 1, "SB": 1}
@@ -178,10 +180,21 @@ def _singularity(segment: Segment, p: Sample, q: Sample) -> Callable[[Sample], f
 
 
 def _share(sample: Sample, tangent: np.ndarray | None = None) -> float:
-    """The parameter's share of the unit tangent, zero where it is noise."""
-    t = sample.tangent if tangent is None else tangent
-    share = float(t[-1] / sample.weights[-1])
+    """The parameter's share of the unit tangent, zero where it is noise; `tangent`: at a branch point."""
+    if tangent is not None:
+        return float(at_branch_point(tangent, sample.weights)[-1] / sample.weights[-1])
+    share = float(sample.tangent[-1] / sample.weights[-1])
     return share if abs(share) > NO_SHARE else 0.0
+
+
+def at_branch_point(tangent: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """A tangent at a branch point without a share of the parameter that is noise.
+
+    The sign of that noise would tell of a fold beside the pitchfork.
+    """
+    if abs(tangent[-1] / weights[-1]) > FAINT_SHARE * np.linalg.norm(tangent / weights):
+        return tangent
+    return np.append(tangent[:-1], 0.0)
 
 
 def _folds(segment: Segment, low: float, high: float, branch_points: list[Found]) -> list[Found]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.continuation import control, limits, outcomes
-from contwalk.continuation.detection import at_the_end, bifurcations
+from contwalk.continuation.detection import at_branch_point, at_the_end, bifurcations
 from contwalk.continuation.here import Here
 from contwalk.continuation.locating import Disagreement, Found, passes_through
 from contwalk.continuation.marks import Observer, marked
@@ -209,6 +209,7 @@ def _beside(segment: Segment) -> Sample:
     near = segment.at(segment.problem.beside)
     return replace(
         segment.a,
+        tangent=at_branch_point(segment.a.tangent, segment.a.weights),
         orientation=near.orientation,
         measures=near.measures,
         rates=near.rates,

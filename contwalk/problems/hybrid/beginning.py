@@ -16,6 +16,7 @@ from contwalk.errors import NotFinite, StartError, called
 from contwalk.flow.hybrid import Arc, HybridMachine, applied, arcs, hybrid_machine
 from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
+from contwalk.problems.hybrid.mirrors import carries
 from contwalk.problems.hybrid.word import Leg, Word
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.discretization import Discretization
@@ -267,7 +268,7 @@ class _Search:
     @cached_property
     def images(self) -> tuple[str, ...]:
         """Up to what a motion may return: nothing, or a mirror that is its own inverse."""
-        mirrors = [s for s in self.system.symmetries if s.role == "spatial" and not self.period]
+        mirrors = [s for s in self.system.symmetries if s.role == "spatial"]
         p, x = ParameterValues(**self.parameters), np.zeros(len(self.system.states))
         return ("", *(s.name for s in mirrors if order_of(s, x, p) == 2))
 
@@ -294,10 +295,21 @@ class _Search:
         apart[turned] -= np.round(apart[turned] / self.turns[turned]) * self.turns[turned]
         along = families.directions(self.system, self.neutral, first.state, self.parameters)
         missed = float(np.linalg.norm(families.across(apart, along, scale) / scale))
+        lasted = float(arc.times[-1]) - first.start
         if self.period:
-            laps = (float(arc.times[-1]) - first.start) / self.period
+            laps = lasted / self.period * (2 if image else 1)  # of half a cycle: half periods
             missed = max(missed, abs(laps - round(laps)) / 0.05) if round(laps) > 0 else np.inf
-        return Lap(tuple(self.stretches[count - back :]), scale, missed, after, image, self.origin)
+        stretches = tuple(self.stretches[count - back :])
+        if image and missed < NEARLY and not self._carries(image, stretches, lasted, scale):
+            return None
+        return Lap(stretches, scale, missed, after, image, self.origin)
+
+    def _carries(self, image: str, stretches: Sequence[Stretch], lasted: float, scale: np.ndarray) -> bool:
+        """Whether the machine is its own image after half a cycle: there the forcing is at another phase."""
+        machine, later = hybrid_machine(self.system, self.parameters), 0.0
+        if self.period:
+            later = 0.5 * self.period * round(2.0 * lasted / self.period)
+        return carries(machine, self.system.symmetry(image), stretches, later, scale)
 
     @cached_property
     def neutral(self) -> list[Neutral]:
@@ -404,7 +416,8 @@ def orbit_of(
     z = problem.assembled(states, lasting, drifts, value)
     if layout.start is not None and system.period is not None:
         period = float(called("period", system.period, ParameterValues(**problem.values_of(z))))
-        problem = problem.of_word(lap.word, max(round(float(lasting.sum()) / period), 1))
+        whole = problem.rounds * float(lasting.sum())
+        problem = problem.of_word(lap.word, max(round(whole / period), 1))
         z[layout.start] = lap.stretches[0].start % period if problem.word.eventful else 0.0
     problem = problem.turning(_turns(system, lap))
     return problem.adapted_to(z, problem.weighted(lap.magnitudes)), z

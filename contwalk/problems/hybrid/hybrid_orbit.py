@@ -83,7 +83,7 @@ class HybridOrbit:
     reference : ndarray, shape (n,), optional
         State at which pins without a parameter hold their direction.
     subharmonic : int
-        The orbit of a forced system lasts so many of its periods.
+        The whole orbit of a forced system lasts so many of its periods.
     discretization : Discretization
     """
 
@@ -279,6 +279,11 @@ class HybridOrbit:
         return 2 if self.word.image else 1
 
     @property
+    def forcings(self) -> float:
+        """Periods of the forcing in a closure: a half of them, if the closure is half of a cycle."""
+        return self.subharmonic / self.rounds
+
+    @property
     def periods(self) -> np.ndarray:
         """Periods of the states that are angles, 0 for the others, shape (N + 1,)."""
         result = np.zeros(self.size + 1)
@@ -413,7 +418,7 @@ class HybridOrbit:
         map_ = period_map(self.system, None if self.path is not None else self.free, self._direction, lift)
         c = map_.constants(np.concatenate([z[-1:], self.fixed, *directions]))
         values, slopes = map_(0.0, np.zeros(0), c), map_.jacobian(0.0, np.zeros(0), c)
-        return self.subharmonic * float(values[-1]), self.subharmonic * float(slopes[-1, 0])
+        return self.forcings * float(values[-1]), self.forcings * float(slopes[-1, 0])
 
     def _pinned(self, pin: Neutral, z: np.ndarray, row: np.ndarray) -> float:
         """Residual of a pinned direction, at the start of the first leg; its gradient is written

@@ -26,9 +26,11 @@ from contwalk.problems.hybrid.switching import discretized, rotated
 from contwalk.problems.hybrid.word import Leg, Word
 from contwalk.problems.linear import kernel_direction
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
+from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.problem import Seed
 from contwalk.problems.spectrum import complement
 from contwalk.system import Transition
+from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
     from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
@@ -109,11 +111,13 @@ def _turned(
         If there is no other place where it may begin.
     """
     m, i = problem.layout.legs, limit.leg
-    lowest, highest = (1 if limit.test == "duration" else 0), m - 2
+    # What is inserted may stand anywhere; what is removed or exchanged must not meet the image. The only
+    # event that there is has no other place: `_removed` knows it.
+    lowest, highest = {"duration": (1, m - 2), "rate": (0, max(m - 2, 0))}.get(limit.test, (0, m - 1))
     if not problem.word.image or lowest <= i <= highest:
         return problem, z, limit
     if lowest > highest:
-        raise _None(f"half of the word has {m} events only. Continue the whole orbit to see beyond.")
+        raise _None(f"half of the word has {m} events only.")
     place = (lowest + highest + 1) // 2
     there, turned = rotated(problem, z, (i - place) % m)
     return there, turned, replace(limit, leg=place)
@@ -294,23 +298,17 @@ def _removed(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, transitio
     """The event that arrives with no speed does not happen."""
     there, i, m = discretized(problem, z), limit.leg, problem.layout.legs
     following = (i + 1) % m
-    if problem.word.legs[following].mode != problem.word.legs[i].mode:
+    target = transition.target if m == 1 else problem.word.legs[following].mode
+    if target != problem.word.legs[i].mode:
         raise _None(
             f"without '{transition.name}' the machine stays in mode '{problem.word.legs[i].mode}', from "
             "where the rest of the word does not follow."
         )
     states, lasting, start = _whole(there, z)
-    _unchanged(there, transition, _at(there, z, i, 1.0), states[following])
-    word = problem.word.without(i)
+    _unchanged(there, transition, _at(there, z, i, 1.0), _image(there, z, states[following], i))
     if m == 1:
-        if not problem.forced:
-            other, unknowns = _of_legs(there, word, states, lasting, 0.0, z)
-            return Neighbour(other, unknowns, _dip(other, 0, transition))
-        period = lasting[0] / problem.subharmonic
-        begin = np.ceil(start / period - 1e-12) * period
-        share = (begin - start) / lasting[0]
-        other, unknowns = _of_legs(there, word, [_at(there, z, 0, min(share, 1.0))], lasting, 0.0, z)
-        return Neighbour(other, unknowns, _dip(other, 0, transition))
+        return _quiet(there, z, transition, start)
+    word = problem.word.without(i)
     merged = lasting[i] + lasting[following]
     if following == 0:  # the first leg now begins where the last one did
         kept, times = [states[i], *states[1:i]], [merged, *lasting[1:i]]
@@ -322,6 +320,27 @@ def _removed(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, transitio
         place = i
     other, unknowns = _of_legs(there, word, kept, times, start, z)
     return Neighbour(other, unknowns, _dip(other, place, transition))
+
+
+def _quiet(problem: HybridOrbit, z: np.ndarray, transition: Transition, start: float) -> Neighbour:
+    """The only event of a word does not happen: an orbit without events, over the whole cycle."""
+    lasting, begin = problem.duration(z), start
+    whole = problem.rounds * lasting
+    if problem.forced:
+        period = whole / problem.subharmonic
+        begin = np.ceil(start / period - 1e-12) * period
+    share = min((begin - start) / lasting, float(problem.rounds))
+    x = _at(problem, z, 0, share) if share <= 1.0 else _image(problem, z, _at(problem, z, 0, share - 1.0), 0)
+    word = Word((Leg(problem.word.legs[0].mode),))
+    other, unknowns = _of_legs(problem, word, [x], [whole], 0.0, z)
+    return Neighbour(other, unknowns, _dip(other, 0, transition))
+
+
+def _image(problem: HybridOrbit, z: np.ndarray, x: np.ndarray, i: int) -> np.ndarray:
+    """What a state is, or was, on the other side of the symmetry that is applied at the end of leg i."""
+    name = problem.word.image_at(i)
+    symmetry = problem.system.symmetry(name) if name else None
+    return imaged(symmetry, x, ParameterValues(**problem.values_of(z)))
 
 
 def _exchanged(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> Neighbour:

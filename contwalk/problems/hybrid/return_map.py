@@ -127,7 +127,7 @@ class EventMap(SectionMap):
         free = None if problem.path is not None else problem.free
         map_ = period_map(problem.system, free, problem._direction, JET)
         given = np.concatenate([self.z[-1:], problem.fixed, [lam], [0.0], [0.0]])
-        return (problem.subharmonic * map_(0.0, np.zeros(0), map_.constants(given)))[1:].tolist()
+        return (problem.forcings * map_(0.0, np.zeros(0), map_.constants(given)))[1:].tolist()
 
     def _through(
         self,

@@ -1,0 +1,94 @@
+"""Whether a declared symmetry takes motions to motions, some time later, tried where an orbit passes.
+
+Of a forced machine the image may be a motion only half a period later: the forcing is reversed then. So an
+orbit that meets its own image may be continued as half of a cycle only where the machine is, after that time,
+its own image too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contwalk.flow.hybrid_machine import HybridMachine
+from contwalk.problems.hybrid.word import imaged_leg
+from contwalk.problems.orbit.closure import imaged
+from contwalk.system import Symmetry
+from contwalk.system.declarations import ParameterValues
+
+if TYPE_CHECKING:
+    from contwalk.problems.hybrid.beginning import Stretch
+
+# Both sides agree to this part of their size: the map's derivative is a difference over such a step, known to
+# its square and to what rounding makes of it.
+SAME, STEP = 1e-8, 1e-5
+# How far from the orbit, in units of its variation, and how far into each leg it is tried.
+OFF, INTO = 0.1, 0.3
+
+
+def carries(
+    machine: HybridMachine,
+    symmetry: Symmetry,
+    stretches: Sequence[Stretch],
+    later: float,
+    scale: np.ndarray,
+) -> bool:
+    """Whether fields, guards and resets along some legs are their own images `later` seconds on."""
+    return all(
+        _field_carried(machine, symmetry, stretch, later, scale)
+        and _transition_carried(machine, symmetry, stretch, later, scale)
+        for stretch in stretches
+    )
+
+
+def _beside(x: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    return x + OFF * scale * np.cos(np.arange(1.0, len(x) + 1.0))
+
+
+def _close(a: np.ndarray, b: np.ndarray) -> bool:
+    """Whether two vectors agree; what is not finite agrees with nothing."""
+    size = max(float(np.linalg.norm(a)), float(np.linalg.norm(b)))
+    return bool(np.linalg.norm(a - b) <= SAME * size) if np.isfinite(size) else False
+
+
+def _field_carried(
+    machine: HybridMachine, symmetry: Symmetry, stretch: Stretch, later: float, scale: np.ndarray
+) -> bool:
+    mode = stretch.leg.mode
+    here, there = machine.mode(mode), machine.mode(symmetry.modes.get(mode, mode))
+    p, t = ParameterValues(**machine.parameters), stretch.start + INTO * stretch.duration
+    x = machine.existing(mode, _beside(stretch.state, scale))
+    rate = machine.full(mode, here.field(t, x[here.states], here.c))
+    size = float(np.linalg.norm(rate / scale)) or 1.0
+    if not np.isfinite(size):
+        return False
+    step = STEP / size
+    image = imaged(symmetry, x, p)
+    moved = (imaged(symmetry, x + step * rate, p) - imaged(symmetry, x - step * rate, p)) / (2.0 * step)
+    own = there.field(t + later, image[there.states], there.c)
+    return _close(moved[there.states] / scale[there.states], own / scale[there.states])
+
+
+def _transition_carried(
+    machine: HybridMachine, symmetry: Symmetry, stretch: Stretch, later: float, scale: np.ndarray
+) -> bool:
+    """Whether reset and guard are carried: a guard may be the other's negative, if it is passed that way."""
+    if stretch.leg.transition is None:
+        return True
+    one, other = stretch.leg.transition, imaged_leg(machine.system, symmetry.name, stretch.leg).transition
+    assert other is not None
+    p, t = ParameterValues(**machine.parameters), stretch.start + stretch.duration
+    before, after = machine.mode(one.source).states, machine.mode(one.target).states
+    x = machine.existing(one.source, _beside(stretch.end, scale))
+    jump, c = machine.jump(one)
+    landed = jump(0.0, np.concatenate([[t], x[before]]), c)
+    source, target = machine.mode(other.source).states, machine.mode(other.target).states
+    jump, c = machine.jump(other)
+    image = jump(0.0, np.concatenate([[t + later], imaged(symmetry, x, p)[source]]), c)
+    full = np.zeros(len(scale))
+    full[after] = landed[:-1]
+    expected = imaged(symmetry, full, p)[target]
+    alike = abs(abs(landed[-1]) - abs(image[-1])) <= SAME * abs(landed[-1])
+    return bool(alike) and _close(expected / scale[target], image[:-1] / scale[target])
