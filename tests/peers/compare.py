@@ -1,0 +1,123 @@
+"""A computed diagram against what is known of it: found, missed, extra, covered by the claimed errors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from peers.form import Study, Value
+
+from contwalk.branch import Branch, SpecialPoint
+
+# Labels of points that must all be known. UZ and EP are what a run file asks for and where branches end.
+COMPARED = ("LP", "BP", "HB", "PD", "NS", "GR", "OC", "AZ")
+# A found point this near to a value, relative to it, is meant to be it. Whether it is near enough is for its
+# claimed error to say.
+NEAR = 1e-3
+
+
+@dataclass
+class Verdict:
+    """What a diagram has of what is known."""
+
+    found: int = 0
+    missed: list[str] = field(default_factory=list)
+    extra: list[str] = field(default_factory=list)
+    uncovered: list[str] = field(default_factory=list)
+    otherwise: list[str] = field(default_factory=list)  # wrong kinds and criticalities, ends that are missing
+    worst: float = 0.0  # relative difference from a known value
+
+    @property
+    def complaints(self) -> list[str]:
+        """Everything that is not as it should be, a sentence each."""
+        return [*self.missed, *self.extra, *self.uncovered, *self.otherwise]
+
+
+def judge(study: Study, branches: list[Branch]) -> Verdict:
+    """Compare the branches of a study's diagram with what is known of it."""
+    verdict = Verdict()
+    known = (*study.values, *study.real)
+    findings: dict[Value, list[tuple[Branch, SpecialPoint]]] = {value: [] for value in known}
+    for branch in branches:
+        for point in branch.special_points:
+            if point.label not in COMPARED:
+                continue
+            value = _meant(branch, point, known)
+            if value is None or point.status != "located":
+                verdict.extra.append(f"extra: {_told(branch, point)}")
+            else:
+                findings[value].append((branch, point))
+    for value in known:
+        _judge_value(value, findings[value], verdict, required=value in study.values)
+    _judge_ends(study, branches, verdict)
+    return verdict
+
+
+def _kind_of(branch: Branch) -> str:
+    return "equilibrium" if branch.info.problem == "equilibrium" else "orbit"
+
+
+def _meant(branch: Branch, point: SpecialPoint, known: tuple[Value, ...]) -> Value | None:
+    """The known value that a found point is, if any."""
+    of = _kind_of(branch)
+    there = point.parameters[branch.info.free[0]]
+    like = [value for value in known if value.label == point.label and value.of == of]
+    near = [value for value in like if abs(there - value.value) <= NEAR * (abs(value.value) or 1.0)]
+    return min(near, key=lambda value: abs(there - value.value), default=None)
+
+
+def _judge_value(
+    value: Value, findings: list[tuple[Branch, SpecialPoint]], verdict: Verdict, required: bool
+) -> None:
+    places = {branch.name: 0 for branch, _ in findings}
+    for branch, point in findings:
+        places[branch.name] += 1
+        _judge_point(value, branch, point, verdict)
+        if places[branch.name] > value.times:
+            verdict.extra.append(f"extra: {_told(branch, point)} is found once too often on its branch")
+    if required:
+        verdict.found += min(len(findings), value.times)
+        for _ in range(value.times - len(findings)):
+            verdict.missed.append(f"missed: {value.label} of {value.of} at {value.value!r} ({value.source})")
+
+
+def _judge_point(value: Value, branch: Branch, point: SpecialPoint, verdict: Verdict) -> None:
+    """Error, criticality and kind of one found point."""
+    off = abs(point.parameters[branch.info.free[0]] - value.value)
+    size = abs(value.value) or 1.0
+    verdict.worst = max(verdict.worst, off / size)
+    if point.error is None or off > point.error + value.rel * size:
+        verdict.uncovered.append(
+            f"not covered: {_told(branch, point)}, error {point.error!r}, is {off:.3g} off {value.value!r}, "
+            f"known to {value.rel * size:.1g}"
+        )
+    for name in ("criticality", "kind"):
+        said, known = getattr(point, name), getattr(value, name)
+        if known is not None and said != known:
+            verdict.otherwise.append(f"{name}: {_told(branch, point)} is told {said}, and is {known}")
+
+
+def _judge_ends(study: Study, branches: list[Branch], verdict: Verdict) -> None:
+    for branch in branches:
+        cut_short = branch.outcome.reason == "max_points" and "max_points" not in study.run["continue"]
+        if branch.outcome.status == "failed" or cut_short:
+            verdict.otherwise.append(f"not followed to its end: {branch.name}: {branch.outcome.message}")
+    for ending in study.endings:
+        like = [branch for branch in branches if _kind_of(branch) == ending.of]
+        ends = [branch for branch in like if branch.outcome.reason == ending.reason]
+        last = [(branch[branch.info.free[0]][0], branch[branch.info.free[0]][-1]) for branch in ends]
+        if ending.value is None:
+            there = bool(ends)
+        else:
+            there = any(abs(v - ending.value) <= ending.error for pair in last for v in pair)
+        if not there:
+            at = "" if ending.value is None else f" at {ending.value!r}"
+            verdict.otherwise.append(
+                f"end: no branch ends as {ending.reason}{at} of {ending.of} ({ending.source})"
+            )
+
+
+def _told(branch: Branch, point: SpecialPoint) -> str:
+    """A found point in words."""
+    free = branch.info.free[0]
+    where = f"{branch.name}/{point.name} ({point.status}) at {free} = {point.parameters[free]!r}"
+    return where if point.note is None else f"{where} [{point.note}]"

@@ -1,0 +1,40 @@
+"""The problems in `problems/`, and running one study as a user would: from a run file into a database."""
+
+from __future__ import annotations
+
+import json
+import time
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+
+from peers.form import Peer, Study
+
+import contwalk as cw
+from contwalk.branch import Branch
+
+PROBLEMS = Path(__file__).parent / "problems"
+
+
+@dataclass(frozen=True)
+class Ran:
+    """What a study left behind, and what it cost."""
+
+    branches: list[Branch]
+    seconds: float
+
+
+def peers() -> dict[str, Peer]:
+    """All problems by the name of their file."""
+    names = sorted(path.stem for path in PROBLEMS.glob("*.py"))
+    return {name: import_module(f"peers.problems.{name}").PEER for name in names}
+
+
+def run_study(problem: str, study: Study, folder: Path) -> Ran:
+    """Run a study in `folder`; `seconds` are of processor time."""
+    path = folder / "study.yaml"
+    text = {"contwalk": 1, "system": str(PROBLEMS / f"{problem}.py"), **study.run}
+    path.write_text(json.dumps(text), encoding="utf-8")  # JSON is YAML
+    began = time.process_time()
+    result = cw.run(cw.read_run_file(path, output=folder / "study.h5"), figures=False)
+    return Ran(result.branches, time.process_time() - began)

@@ -1,0 +1,31 @@
+"""Published problems: every known special point is found, with its label and error, and no other is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from peers.compare import judge
+from peers.form import Study
+from peers.running import peers, run_study
+
+from contwalk.errors import ContwalkError
+
+PEERS = peers()
+# What a study that is known to lose something may end in: a complaint, a warning that leaks, a run that ends.
+LOSSES = (AssertionError, RuntimeWarning, ContwalkError)
+
+
+def _cases():
+    for name, peer in PEERS.items():
+        for study in peer.studies:
+            marks = [pytest.mark.slow] if study.slow else []
+            if study.lost:
+                marks.append(pytest.mark.xfail(reason=study.lost, raises=LOSSES, strict=True))
+            yield pytest.param(name, study, id=f"{name}-{study.name}", marks=marks)
+
+
+@pytest.mark.parametrize(("problem", "study"), list(_cases()))
+def test_a_published_problem(problem: str, study: Study, tmp_path: Path):
+    verdict = judge(study, run_study(problem, study, tmp_path).branches)
+    assert not verdict.complaints, "\n".join(verdict.complaints)
