@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from contwalk import quantities
 from contwalk.errors import ContwalkError
 from contwalk.labels import MEANINGS
 
@@ -137,7 +138,8 @@ class Branch:
 
     `points` is a structured array of dtype `info.point_dtype()`, sorted by `s`. `branch["m"]` gives the array
     of a free parameter, a state or an observable by its name; `branch["unstable"]` and the other
-    columns by theirs.
+    columns by theirs; `branch["max:X"]`, `branch["min:X"]` and `branch["amp:X"]` are the largest and the
+    least value of a state over each orbit, and half their difference.
     """
 
     info: BranchInfo
@@ -161,6 +163,13 @@ class Branch:
         """Names that `branch[name]` understands besides the columns of `points`."""
         return (*self.info.free, *self.info.observables, *self.info.states)
 
+    def knows(self, name: str) -> bool:
+        """Whether `branch[name]` is one real number a point."""
+        dtype = self.points.dtype
+        scalar = name in (dtype.names or ()) and dtype[name].shape == () and dtype[name].kind != "c"
+        known = name in (*self.names(), *self.info.parameters) or self._extreme(name) is not None
+        return scalar or known
+
     def __len__(self) -> int:
         return len(self.points)
 
@@ -172,6 +181,9 @@ class Branch:
         ):
             if name in known:
                 return self.points[column][:, known.index(name)]
+        extreme = self._extreme(name)
+        if extreme is not None:
+            return extreme
         if name in (self.points.dtype.names or ()):
             return self.points[name]
         if name in self.info.parameters:
@@ -179,6 +191,14 @@ class Branch:
         raise KeyError(
             f"Branch {self.name} has no '{name}'. Known: {', '.join((*self.names(), *self.info.parameters))}"
         )
+
+    def _extreme(self, name: str) -> np.ndarray | None:
+        """`max:X`, `min:X` or `amp:X`: stored of orbits; of an equilibrium X itself, or zero."""
+        kind, _, state = name.partition(":")
+        if state in self.info.states and self.info.problem == "equilibrium":
+            at_rest = {"max": self[state], "min": self[state], "amp": np.zeros(len(self))}
+            return at_rest.get(kind)
+        return quantities.column(name, self.info.observables, self.points["observables"])
 
     def columns(self) -> dict[str, np.ndarray]:
         """The columns of `points` by name, one entry a point.

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from contwalk import quantities
 from contwalk.cli.hybrid_page import (
     admissible_line,
     facts_at,
@@ -105,6 +106,7 @@ def print_special(
     print_legs(out, hybrid)
     _values(out, "parameter", point.parameters.items(), units)
     _values(out, "state", point.state.items(), units)
+    _ranges(out, branch, point.index, units)
     if hybrid is not None:
         print_margins(out, hybrid)
     else:
@@ -136,9 +138,14 @@ def print_row(
     parameters = {**info.parameters, **dict(zip(info.free, point["free"], strict=True))}
     _values(out, "parameter", parameters.items(), units)
     _values(out, "state", zip(info.states, point["state"], strict=True), units)
+    _ranges(out, branch, row, units)
     told = {margin.name for margin in hybrid.margins} if hybrid is not None else set()
-    observables = zip(info.observables, point["observables"], strict=True)
-    _values(out, "observable", [(name, value) for name, value in observables if name not in told], units)
+    observables = [
+        (name, value)
+        for name, value in zip(info.observables, point["observables"], strict=True)
+        if name not in told and not quantities.of_orbit(name)
+    ]
+    _values(out, "observable", observables, units)
     if hybrid is not None:
         print_margins(out, hybrid)
     _spectrum(out, branch, point["spectrum"], "")
@@ -180,6 +187,22 @@ def _values(out: Console, title: str, values: Iterable[tuple[str, float]], units
         out.print()
         header = [title, "value", "unit" if any(row[2] for row in rows) else ""]
         table(out, header, rows, indent=4)
+
+
+def _ranges(out: Console, branch: Branch, row: int, units: Mapping[str, str]) -> None:
+    """Between which values each state moves on the orbit, where that is stored."""
+    names = [name for name in branch.info.states if quantities.MAX + name in branch.info.observables]
+    if not names or row >= len(branch):
+        return
+    rows = [
+        [name, *(exact(branch[end + name][row]) for end in (quantities.MIN, quantities.MAX))]
+        + [with_unit(name, units)]
+        for name in names
+    ]
+    out.print()
+    table(
+        out, ["over the orbit", "least", "largest", "unit" if any(r[3] for r in rows) else ""], rows, indent=4
+    )
 
 
 def _spectrum(out: Console, branch: Branch, spectrum: Iterable[complex], which: str) -> None:

@@ -102,9 +102,12 @@ def _print_point(
 
 def _print_points(out: Console, branch: Branch) -> None:
     """Every point in a line: free parameters, observables, states, stability."""
+    from contwalk import quantities
     from contwalk.cli.terminal import table
 
-    names = list(dict.fromkeys((*branch.info.free, *branch.info.observables, *branch.info.states)))
+    # Extremes of states, and states at later events, would treble the columns: --json and export have them.
+    observables = [name for name in branch.info.observables if not quantities.of_orbit(name)]
+    names = list(dict.fromkeys((*branch.info.free, *observables, *branch.info.states)))
     special = {point.index: point.name for point in reversed(branch.special_points)}
     columns = [branch[name] for name in names]
     rows = [

@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from contwalk import quantities
 from contwalk.continuation.locating import Found, same_point, sample_at
 from contwalk.continuation.newton import correct
 from contwalk.continuation.rootfinding import narrow
@@ -41,8 +42,8 @@ class Observer:
         if name in self.line:
             begin, change = self.line[name]
             return begin + sample.parameter * change
-        known = name in self.observables
-        return float(sample.observables[self.observables.index(name)]) if known else float("nan")
+        value = quantities.column(name, self.observables, sample.observables)
+        return float("nan") if value is None else float(value)
 
     def place(self, name: str, level: float) -> float | None:
         """The free parameter at which `name` has the value `level`; None if `name` is an observable."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from contwalk import quantities
 from contwalk.branch import Branch, Outcome, SpecialPoint
 from contwalk.continuation.arclength import Point, walk
 from contwalk.continuation.diagram import Diagram, Plan
@@ -197,7 +198,7 @@ def _settings(
             )
     watched = [problem.free, *problem.observable_names]
     for name in (*[mark.name for mark in chosen], *settings.get("stop_at", {})):
-        if name not in watched:
+        if not quantities.known(name, watched):
             raise StartError(
                 f"'{name}' is not watched along the branch, so it cannot be marked.",
                 f"Known: {', '.join(watched)}. {nearest(name, watched)}".strip(),

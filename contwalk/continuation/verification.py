@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from contwalk import quantities
 from contwalk.branch import ORBITS, Branch, SpecialPoint
 from contwalk.continuation.limits import LABELS as LIMITS
 from contwalk.continuation.newton import correct
@@ -244,8 +245,9 @@ def _mark(
     marks: Mapping[str, Sequence[float | str]],
 ) -> tuple[str, float | None]:
     """Name and value of the observable that is marked at a point; no value for an extremum."""
-    observables = branch.info.observables
-    here = dict(zip(observables, branch.points["observables"][point.index], strict=True))
+    observables, row = branch.info.observables, branch.points["observables"][point.index]
+    here = dict(zip(observables, row, strict=True))
+    here |= {name: float(branch[name][point.index]) for name in marks if quantities.known(name, observables)}
     if point.kind == "extremum":
         names = [name for name, values in marks.items() if "extremum" in values and name in here]
         rates = {name: abs(problem.rate(name, sample)) / max(abs(here[name]), 1e-300) for name in names}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -12,8 +13,10 @@ from matplotlib.lines import Line2D
 
 from contwalk.branch import Branch
 from contwalk.plotting.labels import Label, place_labels
+from contwalk.plotting.orbit_values import drawn_by
 from contwalk.plotting.quantities import axis_label, default_x, default_y, values, with_names, written
 from contwalk.plotting.segments import position, runs
+from contwalk.plotting.smooth_curves import Curve, curve_of
 from contwalk.plotting.special_points import legend_entries, marker
 from contwalk.plotting.style import GREY, INK, PALETTE, dark, dress, light, new_axes, title
 
@@ -55,7 +58,8 @@ def plot_bifurcation_diagram(
         Those that lack `x` or `y` are left out.
     x, y : str, optional
         Any name or scalar column a branch understands, also a fixed parameter. Default: the first free
-        parameter; the system's first own observable, else its first state.
+        parameter; the system's first own observable, else its first state. A state of orbits is drawn by its
+        largest and least value, at events where there are some: see `orbit_values`.
     ax : Axes, optional
         Where to draw; new axes by default.
     units : mapping, optional
@@ -75,18 +79,22 @@ def plot_bifurcation_diagram(
     drawn = with_names(branches, [x, y])
     own = ax is None
     ax = ax or new_axes("bifurcation_diagram")
-    dress(ax, axis_label(x, units), axis_label(y, units))
-    curves = {}
+    by = drawn_by(drawn, y, dict(units or {}))
+    dress(ax, axis_label(x, units), by.label)
+    curves: dict[int, list[Curve]] = {}
     for number, branch in enumerate(drawn):
-        points = np.stack([_values(branch, x), _values(branch, y)], axis=1)
-        curves[number] = points
-        _draw_branch(ax, branch, points, _color(number))
+        curves[number] = [_curve(branch, x, name) for name in by.names[number]]
+        for which, curve in enumerate(curves[number]):
+            _draw_branch(ax, branch, curve, _color(number), which)
+    twice = _twice(drawn)
     labels = [
         label
         for number, branch in enumerate(drawn)
-        for label in _draw_special(ax, branch, curves[number], number)
+        for which, curve in enumerate(curves[number])
+        for label in _draw_special(ax, branch, curve.rows, number, twice, which)
     ]
-    _frame(ax, np.concatenate(list(curves.values())))
+    inks = [curve.points for each in curves.values() for curve in each]
+    _frame(ax, np.concatenate(inks))
     if xlim is not None:
         ax.set_xlim(*xlim)
     if ylim is not None:
@@ -95,12 +103,22 @@ def plot_bifurcation_diagram(
     if parameters:
         title(ax, ",  ".join(_setting(name, value, units) for name, value in parameters.items()))
     if 1 < len(drawn) <= MOST_NAMED_BRANCHES:
-        labels += _names(ax, drawn, {n: _shown(ax, points) for n, points in curves.items()}, labels)
+        labels += _names(ax, drawn, {n: _shown(ax, each[0].points) for n, each in curves.items()}, labels)
     labels = [label for label in labels if len(_shown(ax, np.array([[label.x, label.y]])))]
     if own and len(labels) > MANY_LABELS:
         ax.figure.canvas.figure.set_size_inches(*LARGE)
-    place_labels(ax, labels, list(curves.values()))
+    place_labels(ax, labels, inks)
     return ax
+
+
+def _curve(branch: Branch, x: str, y: str) -> Curve:
+    return curve_of(branch, (x, y), np.stack([_values(branch, x), _values(branch, y)], axis=1))
+
+
+def _twice(branches: Sequence[Branch]) -> set[str]:
+    """Names of special points that several of the branches have: they need the branch's own before them."""
+    names = [point.name for branch in branches for point in branch.special_points if point.label != "EP"]
+    return {name for name, count in Counter(names).items() if count > 1}
 
 
 def _shown(ax: Axes, points: np.ndarray) -> np.ndarray:
@@ -125,9 +143,9 @@ def _setting(name: str, value: float, units: Mapping[str, str] | None) -> str:
     return f"{name} = {value:g}" + ("" if unit in ("", "1") else f" {written(unit)}")
 
 
-def _draw_branch(ax: Axes, branch: Branch, points: np.ndarray, color: str) -> None:
-    for number, run in enumerate(runs(branch)):
-        part = points[run.rows]
+def _draw_branch(ax: Axes, branch: Branch, curve: Curve, color: str, which: int) -> None:
+    for k, run in enumerate(runs(branch)):
+        part, number = curve.between(run.first, run.last), f"{k}" + (f"-{which}" if which else "")
         line = dict(STABLE if run.stable else UNSTABLE)
         if len(part) == 1:  # a line of one point is invisible
             line |= {"marker": "o", "markersize": 4.0, "fillstyle": "full" if run.stable else "none"}
@@ -139,16 +157,20 @@ def _draw_branch(ax: Axes, branch: Branch, points: np.ndarray, color: str) -> No
         ax.plot(*part.T, color=shade, gid=f"{branch.name}-{kind}-{number}", zorder=2, **line)
 
 
-def _draw_special(ax: Axes, branch: Branch, points: np.ndarray, number: int) -> list[Label]:
-    """Draw the markers of a branch; the labels that belong to them, in the order along the branch."""
+def _draw_special(
+    ax: Axes, branch: Branch, points: np.ndarray, number: int, twice: set[str], which: int
+) -> list[Label]:
+    """Draw the markers on a curve of a branch; the labels of its first one, in the order along the branch."""
     labels = []
     color = _color(number)
     for point in branch.special_points:
         at = [position(branch, points[:, axis], point.index, point.s) for axis in (0, 1)]
         look = marker(point.label, color, located=point.status == "located")
-        ax.plot(at[:1], at[1:], gid=f"{branch.name}-{point.name}", **look)
-        if point.label != "EP":
-            labels.append(Label(point.name or point.label, at[0], at[1], dark(color)))
+        again = f"-{which}" if which else ""
+        ax.plot(at[:1], at[1:], gid=f"{branch.name}-{point.name}{again}", **look)
+        if point.label != "EP" and not which:
+            own = f"{branch.name}/" if point.name in twice else ""
+            labels.append(Label(own + (point.name or point.label), at[0], at[1], dark(color)))
     return labels
 
 

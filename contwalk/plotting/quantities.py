@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from contwalk import quantities
 from contwalk.branch import Branch
 from contwalk.errors import ContwalkError
 from contwalk.system import System
@@ -26,8 +27,14 @@ def units_of(system: System) -> dict[str, str]:
 
 def axis_label(name: str, units: Mapping[str, str] | None) -> str:
     """`omega (rad/s)`; the name alone where it has no unit or is dimensionless."""
-    unit = {"period": "s", **(units or {})}.get(name, "1")
+    unit = unit_of(name, {"period": "s", **(units or {})})
     return name if unit in ("", "1") else f"{name} ({written(unit)})"
+
+
+def unit_of(name: str, units: Mapping[str, str]) -> str:
+    """The unit of a quantity; `max:X` and `X@2` have that of the state."""
+    state = name.rpartition(":")[2].partition(quantities.VISIT)[0]
+    return units.get(name, units.get(state, "1"))
 
 
 def written(unit: str) -> str:
@@ -47,12 +54,13 @@ def known_names(branches: Sequence[Branch]) -> list[str]:
     known: dict[str, None] = {}
     for branch in branches:
         known |= dict.fromkeys((*branch.names(), *branch.info.parameters, *_scalar_columns(branch)))
+        known |= dict.fromkeys(quantities.every_extreme(branch.info.states))
     return list(known)
 
 
 def values(branch: Branch, name: str) -> np.ndarray | None:
     """The quantity along the branch, of shape (k,); None where the branch has no such quantity."""
-    if name not in known_names([branch]):
+    if not branch.knows(name):
         return None
     return np.asarray(branch[name], dtype=float)
 
@@ -71,14 +79,15 @@ def with_names(branches: Sequence[Branch], names: Sequence[str]) -> list[Branch]
         If there is no branch at all, or none has the names; the remedy names the nearest known name.
     """
     _require_some(branches)
-    known = known_names(branches)
     for name in names:
-        if name not in known:
+        if not any(branch.knows(name) for branch in branches):
+            known = known_names(branches)
+            told = [each for each in known if not quantities.of_orbit(each)]
             raise ContwalkError(
                 f"No branch has a quantity named '{name}'.",
-                f"{nearest(name, known)} Known: {', '.join(known)}.".strip(),
+                f"{nearest(name, known)} Known: {', '.join(told)}; of a state X max:X, min:X, amp:X.".strip(),
             )
-    having = [branch for branch in branches if set(names) <= set(known_names([branch]))]
+    having = [branch for branch in branches if all(branch.knows(name) for name in names)]
     if not having:
         raise ContwalkError(
             f"No branch has all of {', '.join(names)}.", "Plot quantities that belong to the same branch."
@@ -100,7 +109,7 @@ def default_y(branches: Sequence[Branch]) -> str:
     _require_some(branches)
     for branch in branches:
         for name in branch.info.observables:
-            if name not in BUILT_IN_OBSERVABLES:
+            if name not in BUILT_IN_OBSERVABLES and not quantities.of_orbit(name):
                 return name
     for branch in branches:
         if branch.info.states:

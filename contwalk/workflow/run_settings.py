@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from contwalk import quantities
 from contwalk.system.declarations import System
 from contwalk.workflow.quantities import listed
 from contwalk.workflow.run_model import FigureOptions, ReportPlace, RunModel
@@ -66,12 +67,15 @@ class Measured:
         """Note a problem at `key` unless `name` changes along the branch."""
         observables = self.system.observable_names
         known = tuple(dict.fromkeys((self.free, *self.varying, *observables, *BUILT_IN)))
-        if name in known:
+        if name in (*known, *quantities.every_extreme(self.system.state_names)):
             return
         if name in self.system.parameter_names:
             sentence = f"'{name}' is a parameter that does not change along the branch."
         elif name in self.system.state_names:
             sentence = f"'{name}' is a state, not an observable."
+            problem = f"Of orbits, its extremes may be: max:{name}, min:{name}, amp:{name}. {allowed(known)}"
+            self.problems.add(key, sentence, problem)
+            return
         else:
             sentence = f"'{name}' is neither the free parameter nor an observable of '{self.system.name}'."
             self.problems.add(key, sentence, allowed(known, name))
@@ -216,11 +220,12 @@ def figures(
 def _check_axes(problems: Problems, system: System, key: Key, options: FigureOptions) -> None:
     observables = system.observable_names
     known = (*system.parameter_names, *system.state_names, *observables, *BUILT_IN, "period", PATH)
+    more = quantities.every_extreme(system.state_names)
     what = "neither a parameter, a state nor an observable"
     if key[-1] in SAMPLE_FIGURES:
-        known, what = system.state_names, "not a state"
+        known, more, what = system.state_names, (), "not a state"
     if key[-1] in MOTION_FIGURES:
-        known = (*system.state_names, *system.signal_names)
+        known, more = (*system.state_names, *system.signal_names), ()
         what = "neither a state nor a signal" if system.signals else "not a state"
     if isinstance(options.y, tuple) and key[-1] != "time_series":
         problems.add((*key, "y"), f"'{key[-1]}' shows one quantity.", "Give one name.")
@@ -230,7 +235,7 @@ def _check_axes(problems: Problems, system: System, key: Key, options: FigureOpt
     _check_limits(problems, key, options)
     given = {"x": options.x, "y": options.y, "z": options.z}
     for axis, name in ((axis, name) for axis, names in given.items() for name in listed(names)):
-        if name not in known:
+        if name not in (*known, *more):
             problems.add(
                 (*key, axis),
                 f"'{name}' is {what} of '{system.name}'.",

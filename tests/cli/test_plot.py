@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 MAGIC = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}
@@ -106,3 +108,51 @@ def test_what_cannot_be_drawn(contwalk, database, folder, options, said):
     assert done.code == 2
     assert said in done.err
     assert {path.name for path in folder.iterdir()} == before
+
+
+CIRCLE = """
+from contwalk.system import Mode, Parameter, State, System
+
+def field(t, x, p, dx):
+    growth = p.mu - x[0] ** 2 - x[1] ** 2
+    dx[0] = growth * x[0] - x[1]
+    dx[1] = x[0] + growth * x[1]
+
+SYSTEM = System(
+    "circle", (State("x", "m"), State("y", "m")), (Parameter("mu", 0.5, "m2"),), (Mode("only", field),)
+)
+"""
+STUDY = """
+contwalk: 1
+system: ./circle.py
+start: {state: {x: 0.0, y: 0.0}, parameters: {mu: -0.2}}
+continue: {parameter: mu, range: [-0.2, 0.8]}
+mark: {"max:x": [0.5], "amp:y": [0.6]}
+output: circle.h5
+figures: [bifurcation_diagram, {bifurcation_diagram: {y: "min:y", file: low.svg}}]
+"""
+
+
+def test_extremes_of_orbits_are_marked_drawn_shown_and_exported(contwalk, folder):
+    (folder / "circle.py").write_text(CIRCLE, encoding="utf-8")
+    (folder / "circle.yaml").write_text(
+        STUDY.replace("bifurcation_diagram,", "{bifurcation_diagram: {file: all.svg}},")
+    )
+    done = contwalk("continue", "circle.yaml", "--quiet")
+    assert done.code == 0, done.err
+    # Without a name a state of cycles is drawn by both extremes, next to the equilibria's own value.
+    assert "<!-- x, largest and least (m) -->" in (folder / "all.svg").read_text(encoding="utf-8")
+    assert "<!-- min:y (m) -->" in (folder / "low.svg").read_text(encoding="utf-8")
+    shown = contwalk("show", "circle.h5", "b2/UZ1").out
+    assert "over the orbit" in shown
+    (mu,) = re.findall(r"mu = (\S+) m2", shown)
+    assert float(mu) == pytest.approx(0.25, rel=1e-8)  # the accuracy that is asked for by default
+    assert contwalk("verify", "circle.h5").code == 0
+    assert contwalk("export", "circle.h5", "--csv", "tables").code == 0
+    assert "max:x" in (folder / "tables" / "b2.csv").read_text(encoding="utf-8").splitlines()[0]
+    done = contwalk("plot", "circle.h5", "-y", "max:z", "-o", "none.svg")
+    assert done.code == 2
+    assert "Did you mean 'max:x'" in done.err
+    bad = contwalk("continue", "circle.yaml", "--set", "mark={x: [0.5]}")
+    assert bad.code == 2
+    assert "max:x, min:x, amp:x" in bad.err

@@ -169,7 +169,7 @@ def test_names_of_one_branch_at_one_place_share_a_text():
     # Another branch's name at the same place has its own colour, and stays.
     other = branch({"mu": mu[:21], "x": mu[:21] ** 2}, special=special[:1], name="b2")
     ax = plot_bifurcation_diagram([twice, other])
-    assert sorted(set(words(ax)) - {"b1", "b2"}) == ["BP1", "UZ1", "UZ1, UZ2"]
+    assert sorted(set(words(ax)) - {"b1", "b2"}) == ["BP1", "b1/UZ1, UZ2", "b2/UZ1"]
     assert overlaps(ax) == []
 
 

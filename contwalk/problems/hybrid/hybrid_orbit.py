@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from contwalk import quantities
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.memory import remembered, unowned
 from contwalk.problems import neutral as neutrals
@@ -214,8 +215,12 @@ class HybridOrbit:
 
     @property
     def observable_names(self) -> tuple[str, ...]:
-        """The system's observables, margins of what is watched and of conditions, `split` and `max_abs`."""
-        return (*self.system.observable_names, MAX_ABS)
+        """The system's observables, margins of what is watched and of conditions, `split`, extremes of
+        states, states at further visits of an event, and `max_abs`.
+        """
+        states = self.system.state_names
+        later = quantities.visit_names(states, observing.visits(self))
+        return (*self.system.observable_names, *quantities.extreme_names(states), *later, MAX_ABS)
 
     def view(self, z: np.ndarray) -> tuple[LegView, ...]:
         """A solution looked at leg by leg."""
@@ -550,6 +555,7 @@ class HybridOrbit:
                 "fold": self.whole[1],
                 "image": self.word.image,
                 "turns": self.turns.tolist(),
+                "reported": observing.place(self),
             },
         }
 
@@ -831,7 +837,9 @@ class HybridOrbit:
     def observable(self, name: str, z: np.ndarray) -> float:
         """The value of one observable."""
         found = self.multipliers(z, self.linearize(z).jacobian)
-        return float(self.observables(z, found)[self.observable_names.index(name)])
+        value = quantities.column(name, self.observable_names, self.observables(z, found))
+        assert value is not None, name
+        return float(value)
 
     def _observed(self, z: np.ndarray, found: Multipliers, margins: Any) -> np.ndarray:
         return np.array(observing.values(self, z, found, margins))

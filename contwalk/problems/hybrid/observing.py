@@ -12,6 +12,7 @@ from contwalk.errors import called
 from contwalk.problems.hybrid import families, limits
 from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.orbit.closure import images_of
+from contwalk.problems.orbit.extrema import Smooth
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.sampling import MOST_BISECTIONS
 from contwalk.system.declarations import ParameterValues
@@ -39,18 +40,27 @@ class Stretch:
     seen : callable
         Times and integrated states, shapes (k,) and (k, n), as states of this leg seen from the ground: not
         by one who drifts along pinned directions.
+    exists : tuple of int
+        Which states exist in its mode.
     """
 
     name: str
     view: LegView
     later: float
     seen: Callable[[np.ndarray, np.ndarray], np.ndarray]
+    exists: tuple[int, ...]
 
     @property
     def motion(self) -> tuple[np.ndarray, np.ndarray]:
         """Times in seconds and full states, both ends and the extremes of states included."""
         times, states = self.view.motion
         return times + self.later, self.seen(times, states)
+
+    @property
+    def smooth(self) -> Smooth:
+        """The leg in 0..1 with full states as seen."""
+        view = self.view
+        return view.smooth.mapped(lambda share, x: self.seen(view.start + view.duration * share, x))
 
     @property
     def start(self) -> tuple[float, np.ndarray]:
@@ -84,7 +94,10 @@ def stretches(problem: HybridOrbit, z: np.ndarray) -> list[Stretch]:
         shares = -(times - begins)[:, None] * drifts
         return families.shifted(system, pins, states, values, shares)
 
-    found = [Stretch(leg.name, view, 0.0, drifted) for leg, view in zip(word.legs, views, strict=True)]
+    found = [
+        Stretch(leg.name, view, 0.0, drifted, system.states_of(leg.mode))
+        for leg, view in zip(word.legs, views, strict=True)
+    ]
     if not word.image:
         return found
     symmetry, p = system.symmetry(word.image), ParameterValues(**values)
@@ -95,13 +108,62 @@ def stretches(problem: HybridOrbit, z: np.ndarray) -> list[Stretch]:
         return drifted(np.full(len(times), begins + length), images)
 
     legs = word.unfolded(system).legs[len(word) :]
-    return found + [Stretch(leg.name, view, length, image) for leg, view in zip(legs, views, strict=True)]
+    return found + [
+        Stretch(leg.name, view, length, image, system.states_of(leg.mode))
+        for leg, view in zip(legs, views, strict=True)
+    ]
 
 
 def motion(problem: HybridOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The whole motion: times in seconds, (k,), and states, (k, n); both sides of each event."""
     found = [stretch.motion for stretch in problem.stretches(z)]
     return np.concatenate([t for t, _ in found]), np.concatenate([x for _, x in found])
+
+
+def extremes(problem: HybridOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Least and largest value of each state over the whole orbit, shapes (n,), where the state exists.
+
+    NaN of an angle that goes round: it has neither.
+    """
+    low, high = np.full(problem.states, np.inf), np.full(problem.states, -np.inf)
+    for stretch in problem.stretches(z):
+        own = list(stretch.exists)
+        least, largest = stretch.smooth.extremes()
+        low[own], high[own] = np.minimum(low[own], least[own]), np.maximum(high[own], largest[own])
+    neither = (problem.turns != 0.0) | np.isinf(high)
+    low[neither] = high[neither] = np.nan
+    return low, high
+
+
+def place(problem: HybridOrbit) -> str:
+    """Where the stored state is taken, in words; empty where nothing marks the instant."""
+    if problem.discretization.report_at is not None:
+        return "at a section"
+    return " ".join(reversed(_reporting(problem))) if visits(problem) else ""
+
+
+def visits(problem: HybridOrbit) -> int:
+    """How often the whole orbit meets the event at which its state is reported; 0 where there is none."""
+    if problem.discretization.report_at is not None or not problem.word.eventful:
+        return 0
+    return [leg.name for leg in problem.word.unfolded(problem.system).legs].count(_reporting(problem)[0])
+
+
+def visited(problem: HybridOrbit, z: np.ndarray) -> list[float]:
+    """States at all of these events but the first, one after the other."""
+    if visits(problem) < 2:
+        return []
+    name, side = _reporting(problem)
+    found = problem.stretches(z)
+    ends = [k for k in range(-1, len(found) - 1) if found[k].name == name][1:]
+    states = [found[k].end[1] if side == "before" else found[k + 1].start[1] for k in ends]
+    return [float(value) for x in states for value in held(problem, z, x)]
+
+
+def _reporting(problem: HybridOrbit) -> tuple[str, str]:
+    """The event at which the state is reported, and on which side of it."""
+    asked = problem.discretization.report_event
+    return asked or (problem.word.unfolded(problem.system).legs[-1].name, "before")
 
 
 def values(problem: HybridOrbit, z: np.ndarray, found: Multipliers, margins: limits.Margins) -> list[float]:
@@ -123,7 +185,8 @@ def values(problem: HybridOrbit, z: np.ndarray, found: Multipliers, margins: lim
     named = [name for name in problem.system.margins if name not in [o.name for o in own]]
     result += [margins.least(name) for name in named]
     largest = float(np.abs(found.values[0])) if len(found.values) else float("nan")
-    return [*result, split(found.values), largest]
+    low, high = extremes(problem, z)
+    return [*result, split(found.values), *high.tolist(), *low.tolist(), *visited(problem, z), largest]
 
 
 def split(multipliers: np.ndarray) -> float:
@@ -167,6 +230,11 @@ def reported(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
         return problem.first_state(z)
     else:
         x = problem.stretches(z)[-1].end[1]
+    return held(problem, z, x)
+
+
+def held(problem: HybridOrbit, z: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """A state moved along the pinned directions to where these are held."""
     values = problem.values_of(z)
     for pin, v in zip(
         problem.pins, families.directions(problem.system, problem.pins, x, values).T, strict=True

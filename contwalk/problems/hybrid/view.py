@@ -17,14 +17,12 @@ import numpy as np
 from contwalk import flow
 from contwalk.errors import UnsupportedOperation
 from contwalk.problems.hybrid.shooting import Piece
+from contwalk.problems.orbit.extrema import Smooth, sampled, turns
 from contwalk.problems.orbit.motion import PLAIN
 from contwalk.system import Transition
 
 if TYPE_CHECKING:
     from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
-
-# Samples of each step.
-PARTS = 4
 
 
 class LegView:
@@ -61,9 +59,7 @@ class LegView:
     @cached_property
     def times(self) -> np.ndarray:
         """Sampled instants in 0..1, the steps' own among them."""
-        steps = self.piece.steps
-        inner = steps[:-1, None] + np.diff(steps)[:, None] * (np.arange(PARTS) / PARTS)
-        return np.append(inner.ravel(), 1.0)
+        return sampled(self.piece.steps)
 
     @cached_property
     def states(self) -> np.ndarray:
@@ -165,6 +161,20 @@ class LegView:
             times, states = times[order], states[order]
         return self.start + self.duration * times, self.full(states)
 
+    @cached_property
+    def smooth(self) -> Smooth:
+        """The leg in 0..1 with full states."""
+        field = self.piece.passage.field(PLAIN)
+
+        def at(times: np.ndarray) -> np.ndarray:
+            return self.full(self.at(times))
+
+        def rate_at(times: np.ndarray, states: np.ndarray) -> np.ndarray:
+            own = np.ascontiguousarray(states[:, list(self.piece.passage.states)])
+            return self.full(field.along(times, own, self._constants))
+
+        return Smooth(self.times, self.full(self.states), self.full(self.rates), at, rate_at)
+
     def _extrema(self) -> np.ndarray:
         """Instants at which a state turns on the leg, in growing order."""
         t, x, r = self.times, self.states, self.rates
@@ -179,21 +189,3 @@ def view_of(problem: HybridOrbit, z: np.ndarray) -> tuple[LegView, ...]:
         LegView(piece, *problem.layout.inputs(i, z), float(times[i]))
         for i, piece in enumerate(problem.pieces)
     )
-
-
-def turns(
-    a: np.ndarray, b: np.ndarray, va: np.ndarray, vb: np.ndarray, ra: np.ndarray, rb: np.ndarray
-) -> np.ndarray:
-    """Where the cubics through two values with their rates, of opposite signs, turn between them."""
-    h = b - a
-    d = (vb - va) / h
-    # derivative of the Hermite cubic: ra + 2 (3 d - 2 ra - rb) s + 3 (ra + rb - 2 d) s^2
-    c1, c2 = 2.0 * (3.0 * d - 2.0 * ra - rb), 3.0 * (ra + rb - 2.0 * d)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        simple = ra / (ra - rb)
-        # The one of two zeros that keeps its digits, and lies between.
-        root = np.sqrt(np.maximum(c1 * c1 - 4.0 * c2 * ra, 0.0))
-        q = -0.5 * (c1 + np.where(c1 >= 0.0, root, -root))
-        one, other = q / c2, ra / q
-    s = np.where((one >= 0.0) & (one <= 1.0), one, np.where((other >= 0.0) & (other <= 1.0), other, simple))
-    return a + h * s

@@ -108,7 +108,7 @@ def cut(problem: PeriodicOrbit, z: np.ndarray, magnitudes: np.ndarray) -> tuple[
     """The same orbit in as many segments as the growth of deviations asks for; `problem` has one."""
     m, n = segments_for(problem, z), problem.states
     # On the problem's own steps: where deviations grow that much, other steps lead elsewhere.
-    starts = problem.shooting.at(problem.starts(z), problem.scalars(z), np.arange(m) / m)
+    starts = problem.curve(z).at(np.arange(m) / m)
     there = np.concatenate([starts.ravel(), z[n:]])
     weights = np.concatenate([np.tile(magnitudes * np.sqrt(m), m), np.abs(z[n:])])
     return problem.adapted_to(there, weights, segments=m), there

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from contwalk import quantities
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.errors import called
 from contwalk.memory import remembered, unowned
@@ -17,12 +18,13 @@ from contwalk.problems.linear import EPSILON, Factored
 from contwalk.problems.orbit import augmented, branching, describing, ending, rates, switching
 from contwalk.problems.orbit.closure import Closure
 from contwalk.problems.orbit.discretization import FINEST, Discretization
+from contwalk.problems.orbit.extrema import extremes
 from contwalk.problems.orbit.motion import MIXED, PLAIN, TANGENT, Motion, motion_of
 from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers, multipliers
 from contwalk.problems.orbit.normal_forms import ReturnMap
 from contwalk.problems.orbit.sampling import crossing, with_extrema
 from contwalk.problems.orbit.section import Reference, Section, better_phase, reference_of, section_at
-from contwalk.problems.orbit.shooting import Mesh, Shooting, meshed, velocity
+from contwalk.problems.orbit.shooting import Curve, Mesh, Shooting, meshed, velocity
 from contwalk.problems.orbit.transport import moved, recut
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed
@@ -182,8 +184,9 @@ class PeriodicOrbit:
 
     @property
     def observable_names(self) -> tuple[str, ...]:
-        """The system's observables, then `max_abs`."""
-        return (*[o.name for o in self.system.observables], MAX_ABS)
+        """The system's observables, extremes of the states, then `max_abs`."""
+        own = [o.name for o in self.system.observables]
+        return (*own, *quantities.extreme_names(self.system.state_names), MAX_ABS)
 
     # -- vectors of unknowns -----------------------------------------------------------------------------
 
@@ -390,6 +393,8 @@ class PeriodicOrbit:
                 "parts": self.parts,
                 "power": self.closure.power,
                 "turns": self.closure.turns.tolist(),
+                # Where the stored state is taken: a section, or where the phase happens to be fixed.
+                "reported": "at a section" if self.discretization.report_at is not None else "",
             },
         }
 
@@ -501,11 +506,18 @@ class PeriodicOrbit:
             worst = max(worst, float(np.linalg.norm(carried - own[(i + 1) % m])) / size)
         return worst
 
-    def motion_of(self, z: np.ndarray, number: int = SAMPLES) -> tuple[np.ndarray, np.ndarray]:
+    def curve(self, z: np.ndarray) -> Curve:
+        """The integrated part of the motion, in 0..1."""
+        return self.shooting.curve(self.starts(z), self.scalars(z))
+
+    def motion_of(
+        self, z: np.ndarray, number: int = SAMPLES, curve: Curve | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
         """The whole motion: times in seconds, shape (k,), and states, shape (k, n)."""
-        times, states = self.shooting.sampled(self.starts(z), self.scalars(z), number)
+        curve = self.curve(z) if curve is None else curve
+        times, states = curve.sampled(number)
         if self.system.observables:
-            times, states = with_extrema(self.shooting, self.starts(z), self.scalars(z), times, states)
+            times, states = with_extrema(curve, times, states)
         duration, parameters = self.duration(z), ParameterValues(**self.values_of(z))
         pieces = self.closure.images(states, parameters)
         starts = np.arange(len(pieces)) * duration
@@ -513,19 +525,26 @@ class PeriodicOrbit:
 
     def observables(self, z: np.ndarray, found: Multipliers) -> np.ndarray:
         """Values of `observable_names`, shape (o,)."""
-        values = []
+        values, curve = [], self.curve(z)
         if self.system.observables:
-            t, x = self.motion_of(z)
+            t, x = self.motion_of(z, curve=curve)
             p = ParameterValues(**self.values_of(z))
             values = [
                 called(f"observable '{o.name}'", lambda f: float(f(t, x, p)), o.function)
                 for o in self.system.observables
             ]
         largest = float(np.abs(found.values[0])) if len(found.values) else float("nan")
-        return np.array([*values, largest**self.rounds])
+        low, high = extremes(self, z, curve)
+        return np.array([*values, *high, *low, largest**self.rounds])
 
     def observable(self, name: str, z: np.ndarray) -> float:
-        """The value of one of the system's observables."""
+        """The value of one observable that is not `max_abs`."""
+        if quantities.of_orbit(name):
+            low, high = extremes(self, z, self.curve(z))
+            names = quantities.extreme_names(self.system.state_names)
+            value = quantities.column(name, names, np.concatenate([high, low]))
+            assert value is not None, name
+            return float(value)
         function = next(o.function for o in self.system.observables if o.name == name)
         t, x = self.motion_of(z)
         p = ParameterValues(**self.values_of(z))

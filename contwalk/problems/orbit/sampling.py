@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contwalk.problems.orbit.shooting import Shooting
+from contwalk.problems.orbit.shooting import Curve
 
 if TYPE_CHECKING:
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
@@ -16,9 +16,7 @@ PASSES, NARROWER = 2, 0.03
 MOST_BISECTIONS = 60
 
 
-def with_extrema(
-    shooting: Shooting, starts: np.ndarray, scalars: np.ndarray, times: np.ndarray, states: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def with_extrema(curve: Curve, times: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Samples with the instants added at which each state is largest and smallest.
 
     What observables make of a motion is most often a largest value: without these instants it would be
@@ -30,14 +28,13 @@ def with_extrema(
     indices, which = indices[inside], which[inside]
     if not len(indices):
         return times, states
-    nodes = shooting.states(starts, scalars)
     best, width = times[indices], 0.5 * (times[indices + 1] - times[indices - 1])
     for _ in range(PASSES):
         offsets = np.array([-1.0, 0.0, 1.0])
         instants = np.clip(best[:, None] + width[:, None] * offsets, times[0], times[-1])
         order = np.argsort(instants, axis=None, kind="stable")
         found = np.empty((instants.size, states.shape[1]))
-        found[order] = shooting.at(starts, scalars, instants.ravel()[order], nodes)
+        found[order] = curve.at(instants.ravel()[order])
         values = found.reshape(len(best), 3, -1)[np.arange(len(best)), :, which]
         bend = values[:, 0] - 2.0 * values[:, 1] + values[:, 2]
         slope = 0.5 * (values[:, 2] - values[:, 0])
@@ -47,7 +44,7 @@ def with_extrema(
     best = np.sort(best)
     every = np.concatenate([times, best])
     order = np.argsort(every, kind="stable")
-    return every[order], np.concatenate([states, shooting.at(starts, scalars, best, nodes)])[order]
+    return every[order], np.concatenate([states, curve.at(best)])[order]
 
 
 def crossing(
@@ -71,10 +68,10 @@ def crossing(
         share = side[k] / (side[k] - side[k + 1])
         return x[k] + share * (x[k + 1] - x[k])
     low, high = t[k] / duration, min(t[k + 1] / duration, 1.0)
-    starts, scalars = problem.starts(z), problem.scalars(z)
+    curve = problem.curve(z)
     for _ in range(MOST_BISECTIONS):
         middle = 0.5 * (low + high)
-        there = problem.shooting.at(starts, scalars, np.array([middle]))[0]
+        there = curve.at(np.array([middle]))[0]
         low, high = (middle, high) if (there[index] - value) * direction < 0.0 else (low, middle)
         if high - low < 1e-15:
             break

@@ -6,7 +6,7 @@ Newton's method sees are smooth, and their derivatives are those of the integrat
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -131,38 +131,54 @@ class Shooting:
             for steps, x in zip(self.mesh.steps, starts, strict=True)
         ]
 
-    def at(
-        self,
-        starts: np.ndarray,
-        scalars: np.ndarray,
-        times: np.ndarray,
-        nodes: list[np.ndarray] | None = None,
-    ) -> np.ndarray:
-        """States at times in 0..1, in growing order, shape (k, n); `nodes` are those of `states`."""
+    def curve(self, starts: np.ndarray, scalars: np.ndarray) -> Curve:
+        """The motion, integrated once to be looked at anywhere."""
         field = self.motion.field(PLAIN)
         c = field.constants(self.values(scalars, ()))
+        nodes, method = self.states(starts, scalars), self.mesh.method
+        pieces = [
+            flow.interpolation(field, c, steps, x, method)
+            for steps, x in zip(self.mesh.steps, nodes, strict=True)
+        ]
+        return Curve(self.mesh.steps, tuple(pieces), lambda t, x: field.along(t, x, c))
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """An integrated motion over a closure, in times 0..1.
+
+    Parameters
+    ----------
+    steps : tuple of ndarray
+        Times of each segment's steps.
+    pieces : tuple of callable
+        States (k, n) at times (k,) of each segment, exact as the integrator's own interpolation is.
+    rates : callable
+        Rates at times (k,) and states (k, n) there.
+    """
+
+    steps: tuple[np.ndarray, ...]
+    pieces: tuple[Callable[[np.ndarray], np.ndarray], ...]
+    rates: Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+    def at(self, times: np.ndarray) -> np.ndarray:
+        """States at times in growing order, shape (k, n)."""
         found = []
-        nodes = self.states(starts, scalars) if nodes is None else nodes
-        for i, (steps, x) in enumerate(zip(self.mesh.steps, nodes, strict=True)):
-            last = i == self.mesh.segments - 1
-            inside = times[(times >= steps[0]) & ((times < steps[-1]) | (last & (times == steps[-1])))]
-            found.append(flow.dense(field, c, steps, x, inside, self.mesh.method))
+        for i, (steps, piece) in enumerate(zip(self.steps, self.pieces, strict=True)):
+            last = i == len(self.steps) - 1
+            inside = (times >= steps[0]) & ((times < steps[-1]) | (last & (times == steps[-1])))
+            found.append(piece(times[inside]))
         return np.concatenate(found)
 
-    def sampled(self, starts: np.ndarray, scalars: np.ndarray, number: int) -> tuple[np.ndarray, np.ndarray]:
-        """Times 0..1 and states, shape (k, n), at least `number` of them evenly spread, and the steps'
-        own.
-        """
-        field = self.motion.field(PLAIN)
-        c = field.constants(self.values(scalars, ()))
+    def sampled(self, number: int) -> tuple[np.ndarray, np.ndarray]:
+        """Times and states, shape (k, n), at least `number` of them evenly spread, and the steps' own."""
         times, states = [], []
         even = np.linspace(0.0, 1.0, number + 1)
-        nodes = self.states(starts, scalars)
-        for steps, x in zip(self.mesh.steps, nodes, strict=True):
+        for steps, piece in zip(self.steps, self.pieces, strict=True):
             inside = even[(even > steps[0]) & (even < steps[-1])]
             wanted = np.unique(np.concatenate([steps, inside]))
             times.append(wanted)
-            states.append(flow.dense(field, c, steps, x, wanted, self.mesh.method))
+            states.append(piece(wanted))
         return np.concatenate(times), np.concatenate(states)
 
 

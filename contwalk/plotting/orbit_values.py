@@ -1,0 +1,67 @@
+"""What is drawn of a state: of an equilibrium its value, of an orbit what does not depend on where it is cut.
+
+An autonomous orbit is cut where its phase is fixed, which moves along the branch: the value of a state there
+tells nothing. So orbits are drawn by the largest and the least value of the state; orbits with events by the
+values at the event, all of them where it comes several times, unless these are the same for all orbits; and
+any orbit where the run file says at which section or event to look (`report_at`) by what it asks for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from contwalk import quantities
+from contwalk.branch import ORBITS, Branch
+from contwalk.plotting.quantities import axis_label, values
+
+# What varies less than this part of its size is constant but for rounding.
+CONSTANT = 1e-9
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """Names of the quantities that a branch is drawn by, for each branch, and what the axis is called."""
+
+    names: tuple[tuple[str, ...], ...]
+    label: str
+
+
+def drawn_by(branches: Sequence[Branch], y: str, units: dict[str, str]) -> Drawn:
+    """What stands for `y` on each of the branches."""
+    plain = tuple((y,) for _ in branches)
+    label = axis_label(y, units)
+    orbits = [b for b in branches if b.info.problem in ORBITS and y in b.info.states]
+    if not orbits:
+        return Drawn(plain, label)
+    places = {str(b.info.settings.get("reported", "")) for b in orbits}
+    if "" not in places and _tells(orbits, y):
+        place = f" {places.pop()}" if len(places) == 1 else " at events"
+        return Drawn(tuple((y, *_visits(b, y)) for b in branches), _placed(label, y, place))
+    if any(values(b, quantities.MAX + y) is None for b in orbits):
+        return Drawn(plain, label)
+    ends = tuple(
+        (quantities.MAX + y, quantities.MIN + y) if b.info.problem in ORBITS else (y,) for b in branches
+    )
+    return Drawn(ends, _placed(label, y, ", largest and least"))
+
+
+def _tells(orbits: Sequence[Branch], y: str) -> bool:
+    """Whether a state differs from orbit to orbit where it is taken: a mass is at the stop when it hits."""
+    found = [np.asarray(branch[y], dtype=float) for branch in orbits]
+    if not all(np.isfinite(each).any() for each in found):
+        return False
+    everything = np.concatenate([each[np.isfinite(each)] for each in found])
+    return bool(np.ptp(everything) > CONSTANT * np.abs(everything).max())
+
+
+def _placed(label: str, y: str, place: str) -> str:
+    return y + place + label.removeprefix(y)
+
+
+def _visits(branch: Branch, y: str) -> list[str]:
+    """Names of the state at the second and later visits of the event."""
+    own = [name for name in branch.info.observables if name.startswith(y + quantities.VISIT)]
+    return sorted(own, key=lambda name: int(name.rpartition(quantities.VISIT)[2]))

@@ -1,0 +1,144 @@
+"""The largest and the least value of each state over an orbit: where it turns, not where it is sampled."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contwalk.problems.orbit.closure import images_of
+from contwalk.system.declarations import ParameterValues
+
+if TYPE_CHECKING:
+    from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
+    from contwalk.problems.orbit.shooting import Curve
+
+# Samples of each step.
+PARTS = 4
+# A turn that the cubic puts so much below the best sample, in parts of the range, is not looked at.
+BELOW = 0.05
+# Displacement, in parts of what is passed in the whole time, over which a map of the states is differenced.
+BESIDE = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class Smooth:
+    """A smooth stretch of a motion, sampled.
+
+    Parameters
+    ----------
+    times : ndarray, shape (k,)
+        In growing order.
+    states, rates : ndarray, shape (k, n)
+    at : callable
+        States at any times in growing order, exact as the integrator's own interpolation is.
+    rate_at : callable
+        Rates at times (m,) and states (m, n) there.
+    """
+
+    times: np.ndarray
+    states: np.ndarray
+    rates: np.ndarray
+    at: Callable[[np.ndarray], np.ndarray]
+    rate_at: Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+    def mapped(self, shown: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Smooth:
+        """The stretch as a map (times, states) -> states shows it, as that to a mirror image."""
+        seen = shown(self.times, self.states)
+        if seen is self.states:
+            return self
+
+        def rate(times: np.ndarray, states: np.ndarray, rates: np.ndarray) -> np.ndarray:
+            h = BESIDE * (self.times[-1] - self.times[0])
+            ahead, behind = (shown(times + s, states + s * rates) for s in (h, -h))
+            return (ahead - behind) / (2.0 * h)
+
+        def at(times: np.ndarray) -> np.ndarray:
+            return shown(times, self.at(times))
+
+        def rate_at(times: np.ndarray, _: np.ndarray) -> np.ndarray:
+            states = self.at(times)
+            return rate(times, states, self.rate_at(times, states))
+
+        return Smooth(self.times, seen, rate(self.times, self.states, self.rates), at, rate_at)
+
+    def extremes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Least and largest value of each state, shapes (n,)."""
+        t, x, r = self.times, self.states, self.rates
+        low, high = x.min(axis=0), x.max(axis=0)
+        k, j = np.nonzero(r[:-1] * r[1:] < 0.0)
+        a, b, va, vb, ra, rb = t[k], t[k + 1], x[k, j], x[k + 1, j], r[k, j], r[k + 1, j]
+        near = turns(a, b, va, vb, ra, rb)
+        cubic = _cubic((near - a) / (b - a), b - a, va, vb, ra, rb)
+        slack = BELOW * (high - low)[j]
+        wanted = np.where(ra > 0.0, cubic >= high[j] - slack, cubic <= low[j] + slack)
+        order = np.flatnonzero(wanted)[np.argsort(near[wanted], kind="stable")]
+        if not len(order):
+            return low, high
+        instants, which, bend = near[order], j[order], ((rb - ra) / (b - a))[order]
+        found = self.at(instants)
+        left = self.rate_at(instants, found)[np.arange(len(order)), which]
+        # What the rate that is left there still gives: the parabola's own top.
+        values = found[np.arange(len(order)), which] - 0.5 * left * left / bend
+        np.minimum.at(low, which, values)
+        np.maximum.at(high, which, values)
+        return low, high
+
+
+def extremes(problem: PeriodicOrbit, z: np.ndarray, curve: Curve) -> tuple[np.ndarray, np.ndarray]:
+    """Least and largest value of each state over the whole orbit, shapes (n,), from its integrated part.
+
+    NaN of an angle that goes round: it has neither.
+    """
+    pieces = []
+    for steps, at in zip(curve.steps, curve.pieces, strict=True):
+        times = sampled(steps)
+        states = at(times)
+        pieces.append(Smooth(times, states, curve.rates(times, states), at, curve.rates))
+    p, closure = ParameterValues(**problem.values_of(z)), problem.closure
+    found = []
+    for j in range(closure.fold):
+        power = (closure.power * (closure.fold - j)) % closure.fold
+
+        def shown(_: np.ndarray, states: np.ndarray, power: int = power) -> np.ndarray:
+            return images_of(closure.symmetry, states, p, power)
+
+        found += [piece.mapped(shown).extremes() for piece in pieces]
+    low, high = np.min([f[0] for f in found], axis=0), np.max([f[1] for f in found], axis=0)
+    round_ = closure.turns != 0.0
+    low[round_] = high[round_] = np.nan
+    return low, high
+
+
+def sampled(steps: np.ndarray) -> np.ndarray:
+    """Instants within steps, their ends among them."""
+    inner = steps[:-1, None] + np.diff(steps)[:, None] * (np.arange(PARTS) / PARTS)
+    return np.append(inner.ravel(), steps[-1])
+
+
+def turns(
+    a: np.ndarray, b: np.ndarray, va: np.ndarray, vb: np.ndarray, ra: np.ndarray, rb: np.ndarray
+) -> np.ndarray:
+    """Where the cubics through two values with their rates, of opposite signs, turn between them."""
+    h = b - a
+    d = (vb - va) / h
+    # derivative of the Hermite cubic: ra + 2 (3 d - 2 ra - rb) s + 3 (ra + rb - 2 d) s^2
+    c1, c2 = 2.0 * (3.0 * d - 2.0 * ra - rb), 3.0 * (ra + rb - 2.0 * d)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        simple = ra / (ra - rb)
+        # The one of two zeros that keeps its digits, and lies between.
+        root = np.sqrt(np.maximum(c1 * c1 - 4.0 * c2 * ra, 0.0))
+        q = -0.5 * (c1 + np.where(c1 >= 0.0, root, -root))
+        one, other = q / c2, ra / q
+    s = np.where((one >= 0.0) & (one <= 1.0), one, np.where((other >= 0.0) & (other <= 1.0), other, simple))
+    return a + h * s
+
+
+def _cubic(
+    s: np.ndarray, h: np.ndarray, va: np.ndarray, vb: np.ndarray, ra: np.ndarray, rb: np.ndarray
+) -> np.ndarray:
+    """Hermite's cubic through two values with their rates, a step h apart, at shares s of it."""
+    d, a, b = vb - va, h * ra, h * rb
+    return va + s * (a + s * (3.0 * d - 2.0 * a - b + s * (a + b - 2.0 * d)))

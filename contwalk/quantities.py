@@ -1,0 +1,60 @@
+"""Names of what an orbit does with a state: `max:X`, `min:X`, `amp:X`, and `X@2` where an event comes again.
+
+`max:X` and `min:X` are the largest and the least value over the whole orbit, and stored with it; `amp:X` is
+half their difference. An orbit that meets the event at which its state is reported several times has the
+state at each of them: `X` at the first, `X@2` at the second.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+MAX, MIN, AMP = "max:", "min:", "amp:"
+VISIT = "@"
+
+
+def extreme_names(states: Sequence[str]) -> tuple[str, ...]:
+    """The names that are stored of orbits: all `max:X`, then all `min:X`."""
+    return (*(MAX + name for name in states), *(MIN + name for name in states))
+
+
+def every_extreme(states: Sequence[str]) -> tuple[str, ...]:
+    """All names of extremes that may be asked for."""
+    return (*extreme_names(states), *(AMP + name for name in states))
+
+
+def visit_names(states: Sequence[str], visits: int) -> tuple[str, ...]:
+    """Names of states at the second and all later of so many events."""
+    return tuple(f"{name}{VISIT}{k}" for k in range(2, visits + 1) for name in states)
+
+
+def of_orbit(name: str) -> bool:
+    """Whether a name is one of those of this module."""
+    return ":" in name or VISIT in name
+
+
+def ends_of(name: str) -> tuple[str, str] | None:
+    """The two names that `amp:X` is half the difference of; None for any other name."""
+    if not name.startswith(AMP):
+        return None
+    state = name.removeprefix(AMP)
+    return MAX + state, MIN + state
+
+
+def known(name: str, names: Sequence[str]) -> bool:
+    """Whether a quantity is one of the stored ones, or follows from them."""
+    ends = ends_of(name)
+    return name in names or (ends is not None and ends[0] in names)
+
+
+def column(name: str, names: Sequence[str], values: np.ndarray) -> np.ndarray | None:
+    """A quantity from stored `values`, shape (..., o), in the order of `names`; None of an unknown one."""
+    if name in names:
+        return np.asarray(values[..., names.index(name)])
+    ends = ends_of(name)
+    if ends is None or ends[0] not in names:
+        return None
+    high, low = (values[..., names.index(end)] for end in ends)
+    return np.asarray(0.5 * (high - low))
