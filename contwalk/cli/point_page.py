@@ -194,15 +194,13 @@ def _ranges(out: Console, branch: Branch, row: int, units: Mapping[str, str]) ->
     names = [name for name in branch.info.states if quantities.MAX + name in branch.info.observables]
     if not names or row >= len(branch):
         return
+    ends = quantities.MIN, quantities.MAX
     rows = [
-        [name, *(exact(branch[end + name][row]) for end in (quantities.MIN, quantities.MAX))]
-        + [with_unit(name, units)]
-        for name in names
+        [name, *(exact(branch[end + name][row]) for end in ends), with_unit(name, units)] for name in names
     ]
+    header = ["over the orbit", "least", "largest", "unit" if any(row[-1] for row in rows) else ""]
     out.print()
-    table(
-        out, ["over the orbit", "least", "largest", "unit" if any(r[3] for r in rows) else ""], rows, indent=4
-    )
+    table(out, header, rows, indent=4)
 
 
 def _spectrum(out: Console, branch: Branch, spectrum: Iterable[complex], which: str) -> None:
