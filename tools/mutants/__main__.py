@@ -1,0 +1,145 @@
+"""The command: measure, run, table."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import random
+import shutil
+import tempfile
+from collections import Counter
+from collections.abc import Iterable
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from tools.mutants.nearest import Nearest, measure
+from tools.mutants.sites import Mutant, mutants_of
+from tools.mutants.trial import load_libraries, passes, tried
+
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGES = ("continuation", "problems", "flow", "fields", "storage")
+COPIED = ("contwalk", "systems", "tests", "runs", "docs", "README.md", "pyproject.toml")
+SURVIVED = "survived"
+
+
+def main() -> None:
+    """Entry point."""
+    parser = argparse.ArgumentParser(prog="python -m tools.mutants", description=__doc__)
+    parser.add_argument("--folder", type=Path, default=ROOT / ".mutants", help="where results are kept")
+    commands = parser.add_subparsers(dest="command", required=True)
+    measuring = commands.add_parser("measure", help="which test runs which line")
+    running = commands.add_parser("run", help="try mutants")
+    running.add_argument("--count", type=int, default=400)
+    running.add_argument("--seed", type=int, default=1)
+    running.add_argument("--packages", nargs="+", default=list(PACKAGES))
+    running.add_argument("--again", action="store_true", help="try those that survived once more")
+    for command in (measuring, running):
+        command.add_argument("--jobs", type=int, default=1)
+    commands.add_parser("table", help="what survived")
+    given = parser.parse_args()
+    if given.command == "measure":
+        measure(ROOT, given.folder, given.jobs)
+    elif given.command == "run":
+        run(given.folder, drawn(given.packages, given.count, given.seed), given.jobs, given.again)
+    else:
+        print(table(results(given.folder)))
+
+
+def drawn(packages: Iterable[str], count: int, seed: int) -> list[Mutant]:
+    """So many mutants at random, in random order.
+
+    A package gives as many as the root of how many it has, so that small ones are looked at as well.
+    """
+    places = {package: _of_package(package) for package in packages}
+    shares = {package: len(mutants) ** 0.5 for package, mutants in places.items()}
+    dice, chosen = random.Random(seed), []
+    for package, mutants in places.items():
+        share = round(count * shares[package] / sum(shares.values()))
+        chosen += dice.sample(mutants, min(share, len(mutants)))
+    dice.shuffle(chosen)
+    return chosen
+
+
+def _of_package(package: str) -> list[Mutant]:
+    """All mutants of a package, without the tables of numbers that order conditions check."""
+    folder = ROOT / "contwalk" / package
+    files = sorted(str(p.relative_to(ROOT)) for p in folder.rglob("*.py") if "tableaus" not in p.parts)
+    return [mutant for file in files for mutant in mutants_of(ROOT, file)]
+
+
+def results(folder: Path) -> list[dict[str, Any]]:
+    """What has been tried so far; of a mutant tried twice, the later outcome."""
+    path = folder / "results.jsonl"
+    if not path.exists():
+        return []
+    rows = [json.loads(line) for line in path.read_text().splitlines()]
+    return list({row["key"]: row for row in rows}.values())
+
+
+def run(folder: Path, mutants: list[Mutant], jobs: int, again: bool) -> None:
+    """Try mutants that have not been tried, each result written when it is known."""
+    known = {row["key"]: row["outcome"] for row in results(folder)}
+    nearest = Nearest(ROOT, folder)
+    todo = [m for m in mutants if m.key not in known or (again and known[m.key] == SURVIVED)]
+    given = []
+    for mutant in todo:
+        tests, runs_it = nearest.to(mutant.file, mutant.line)
+        given.append((mutant, tests, nearest.seconds(tests), runs_it))
+    with (
+        ProcessPoolExecutor(jobs, initializer=_prepare) as pool,
+        (folder / "results.jsonl").open("a") as file,
+    ):
+        for number, row in enumerate(pool.map(_trial, given), 1):
+            file.write(json.dumps(row) + "\n")
+            file.flush()
+            print(
+                f"{number}/{len(given)} {row['outcome']:9} {row['file']}:{row['line']} {row['new'].strip()}"
+            )
+
+
+_copy: Path | None = None
+
+
+def _prepare() -> None:
+    """A worker's own copy of the tree; the tests of an unchanged copy must pass, else all is `killed`."""
+    global _copy
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"
+    load_libraries()
+    _copy = Path(tempfile.mkdtemp(prefix="mutants-"))
+    for name in COPIED:
+        source = ROOT / name
+        if source.is_dir():
+            shutil.copytree(source, _copy / name, ignore=shutil.ignore_patterns("__pycache__"))
+        else:
+            shutil.copy(source, _copy / name)
+
+
+def _trial(given: tuple[Mutant, list[str], float, bool]) -> dict[str, Any]:
+    mutant, tests, seconds, runs_it = given
+    assert _copy is not None
+    outcome = tried(_copy, mutant, tests, seconds) if tests else SURVIVED
+    if outcome != SURVIVED and passes(_copy, tests, 10.0 * seconds + 60.0) is not True:
+        outcome = "unclear"  # they fail without the mutant too
+    told = {"key": mutant.key, "outcome": outcome, "tests": len(tests), "runs_it": runs_it}
+    return asdict(mutant) | told
+
+
+def table(rows: list[dict[str, Any]]) -> str:
+    """Counts by package, and the survivors one by one."""
+    lines = ["| package | mutants | killed | timeout | survived | unclear |", "|---|---|---|---|---|---|"]
+    for package in sorted({row["file"].split("/")[1] for row in rows}):
+        counts = Counter(row["outcome"] for row in rows if row["file"].split("/")[1] == package)
+        outcomes = [counts[name] for name in ("killed", "timeout", SURVIVED, "unclear")]
+        lines.append(f"| {package} | {counts.total()} | " + " | ".join(map(str, outcomes)) + " |")
+    for row in sorted(rows, key=lambda r: (r["file"], r["line"])):
+        if row["outcome"] == SURVIVED:
+            lines += ["", f"{row['file']}:{row['line']} ({row['tests']} tests, {row['kind']})"]
+            lines += [f"    - {row['old'].strip()}", f"    + {row['new'].strip()}"]
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,95 @@
+"""One mutant tried: in a copy of the tree, by a process forked from one that has the libraries loaded."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import signal
+import sys
+import time
+from pathlib import Path
+
+from tools.mutants.sites import Mutant
+
+# What every test needs, loaded once; contwalk itself is imported anew by every trial.
+LIBRARIES = (
+    "numpy",
+    "scipy.integrate",
+    "scipy.optimize",
+    "h5py",
+    "llvmlite.binding",
+    "matplotlib.pyplot",
+    "mpmath",
+    "click",
+    "pydantic",
+    "pytest",
+    "rich.console",
+    "ruamel.yaml",
+    "hypothesis",
+)
+# A trial may take so many times what its tests took, and so many seconds more: code that is compiled anew.
+PATIENCE, START = 4.0, 60.0
+
+
+def load_libraries() -> None:
+    """Import what all trials share."""
+    for name in LIBRARIES:
+        importlib.import_module(name)
+
+
+def tried(copy: Path, mutant: Mutant, tests: list[str], seconds: float) -> str:
+    """`killed`, `timeout` or `survived`; the copy is as it was afterwards.
+
+    Raises
+    ------
+    ValueError
+        If the line is not what it was when the mutant was made.
+    """
+    path = copy / mutant.file
+    original = path.read_text()
+    lines = original.split("\n")
+    if lines[mutant.line - 1] != mutant.old:
+        raise ValueError(f"{mutant.file}:{mutant.line} is not '{mutant.old.strip()}'")
+    lines[mutant.line - 1] = mutant.new
+    path.write_text("\n".join(lines))
+    try:
+        status = passes(copy, tests, PATIENCE * seconds + START)
+    finally:
+        path.write_text(original)
+    return {True: "survived", False: "killed", None: "timeout"}[status]
+
+
+def passes(copy: Path, tests: list[str], patience: float) -> bool | None:
+    """Whether all tests pass in a copy; None where they did not end in time."""
+    child = os.fork()
+    if child == 0:
+        _run(copy, tests)
+    deadline = time.monotonic() + patience
+    while True:
+        ended, status = os.waitpid(child, os.WNOHANG)
+        if ended:
+            return os.waitstatus_to_exitcode(status) == 0
+        if time.monotonic() > deadline:
+            os.killpg(child, signal.SIGKILL)
+            os.waitpid(child, 0)
+            return None
+        time.sleep(0.02)
+
+
+def _run(copy: Path, tests: list[str]) -> None:
+    """The forked process: pytest in the copy, silent, stopping at the first failure."""
+    os.setpgid(0, 0)
+    os.chdir(copy)
+    sys.path[:0] = [str(copy)]
+    sys.dont_write_bytecode = True
+    sys.stdin = open(os.devnull)  # noqa: SIM115 - for as long as the process lives
+    quiet = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(quiet, 1)
+    os.dup2(quiet, 2)
+    import pytest
+
+    status = 1
+    try:
+        status = int(pytest.main(["-x", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", *tests]))
+    finally:
+        os._exit(status)
