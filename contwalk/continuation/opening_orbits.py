@@ -14,8 +14,9 @@ from contwalk.continuation.settings import Settings
 from contwalk.errors import NotFinite, PluginError, StartError
 from contwalk.problems.hybrid.beginning import at_start, lap_from, orbit_of
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
+from contwalk.problems.hybrid.least import least
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit, applies, softened
-from contwalk.problems.hybrid.switching import discretized, divided
+from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.hybrid.word import named_word
 from contwalk.problems.orbit.beginning import orbit_at, symmetric
 from contwalk.problems.orbit.discretization import Discretization
@@ -133,9 +134,9 @@ def _hybrid(problem: HybridOrbit, z: np.ndarray, settings: Settings) -> Opening 
             f"The correction lets the leg before '{collapsed}' shrink to nothing (word: {word}).",
             "a periodic orbit",
         )
-    times = problem.repeats(here.sample.z)
-    if times > 1:  # it was looked at for longer than its period
-        return _hybrid(*divided(problem, here.sample.z, times), settings)
+    shorter, z = least(problem, here.sample.z)
+    if shorter is not problem:  # it was looked at for longer than its period, or than half of it
+        return _hybrid(shorter, z, settings)
     adapted, sample = problem.adapted(here.sample)
     # On the steps of the branch everything is told anew: those of the start were made for a guess.
     sample = adapted.examine(

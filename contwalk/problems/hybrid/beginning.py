@@ -16,7 +16,7 @@ from contwalk.errors import NotFinite, StartError, called
 from contwalk.flow.hybrid import Arc, HybridMachine, applied, arcs, hybrid_machine
 from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
-from contwalk.problems.hybrid.mirrors import carries
+from contwalk.problems.hybrid.mirrors import Span, carries
 from contwalk.problems.hybrid.word import Leg, Word
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.discretization import Discretization
@@ -47,20 +47,6 @@ Path = tuple[Mapping[str, float], Mapping[str, float]]
 
 
 @dataclass(frozen=True, eq=False)
-class Stretch:
-    """A piece of a simulated motion between two events: where it starts, how long it lasts, what ends it.
-
-    `state` is the one at its start, `end` the one before the event.
-    """
-
-    leg: Leg
-    start: float
-    state: np.ndarray
-    duration: float
-    end: np.ndarray
-
-
-@dataclass(frozen=True, eq=False)
 class Lap:
     """A motion that (nearly) comes back, or comes to the image of where it was.
 
@@ -68,7 +54,7 @@ class Lap:
     the image, `origin` the one that the motion began with.
     """
 
-    stretches: tuple[Stretch, ...]
+    stretches: tuple[Span, ...]
     magnitudes: np.ndarray
     missed: float
     returned: np.ndarray
@@ -172,7 +158,7 @@ class _Search:
                     f"The period of '{system.name}' is {self.period:.6g} s there.", "It must be positive."
                 )
         self.turns = np.array([s.period or 0.0 for s in system.states])
-        self.stretches: list[Stretch] = []
+        self.stretches: list[Span] = []
         self.low = np.full(len(system.states), np.inf)
         self.high = -self.low
         self.best: Lap | None = None
@@ -233,7 +219,7 @@ class _Search:
             leg = Leg(arc.mode, transition, not arc.rising)
             start, x = self.begun or (float(arc.times[0]), arc.states[0])
             lasting = float(arc.times[-1]) - start
-            self.stretches.append(Stretch(leg, start, x, lasting, arc.states[-1]))
+            self.stretches.append(Span(leg, start, x, lasting, arc.states[-1]))
         self.first, self.begun = False, None
         # Laps end with hard transitions, where there are any.
         hard = any(s.leg.transition is not None and s.leg.transition.role == "hard" for s in self.stretches)
@@ -304,7 +290,7 @@ class _Search:
             return None
         return Lap(stretches, scale, missed, after, image, self.origin)
 
-    def _carries(self, image: str, stretches: Sequence[Stretch], lasted: float, scale: np.ndarray) -> bool:
+    def _carries(self, image: str, stretches: Sequence[Span], lasted: float, scale: np.ndarray) -> bool:
         """Whether the machine is its own image after half a cycle: there the forcing is at another phase."""
         machine, later = hybrid_machine(self.system, self.parameters), 0.0
         if self.period:
@@ -389,7 +375,7 @@ class _Search:
                 f"The simulation stays in mode '{mode}' without an event.", "Start from another state."
             )
         found = recurrent(self.system, self.parameters, x)
-        stretch = Stretch(Leg(mode), 0.0, found.state, found.period, found.state)
+        stretch = Span(Leg(mode), 0.0, found.state, found.period, found.state)
         return Lap((stretch,), found.variation, 0.0, found.state)
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.errors import ContwalkError
 from contwalk.problems.hybrid import limits
+from contwalk.problems.hybrid.least import least
 from contwalk.problems.hybrid.solving import newton_on
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.linear import kernel_direction
@@ -84,8 +85,14 @@ def _simulated(problem: HybridOrbit, guess: np.ndarray, outward: np.ndarray, lab
     start = newton_on(rough, start, weights, normal)
     there = discretized(rough, start)
     start = newton_on(there, start, weights, normal)
-    if there.repeats(start) > 1:
-        raise ContwalkError("the orbit that a simulation leads to repeats itself sooner")
+    shorter, part = least(there, start)
+    if shorter is not there:
+        there, start, weights = shorter, part, filled_magnitudes(shorter, part)
+        if there.word in [word.rotated(problem.system, k) for k in range(len(word))]:
+            raise ContwalkError("the motion has the same signature still, run through more than once")
+        normal = np.zeros(len(start))
+        normal[-1] = 1.0 / weights[-1]
+        start = newton_on(there, start, weights, normal)
     margins = there.margins(start)
     lost = [
         o.name for o, r in zip(margins.limits, margins.relative, strict=True) if r < -limits.ZERO and o.acts

@@ -14,7 +14,16 @@ from contwalk import quantities
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.memory import remembered, unowned
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.hybrid import beyond, condensed, families, limits, neighbours, observing, switching
+from contwalk.problems.hybrid import (
+    beyond,
+    condensed,
+    families,
+    least,
+    limits,
+    neighbours,
+    observing,
+    switching,
+)
 from contwalk.problems.hybrid.layout import Layout
 from contwalk.problems.hybrid.limits import Limit, Margins
 from contwalk.problems.hybrid.passage import Passage, passage_of
@@ -765,26 +774,9 @@ class HybridOrbit:
             return ""
         return self.word.legs[shortest].name
 
-    def repeats(self, z: np.ndarray) -> int:
-        """How many times the orbit of a word that repeats itself goes through the same states."""
-        for times in range(self.layout.legs, 1, -1):
-            if self.word.has_parts(times) and (not self.forced or self.subharmonic % times == 0):
-                part = self.layout.legs // times
-                if all(self._meet(z, i, i + part, times) for i in range(self.layout.legs - part)):
-                    return times
-        return 1
-
-    def _meet(self, z: np.ndarray, i: int, j: int, times: int) -> bool:
-        """Whether two legs of an orbit start at the same state, but for turns."""
-        states, scale = list(self.passages[i].states), self.mesh.variation
-        apart = (z[self.layout.states[j]] - z[self.layout.states[i]] - self.turns[states] / times) / scale[
-            states
-        ]
-        return float(np.linalg.norm(apart)) < ALIKE
-
     def fallen_back(self, z: np.ndarray) -> bool:
-        """Whether an orbit of a word that repeats itself repeats itself too: it is its parent."""
-        return self.repeats(z) > 1
+        """Whether an orbit repeats itself, or is its own image, as its parent does."""
+        return least.repetitions(self, z) > 1 or bool(least.own_image(self, z))
 
     # -- along a branch ----------------------------------------------------------------------------------
 

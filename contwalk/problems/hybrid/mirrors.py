@@ -8,18 +8,15 @@ its own image too.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 import numpy as np
 
 from contwalk.flow.hybrid_machine import HybridMachine
-from contwalk.problems.hybrid.word import imaged_leg
+from contwalk.problems.hybrid.word import Leg, imaged_leg
 from contwalk.problems.orbit.closure import imaged
 from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
-
-if TYPE_CHECKING:
-    from contwalk.problems.hybrid.beginning import Stretch
 
 # Both sides agree to this part of their size: the map's derivative is a difference over such a step, known to
 # its square and to what rounding makes of it.
@@ -28,18 +25,32 @@ SAME, STEP = 1e-8, 1e-5
 OFF, INTO = 0.1, 0.3
 
 
+@dataclass(frozen=True, eq=False)
+class Span:
+    """A leg as it was passed: when and where it starts, how long it lasts, and where its event finds it.
+
+    `state` is the one at its start, `end` the one before the event.
+    """
+
+    leg: Leg
+    start: float
+    state: np.ndarray
+    duration: float
+    end: np.ndarray
+
+
 def carries(
     machine: HybridMachine,
     symmetry: Symmetry,
-    stretches: Sequence[Stretch],
+    spans: Sequence[Span],
     later: float,
     scale: np.ndarray,
 ) -> bool:
     """Whether fields, guards and resets along some legs are their own images `later` seconds on."""
     return all(
-        _field_carried(machine, symmetry, stretch, later, scale)
-        and _transition_carried(machine, symmetry, stretch, later, scale)
-        for stretch in stretches
+        _field_carried(machine, symmetry, span, later, scale)
+        and _transition_carried(machine, symmetry, span, later, scale)
+        for span in spans
     )
 
 
@@ -54,12 +65,12 @@ def _close(a: np.ndarray, b: np.ndarray) -> bool:
 
 
 def _field_carried(
-    machine: HybridMachine, symmetry: Symmetry, stretch: Stretch, later: float, scale: np.ndarray
+    machine: HybridMachine, symmetry: Symmetry, span: Span, later: float, scale: np.ndarray
 ) -> bool:
-    mode = stretch.leg.mode
+    mode = span.leg.mode
     here, there = machine.mode(mode), machine.mode(symmetry.modes.get(mode, mode))
-    p, t = ParameterValues(**machine.parameters), stretch.start + INTO * stretch.duration
-    x = machine.existing(mode, _beside(stretch.state, scale))
+    p, t = ParameterValues(**machine.parameters), span.start + INTO * span.duration
+    x = machine.existing(mode, _beside(span.state, scale))
     rate = machine.full(mode, here.field(t, x[here.states], here.c))
     size = float(np.linalg.norm(rate / scale)) or 1.0
     if not np.isfinite(size):
@@ -72,16 +83,16 @@ def _field_carried(
 
 
 def _transition_carried(
-    machine: HybridMachine, symmetry: Symmetry, stretch: Stretch, later: float, scale: np.ndarray
+    machine: HybridMachine, symmetry: Symmetry, span: Span, later: float, scale: np.ndarray
 ) -> bool:
     """Whether reset and guard are carried: a guard may be the other's negative, if it is passed that way."""
-    if stretch.leg.transition is None:
+    if span.leg.transition is None:
         return True
-    one, other = stretch.leg.transition, imaged_leg(machine.system, symmetry.name, stretch.leg).transition
+    one, other = span.leg.transition, imaged_leg(machine.system, symmetry.name, span.leg).transition
     assert other is not None
-    p, t = ParameterValues(**machine.parameters), stretch.start + stretch.duration
+    p, t = ParameterValues(**machine.parameters), span.start + span.duration
     before, after = machine.mode(one.source).states, machine.mode(one.target).states
-    x = machine.existing(one.source, _beside(stretch.end, scale))
+    x = machine.existing(one.source, _beside(span.end, scale))
     jump, c = machine.jump(one)
     landed = jump(0.0, np.concatenate([[t], x[before]]), c)
     source, target = machine.mode(other.source).states, machine.mode(other.target).states

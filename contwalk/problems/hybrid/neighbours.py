@@ -21,6 +21,7 @@ from contwalk.branch import SpecialPoint
 from contwalk.errors import ContwalkError, NotFinite
 from contwalk.problems.hybrid import beyond, limits
 from contwalk.problems.hybrid.following import follows
+from contwalk.problems.hybrid.least import least
 from contwalk.problems.hybrid.solving import newton_on
 from contwalk.problems.hybrid.switching import discretized, rotated
 from contwalk.problems.hybrid.word import Leg, Word
@@ -69,6 +70,7 @@ def found(problem: HybridOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], st
         return simulated, f"No orbit of another signature passes there: {reason} {told}"
     except (NotFinite, np.linalg.LinAlgError) as error:
         return (), f"No neighbour to switch to: its equations have no solution there ({error})."
+    words = " ".join(seed.problem.signature) or "no events"  # type: ignore[attr-defined]  # over its period
     return (seed,), f"The orbits with signature [{words}] leave there: a branch of their own."
 
 
@@ -415,6 +417,8 @@ def _seed(neighbour: Neighbour, label: str, words: str) -> Seed:
     """
     rough, z = neighbour.problem, neighbour.z
     z = newton_on(rough, z, filled_magnitudes(rough, z))
+    # Without its slowest event an orbit of many periods may be one of a single period.
+    rough, z = least(rough, z)
     there = discretized(rough, z)
     weights = filled_magnitudes(there, z)
     tangent = kernel_direction(there.linearize(z).jacobian, weights)

@@ -9,6 +9,7 @@ import numpy as np
 
 from contwalk import flow
 from contwalk.flow.hybrid import Arc, hybrid_machine
+from contwalk.problems.hybrid.mirrors import Span
 from contwalk.problems.hybrid.word import Leg
 from contwalk.system import System
 
@@ -28,7 +29,7 @@ def strobes(
     first : bool
         The first near return will do: the motion began on an orbit.
     """
-    from contwalk.problems.hybrid.beginning import Lap, Stretch
+    from contwalk.problems.hybrid.beginning import Lap
 
     machine = hybrid_machine(system, parameters)
     mode = machine.mode(arc.mode)
@@ -44,5 +45,5 @@ def strobes(
         apart = (states[k] - states[0]) / scale[mode.states]
         if float(np.linalg.norm(apart)) < within:
             start = machine.full(arc.mode, states[-1 if not first else 0])
-            return Lap((Stretch(Leg(arc.mode), 0.0, start, k * period, start),), scale, 0.0, start)
+            return Lap((Span(Leg(arc.mode), 0.0, start, k * period, start),), scale, 0.0, start)
     return None

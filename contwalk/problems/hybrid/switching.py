@@ -9,7 +9,6 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
-from contwalk.problems.hybrid.word import Word
 from contwalk.problems.orbit.branching import amplitude, crossing, filled_magnitudes
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.null_vectors import null_vectors
@@ -53,17 +52,6 @@ def discretized(problem: HybridOrbit, z: np.ndarray) -> HybridOrbit:
     reached = np.maximum(reached, UNSEEN * largest)
     rough = problem.adapted_to(z, problem.weighted(reached), max(problem.discretization.walking, ROUGH))
     return rough.adapted_to(z, filled_magnitudes(rough, z), problem.discretization.locating)
-
-
-def divided(problem: HybridOrbit, z: np.ndarray, times: int) -> tuple[HybridOrbit, np.ndarray]:
-    """The problem of the first part of a word that repeats itself, and the same part of the orbit."""
-    layout, part = problem.layout, problem.layout.legs // times
-    states = slice(0, layout.states[part].start)
-    lasting = slice(layout.durations.start, layout.durations.start + part)
-    start = np.concatenate([z[states], z[lasting], z[layout.durations.stop :]])
-    other = problem.of_word(Word(problem.word.legs[:part]), turns=problem.turns / times)
-    other.subharmonic = max(problem.subharmonic // times, 1)
-    return discretized(other, start), start
 
 
 def _doubled(problem: HybridOrbit, z: np.ndarray) -> Sequence[Seed]:

@@ -90,10 +90,20 @@ class Word:
             early = tuple(imaged_leg(system, self.image, leg) for leg in early)
         return replace(self, legs=(*self.legs[first:], *early))
 
-    def has_parts(self, times: int) -> bool:
-        """Whether the word is a shorter one, run through so many times."""
+    def has_parts(self, system: System, times: int) -> bool:
+        """Whether the word is a shorter one, run through so many times.
+
+        Of one that closes up to an image, every second time as its image.
+        """
+        if not self.eventful:
+            return True
         part, rest = divmod(len(self), times)
-        return not (rest or self.image) and self.legs == self.legs[:part] * times
+        first = self.legs[:part]
+        if not self.image:
+            return not rest and self.legs == first * times
+        second = tuple(imaged_leg(system, self.image, leg) for leg in first)
+        alternating = (first + second) * (times // 2) + first
+        return not rest and times % 2 == 1 and self.legs == alternating
 
     def has_halves(self, system: System) -> bool:
         """Whether the second half is the first one again, or its image."""

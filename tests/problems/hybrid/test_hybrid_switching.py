@@ -16,7 +16,8 @@ from hybrid_runs import ACCURACY, assert_met, diagram, machine
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.continuation.reopening import problem_of
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
-from contwalk.problems.hybrid.switching import discretized, divided
+from contwalk.problems.hybrid.least import divided, repetitions
+from contwalk.problems.hybrid.switching import discretized
 from contwalk.system import System, Transition
 
 WALKED = 100.0 * ACCURACY
@@ -233,7 +234,7 @@ class TestParts:
     )
     def test_an_orbit_that_repeats_itself_is_divided(self, name, times):
         problem, longer, z, zs = self.repeated(name, times)
-        assert longer.repeats(zs) == times
+        assert repetitions(longer, zs) == times
         assert longer.fallen_back(zs)
         assert np.all(
             np.abs(longer.linearize(zs).residual) <= 100.0 * problem.mesh.tolerance * longer.equation_scales
@@ -252,12 +253,12 @@ class TestParts:
     def test_an_orbit_that_nearly_repeats_itself_is_kept(self, name):
         _, longer, _, zs = self.repeated(name, 2)
         zs[: longer.layout.durations.start // 2] += 1e-4 * longer.mesh.variation.min()
-        assert longer.repeats(zs) == 1
+        assert repetitions(longer, zs) == 1
         assert not longer.fallen_back(zs)
 
     def test_a_word_without_parts_does_not_repeat(self):
         problem, z = orbit("different numbers of states")
-        assert problem.repeats(z) == 1
+        assert repetitions(problem, z) == 1
 
     def test_relabelled_closures(self):
         """An odd number of swaps closes up to them, and two closures are a period."""

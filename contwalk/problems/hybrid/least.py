@@ -1,0 +1,148 @@
+"""The least part of an orbit that tells all of it: one period, and half of it where the rest is its image.
+
+A start may be looked at for longer than its period: multipliers would be powers, and a period doubling a
+branch point. And a motion may be its own image without its start having told so.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contwalk.flow.hybrid_machine import hybrid_machine
+from contwalk.problems.hybrid import families
+from contwalk.problems.hybrid.mirrors import Span, carries
+from contwalk.problems.hybrid.switching import discretized, shifted
+from contwalk.problems.hybrid.word import Word, imaged_leg
+from contwalk.problems.orbit.closure import imaged, order_of
+from contwalk.system import Symmetry
+from contwalk.system.declarations import ParameterValues
+
+if TYPE_CHECKING:
+    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
+
+# Two orbits whose states differ by less than this part of their variation are one.
+ALIKE = 1e-6
+
+
+def least(problem: HybridOrbit, z: np.ndarray) -> tuple[HybridOrbit, np.ndarray]:
+    """The same orbit over its least period, and over half of it if it is its own image after that.
+
+    `problem` itself where there is nothing to leave out. What comes back is discretised for the orbit, and is
+    a solution as nearly as its parts were alike.
+    """
+    times = repetitions(problem, z)
+    if times > 1:
+        problem, z = divided(problem, z, times)
+    name = own_image(problem, z)
+    return _beginning(problem, z, problem.layout.legs // 2, 1, name) if name else (problem, z)
+
+
+def repetitions(problem: HybridOrbit, z: np.ndarray) -> int:
+    """How many times an orbit goes through the same states."""
+    most = problem.layout.legs if problem.word.eventful else problem.subharmonic
+    for times in range(most, 1, -1):
+        whole = not problem.forced or problem.subharmonic % times == 0
+        if whole and problem.word.has_parts(problem.system, times) and _repeated(problem, z, times):
+            return times
+    return 1
+
+
+def _repeated(problem: HybridOrbit, z: np.ndarray, times: int) -> bool:
+    """Whether an orbit of a word that repeats itself meets itself after the first of so many parts."""
+    if not problem.word.eventful:
+        view = problem.view(z)[0]
+        return _alike(problem, z, view.full(view.stepped(1.0 / times)), 0, problem.turns / times)
+    part = problem.layout.legs // times
+    symmetry, p = _symmetry(problem, problem.word.image), ParameterValues(**problem.values_of(z))
+    turns = np.zeros(problem.states) if symmetry else problem.turns / times
+    return all(
+        _alike(problem, z, imaged(symmetry, _start(problem, z, i + part), p), i, turns)
+        for i in range(problem.layout.legs - part)
+    )
+
+
+def _start(problem: HybridOrbit, z: np.ndarray, i: int) -> np.ndarray:
+    """Full state at the start of a leg."""
+    return problem.passages[i].full(z[problem.layout.states[i]])
+
+
+def _alike(problem: HybridOrbit, z: np.ndarray, x: np.ndarray, i: int, turns: np.ndarray) -> bool:
+    """Whether a state is the one at the start of leg i, but for turns."""
+    own = list(problem.passages[i].states)
+    apart = (x - turns - _start(problem, z, i))[own] / problem.mesh.variation[own]
+    return float(np.linalg.norm(apart)) < ALIKE
+
+
+def _symmetry(problem: HybridOrbit, name: str) -> Symmetry | None:
+    return problem.system.symmetry(name) if name else None
+
+
+def divided(problem: HybridOrbit, z: np.ndarray, times: int) -> tuple[HybridOrbit, np.ndarray]:
+    """The problem of the first part of a word that repeats itself, and the same part of the orbit."""
+    if problem.word.eventful:
+        return _beginning(problem, z, problem.layout.legs // times, times, problem.word.image)
+    other, start = problem.of_word(problem.word, turns=problem.turns / times), z.copy()
+    start[problem.layout.durations] /= times
+    other.subharmonic = problem.subharmonic // times
+    return discretized(other, start), start
+
+
+def _beginning(
+    problem: HybridOrbit, z: np.ndarray, legs: int, times: int, image: str
+) -> tuple[HybridOrbit, np.ndarray]:
+    """The first legs of an orbit, which close up to an image, as one of a period so many times shorter."""
+    layout = problem.layout
+    states, lasting = slice(0, layout.states[legs].start), layout.durations.start
+    start = np.concatenate([z[states], z[lasting : lasting + legs], z[layout.durations.stop :]])
+    other = problem.of_word(Word(problem.word.legs[:legs], image), turns=problem.turns / times)
+    other.subharmonic = max(problem.subharmonic // times, 1)
+    there = discretized(other, start)
+    return there, shifted(there, start)
+
+
+def own_image(problem: HybridOrbit, z: np.ndarray) -> str:
+    """The symmetry under which the second half of a whole orbit is the image of the first; empty if none."""
+    half, rest = divmod(problem.layout.legs, 2)
+    if rest or problem.word.image or not problem.word.eventful or np.any(problem.turns):
+        return ""
+    first, second = problem.word.legs[:half], problem.word.legs[half:]
+    system, p = problem.system, ParameterValues(**problem.values_of(z))
+    for symmetry in system.symmetries:
+        if symmetry.role != "spatial" or order_of(symmetry, _start(problem, z, 0), p) != 2:
+            continue
+        if second != tuple(imaged_leg(system, symmetry.name, leg) for leg in first):
+            continue
+        if _halves_alike(problem, z, symmetry) and _its_image(problem, z, symmetry):
+            return symmetry.name
+    return ""
+
+
+def _halves_alike(problem: HybridOrbit, z: np.ndarray, symmetry: Symmetry) -> bool:
+    """Whether each leg lasts as long as the one half a cycle later, and starts at its image."""
+    half, p = problem.layout.legs // 2, ParameterValues(**problem.values_of(z))
+    lasting = z[problem.layout.durations]
+    if np.max(np.abs(lasting[half:] - lasting[:half])) > ALIKE * problem.duration(z):
+        return False
+    scale = problem.mesh.variation
+    for i in range(half):
+        x = imaged(symmetry, _start(problem, z, i), p)
+        along = families.directions(problem.system, problem.pins, x, problem.values_of(z))
+        apart = families.across(x - _start(problem, z, i + half), along, scale)
+        own = list(problem.passages[i + half].states)
+        if float(np.linalg.norm((apart / scale)[own])) >= ALIKE:
+            return False
+    return True
+
+
+def _its_image(problem: HybridOrbit, z: np.ndarray, symmetry: Symmetry) -> bool:
+    """Whether the machine is its own image half a cycle later."""
+    machine, later = hybrid_machine(problem.system, problem.values_of(z)), 0.0
+    if problem.forced:
+        later = 0.5 * problem.duration(z)
+    spans = []
+    for stretch in problem.stretches(z):
+        (begin, x), (end, y) = stretch.start, stretch.end
+        spans.append(Span(stretch.view.piece.passage.leg, begin, x, end - begin, y))
+    return carries(machine, symmetry, spans, later, problem.mesh.variation)
