@@ -47,6 +47,12 @@ class DatabaseError(ContwalkError):
     """A branch database that cannot be read or written."""
 
 
+class WriteError(DatabaseError):
+    """A database that could not take more; what was stored before can be read."""
+
+    exit_code = 1
+
+
 class StartError(ContwalkError):
     """A start that does not exist, such as a named equilibrium outside its range of existence."""
 

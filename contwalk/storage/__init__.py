@@ -12,7 +12,7 @@ Rules of the contract
    its place, so that at every moment one whole file exists.
 6. `rows` and `specials` are in the order of appending; `branch` sorts by arclength and names special points.
 7. A branch without an outcome is incomplete; it loads as `stopped`, `interrupted`.
-8. One writer at a time. A second process gets a `DatabaseError`, never a traceback.
+8. One writer at a time, and any number of readers beside it. A second writer gets a `DatabaseError`.
 9. What goes wrong is a `DatabaseError` that names the file and the remedy. Nothing is cut silently.
 
 `docs/schema.md` describes the file. h5py is imported only when a file is opened.
@@ -55,7 +55,7 @@ def open_database(path: str | Path, trust: bool = False) -> Hdf5Database:
     Raises
     ------
     DatabaseError
-        If the file is missing, is not a contwalk database, is damaged, or is being written.
+        If the file is missing, is not a contwalk database, or is damaged.
     """
     from contwalk.storage.hdf5 import Hdf5Database
 

@@ -9,19 +9,25 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from contwalk.errors import DatabaseError
+from contwalk.errors import DatabaseError, WriteError
+
+try:
+    import resource
+except ImportError:  # where there are no such limits
+    resource = None  # type: ignore[assignment]
 
 RESERVE = 1 << 16  # bytes left free for HDF5's own records, so that closing the file still succeeds
 
 _FULL = (errno.ENOSPC, errno.EDQUOT)
+_NOT_LARGER = (errno.EFBIG,)
 _FORBIDDEN = (errno.EACCES, errno.EPERM, errno.EROFS)
 # What is damaged fails in h5py, or later where its content is not what the schema says.
 _RAISED_BY: dict[str, tuple[type[Exception], ...]] = {
     "read": (OSError, RuntimeError, KeyError, ValueError, TypeError),
-    "write": (OSError, RuntimeError),
+    "write": (OSError, RuntimeError, ValueError),
     "create": (OSError, RuntimeError),
 }
-_AGAIN = "Restore the file from a copy, or compute it again with contwalk continue FILE --force."
+AGAIN = "Restore the file from a copy, or compute it again with contwalk continue FILE --force."
 
 
 @contextmanager
@@ -45,7 +51,9 @@ def explained(path: Path, purpose: str, error: Exception) -> DatabaseError:
     text = str(error)
     code = getattr(error, "errno", None)
     if code in _FULL or os.strerror(errno.ENOSPC) in text or f"errno = {errno.EDQUOT}" in text:
-        return disk_full(path)
+        return disk_full(path, purpose)
+    if code in _NOT_LARGER or os.strerror(errno.EFBIG) in text:
+        return limited(path, purpose)
     if "unable to lock file" in text or "file is already open" in text:
         return DatabaseError(
             f"{path} is in use: another process reads or writes it.",
@@ -59,25 +67,52 @@ def explained(path: Path, purpose: str, error: Exception) -> DatabaseError:
     if purpose == "create":
         return DatabaseError(f"{path} cannot be created: {text}", "Choose another output.")
     if "truncated file" in text:
-        return DatabaseError(f"{path} is damaged: its end is missing.", _AGAIN)
-    return DatabaseError(f"{path} is damaged and cannot be {_done(purpose)} ({text}).", _AGAIN)
+        return DatabaseError(f"{path} is damaged: its end is missing.", AGAIN)
+    if purpose == "write" and not isinstance(error, ValueError):
+        return WriteError(
+            f"{path} cannot be written ({text}). Every point stored before is kept.",
+            "Go on with: contwalk continue FILE --resume",
+        )
+    return DatabaseError(f"{path} is damaged and cannot be {_done(purpose)} ({text}).", AGAIN)
 
 
-def disk_full(path: Path) -> DatabaseError:
+def disk_full(path: Path, purpose: str = "write") -> DatabaseError:
     """The error for a disk without space."""
-    return DatabaseError(
-        f"The disk is full: {path} cannot grow. Every point stored before is kept.",
-        "Free some space, then go on with: contwalk continue FILE --resume",
+    return _no_room(path, purpose, "The disk is full", "Free some space")
+
+
+def limited(path: Path, purpose: str = "write") -> DatabaseError:
+    """The error for a file that reaches the largest size that the process may write."""
+    return _no_room(path, purpose, "The size of files is limited (ulimit -f)", "Raise the limit")
+
+
+def _no_room(path: Path, purpose: str, what: str, remedy: str) -> DatabaseError:
+    if purpose == "create":
+        return DatabaseError(f"{what}: {path} cannot be created.", f"{remedy}, or choose another output.")
+    return WriteError(
+        f"{what}: {path} cannot grow. Every point stored before is kept.",
+        f"{remedy}, then go on with: contwalk continue FILE --resume",
     )
 
 
-def check_space(path: Path, size: int) -> None:
+def check_space(path: Path, size: int, purpose: str = "write") -> None:
     """Refuse to write `size` bytes unless they fit well.
 
     HDF5 cannot take back a write that failed half-way, so a full disk is noticed before it.
     """
     if shutil.disk_usage(path).free < size + RESERVE:
-        raise disk_full(path)
+        raise disk_full(path, purpose)
+    most = largest_file()
+    if most is not None and (path.stat().st_size if path.is_file() else 0) + size + RESERVE > most:
+        raise limited(path, purpose)
+
+
+def largest_file() -> int | None:
+    """The largest size of a file that this process may write, bytes; None without a limit."""
+    if resource is None:
+        return None
+    soft = resource.getrlimit(resource.RLIMIT_FSIZE)[0]
+    return None if soft == resource.RLIM_INFINITY else soft
 
 
 def check_output(path: Path, overwrite: bool) -> None:

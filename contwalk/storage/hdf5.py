@@ -29,20 +29,27 @@ from contwalk.storage.database import (
 )
 from contwalk.storage.failures import check_input, check_output, check_space, failures_of
 from contwalk.storage.hdf5_branch import StoredBranch
-from contwalk.storage.hdf5_file import CATALOGUE, NOTES, catalogued, create_file, open_file, read_header
+from contwalk.storage.hdf5_file import CATALOGUE, NOTES, catalogued, create_file, dataset_in, read_header
+from contwalk.storage.locking import Lock
+from contwalk.storage.locking import lock as acquire
 from contwalk.storage.records import RecordLog
 from contwalk.storage.schema import TEXT_DTYPE, decode, encode, joined, pieces
+from contwalk.storage.seal import append_seal
+from contwalk.storage.snapshot import open_snapshot
 from contwalk.storage.stored_system import StoredSystem, system_of_run
 from contwalk.system import System
+
+OUTCOME = 8  # rows of text that an outcome takes, and more than any has taken
 
 
 class Hdf5Database:
     """A `Database` in a file. Make one with `create` or `open`; use it as a context manager."""
 
-    def __init__(self, path: Path, file: h5py.File, writable: bool) -> None:
+    def __init__(self, path: Path, file: h5py.File, lock: Lock | None = None) -> None:
         self.trust = False  # whether `system` may run code that is not trusted by itself
         self._path = path
-        self._writable = writable
+        self._lock = lock  # that of a writer
+        self._failed: DatabaseError | None = None  # why nothing can be written any more
         self._attach(file)
 
     @classmethod
@@ -57,12 +64,16 @@ class Hdf5Database:
             If the output exists (unless `overwrite`), is a directory, is in use, or cannot be written.
         """
         path = Path(path)
-        check_output(path, overwrite)
-        if path.exists():
-            _check_unused(path)
-        with _placed(path, header) as file:
-            del file
-        return cls(path, open_file(path, writable=True), True)
+        with failures_of(path, "create"):
+            check_output(path, overwrite)
+            replaced = acquire(path) if path.exists() else None
+        try:
+            with _placed(path, header) as (file, lock):
+                pass
+        finally:
+            if replaced is not None:
+                replaced.release()
+        return cls(path, file, lock)
 
     @classmethod
     def open(cls, path: str | Path, writable: bool = False) -> Hdf5Database:
@@ -74,17 +85,21 @@ class Hdf5Database:
         Raises
         ------
         DatabaseError
-            If the file is missing, is not a contwalk database, has a newer schema, is damaged, or is in use.
+            If the file is missing, is not a contwalk database, has a newer schema, or is damaged; for writing
+            also if another process writes it.
         """
         path = Path(path)
         check_input(path)
-        database = cls(path, open_file(path, writable), writable)
-        if writable:
-            try:
-                database._rewrite()
-            except BaseException:
-                database.close()
-                raise
+        if not writable:
+            return cls(path, open_snapshot(path))
+        with failures_of(path, "write"):
+            lock = acquire(path)
+        try:
+            database = cls(path, open_snapshot(path), lock)
+            database._rewrite()
+        except BaseException:
+            lock.release()
+            raise
         return database
 
     def _attach(self, file: h5py.File) -> None:
@@ -93,8 +108,10 @@ class Hdf5Database:
         try:
             self._header = read_header(self._path, file)
             with failures_of(self._path, "read"):
-                self._notes = RecordLog(file[NOTES], TEXT_DTYPE)
+                self._notes = RecordLog(dataset_in(file, NOTES), TEXT_DTYPE)
                 for stored in map(StoredBranch.open, catalogued(file)):
+                    if stored.info.name in self._branches:
+                        raise ValueError(f"it has two branches {stored.info.name}")
                     self._branches[stored.info.name] = stored
         except BaseException:
             file.close()
@@ -131,10 +148,13 @@ class Hdf5Database:
         return stored.system
 
     def close(self) -> None:
-        """Release the file. Everything was flushed before."""
-        # On a full disk HDF5 fails to close what it failed to write; what it could write is on disk.
-        with contextlib.suppress(OSError, RuntimeError):
-            self._file.close()
+        """Release the file. Everything was flushed before; what was written is sealed."""
+        if self._failed is not None:
+            _abandon(self._file)
+        elif self._file and _closed(self._file) and self._lock is not None:
+            append_seal(self._path)
+        if self._lock is not None:
+            self._lock.release()
 
     def start_branch(self, info: BranchInfo) -> None:
         """Begin a branch."""
@@ -142,7 +162,7 @@ class Hdf5Database:
         order = len(self._branches)
         if order == len(self._file[CATALOGUE]):
             self._rewrite()
-        with self._writing(4096):
+        with self._writing(StoredBranch.room(info)):
             self._branches[info.name] = StoredBranch.create(self._file, order, info)
 
     def append(self, name: str, row: np.ndarray | np.void) -> None:
@@ -150,7 +170,7 @@ class Hdf5Database:
         record = checked_row(self._unfinished(name).info, row)
         if self._stored(name).points.full(1):
             self._rewrite()
-        with self._writing(record.nbytes):
+        with self._writing(self._stored(name).points.room(1)):
             self._stored(name).append_row(record)
 
     def append_special(self, name: str, point: SpecialPoint) -> None:
@@ -158,20 +178,20 @@ class Hdf5Database:
         record = self._unfinished(name).special_record(point)
         if self._stored(name).special_points.full(1):
             self._rewrite()
-        with self._writing(record.nbytes):
+        with self._writing(self._stored(name).special_points.room(1)):
             self._stored(name).special_points.append(record)
 
     def finish(self, name: str, outcome: Outcome, cost: Mapping[str, float]) -> None:
         """Say how the branch ended."""
         stored = self._unfinished(name)
-        with self._writing(4096):
+        with self._writing(stored.outcomes.room(OUTCOME)):
             stored.write_end(outcome, cost)
 
     def drop_outcome(self, name: str) -> None:
         """Reopen a finished branch."""
         stored = self._stored(name)
         if stored.end() is not None:
-            with self._writing(4096):
+            with self._writing(stored.outcomes.room(1)):
                 stored.reopen()
 
     def truncate(self, name: str, rows: int, specials: int) -> None:
@@ -220,7 +240,7 @@ class Hdf5Database:
         records = pieces(encode([key, text], "a note"))
         if self._notes.full(len(records)):
             self._rewrite()
-        with self._writing(records.nbytes):
+        with self._writing(self._notes.room(len(records))):
             self._notes.append(records)
 
     def notes(self) -> dict[str, str]:
@@ -234,22 +254,32 @@ class Hdf5Database:
         kept = [stored for stored in self._branches.values() if stored.info.name != dropped]
         with self._writing(self._path.stat().st_size):
             notes = self._notes.read()
-            with _placed(self._path, self._header, notes, len(kept)) as file:
+            with _placed(self._path, self._header, notes, len(kept), "write") as (file, lock):
                 for order, stored in enumerate(kept):
                     rows, specials = (truncated or {}).get(stored.info.name, (None, None))
                     stored.copy_to(file, order, rows, specials)
-                self._file.close()
-        self._attach(open_file(self._path, writable=True))
+        old, before = self._file, self._lock
+        self._lock = lock
+        self._attach(file)
+        _closed(old)  # whoever has waited for it finds that another file has taken its place
+        if before is not None:
+            before.release()
 
     @contextlib.contextmanager
     def _writing(self, size: int) -> Iterator[None]:
         """Refuse what cannot be written now, and explain what fails."""
         self._check_open()
-        if not self._writable:
+        if self._lock is None:
             raise DatabaseError(f"{self._path} is open for reading only.", "Open it with writable=True.")
-        with failures_of(self._path, "write"):
-            check_space(self._path, size)
-            yield
+        if self._failed is not None:
+            raise self._failed
+        try:
+            with failures_of(self._path, "write"):
+                check_space(self._path, size)
+                yield
+        except DatabaseError as error:
+            self._failed = error
+            raise
 
     def _check_open(self) -> None:
         if not self._file:
@@ -270,27 +300,47 @@ class Hdf5Database:
 
 @contextlib.contextmanager
 def _placed(
-    path: Path, header: RunHeader, notes: np.ndarray | None = None, branches: int = 0
-) -> Iterator[h5py.File]:
-    """A new file to fill, put at `path` when it is whole and closed; otherwise `path` stays as it was."""
+    path: Path, header: RunHeader, notes: np.ndarray | None = None, branches: int = 0, purpose: str = "create"
+) -> Iterator[tuple[h5py.File, Lock]]:
+    """A new file to fill, locked, which takes its place at `path`; if that fails, `path` stays as it was."""
     text = encode(asdict(header), "the header")
     target = Path(os.path.realpath(path))  # a symbolic link stays one
     draft = target.with_name(f".{target.name}.{os.getpid()}.new")
-    with failures_of(path, "create"):
-        check_space(target.parent, len(text))
+    with failures_of(path, purpose):
+        check_space(target.parent, len(text), purpose)
+        file, lock = None, None
         try:
-            with create_file(draft, header, text, notes, branches) as file:
-                yield file
+            file = create_file(draft, header, text, notes, branches)
+            lock = acquire(draft)
+            yield file, lock
+            file.flush()
             draft.replace(target)
-        finally:
+        except BaseException:
+            if file is not None:
+                _abandon(file)
+            if lock is not None:
+                lock.release()
             draft.unlink(missing_ok=True)
-
-
-def _check_unused(path: Path) -> None:
-    """Refuse to replace a file that a run is writing; one that cannot be read otherwise may be replaced."""
-    try:
-        check_input(path)
-        open_file(path, writable=True).close()
-    except DatabaseError as error:
-        if "is in use" in error.sentence:
             raise
+
+
+def _closed(file: h5py.File) -> bool:
+    """Close a file; whether that was possible."""
+    try:
+        file.close()
+    except (OSError, RuntimeError):
+        return False
+    return True
+
+
+def _abandon(file: h5py.File) -> None:
+    """Leave a file as it is on disk: as a kill would, which is safe at any moment.
+
+    HDF5 would go on to write what belongs to a write that has failed, and leave the file unreadable. So its
+    descriptor leads nowhere from now on.
+    """
+    with contextlib.suppress(OSError, RuntimeError, ValueError, NotImplementedError):
+        nowhere = os.open(os.devnull, os.O_RDWR)
+        os.dup2(nowhere, file.id.get_vfd_handle())
+        os.close(nowhere)
+    _closed(file)

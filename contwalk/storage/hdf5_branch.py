@@ -8,13 +8,15 @@ import h5py
 import numpy as np
 
 from contwalk.branch import BranchInfo, Outcome, SpecialPoint
-from contwalk.storage.hdf5_file import publish
+from contwalk.storage.hdf5_file import dataset_in, publish
 from contwalk.storage.records import RecordLog, describe
 from contwalk.storage.schema import (
     POINT_CHUNK,
     SPECIAL_CHUNK,
     TEXT_CHUNK,
     TEXT_DTYPE,
+    Extent,
+    extent_from_text,
     info_from_text,
     info_text,
     joined,
@@ -35,16 +37,17 @@ class StoredBranch:
 
     def __init__(self, group: h5py.Group, info: BranchInfo) -> None:
         self.info = info
-        self.points = RecordLog(group["points"], point_record_dtype(info))
-        self.special_points = RecordLog(group["special_points"], special_record_dtype(info))
-        self.outcomes = RecordLog(group["outcome"], TEXT_DTYPE)
+        self.points = RecordLog(dataset_in(group, "points"), point_record_dtype(info))
+        self.special_points = RecordLog(dataset_in(group, "special_points"), special_record_dtype(info))
+        self.outcomes = RecordLog(dataset_in(group, "outcome"), TEXT_DTYPE)
         texts = joined(self.outcomes.read())
         self._end = outcome_from_text(texts[-1] if texts else None)
+        self._extent = extent_from_text(texts[-1] if texts else None)
 
     @classmethod
     def open(cls, group: h5py.Group) -> StoredBranch:
         """An existing branch."""
-        (text,) = joined(RecordLog(group["info"], TEXT_DTYPE).read())
+        (text,) = joined(RecordLog(dataset_in(group, "info"), TEXT_DTYPE).read())
         return cls(group, info_from_text(text))
 
     @classmethod
@@ -83,16 +86,29 @@ class StoredBranch:
         publish(file, order, info.name, group)
         return cls(group, info_from_text(text))
 
+    @staticmethod
+    def room(info: BranchInfo) -> int:
+        """Bytes that a new branch takes, and more."""
+        return 2 * len(info_text(info)) + (1 << 15)
+
     def copy_to(self, file: h5py.File, order: int, rows: int | None, specials: int | None) -> None:
         """Write the branch into another file, with its first `rows` and `specials` (all for None)."""
-        StoredBranch.create(
-            file,
-            order,
-            self.info,
-            self.points.read()[:rows],
-            self.special_points.read()[:specials],
-            self.outcomes.read(),
-        )
+        points, special_points = self._read()
+        kept, special_points = points[:rows], special_points[:specials]
+        ended = None
+        if self._end is not None:
+            ended = pieces(outcome_text(*self._end, Extent.of(kept, special_points)))
+        StoredBranch.create(file, order, self.info, kept, special_points, ended)
+
+    def _read(self) -> tuple[np.ndarray, np.ndarray]:
+        """Points and special points; of a finished branch exactly those that belong to it."""
+        extent = self._extent
+        if self._end is None or extent is None:
+            return self.points.read(), self.special_points.read()
+        found = self.points.read(extent.rows), self.special_points.read(extent.special_points)
+        if Extent.of(*found) != extent:
+            raise ValueError(f"the rows of branch {self.info.name} are not those that it was finished with")
+        return found
 
     def append_row(self, row: np.ndarray) -> None:
         """Append one row of dtype `info.point_dtype()`."""
@@ -106,11 +122,11 @@ class StoredBranch:
     def rows(self) -> np.ndarray:
         """Whole points in the order of appending."""
         dtype = self.info.point_dtype()
-        return self.points.read().view(dtype.newbyteorder("<")).astype(dtype)
+        return self._read()[0].view(dtype.newbyteorder("<")).astype(dtype)
 
     def specials(self) -> list[SpecialPoint]:
         """Whole special points in the order of appending."""
-        return [special_from_text(text.decode()) for text in self.special_points.read()["record"].tolist()]
+        return [special_from_text(text.decode()) for text in self._read()[1]["record"].tolist()]
 
     def end(self) -> tuple[Outcome, dict[str, float]] | None:
         """Outcome and cost; None while the branch is not finished."""
@@ -118,11 +134,12 @@ class StoredBranch:
 
     def write_end(self, outcome: Outcome, cost: Mapping[str, float]) -> None:
         """Finish the branch."""
-        text = outcome_text(outcome, cost)
+        extent = Extent.of(self.points.read(), self.special_points.read())
+        text = outcome_text(outcome, cost, extent)
         self.outcomes.append(pieces(text))
-        self._end = outcome_from_text(text)
+        self._end, self._extent = outcome_from_text(text), extent
 
     def reopen(self) -> None:
         """Take the outcome back."""
         self.outcomes.append(pieces(REOPENED))
-        self._end = None
+        self._end = self._extent = None

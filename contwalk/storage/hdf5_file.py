@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from contwalk.errors import DatabaseError
 from contwalk.storage.database import RunHeader
 from contwalk.storage.failures import failures_of, not_contwalk
-from contwalk.storage.records import RecordLog, describe
+from contwalk.storage.records import RecordLog, check_layout, describe
 from contwalk.storage.schema import FORMAT, SCHEMA_VERSION, TEXT_CHUNK, TEXT_DTYPE, decode, joined, pieces
 
 BRANCHES = "branches"
@@ -26,7 +27,8 @@ def create_file(
     path: Path, header: RunHeader, header_text: str, notes: np.ndarray | None = None, branches: int = 0
 ) -> h5py.File:
     """A new file without branches, with room in its catalogue for at least twice as many as announced."""
-    file = h5py.File(path, "x", libver=LIBVER)
+    # The lock is contwalk's own: it is held while one file takes the place of another.
+    file = h5py.File(path, "x", libver=LIBVER, locking=False, rdcc_nbytes=0)
     describe(file, format=FORMAT, system=header.system)
     file.attrs["schema_version"] = SCHEMA_VERSION
     file.create_group(BRANCHES)
@@ -37,15 +39,42 @@ def create_file(
     return file
 
 
-def open_file(path: Path, writable: bool) -> h5py.File:
-    """Open an existing file."""
-    with failures_of(path, "read"):
-        return h5py.File(path, "r+" if writable else "r", libver=LIBVER, rdcc_nbytes=0)
+def dataset_in(group: h5py.Group, name: str) -> h5py.Dataset:
+    """A dataset that is a part of the group, in this file.
+
+    Raises
+    ------
+    ValueError
+        If it is missing, is something else, or only a link to elsewhere.
+    """
+    own = isinstance(group.get(name, getlink=True), h5py.HardLink)
+    dataset = group[name] if own else None
+    if not isinstance(dataset, h5py.Dataset) or (dataset.chunks is None and name != CATALOGUE):
+        raise ValueError(f"it has no dataset {group.name.rstrip('/')}/{name} of its own")
+    return dataset
 
 
 def catalogued(file: h5py.File) -> list[h5py.Group]:
-    """The groups of the branches in the order of creation."""
-    return [file[reference] for reference in file[CATALOGUE][()] if reference]
+    """The groups of the branches in the order of creation.
+
+    Raises
+    ------
+    ValueError
+        Unless they are groups, each once, with nothing between them.
+    """
+    catalogue = dataset_in(file, CATALOGUE)
+    check_layout(catalogue)
+    if catalogue.dtype != h5py.ref_dtype or catalogue.ndim != 1:
+        raise ValueError(f"{catalogue.name} holds no references")
+    references = list(catalogue[()].tolist())
+    known = [bool(reference) for reference in references]
+    groups = [file[reference] for reference in references[: sum(known)] if reference]
+    places = {h5py.h5o.get_info(group.id).addr for group in groups}
+    if known[: sum(known)].count(False) or len(places) < len(groups):
+        raise ValueError(f"{catalogue.name} does not list the branches one after the other")
+    if not all(isinstance(group, h5py.Group) for group in groups):
+        raise ValueError(f"{catalogue.name} lists what is no branch")
+    return groups
 
 
 def publish(file: h5py.File, order: int, name: str, group: h5py.Group) -> None:
@@ -65,15 +94,37 @@ def read_header(path: Path, file: h5py.File) -> RunHeader:
         If the file is HDF5 of something else, has a newer schema, or is damaged.
     """
     with failures_of(path, "read"):
-        stated = file.attrs.get("format")
-    if not (isinstance(stated, bytes | np.bytes_) and stated == FORMAT.encode()):
+        stated = _short_text(file, "format")
+    if stated != FORMAT.encode():
         raise not_contwalk(path, "an HDF5 file of another program")
     with failures_of(path, "read"):
-        version = int(file.attrs["schema_version"])
+        version = _whole_number(file, "schema_version")
         if version <= SCHEMA_VERSION:
-            (text,) = joined(RecordLog(file[HEADER], TEXT_DTYPE).read())
-            return RunHeader(**decode(text))
+            (text,) = joined(RecordLog(dataset_in(file, HEADER), TEXT_DTYPE).read())
+            return _header_of(decode(text))
     raise DatabaseError(
         f"{path} has schema version {version}; this contwalk reads versions up to {SCHEMA_VERSION}.",
         "Read it with the newer contwalk that wrote it: pip install --upgrade contwalk",
     )
+
+
+def _header_of(stored: Any) -> RunHeader:
+    header = RunHeader(**stored)
+    texts, mappings = (header.system, header.config), (header.model, header.provenance)
+    if not (all(isinstance(t, str) for t in texts) and all(isinstance(m, dict) for m in mappings)):
+        raise ValueError("its header is none")
+    return header
+
+
+def _short_text(file: h5py.File, name: str) -> bytes | None:
+    """An attribute that is a text of fixed length; None for anything else, which is not read."""
+    kept = file.attrs.get_id(name) if name in file.attrs else None
+    short = kept is not None and kept.shape == () and kept.dtype.kind == "S"
+    return bytes(file.attrs[name]) if short else None
+
+
+def _whole_number(file: h5py.File, name: str) -> int:
+    kept = file.attrs.get_id(name)
+    if kept.shape != () or kept.dtype.kind not in "iu":
+        raise ValueError(f"the attribute {name} is no number")
+    return int(file.attrs[name])

@@ -12,14 +12,12 @@ a log that is `full` is to be copied, into one with larger chunks, before it gro
 from __future__ import annotations
 
 import zlib
-from pathlib import Path
 
 import h5py
 import numpy as np
 
-from contwalk.errors import DatabaseError
-
 CRC = "crc32"
+LARGEST_ROW = 1 << 24  # bytes, in a file that has no whole row yet
 INDEX_ENTRIES = 64  # of one node of the chunk index: 2 K with the default K = 32 of an HDF5 file
 
 
@@ -51,6 +49,22 @@ def describe(target: h5py.Group, **attributes: str) -> None:
     for name, text in attributes.items():
         raw = text.encode()
         target.attrs.create(name, raw, dtype=h5py.string_dtype("utf-8", max(1, len(raw))))
+
+
+def check_layout(dataset: h5py.Dataset) -> None:
+    """Refuse a dataset that is not in the file as it stands, or is larger than what the file can hold.
+
+    Raises
+    ------
+    ValueError
+    """
+    plain = dataset.id.get_create_plist().get_nfilters() == 0 and not dataset.is_virtual
+    if not plain or dataset.external:
+        raise ValueError(f"{dataset.name} is not stored plainly")
+    # The last row may be announced before its chunk is there.
+    size, row = dataset.file.id.get_filesize(), dataset.dtype.itemsize
+    if dataset.nbytes - row > size or row > max(size, LARGEST_ROW):
+        raise ValueError(f"{dataset.name} announces more than the file holds")
 
 
 class RecordLog:
@@ -92,6 +106,12 @@ class RecordLog:
         """Whether `more` records would outgrow the first node of the chunk index."""
         return self.count + more > self._capacity
 
+    def room(self, more: int) -> int:
+        """Bytes by which the file may grow where `more` records are appended: chunks are written whole."""
+        chunk = int(self.dataset.chunks[0])
+        chunks = -(-(self.count + more) // chunk) - -(-self.count // chunk)
+        return (max(chunks * chunk, more)) * self._stored.itemsize
+
     def append(self, records: np.ndarray) -> None:
         """Append records one by one, each on disk before the next, so that one at most can be torn."""
         sealed = _sealed(records, self._stored)
@@ -106,12 +126,17 @@ class RecordLog:
         space.select_hyperslab((self.count,), (1,))
         self.dataset.id.write(self._one, space, sealed, self._type)
 
-    def read(self) -> np.ndarray:
+    def read(self, count: int | None = None) -> np.ndarray:
         """All whole records; a torn one at the end is left out.
+
+        Parameters
+        ----------
+        count : int, optional
+            How many there are, where that is known: then all of them must be whole, and no others.
 
         Raises
         ------
-        DatabaseError
+        ValueError
             If records are missing other than the very last: the file is damaged.
         """
         raw = self._raw_rows()
@@ -123,22 +148,19 @@ class RecordLog:
         torn = bool(whole) and not whole[-1]
         kept = raw[: len(raw) - torn]
         if not all(whole[: len(kept)]):
-            raise DatabaseError(
-                f"{Path(self.dataset.file.filename)} is damaged: row {whole.index(False)} of {len(whole)} of "
-                f"{self.dataset.name} fails its checksum.",
-                "Restore the file from a copy, or compute it again with contwalk continue FILE --force.",
+            raise ValueError(
+                f"row {whole.index(False)} of {len(whole)} of {self.dataset.name} fails its checksum"
             )
+        if count is not None and len(kept) != count:
+            raise ValueError(f"{self.dataset.name} has {len(kept)} of its {count} rows")
         return np.frombuffer(b"".join(row[:size] for row in kept), self.dtype)
 
     def _raw_rows(self) -> list[bytes]:
         """The bytes of each row; empty for one that HDF5 cannot read."""
         size = self.dtype.itemsize + 4
-        if self.dataset.dtype.itemsize != size:
-            raise DatabaseError(
-                f"{Path(self.dataset.file.filename)} is damaged: the columns of {self.dataset.name} are not "
-                "those that its branch announces.",
-                "Restore the file from a copy, or compute it again with contwalk continue FILE --force.",
-            )
+        check_layout(self.dataset)
+        if self.dataset.dtype != self._stored or self.dataset.ndim != 1:
+            raise ValueError(f"the columns of {self.dataset.name} are not those that its branch announces")
         try:
             raw = self.dataset[()].tobytes()
         except OSError:

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import json
 import math
+import zlib
 from collections.abc import Mapping
-from dataclasses import asdict, fields, replace
+from dataclasses import asdict, dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,20 @@ TEXT_CHUNK = 8  # rows in one chunk of a text log
 POINT_CHUNK = 64
 SPECIAL_CHUNK = 8
 TEXT_DTYPE = np.dtype([("text", f"S{PIECE}"), ("left", "<i4")])  # `left`: pieces still to come
+
+
+@dataclass(frozen=True)
+class Extent:
+    """What belongs to a finished branch: how many records, and the CRC-32 of all their bytes in order."""
+
+    rows: int
+    special_points: int
+    crc32: int
+
+    @classmethod
+    def of(cls, rows: np.ndarray, specials: np.ndarray) -> Extent:
+        """The extent of these records."""
+        return cls(len(rows), len(specials), zlib.crc32(specials.tobytes(), zlib.crc32(rows.tobytes())))
 
 
 def encode(value: Any, what: str) -> str:
@@ -115,9 +130,16 @@ def _told_apart(reason: str, sentence: str) -> str:
     return next((code for words, code in _ONCE_CLOSED.items() if words in sentence), reason)
 
 
-def outcome_text(outcome: Outcome, cost: Mapping[str, float]) -> str:
-    """JSON text of how a branch ended and what it cost."""
-    return encode({"outcome": asdict(outcome), "cost": dict(cost)}, "the outcome")
+def outcome_text(outcome: Outcome, cost: Mapping[str, float], extent: Extent | None = None) -> str:
+    """JSON text of how a branch ended, what it cost, and what belongs to it."""
+    ended = {"outcome": asdict(outcome), "cost": dict(cost)}
+    return encode(ended if extent is None else {**ended, "extent": asdict(extent)}, "the outcome")
+
+
+def extent_from_text(text: str | None) -> Extent | None:
+    """What belongs to a finished branch; None where its outcome does not tell."""
+    stored = decode(text) if text else None
+    return Extent(**stored["extent"]) if stored and "extent" in stored else None
 
 
 def outcome_from_text(text: str | None) -> tuple[Outcome, dict[str, float]] | None:

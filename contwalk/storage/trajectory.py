@@ -14,6 +14,8 @@ import numpy as np
 
 from contwalk.errors import DatabaseError
 from contwalk.storage.failures import check_input, failures_of
+from contwalk.storage.seal import append_seal
+from contwalk.storage.snapshot import open_snapshot
 
 TRAJECTORY = "contwalk trajectory"
 SAMPLES = "contwalk samples"
@@ -183,6 +185,7 @@ def _written(
                 file.attrs["system"] = system
                 file.attrs["header"] = json.dumps(dict(header))
                 fill(file)
+            append_seal(temporary)
             os.replace(temporary, path)
         finally:
             temporary.unlink(missing_ok=True)
@@ -192,7 +195,7 @@ def _written(
 def _read(path: str | Path, form: str, take: Callable[[h5py.File], Any]) -> Any:
     path = Path(path)
     check_input(path)
-    with failures_of(path, "read"), h5py.File(path, "r") as file:
+    with failures_of(path, "read"), open_snapshot(path) as file:
         stated, version = file.attrs.get("format"), file.attrs.get("schema_version")
         if stated == form and version == VERSION:
             return take(file)
