@@ -1,0 +1,35 @@
+"""Two hundred machines that nobody wrote: nothing stored is wrong, and nothing is lost without a word.
+
+What is checked stands in `random_checks`; `run_random_systems.py` runs more of them, deeper.
+"""
+
+from __future__ import annotations
+
+import pytest
+from random_recipes import recipe
+from random_study import checked
+
+SYSTEMS = 200
+
+# Faults that are known and open, by seed. Strict: who mends one takes it off.
+_BLURRED = "an unlocated point of a cycle near its homoclinic end contradicts the counts beside it"
+_CREEPS = "a cycle creeps away from its Hopf point"
+KNOWN: dict[int, str] = {
+    **dict.fromkeys((47, 85, 95, 135, 140, 142, 173), _BLURRED),
+    **dict.fromkeys((12, 160), _CREEPS),
+    104: "a second eigenvalue passes zero along a vertical branch",
+    180: "a cycle is told to be homoclinic where it was born",
+}
+
+
+def _marked(seed: int) -> object:
+    marks = [pytest.mark.xfail(strict=True, reason=KNOWN[seed])] if seed in KNOWN else []
+    return pytest.param(seed, marks=marks, id=f"{recipe(seed).family}-{seed}")
+
+
+@pytest.mark.parametrize("seed", [_marked(seed) for seed in range(SYSTEMS)])
+def test_nothing_is_wrong_and_nothing_is_lost(seed):
+    small = recipe(seed).small()
+    found = checked(small)["faults"]
+    shown = "\n".join(f"{f['code']} at {f['where']}: {f['text']}" for f in found)
+    assert not found, f"{shown}\n\n{small.plugin_text()}\n{small.run_text()}"
