@@ -328,8 +328,18 @@ def _known_twice(machine: Machine, study: Study, looks: dict[str, list[Round]]) 
             yield Fault(
                 "twice",
                 b.name,
-                f"{100 * share:.0f} % of its points lie on {a.name}, or are images of its points",
+                f"{100 * share:.0f} % of its first points lie on {a.name}, or are images of its points",
             )
+
+
+def _first(branch: Branch) -> np.ndarray:
+    """The first rows on both sides of a start, but for that at which the branch was born.
+
+    Farther on, a branch may run into one that had used up its points.
+    """
+    rows = branch.points
+    regular = np.flatnonzero(~rows["special"] & (rows["s"] != 0.0))
+    return regular[np.argsort(np.abs(rows["s"][regular]), kind="stable")][:7][1:]
 
 
 def _images(machine: Machine, branch: Branch) -> list[np.ndarray]:
@@ -341,10 +351,8 @@ def _images(machine: Machine, branch: Branch) -> list[np.ndarray]:
 
 
 def _equal_equilibria(machine: Machine, a: Branch, b: Branch, image: np.ndarray) -> float:
-    """Share of the inner rows of b that Newton's method finds on a's polygon at the same parameter."""
-    rows = b.points[~b.points["special"]][1:-1]
-    rows = rows[:: max(1, len(rows) // 6)]
-    hits = 0
+    """Share of the first rows of b that Newton's method finds on a's polygon at the same parameter."""
+    rows, hits = b.points[_first(b)], 0
     for row in rows:
         x, lam = image @ row["state"], float(row["free"][0])
         hits += any(np.abs(y - x).max() < ALIKE * (1.0 + np.abs(x).max()) for y in _at(machine, a, lam, x))
@@ -375,8 +383,9 @@ def _at(machine: Machine, branch: Branch, lam: float, near: np.ndarray) -> Itera
 def _equal_orbits(
     machine: Machine, a: Branch, b: Branch, looks: dict[str, list[Round]], image: np.ndarray
 ) -> float:
-    """Share of the inner rows of b whose period and extremes are those between two rows of a."""
-    turns = [t for t in looks[b.name] if not b.points["special"][t.row]][1:-1]
+    """Share of the first rows of b whose period and extremes are those between two rows of a."""
+    chosen = _first(b)
+    turns = [t for t in looks[b.name] if t.row in chosen]
     hits = sum(_like(a, looks[a.name], t, float(b.points["free"][t.row, 0]), image) for t in turns)
     return hits / len(turns) if turns else 0.0
 
