@@ -26,9 +26,9 @@ if TYPE_CHECKING:
     from contwalk.problems.orbit.discretization import Discretization as Discretization
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit as PeriodicOrbit
     from contwalk.storage import open_database as open_database
-    from contwalk.system import load_system as load_system
     from contwalk.workflow.run_file import read_run_file as read_run_file
     from contwalk.workflow.runner import run as run
+    from contwalk.workflow.sound_systems import load_system as load_system
 
 _HOMES = {
     "Branch": "contwalk.branch",
@@ -38,7 +38,7 @@ _HOMES = {
     "PeriodicOrbit": "contwalk.problems.orbit.periodic_orbit",
     "SpecialPoint": "contwalk.branch",
     "continue_branch": "contwalk.continuation.verbs",
-    "load_system": "contwalk.system",
+    "load_system": "contwalk.workflow.sound_systems",
     "open_database": "contwalk.storage",
     "plot_bifurcation_diagram": "contwalk.plotting",
     "plot_eigenvalues": "contwalk.plotting",

@@ -12,6 +12,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from contwalk.python_functions import plain
+
 
 class ContwalkError(Exception):
     """Root of all errors raised on purpose.
@@ -103,11 +105,22 @@ def called(what: str, function: Callable[..., Any], *arguments: Any) -> Any:
         The function in words, as `observable 'amplitude'`.
     """
     try:
-        return function(*arguments)
+        return plain(function)(*arguments)
+    except UnsupportedOperation as error:
+        raise UnsupportedOperation(f"{plugin_line(error)}: {error.sentence}", error.remedy) from error
     except ContwalkError:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise PluginError(
             f"The {what} raised an exception at {plugin_line(error)}: {type(error).__name__}: {error}.",
             "Mend the plugin.",
         ) from error
+
+
+def measured(what: str, function: Callable[..., Any], t: Any, x: Any, p: Any) -> float:
+    """The number that a plugin's function makes of a motion, as `called`.
+
+    It gets copies of times and states: whatever it changes in them is its own.
+    """
+    times = t.copy() if hasattr(t, "copy") else t
+    return called(what, lambda: float(plain(function)(times, x.copy(), p)))

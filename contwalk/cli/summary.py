@@ -83,14 +83,14 @@ def _print_branch(out: Console, branch: Branch, among: Sequence[Branch], fixed: 
 def _orbits(branch: Branch) -> str:
     """Periods and closure of a branch of orbits, and the worst error of their trivial multiplier."""
     info, fold = branch.info, int(branch.info.settings.get("fold", 1))
-    periods = fold * branch["period"]
+    periods = fold * branch.points["period"]
     text = f"period from {np.nanmin(periods):.6g} to {np.nanmax(periods):.6g} s"
     if info.closure not in (None, "full"):
         text += f", 1/{fold} of it integrated: closed up to '{info.closure}'"
     elif info.subharmonic > 1:
         text += f", {info.subharmonic} of the forcing"
     # Where a branch is born at a Hopf point, the orbit is a point still and has no direction of flow.
-    trivial = branch["trivial_error"][branch["s"] != 0.0]
+    trivial = branch.points["trivial_error"][branch.points["s"] != 0.0]
     if np.isfinite(trivial).any():
         text += f"; trivial multiplier right to {np.nanmax(trivial):.1e}"
     return text

@@ -27,5 +27,5 @@ def _about(name: str) -> str:
 
     try:
         return load_declaration(name).about
-    except Exception as error:  # somebody else's plugin may raise anything
+    except (Exception, SystemExit) as error:  # somebody else's plugin may raise anything
         return f"cannot be loaded: {type(error).__name__}: {error}"

@@ -144,7 +144,7 @@ def _orbit_on(
     problem: PeriodicOrbit | HybridOrbit, sample: Sample, branch: Branch, closures: int = 1
 ) -> bool:
     value, period = sample.z[-1], sample.period / closures
-    for k, (ta, tb) in enumerate(pairwise(branch["period"])):
+    for k, (ta, tb) in enumerate(pairwise(branch.points["period"])):
         a, b = branch.unknowns(k), branch.unknowns(k + 1)
         if len(a) != len(b):
             continue

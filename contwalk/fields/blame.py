@@ -76,6 +76,6 @@ def first_not_finite(
         rebound(function)(Probe(t), states, p, np.empty(len(states), dtype=object))
     except _FoundNotFinite as error:
         return f"{plugin_line(error)}: {error}"
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         return f"{plugin_line(error)}: {type(error).__name__}: {error}"
     return None

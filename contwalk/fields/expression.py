@@ -8,6 +8,8 @@ evaluation.
 from __future__ import annotations
 
 import math
+import operator
+from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
@@ -18,6 +20,13 @@ Key = tuple[Any, ...]
 
 RELATIONS = ("lt", "le", "eq")
 CONDITIONS = (*RELATIONS, "and", "or", "not")
+
+_ARITHMETIC: dict[str, Callable[[Any, Any], Any]] = {
+    "add": operator.add,
+    "sub": operator.sub,
+    "mul": operator.mul,
+    "div": operator.truediv,
+}
 
 # Functions whose value for floats is exact, so that they may be applied to constants at once.
 _EXACT = frozenset({"abs", "sign", "floor", "trunc", "min", "max"})
@@ -54,14 +63,17 @@ class Graph:
         key = self.nodes[node]
         return key[1] if key[0] == "const" else None
 
-    def _folded(self, operation: str, a: int, b: int, value: float, exact: Fraction) -> int:
+    def _folded(self, name: str, a: int, b: int) -> int:
         """The constant that an operation on constants gives, if a float holds it exactly; else the operation.
 
         Derivatives are evaluated in extended precision too: a constant rounded here would be wrong there.
         """
-        if math.isfinite(value) and Fraction(value) == exact:
-            return self.constant(value)
-        return self._intern((operation, a, b))
+        va, vb = self.nodes[a][1], self.nodes[b][1]
+        if math.isfinite(va) and math.isfinite(vb):
+            value = _ARITHMETIC[name](va, vb)
+            if math.isfinite(value) and Fraction(value) == _ARITHMETIC[name](Fraction(va), Fraction(vb)):
+                return self.constant(value)
+        return self._intern((name, a, b))
 
     def add(self, a: int, b: int) -> int:
         """a + b."""
@@ -71,7 +83,7 @@ class Graph:
         if vb == 0.0:
             return a
         if va is not None and vb is not None:
-            return self._folded("add", a, b, va + vb, Fraction(va) + Fraction(vb))
+            return self._folded("add", a, b)
         if self.nodes[b][0] == "neg":
             return self.sub(a, self.nodes[b][1])
         if self.nodes[a][0] == "neg":
@@ -86,7 +98,7 @@ class Graph:
         if va == 0.0:
             return self.neg(b)
         if va is not None and vb is not None:
-            return self._folded("sub", a, b, va - vb, Fraction(va) - Fraction(vb))
+            return self._folded("sub", a, b)
         if self.nodes[b][0] == "neg":
             return self.add(a, self.nodes[b][1])
         return self._intern(("sub", a, b))
@@ -104,7 +116,7 @@ class Graph:
         """a * b."""
         va, vb = self.value(a), self.value(b)
         if va is not None and vb is not None:
-            return self._folded("mul", a, b, va * vb, Fraction(va) * Fraction(vb))
+            return self._folded("mul", a, b)
         for constant, other in ((va, b), (vb, a)):
             if constant == 0.0:
                 return self.zero
@@ -122,7 +134,7 @@ class Graph:
         """a / b."""
         va, vb = self.value(a), self.value(b)
         if va is not None and vb is not None and vb != 0.0:
-            return self._folded("div", a, b, va / vb, Fraction(va) / Fraction(vb))
+            return self._folded("div", a, b)
         if va == 0.0 and vb != 0.0:
             return self.zero
         if vb == 1.0:
@@ -134,7 +146,7 @@ class Graph:
     def power(self, a: int, b: int) -> int:
         """a ** b. Small whole exponents become products, whose derivatives stay exact at zero."""
         exponent = self.value(b)
-        if exponent is not None and exponent == int(exponent) and abs(exponent) <= 16:
+        if exponent is not None and abs(exponent) <= 16 and exponent == int(exponent):
             product = self._whole_power(a, abs(int(exponent)))
             return product if exponent >= 0 else self.div(self.one, product)
         if exponent == 0.5:
@@ -168,6 +180,14 @@ class Graph:
         return a if a == b else self._intern(("select", condition, a, b))
 
 
+def _words(value: Any) -> str:
+    """What stands where a number should, in words."""
+    shape = getattr(value, "shape", None)
+    if shape is not None:
+        return f"an array of shape {shape}"
+    return f"a {type(value).__name__}" if isinstance(value, list | tuple | dict) else repr(value)
+
+
 class Expression(Number):
     """A node of a graph that behaves like a number in a plugin's function."""
 
@@ -190,7 +210,7 @@ class Expression(Number):
             return self.graph.constant(float(other))
         except (TypeError, ValueError):
             raise UnsupportedOperation(
-                f"A number is combined with {other!r}.", "Use real numbers only."
+                f"A number is needed here, and this is {_words(other)}.", "Use real numbers only."
             ) from None
 
     def apply(self, name: str, arguments: tuple[Any, ...]) -> Expression:

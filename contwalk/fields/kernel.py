@@ -11,7 +11,7 @@ import numpy as np
 from contwalk.errors import PluginError
 from contwalk.fields.codegen import source
 from contwalk.fields.functions import FUNCTIONS
-from contwalk.fields.trace import Program
+from contwalk.fields.trace import Program, Raises
 
 
 class PluginRaised(Exception):
@@ -104,6 +104,13 @@ class Kernel:
             return self._function("mp")(*arrays)
         except PluginRaised as error:
             raise plugin_error(str(error)) from error
+
+
+def refuse_raising(program: Program) -> None:
+    """Raise what a function raises that does so on each of its paths."""
+    leaves = program.leaves()
+    if all(isinstance(leaf, Raises) for leaf in leaves):
+        raise plugin_error(leaves[0].message)  # type: ignore[union-attr]
 
 
 def plugin_error(message: str) -> PluginError:

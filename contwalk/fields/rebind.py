@@ -18,6 +18,7 @@ import numpy as np
 
 from contwalk.errors import UnsupportedOperation
 from contwalk.fields.functions import FUNCTIONS, Number
+from contwalk.python_functions import PlainModule, copied, original
 
 
 def dispatch(name: str, arguments: tuple[Any, ...]) -> Any:
@@ -144,16 +145,15 @@ _NUMPY |= {
 _BUILTINS = {"min": _extreme("min"), "max": _extreme("max"), "float": _float}
 
 
-class _Module:
+class _Module(PlainModule):
     """A module whose functions understand stand-ins for numbers."""
 
     def __init__(self, module: types.ModuleType, replaced: dict[str, Any], memo: dict[int, Any]) -> None:
-        self._module, self._replaced, self._memo = module, replaced, memo
+        super().__init__(module, _stand_in, memo)
+        self._replaced = replaced
 
     def __getattr__(self, name: str) -> Any:
-        if name in self._replaced:
-            return self._replaced[name]
-        return _stand_in(getattr(self._module, name), self._memo)
+        return self._replaced[name] if name in self._replaced else super().__getattr__(name)
 
 
 def _unsupported_ufunc(ufunc: np.ufunc) -> Callable[..., Any]:
@@ -176,9 +176,9 @@ def _stand_in(value: Any, memo: dict[int, Any]) -> Any:
         if value is np:
             return _Module(value, _NUMPY, memo)
         return _Module(value, {}, memo) if hasattr(value, "__file__") else value
-    value = getattr(value, "py_func", value)  # a numba function: its Python original
+    value = original(value)
     if isinstance(value, types.FunctionType):
-        return rebound(value, memo)
+        return _symbolic(value, memo)
     if isinstance(value, functools.partial):
         return functools.partial(_stand_in(value.func, memo), *value.args, **value.keywords)
     name = getattr(value, "__name__", None)
@@ -189,38 +189,26 @@ def _stand_in(value: Any, memo: dict[int, Any]) -> Any:
     return value
 
 
-def rebound(function: Callable[..., Any], memo: dict[int, Any] | None = None) -> Callable[..., Any]:
+def rebound(function: Callable[..., Any]) -> Callable[..., Any]:
     """A copy of `function` that understands stand-ins for numbers.
+
+    Time and state, its first two arguments, are handed over as copies: what it changes in them is its own.
 
     Parameters
     ----------
     function : callable
         A plain Python function, a closure, a lambda, a `functools.partial` or a numba function.
     """
-    memo = {} if memo is None else memo
-    function = getattr(function, "py_func", function)
-    if not isinstance(function, types.FunctionType):
-        return _stand_in(function, memo) if isinstance(function, functools.partial) else function
-    if id(function) in memo:
-        return memo[id(function)]
+    copy = _stand_in(function, {})
+
+    def call(*arguments: Any) -> Any:
+        own = [a.copy() if isinstance(a, np.ndarray) else a for a in arguments[:2]]
+        return copy(*own, *arguments[2:])
+
+    return call
+
+
+def _symbolic(function: types.FunctionType, memo: dict[int, Any]) -> Callable[..., Any]:
     if (getattr(function, "__module__", None) or "").split(".")[0] == "numpy":
         return function  # numpy's own Python functions work on arrays of stand-ins as they are
-    names = {**function.__globals__, "__builtins__": {**vars(builtins), **_BUILTINS}}
-    cells = tuple(types.CellType() for _ in function.__closure__ or ())
-    copy = types.FunctionType(function.__code__, names, function.__name__, function.__defaults__, cells)
-    copy.__kwdefaults__ = function.__kwdefaults__
-    memo[id(function)] = copy
-    for name in _names_used(function.__code__):
-        if name in function.__globals__:
-            names[name] = _stand_in(function.__globals__[name], memo)
-    for cell, original in zip(cells, function.__closure__ or (), strict=True):
-        cell.cell_contents = _stand_in(original.cell_contents, memo)
-    return copy
-
-
-def _names_used(code: types.CodeType) -> set[str]:
-    used = set(code.co_names)
-    for constant in code.co_consts:
-        if isinstance(constant, types.CodeType):
-            used |= _names_used(constant)
-    return used
+    return copied(function, _stand_in, memo, _BUILTINS)

@@ -175,7 +175,7 @@ def _leaf(function: Callable[[Tracer], Sequence[Any]], tracer: Tracer) -> Output
             f"{plugin_line(error)}: this cannot be traced ({error}).",
             "Use arithmetic, comparisons, and the functions of docs/reference/plugin.md.",
         ) from error
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         return Raises(f"{plugin_line(error)}: {type(error).__name__}: {error}")
     zero = Expression(tracer.graph, tracer.graph.zero, tracer)
     return Outputs(tuple(zero.lift(result) for result in results))

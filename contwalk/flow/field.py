@@ -12,6 +12,7 @@ import numpy as np
 
 from contwalk.fields.derivative import directional, jacobian
 from contwalk.fields.hoisting import hoisted
+from contwalk.fields.kernel import refuse_raising
 from contwalk.fields.llvm import Code, code_of
 from contwalk.fields.machine_code import Input, function, module
 from contwalk.fields.rounding import error_bounds
@@ -80,6 +81,7 @@ class Field(CompiledField):
     def _check(self, columns: Sequence[Input], places: Sequence[Input]) -> None:
         known = {*self._states, *self._parameters, *self._time}
         graph = self._program.graph
+        refuse_raising(self._program)
         lengths = {len(leaf.nodes) for leaf in self._program.leaves() if isinstance(leaf, Outputs)}
         if lengths - {self.m}:
             raise ValueError(f"a program of {max(lengths)} outputs where {self.m} are wanted")

@@ -10,6 +10,7 @@ import numpy as np
 
 from contwalk.errors import SystemDefinitionError
 from contwalk.fields.derivative import ancestors
+from contwalk.fields.kernel import refuse_raising
 from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import Outputs, Program, Tracer, trace
 from contwalk.flow.field import Field
@@ -93,6 +94,7 @@ def hybrid_code(system: System) -> HybridCode:
 
 def _of_time_and_state(system: System, mode: str, program: Program) -> Field:
     """A program as a map whose first input is the time, and whose others are the states of a mode."""
+    refuse_raising(program)
     outputs = max(len(leaf.nodes) for leaf in program.leaves() if isinstance(leaf, Outputs))
     states = [(TIME, 0), *((STATE, i) for i in system.states_of(mode))]
     return Field(program, states, {PARAMETER: len(system.parameters)}, outputs=outputs)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from contwalk.errors import SystemDefinitionError
 from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow.compiled_field import CompiledField
@@ -109,5 +110,8 @@ def rates(tracer: Tracer, system: System, field: Callable[..., Any], name: str) 
     field(*arguments(tracer, system, name), dx)
     for i in system.states_of(name):
         if dx[i] is None:
-            raise ValueError(f"'{name}' does not write entry {i} of its last argument")
+            raise SystemDefinitionError(
+                f"The field of mode '{name}' does not write dx[{i}] (state {system.state_names[i]}).",
+                "A field writes the rate of every state that exists in its mode.",
+            )
     return [dx[i] for i in system.states_of(name)]

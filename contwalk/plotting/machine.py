@@ -121,7 +121,7 @@ def draw_instant(
         system.draw(ax, t, x, p, **given)
     except ContwalkError:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         frame = traceback.extract_tb(error.__traceback__)[-1]
         raise PluginError(
             f"The draw of system '{system.name}' failed at {frame.filename}, line {frame.lineno}: "

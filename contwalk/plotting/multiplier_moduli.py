@@ -68,7 +68,7 @@ def plot_multiplier_moduli(
     curves, labels, largest, least = [], [], 1.0, 1.0
     for branch in chosen:
         across = np.asarray(values(branch, x))
-        loci = track(branch["spectrum"])
+        loci = track(branch.points["spectrum"])
         moduli = np.maximum(np.abs(loci), LEAST / 10.0)  # zero has no place on the axis
         drawn |= _draw(ax, branch, across, loci, moduli)
         finite = moduli[np.isfinite(moduli)]

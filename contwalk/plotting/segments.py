@@ -36,13 +36,15 @@ def runs(branch: Branch) -> list[Run]:
     """The longest runs of segments of one style, in order; a branch of one point is one run."""
     if len(branch) == 0:
         return []
-    unstable_row = branch["unstable"] != 0
-    inadmissible_row = ~branch["admissible"]
+    unstable_row = branch.points["unstable"] != 0
+    inadmissible_row = ~branch.points["admissible"]
     if len(branch) == 1:
         return [Run(0, 0, not unstable_row[0], not inadmissible_row[0])]
     before, after = _sides(branch, unstable_row)
-    unstable = _of_segments(unstable_row, branch["special"], before, after)
-    inadmissible = _of_segments(inadmissible_row, branch["special"], inadmissible_row, inadmissible_row)
+    unstable = _of_segments(unstable_row, branch.points["special"], before, after)
+    inadmissible = _of_segments(
+        inadmissible_row, branch.points["special"], inadmissible_row, inadmissible_row
+    )
     changes = np.flatnonzero((np.diff(unstable) != 0) | (np.diff(inadmissible) != 0)) + 1
     starts = [0, *changes.tolist()]
     ends = [*changes.tolist(), len(unstable)]
@@ -86,6 +88,6 @@ def _of_segments(row: np.ndarray, special: np.ndarray, before: np.ndarray, after
 
 def position(branch: Branch, values: np.ndarray, index: int, s: float) -> float:
     """Value of a quantity at a special point: that of its row, or between two rows if it has none."""
-    if 0 <= index < len(branch) and branch["special"][index]:
+    if 0 <= index < len(branch) and branch.points["special"][index]:
         return float(values[index])
-    return float(np.interp(s, branch["s"], values)) if len(branch) else float("nan")
+    return float(np.interp(s, branch.points["s"], values)) if len(branch) else float("nan")

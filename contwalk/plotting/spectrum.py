@@ -90,7 +90,7 @@ def draw_spectra(ax: Axes, branches: Sequence[Branch], units: Mapping[str, str] 
     bar.ax.tick_params(labelsize=8.5, width=0.7, length=3)
     bar.outline.set_linewidth(0.7)
     _legend(ax, parameter, chosen, colors)
-    everything = np.concatenate([branch["spectrum"].ravel() for branch in chosen])
+    everything = np.concatenate([branch.points["spectrum"].ravel() for branch in chosen])
     return everything[np.isfinite(everything)]
 
 
@@ -105,7 +105,7 @@ def _norm(color: np.ndarray) -> Normalize:
 def _draw(ax: Axes, branch: Branch, color: np.ndarray, norm: Normalize) -> None:
     if len(branch) == 0:
         return
-    loci = track(branch["spectrum"])
+    loci = track(branch.points["spectrum"])
     admissible = admissible_segments(branch)
     pieces = [
         (_joined(a, b), (color[row] + color[row + 1]) / 2, WIDTH if admissible[row] else THIN)
@@ -124,7 +124,7 @@ def _draw(ax: Axes, branch: Branch, color: np.ndarray, norm: Normalize) -> None:
         c=np.repeat(color, loci.shape[1]),
         cmap=COLORS,
         norm=norm,
-        s=np.repeat(np.where(branch["admissible"], 5.0, 2.5), loci.shape[1]),
+        s=np.repeat(np.where(branch.points["admissible"], 5.0, 2.5), loci.shape[1]),
         linewidths=0,
         zorder=3.2,
         gid=f"{branch.name}-dots",
@@ -143,7 +143,7 @@ def _joined(a: complex, b: complex) -> np.ndarray:
 
 def _ends(branch: Branch) -> tuple[int, int]:
     """Rows of the start and the end: a branch walked backward only has its start, s = 0, in the last row."""
-    backward = branch["s"][-1] == 0.0 and len(branch) > 1
+    backward = branch.points["s"][-1] == 0.0 and len(branch) > 1
     return (-1, 0) if backward else (0, -1)
 
 

@@ -23,7 +23,7 @@ from contwalk.fields.rebind import rebound
 from contwalk.fields.rounding import error_bounds
 from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.memory import remembered
-from contwalk.problems.tracing import parameter_symbols, state_symbols, written
+from contwalk.problems.tracing import parameter_symbols, refuse_time, state_symbols, written
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 
@@ -89,6 +89,10 @@ class Equations:
     @cached_property
     def program(self) -> Program:
         """The residual, N outputs."""
+        mode = self.system.modes[0]
+        refuse_time(self.system, mode.name, mode.field, f"field of mode '{mode.name}'")
+        for pin in self._pins:
+            refuse_time(self.system, mode.name, pin.generator, f"neutral direction '{pin.name}'")
         return trace(self._residual)
 
     def _inputs(self) -> list[int]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
-from contwalk.errors import NotFinite, SystemDefinitionError, called
+from contwalk.errors import NotFinite, SystemDefinitionError, called, measured
 from contwalk.fields.blame import first_not_finite
 from contwalk.fields.kernel import Kernel
 from contwalk.problems import defining
@@ -212,8 +212,7 @@ class Equilibrium:
         x = z[: self.states].reshape(1, -1)
         p = ParameterValues(**self.values_of(z))
         values = [
-            called(f"observable '{o.name}'", lambda f: float(f(np.zeros(1), x, p)), o.function)
-            for o in self.system.observables
+            measured(f"observable '{o.name}'", o.function, np.zeros(1), x, p) for o in self.system.observables
         ]
         values.append(float(spectrum_.values[0].real) if len(spectrum_.values) else float("nan"))
         return np.array(values)
@@ -393,7 +392,7 @@ class Equilibrium:
         declared = next(s for s in self.system.symmetries if s.name == symmetry)
         x = np.zeros(self.states)
         p = ParameterValues(**self.values_of(z))
-        called(f"symmetry '{symmetry}'", declared.map, 0.0, z[: self.states], p, x)
+        called(f"symmetry '{symmetry}'", declared.map, 0.0, z[: self.states].copy(), p, x)
         return np.concatenate([x, z[self.states :]])
 
     def seeds(self, point: SpecialPoint) -> Sequence[Seed]:

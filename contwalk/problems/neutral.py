@@ -30,7 +30,7 @@ def generator_at(neutral: Neutral, x: np.ndarray, parameters: Mapping[str, float
     """The direction a neutral generator points at state x, shape (n,)."""
     v = np.zeros(len(x))
     what = f"generator of the neutral direction '{neutral.name}'"
-    called(what, neutral.generator, 0.0, x, ParameterValues(**parameters), v)
+    called(what, neutral.generator, 0.0, x.copy(), ParameterValues(**parameters), v)
     return v
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from contwalk.errors import called
+from contwalk.errors import measured
 from contwalk.system import System
 from contwalk.system.declarations import ParameterValues
 
@@ -26,7 +26,7 @@ def passed_over(system: System, t: np.ndarray, x: np.ndarray, parameters: Mappin
         if transition.role != "hard" or transition.direction == "both":
             continue
         values = [
-            float(called(f"guard of '{transition.name}'", transition.guard, time, state, p))
+            measured(f"guard of '{transition.name}'", transition.guard, time, state, p)
             for time, state in zip(t.tolist(), x, strict=True)
         ]
         past = min(values) if transition.direction == "falling" else -max(values)

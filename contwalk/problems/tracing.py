@@ -7,7 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.fields.trace import Tracer
+from contwalk.errors import SystemDefinitionError
+from contwalk.fields.rebind import rebound
+from contwalk.fields.trace import Tracer, trace
+from contwalk.python_functions import line_of
+from contwalk.system import System
 from contwalk.system.declarations import ParameterValues
 
 
@@ -34,17 +38,51 @@ def state_symbols(tracer: Tracer, number: int) -> np.ndarray:
     return x
 
 
+def refuse_time(system: System, mode: str, function: Callable[..., Any], what: str) -> None:
+    """Refuse a function of the form `f(t, x, p, out)` that depends on time in a system that has no period.
+
+    Raises
+    ------
+    SystemDefinitionError
+        With the line at which the function begins.
+    """
+    copy, names = rebound(function), system.parameter_names
+
+    def values(tracer: Tracer) -> list[Any]:
+        p = ParameterValues(
+            **{name: tracer.symbol("b", k) for k, name in enumerate(names)}, **system.mode(mode).constants
+        )
+        out = np.full(len(system.states), 0.0, dtype=object)
+        copy(tracer.symbol("t", 0), state_symbols(tracer, len(system.states)), p, out)
+        return list(out)
+
+    if trace(values).reads("t"):
+        raise time_refused(system, function, what)
+
+
+def time_refused(system: System, function: Callable[..., Any], what: str) -> SystemDefinitionError:
+    """That a function depends on time in a system that has no period."""
+    return SystemDefinitionError(
+        f"{line_of(function)}the {what} depends on the time t, but '{system.name}' declares no period.",
+        "Declare period=function of p, in seconds, after which the equations repeat themselves, such as "
+        "period=lambda p: 2 * math.pi / p.omega, or write them without t. Only single motions (`simulate`, "
+        "`sample`) may depend on time in any way.",
+    )
+
+
 def written(function: Callable[..., Any], name: str, t: Any, x: np.ndarray, p: ParameterValues) -> list[Any]:
     """What a function of the form `f(t, x, p, out)` writes into `out`, as long as x; every entry of it.
 
     Raises
     ------
-    ValueError
+    SystemDefinitionError
         Naming the first entry that is not written.
     """
     out = np.full(len(x), None, dtype=object)
     function(t, x, p, out)
     for i, entry in enumerate(out):
         if entry is None:
-            raise ValueError(f"'{name}' does not write entry {i} of its last argument")
+            raise SystemDefinitionError(
+                f"'{name}' does not write entry {i} of its last argument.", "Every entry must be written."
+            )
     return list(out)

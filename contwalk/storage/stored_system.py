@@ -72,7 +72,7 @@ def system_of_run(
         raise NotTrusted(changed, f"It is not run without being asked. {TRUST}")
     try:
         return StoredSystem(load_system(reference, dict(model), base), changed)
-    except Exception as error:  # a plugin may have changed, or raise anything
+    except (Exception, SystemExit) as error:  # a plugin may have changed, or raise anything
         raise ContwalkError(
             f"The system '{reference}' of {database} cannot be loaded: {error}",
             f"Install it, or put its plugin file beside the database. {changed}".strip(),

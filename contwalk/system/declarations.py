@@ -14,18 +14,20 @@ from __future__ import annotations
 
 import keyword
 import math
+import re
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from dataclasses import field as attribute
 from difflib import get_close_matches
 from functools import cached_property
+from itertools import combinations
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from contwalk.errors import StartError, SystemDefinitionError, called
+from contwalk.errors import StartError, SystemDefinitionError, UnsupportedOperation, called
 
 ROLES_OF_TRANSITIONS = ("hard", "soft", "watched")
 ROLES_OF_SYMMETRIES = ("relabel", "spatial")
@@ -34,6 +36,13 @@ SIDES = ("before", "after")
 # Of hybrid orbits: signed square of the smallest difference between two multipliers, zero where a pair turns
 # real.
 SPLIT = "split"
+
+# What branches, tables and figures call their own columns. `s`, `step` and `error` may be used: `branch["s"]`
+# is then the state, and tables put its kind in front.
+_OF_POINTS = "stable unstable admissible special special_point period spectrum spectrum_error trivial_error"
+_OF_ROWS = "free state observables unknowns tangent weights residual iterations rhs seconds"
+RESERVED = frozenset(f"{_OF_POINTS} {_OF_ROWS} max_re max_abs path {SPLIT}".split())
+_COLUMN_OF_SPECTRUM = re.compile(r"(re|im)_\d+")
 
 
 def nearest(name: str, known: Sequence[str]) -> str:
@@ -49,6 +58,19 @@ class ParameterValues(SimpleNamespace):
         hint = nearest(name, list(vars(self)))
         raise AttributeError(f"the system has no parameter '{name}'" + (f" ({hint})" if hint else ""))
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise UnsupportedOperation(
+            f"The function writes to the parameters: p.{name} = ... is not possible.",
+            "Parameters are read only: use a variable.",
+        )
+
+    def __delattr__(self, name: str) -> None:
+        raise UnsupportedOperation(f"The function deletes p.{name}.", "Parameters are read only.")
+
+
+def _a(kind: str) -> str:
+    return f"an {kind}" if kind[0] in "aeiou" else f"a {kind}"
+
 
 def _require_name(what: str, name: Any) -> None:
     if not isinstance(name, str) or not name.isidentifier() or keyword.iskeyword(name):
@@ -56,6 +78,10 @@ def _require_name(what: str, name: Any) -> None:
             f"{what} has the name {name!r}, which is not a valid Python identifier.",
             "Use letters, digits and underscores, not starting with a digit.",
         )
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
 
 
 def _require_callable(what: str, function: Any) -> None:
@@ -94,7 +120,7 @@ class State:
     def __post_init__(self) -> None:
         _require_name("A state", self.name)
         for what, value in (("scale", self.scale), ("period", self.period)):
-            if value is not None and not value > 0:
+            if value is not None and not (_is_number(value) and 0 < value < math.inf):
                 raise SystemDefinitionError(
                     f"State '{self.name}' has {what} {value!r}.", f"A {what} is a positive number."
                 )
@@ -112,9 +138,16 @@ class Parameter:
 
     def __post_init__(self) -> None:
         _require_name("A parameter", self.name)
-        if isinstance(self.default, bool) or not isinstance(self.default, int | float):
+        if not _is_number(self.default):
             raise SystemDefinitionError(
                 f"Parameter '{self.name}' has the default {self.default!r}.", "A default is a number."
+            )
+        if not (isinstance(self.bounds, tuple | list) and len(self.bounds) == 2) or not all(
+            bound is None or (_is_number(bound) and not math.isnan(bound)) for bound in self.bounds
+        ):
+            raise SystemDefinitionError(
+                f"Parameter '{self.name}' has bounds {self.bounds!r}.",
+                "Bounds are a pair of numbers, None where it is unbounded: (0.0, None).",
             )
         low, high = self.bounds
         if low is not None and high is not None and low > high:
@@ -123,8 +156,9 @@ class Parameter:
             )
         if not self.allows(self.default):
             raise SystemDefinitionError(
-                f"Parameter '{self.name}' has the default {self.default}, outside its bounds {self.bounds}.",
-                "Change one of them.",
+                f"Parameter '{self.name}' has the default {self.default}, outside its bounds "
+                f"{self.interval()}.",
+                "A default is a finite number within the bounds.",
             )
 
     def allows(self, value: float) -> bool:
@@ -392,6 +426,11 @@ class System:
             entries = getattr(self, what)
             if isinstance(entries, kind):
                 entries = (entries,)
+            if not isinstance(entries, Iterable):
+                raise SystemDefinitionError(
+                    f"System '{self.name}': {what} is {entries!r}.",
+                    f"It must be a tuple of {kind.__name__}(...), as in {what}=({kind.__name__}(...),).",
+                )
             entries = tuple(entries)
             for entry in entries:
                 if not isinstance(entry, kind):
@@ -408,6 +447,11 @@ class System:
                     f"System '{self.name}': {what} has '{twice[0][0]}' twice{where}.", "Names must differ."
                 )
             object.__setattr__(self, what, entries)
+        if self.period is not None:
+            _require_callable(f"The period of system '{self.name}'", self.period)
+        if self.draw is not None:
+            _require_callable(f"draw of system '{self.name}'", self.draw)
+        self._check_presets()
         for what in ("states", "modes"):
             if not getattr(self, what):
                 raise SystemDefinitionError(f"System '{self.name}' has no {what}.", f"Declare {what}=(...,).")
@@ -415,14 +459,7 @@ class System:
 
     def _check_references(self) -> None:
         state_names, parameter_names = self.state_names, self.parameter_names
-        for shared in set(state_names) & set(parameter_names):
-            raise SystemDefinitionError(
-                f"System '{self.name}': '{shared}' is a state and a parameter.", "Rename one of them."
-            )
-        for shared in set(state_names) & {signal.name for signal in self.signals}:
-            raise SystemDefinitionError(
-                f"System '{self.name}': '{shared}' is a state and a signal.", "Rename one of them."
-            )
+        self._check_names()
         modes = {mode.name: mode for mode in self.modes}
         for transition in self.transitions:
             for end in (transition.source, transition.target):
@@ -469,13 +506,48 @@ class System:
                     "which is not a parameter.",
                     nearest(neutral.value, parameter_names),
                 )
+
+    def _check_presets(self) -> None:
+        if not isinstance(self.presets, Mapping):
+            raise SystemDefinitionError(
+                f"System '{self.name}': presets is {self.presets!r}.",
+                "It must be a mapping, as in presets={'name': {'parameter': 1.0}}.",
+            )
         for preset, values in self.presets.items():
-            for name in values:
-                if name not in parameter_names:
+            if not isinstance(values, Mapping):
+                raise SystemDefinitionError(
+                    f"Preset '{preset}' is {values!r}.", "It must be a mapping: {'parameter': 1.0}."
+                )
+            for name, value in values.items():
+                if name not in self.parameter_names:
                     raise SystemDefinitionError(
                         f"Preset '{preset}' sets '{name}', which is not a parameter.",
-                        nearest(name, parameter_names),
+                        nearest(str(name), self.parameter_names)
+                        or f"Known: {', '.join(self.parameter_names)}.",
                     )
+                if not _is_number(value):
+                    raise SystemDefinitionError(
+                        f"Preset '{preset}' sets '{name}' to {value!r}.", "It must be a number."
+                    )
+
+    def _check_names(self) -> None:
+        """A name stands for one thing in branches, tables and figures."""
+        kinds = {"state": self.state_names, "parameter": self.parameter_names}
+        kinds |= {"observable": tuple(observable.name for observable in self.observables)}
+        for kind, names in kinds.items():
+            for name in names:
+                if name in RESERVED or _COLUMN_OF_SPECTRUM.fullmatch(name):
+                    raise SystemDefinitionError(
+                        f"System '{self.name}' calls {_a(kind)} '{name}', as contwalk calls a result.",
+                        f"Rename the {kind}, as in '{name}_of_{self.name}'.",
+                    )
+        kinds["signal"] = self.signal_names
+        for (kind, names), (other, others) in combinations(kinds.items(), 2):
+            shared = next((name for name in names if name in others), None)
+            if shared is not None and (kind, other) != ("observable", "signal"):
+                raise SystemDefinitionError(
+                    f"System '{self.name}': '{shared}' is {_a(kind)} and {_a(other)}.", "Rename one of them."
+                )
 
     def _check_images(self, symmetry: Symmetry) -> None:
         events = {transition.name for transition in self.transitions}

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from contwalk.python_functions import plain
 from contwalk.system import Condition, Observable, System, Transition
+from contwalk.system.declarations import ParameterValues
 from contwalk.workflow.check_events import Happening
 from contwalk.workflow.check_findings import Report, place_of, place_of_error
 from contwalk.workflow.check_samples import Samples
-from contwalk.workflow.check_traced import number_form, traced
+from contwalk.workflow.check_traced import Traced, number_form, traced
 
 if TYPE_CHECKING:
     from contwalk.workflow.check_motion import Seen
@@ -29,24 +30,20 @@ def check_at_event(
     samples: Samples,
 ) -> None:
     """A number for an instant and the state before or after the transition `entry.at`."""
-    kind = "condition" if isinstance(entry, Condition) else "observable"
-    what, place = f"{kind} '{entry.name}'", place_of(entry.function)
-    transition = _where(entry, system)
-    mode = transition.source if entry.side == "before" else transition.target
-    form = number_form("function(t, x, p)")
-    if traced(report, what, entry.function, system, form, mode=mode) is None:
+    what, place = _words(entry), place_of(entry.function)
+    if traced_at_event(report, entry, system) is None:
         return
     states = _states(entry, system, happenings, seen, samples)
     if not states:
         report.ok(what, f"not checked: no state at '{entry.at}' was found.", place)
         return
-    p, values = SimpleNamespace(**samples.parameters), []
+    p, values = ParameterValues(**samples.parameters), []
     for t, x in states:
         try:
             with np.errstate(all="ignore"):
-                value = entry.function(t, x.copy(), p)
+                value = plain(entry.function)(t, x.copy(), p)
             values.append(float(value))
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             report.error(
                 what,
                 f"{entry.side.capitalize()} '{entry.at}' it raises {type(error).__name__}: {error}. It gets "
@@ -62,6 +59,18 @@ def check_at_event(
         report.warning(what, f"It is not finite at {np.sum(~finite)} of {len(finite)} states {where}.", place)
     else:
         report.ok(what, f"gives a finite number {where}.", place)
+
+
+def traced_at_event(report: Report, entry: Condition | Observable, system: System) -> Traced | None:
+    """The function as a program; None, and a finding, where it cannot be used."""
+    transition = _where(entry, system)
+    mode = transition.source if entry.side == "before" else transition.target
+    return traced(report, _words(entry), entry.function, system, number_form("function(t, x, p)"), mode=mode)
+
+
+def _words(entry: Condition | Observable) -> str:
+    kind = "condition" if isinstance(entry, Condition) else "observable"
+    return f"{kind} '{entry.name}'"
 
 
 def _where(entry: Condition | Observable, system: System) -> Transition:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,11 +12,12 @@ import numpy as np
 from contwalk.errors import ContwalkError, StartError
 from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import Tracer, trace
+from contwalk.python_functions import plain
 from contwalk.system import Observable, Start, System
 from contwalk.system.declarations import ParameterValues
 from contwalk.workflow.check_findings import NOWHERE, Place, Report, place_of, place_of_error, split_place
 from contwalk.workflow.check_samples import Samples
-from contwalk.workflow.check_traced import Traced, number_form, traced
+from contwalk.workflow.check_traced import AGAIN, Traced, number_form, traced
 
 _UNIT_AT = {"State": 1, "Parameter": 2, "Observable": 2}  # position of `unit` among the arguments
 _KINDS = {"State": "state", "Parameter": "parameter", "Observable": "observable"}
@@ -105,8 +105,9 @@ def check_period(report: Report, system: System) -> float | None:
         return None
     place = place_of(system.period)
     try:
-        period = float(system.period(SimpleNamespace(**system.defaults())))
-    except Exception as error:
+        function = plain(system.period)
+        period, again = (float(function(ParameterValues(**system.defaults()))) for _ in range(2))
+    except (Exception, SystemExit) as error:
         report.error(
             "period",
             f"period(p) raises {type(error).__name__}: {error}. It must return a positive number.",
@@ -115,6 +116,9 @@ def check_period(report: Report, system: System) -> float | None:
         return None
     if not (np.isfinite(period) and period > 0.0):
         report.error("period", f"period(p) is {period} at the defaults. It must be a positive number.", place)
+        return None
+    if again != period:
+        report.error("period", AGAIN, place)
         return None
     if _period_can_be_traced(report, system.period, system.parameter_names):
         report.ok("period", f"is {period:.6g} s at the defaults.", place)
@@ -139,35 +143,65 @@ def _period_can_be_traced(report: Report, period: Callable[..., float], names: I
 
 
 def check_repeats(report: Report, what: str, field: Traced, samples: Samples, period: float) -> None:
-    """Does a forced field repeat after its period?"""
-    for t, x in zip(samples.times, samples.states, strict=True):
-        now, later = (field.values(time, x, samples.values) for time in (t, t + period))
-        rounding = field.roundings(t, x, samples.values)
-        slope = np.abs(field.slopes(t, x, samples.values)[:, 0])
+    """Does a forced field repeat after its period?
+
+    Asked at the defaults, and again with ones in place of zeros: a force that is off by default would repeat
+    after any time.
+    """
+    declared = field.system.period
+    assert declared is not None
+    switched_on = {p.name: 1.0 for p in field.system.parameters if p.default == 0.0 and p.allows(1.0)}
+    for parameters, where in ((samples.parameters, "at the defaults"), (switched_on, _listed(switched_on))):
+        values = samples.parameters | parameters
+        if parameters is switched_on:
+            if not switched_on:
+                return
+            try:
+                period = float(plain(declared)(ParameterValues(**values)))
+            except (Exception, SystemExit):
+                return
+        if not (np.isfinite(period) and period > 0.0):
+            return
+        sentence = _repeats_not(field, samples, list(values.values()), period)
+        if sentence:
+            report.error(what, f"{sentence}, {where}. Correct one of them.", place_of(field.function))
+            return
+
+
+def _listed(parameters: dict[str, float]) -> str:
+    return f"with {', '.join(f'{name} = {value:g}' for name, value in parameters.items())}"
+
+
+def _repeats_not(field: Traced, samples: Samples, values: list[float], period: float) -> str:
+    """What differs a period later, in words; empty where nothing does."""
+    for k, x in enumerate(samples.states):
+        t = period * (k + 0.37) / len(samples.states)  # anywhere, but at no simple fraction of the period
+        now, later = (field.values(time, x, values) for time in (t, t + period))
+        rounding = field.roundings(t, x, values)
+        slope = np.abs(field.slopes(t, x, values)[:, 0])
         # Rounding of the period and of t, times the rate of the forcing.
         allowed = 1e3 * np.finfo(float).eps * (rounding + slope * (t + period) + np.abs(now))
         if np.isfinite(now).all() and np.isfinite(later).all() and (np.abs(later - now) > allowed).any():
             i = int(np.argmax(np.abs(later - now) - allowed))
-            report.error(
-                what,
+            return (
                 f"It does not repeat after period(p) = {period:.6g} s: {field.form.entry(i)} is "
-                f"{now[i]:.6g} at t = {t:.4g} and {later[i]:.6g} a period later. Correct one of them.",
-                place_of(field.function),
+                f"{now[i]:.10g} at t = {t:.4g} and {later[i]:.10g} a period later"
             )
-            return
+    return ""
 
 
 def check_observable(report: Report, observable: Observable, system: System, samples: Samples) -> None:
     """A finite number for a motion of one instant and of several, and differentiable at an equilibrium."""
     what, place = f"observable '{observable.name}'", place_of(observable.function)
-    p = SimpleNamespace(**samples.parameters)
+    p, function = ParameterValues(**samples.parameters), plain(observable.function)
     for instants in INSTANTS:
         x = samples.states[:instants]
         try:
             with np.errstate(all="ignore"):
-                value = observable.function(np.linspace(0.0, 1.0, instants), x.copy(), p)
+                values = [function(np.linspace(0.0, 1.0, instants), x.copy(), p) for _ in range(2)]
+            value = values[0]
             finite = np.ndim(value) == 0 and np.isfinite(float(value))
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             report.error(
                 what,
                 f"For a motion of {_instants(instants)} it raises {type(error).__name__}: {error}. "
@@ -183,6 +217,9 @@ def check_observable(report: Report, observable: Observable, system: System, sam
                 "It must return one finite number.",
                 place,
             )
+            return
+        if values[1] != value:
+            report.error(what, AGAIN, place)
             return
     if system.period is not None:
         usable = True
@@ -212,7 +249,7 @@ def check_start(report: Report, start: Start, system: System, field: Traced | No
         where = place_of_error(error.__cause__ or error, start.states)
         report.add("ok" if missing else "error", what, sentence, where)
         return
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         report.error(
             what,
             f"It raises {type(error).__name__}: {error}. Return [] where it does not exist.",

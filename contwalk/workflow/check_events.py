@@ -13,7 +13,7 @@ from contwalk.system import System, Transition
 from contwalk.workflow.check_findings import Report, place_of
 from contwalk.workflow.check_functions import EPSILON, check_guard, check_map
 from contwalk.workflow.check_samples import Samples
-from contwalk.workflow.check_traced import Traced, vector_form
+from contwalk.workflow.check_traced import Form, Traced, traced, vector_form
 
 TRIES = 40
 ITERATIONS = 30
@@ -38,6 +38,11 @@ def check_transition(
     sound = _check_reset(report, transition, system, samples)
     if guard is None or not sound or not {transition.source, transition.target} <= set(fields):
         return None
+    if transition.role == "soft" and transition.reset is not None:
+        form = reset_form(transition, system)
+        assert form is not None  # or the reset were not sound
+        reset = Traced(transition.reset, system, form, mode=transition.source)
+        check_soft(report, transition, guard, reset, fields, samples)
     happening = Happening(transition, _states_at_event(transition, guard, fields[transition.source], samples))
     if transition.role != "watched" and transition.reset is not None:
         _check_leaving(report, happening, system, samples)
@@ -46,22 +51,63 @@ def check_transition(
 
 def _check_reset(report: Report, transition: Transition, system: System, samples: Samples) -> bool:
     """Check the reset, if there is one; what is wrong with the relabelling is found with the symmetry."""
+    form = reset_form(transition, system)
+    if form is None or transition.reset is None:
+        return form is not None
+    what, source = f"reset of transition '{transition.name}'", transition.source
+    return check_map(report, what, transition.reset, system, samples, form, source) is not None
+
+
+def traced_reset(report: Report, transition: Transition, system: System) -> Traced | None:
+    """A transition's reset; None where there is none, or, with a finding, where it cannot be used."""
+    form = reset_form(transition, system)
+    if form is None or transition.reset is None:
+        return None
+    what = f"reset of transition '{transition.name}'"
+    return traced(report, what, transition.reset, system, form, mode=transition.source)
+
+
+def reset_form(transition: Transition, system: System) -> Form | None:
+    """What a transition's reset must write; None where its relabelling cannot be used."""
     needed: Collection[int] = system.states_of(transition.target)
     if transition.relabel is not None:
         own = system.symmetry(transition.relabel)
         try:
             relabel = Traced(own.map, system, vector_form(system, "map", "x_image"))
         except ContwalkError:
-            return False
+            return None
         if relabel.unwritten or not relabel.outputs():
-            return False
+            return None
         needed = _read(relabel, system.states_of(transition.target))
-    if transition.reset is None:
-        return True
     every = len(needed) == len(system.states)
-    form = vector_form(system, "reset", "x_plus", None if every else needed)
-    what, source = f"reset of transition '{transition.name}'", transition.source
-    return check_map(report, what, transition.reset, system, samples, form, source) is not None
+    return vector_form(system, "reset", "x_plus", None if every else needed)
+
+
+def check_soft(
+    report: Report,
+    transition: Transition,
+    guard: Traced,
+    reset: Traced,
+    fields: Mapping[str, Traced],
+    samples: Samples,
+) -> None:
+    """A soft transition must leave the state as it is: orbits are continued as if nothing happened there."""
+    if transition.source not in fields:
+        return
+    kept = [i for i in reset.system.states_of(transition.target) if i in reset.existing]
+    for t, x in _states_at_event(transition, guard, fields[transition.source], samples):
+        jump = np.abs(reset.values(t, x, samples.values) - x)[kept]
+        bound = FACTOR * EPSILON * (reset.roundings(t, x, samples.values) + np.abs(x))[kept]
+        if (jump > np.maximum(bound, np.finfo(float).tiny)).any():
+            i = kept[int(np.argmax(jump - bound))]
+            now = reset.values(t, x, samples.values)[i]
+            report.error(
+                f"reset of transition '{transition.name}'",
+                f"The transition is soft, but its reset changes {reset.system.state_names[i]} from "
+                f"{x[i]:.6g} to {now:.6g}. Declare role='hard', or leave the reset out.",
+                place_of(transition.reset),
+            )
+            return
 
 
 def _read(relabel: Traced, into: Sequence[int]) -> set[int]:

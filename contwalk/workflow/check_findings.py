@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-import functools
 import re
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
+
+from contwalk.python_functions import place_of
+
+__all__ = ["Finding", "Place", "Report", "place_of", "place_of_error", "split_place"]
 
 LEVELS = ("ok", "warning", "error")
 Place = tuple[str | None, int | None]
@@ -66,15 +69,6 @@ class Report:
     def error(self, what: str, sentence: str, place: Place = NOWHERE) -> None:
         """Note what is wrong."""
         self.add("error", what, sentence, place)
-
-
-def place_of(function: Callable[..., Any] | None) -> Place:
-    """File and line at which a function begins, as far as it has one."""
-    while isinstance(function, functools.partial):
-        function = function.func
-    function = getattr(function, "py_func", function)
-    code = getattr(function, "__code__", None)
-    return NOWHERE if code is None else (code.co_filename, code.co_firstlineno)
 
 
 def place_of_error(error: BaseException, function: Callable[..., Any] | None) -> Place:

@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from contwalk.errors import PluginError
 from contwalk.system import Mode, System, Transition
-from contwalk.workflow.check_findings import Report, place_of
+from contwalk.workflow.check_findings import Report, place_of, place_of_error
 from contwalk.workflow.check_samples import Samples, where_not_finite
-from contwalk.workflow.check_traced import Form, Traced, number_form, traced, vector_form
+from contwalk.workflow.check_traced import AGAIN, Form, Traced, number_form, traced, vector_form
 
 EPSILON = float(np.finfo(float).eps)
 # A trace may sum in another order than the plugin does; both are within their rounding bounds.
@@ -22,7 +23,7 @@ STEP = EPSILON ** (1.0 / 3.0)
 def check_field(report: Report, what: str, mode: Mode, system: System, samples: Samples) -> Traced | None:
     """Check a mode's field; None where it cannot be used."""
     function, form = mode.field, field_form(mode, system)
-    found = traced(report, what, function, system, form, mode=mode.name)
+    found = traced_field(report, what, mode, system)
     if found is None or not check_values(report, what, found, samples):
         return None
     check_derivatives(report, what, found, samples)
@@ -35,6 +36,11 @@ def check_field(report: Report, what: str, mode: Mode, system: System, samples: 
         )
     report.ok(what, f"writes {_count(form, system)} and can be differentiated.", place_of(function))
     return found
+
+
+def traced_field(report: Report, what: str, mode: Mode, system: System) -> Traced | None:
+    """A mode's field; None, and a finding, where it cannot be used."""
+    return traced(report, what, mode.field, system, field_form(mode, system), mode=mode.name)
 
 
 def field_form(mode: Mode, system: System) -> Form:
@@ -54,18 +60,24 @@ def check_guard(
     report: Report, what: str, transition: Transition, system: System, samples: Samples
 ) -> Traced | None:
     """Check a transition's guard; None where it cannot be used."""
-    function, form = transition.guard, number_form("guard(t, x, p)")
-    found = traced(report, what, function, system, form, mode=transition.source)
+    found = traced_guard(report, what, transition, system)
     if found is None or not check_values(report, what, found, samples):
         return None
     check_derivatives(report, what, found, samples)
-    if not found.depends():
-        report.error(
-            what, "It depends neither on the state nor on t, so it never passes zero.", place_of(function)
-        )
-        return None
-    report.ok(what, "returns a finite number.", place_of(function))
+    report.ok(what, "returns a finite number.", place_of(transition.guard))
     return found
+
+
+def traced_guard(report: Report, what: str, transition: Transition, system: System) -> Traced | None:
+    """A transition's guard; None, and a finding, where it cannot be used."""
+    function, form = transition.guard, number_form("guard(t, x, p)")
+    found = traced(report, what, function, system, form, mode=transition.source)
+    if found is None or found.depends():
+        return found
+    report.error(
+        what, "It depends neither on the state nor on t, so it never passes zero.", place_of(function)
+    )
+    return None
 
 
 def check_map(
@@ -107,13 +119,16 @@ def check_values(report: Report, what: str, found: Traced, samples: Samples) -> 
         )
     for row in map(int, np.flatnonzero(finite)):
         t, x = samples.times[row], samples.states[row]
-        own = found.plainly(t, x, samples.parameters)
+        try:
+            own = found.plainly(t, x, samples.parameters)
+        except PluginError as error:
+            report.error(what, str(error), place_of_error(error.__cause__ or error, found.function))
+            return False
         bound = SAME * EPSILON * (found.roundings(t, x, samples.values) + np.abs(values[row]))
         if not (np.abs(own - values[row]) <= bound).all():
             report.error(
                 what,
-                "Called again it gives other values: it depends on something besides t, x and p, such as "
-                f"a random number or a variable that changes, at the state {_shown(found.system, x)}.",
+                f"{AGAIN} Seen at the state {_shown(found.system, x)}.",
                 place_of(found.function),
             )
             return False

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from contwalk.system import Mode, System, Transition
 from contwalk.workflow.check_findings import Report
-from contwalk.workflow.check_functions import check_field, field_form
+from contwalk.workflow.check_functions import check_field, field_form, traced_field
 from contwalk.workflow.check_samples import Samples
 from contwalk.workflow.check_traced import Traced
 
@@ -20,13 +20,19 @@ class CheckedFields(Mapping[str, Traced]):
         self._others: dict[str, Traced] = {}
         self._standing_in: dict[str, str] = {}
 
-    def check(self, report: Report, samples: Samples) -> None:
-        """Check the field of every mode; of those that share one, that of the first."""
+    def check(self, report: Report, samples: Samples | None = None) -> None:
+        """Check the field of every mode; of those that share one, that of the first.
+
+        Without samples only its form is.
+        """
         for alike in _alike(self._system.modes):
             first = alike[0]
             shared = f", which {len(alike)} modes share" if len(alike) > 1 else ""
             what = f"field of mode '{first.name}'{shared}"
-            field = check_field(report, what, first, self._system, samples)
+            if samples is None:
+                field = traced_field(report, what, first, self._system)
+            else:
+                field = check_field(report, what, first, self._system, samples)
             if field is not None:
                 self._checked[first.name] = field
                 self._standing_in |= {mode.name: first.name for mode in alike}

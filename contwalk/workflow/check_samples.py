@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.fields.blame import first_not_finite
+from contwalk.python_functions import plain
 from contwalk.system import System
 from contwalk.system.declarations import ParameterValues
 from contwalk.workflow.check_findings import Place, place_of, split_place
@@ -61,8 +62,8 @@ def _equilibria(system: System, parameters: dict[str, float]) -> list[np.ndarray
     found = []
     for start in system.starts:
         try:
-            states = [np.asarray(x, dtype=float) for x in start.states(ParameterValues(**parameters))]
-        except Exception:
+            states = [np.asarray(x, dtype=float) for x in plain(start.states)(ParameterValues(**parameters))]
+        except (Exception, SystemExit):
             continue
         found += [x for x in states if x.shape == (len(system.states),) and np.isfinite(x).all()]
     return found

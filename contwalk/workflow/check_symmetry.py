@@ -31,10 +31,23 @@ def check_symmetry(
     by which a transition relabels, the field knows nothing: it is written for the names as they are. There
     S S x = x is checked.
     """
+    what, form = f"symmetry '{symmetry.name}'", vector_form(system, "map", "x_image")
+    image = check_map(report, what, symmetry.map, system, samples, form)
+    if image is not None and fields.complete:
+        compare_symmetry(report, symmetry, image, system, fields, samples, period)
+
+
+def compare_symmetry(
+    report: Report,
+    symmetry: Symmetry,
+    image: Traced,
+    system: System,
+    fields: CheckedFields,
+    samples: Samples,
+    period: float | None,
+) -> None:
+    """As `check_symmetry`, of a map whose form is right."""
     what, place = f"symmetry '{symmetry.name}'", place_of(symmetry.map)
-    image = check_map(report, what, symmetry.map, system, samples, vector_form(system, "map", "x_image"))
-    if image is None or not fields.complete:
-        return
     if any(transition.relabel == symmetry.name for transition in system.transitions):
         _check_names_return(report, what, image, samples)
         return

@@ -57,7 +57,7 @@ def check_reference(reference: str, base: Path | None = None) -> list[Finding]:
         label = ", ".join(f"{name}={value}" for name, value in model.items())
         try:
             system = declared.with_model(model)
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             findings.append(_load_finding(f"model of '{declared.name}'", error, path, declared, label))
             continue
         findings += check_system(system, sources=sources, model=label)

@@ -15,12 +15,17 @@ from contwalk.fields.kernel import Kernel
 from contwalk.fields.rebind import rebound
 from contwalk.fields.rounding import error_bounds
 from contwalk.fields.trace import Outputs, Program, Raises, Tracer, trace
+from contwalk.python_functions import plain
 from contwalk.system import System
 from contwalk.system.declarations import ParameterValues
 from contwalk.workflow.check_findings import Report, place_of, split_place
 
 GROUPS = ("t", "x", "p")
 _RELATIONS = ("lt", "le", "eq")
+AGAIN = (
+    "Called again it gives other values: it depends on something besides t, x and p, such as a random "
+    "number, a clock, or a variable that changes. What it needs must be constant, a state or a parameter."
+)
 
 
 @dataclass(frozen=True)
@@ -87,8 +92,9 @@ class Traced:
         self.existing = range(len(system.states)) if mode is None else system.states_of(mode)
         self._constants = {} if mode is None else dict(system.mode(mode).constants)
         self.unwritten: set[int] = set()
-        self._copy = rebound(function)
+        self._copy, self._plain = rebound(function), plain(function)
         self.program: Program = trace(self._record)
+        self.repeats = _same(self.program, trace(self._record))
 
     def _record(self, tracer: Tracer) -> list[Any]:
         x = np.full(len(self.system.states), 0.0, dtype=object)
@@ -124,9 +130,14 @@ class Traced:
         p = ParameterValues(**parameters, **self._constants)
         with np.errstate(all="ignore"):
             try:
-                out = self._call(self.function, t, self.given(x), p, np.nan, float)
+                out = self._call(self._plain, t, self.given(x), p, np.nan, float)
             except (ArithmeticError, ValueError):
                 return np.full(len(self.form.names), np.nan)
+            except (Exception, SystemExit) as error:
+                raise PluginError(
+                    f"With numbers in place of symbols it raises {type(error).__name__}: {error}.",
+                    f"Its form is {self.form.signature}.",
+                ) from error
         return np.where(self.form.wanted, out, 0.0)
 
     def raises(self) -> list[str]:
@@ -185,6 +196,11 @@ class Traced:
         return Kernel(self.program.transformed(change), GROUPS, shape)
 
 
+def _same(first: Program, second: Program) -> bool:
+    """Whether two traces of a function are one; NaN is like NaN."""
+    return first.tree == second.tree and repr(first.graph.nodes) == repr(second.graph.nodes)
+
+
 def _evaluated(kernel: Kernel, t: float, x: np.ndarray, parameters: Sequence[float]) -> np.ndarray:
     try:
         return np.asarray(kernel([float(t)], x.tolist(), parameters), dtype=float)
@@ -208,6 +224,9 @@ def traced(
     except ContwalkError as error:
         where, sentence = split_place(error.sentence, place)
         report.error(what, f"{sentence} {error.remedy}", where)
+        return None
+    if not found.repeats:
+        report.error(what, AGAIN, place)
         return None
     usable = True
     for message in found.raises():

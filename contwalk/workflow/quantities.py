@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from contwalk.errors import ContwalkError, PluginError, called
+from contwalk.python_functions import plain
 from contwalk.system import System
 from contwalk.system.declarations import ParameterValues, nearest
 
@@ -35,9 +36,8 @@ def values_along(
         with np.errstate(divide="ignore", invalid="ignore"):
             found = called(
                 f"signal '{name}'",
-                lambda function, given: np.asarray(function(*given), dtype=float),
-                signal.function,
-                (times, states, p),
+                lambda function: np.asarray(function(times.copy(), states.copy(), p), dtype=float),
+                plain(signal.function),
             )
         if found.shape != times.shape:
             raise PluginError(

@@ -17,7 +17,7 @@ from pydantic import ValidationError
 from ruamel.yaml import YAML
 
 from contwalk.errors import ContwalkError, RunFileError
-from contwalk.system import System, load_system
+from contwalk.system import System
 from contwalk.system.loading import load_declaration
 from contwalk.workflow import run_settings as settings
 from contwalk.workflow.run_model import RunModel
@@ -27,6 +27,7 @@ from contwalk.workflow.run_settings import FigureSpec, Mark, ReportAt
 from contwalk.workflow.run_starts import StartReader, StartSpec
 from contwalk.workflow.run_text import document_of, text_of_file
 from contwalk.workflow.run_values import DIAGRAM_FIGURES, FIGURES
+from contwalk.workflow.sound_systems import load_system
 from contwalk.workflow.yaml_lines import parse_yaml
 
 __all__ = [
@@ -211,7 +212,7 @@ def _load(problems: Problems, model: RunModel, base: Path) -> System:
         key = "model" if model.model and _can_be_declared(model.system, base) else "system"
         problems.add((key,), error.sentence, error.remedy)
         raise problems.error() from error
-    except Exception as error:  # a plugin's own code, run while it is built
+    except (Exception, SystemExit) as error:  # a plugin's own code, run while it is built
         problems.add(
             ("system",),
             f"the plugin '{model.system}' raised {type(error).__name__}: {error}.",

@@ -122,7 +122,9 @@ def test_samples_without_their_equilibrium_never_settle_and_are_told(contwalk, f
 
 def test_images_under_a_renaming_are_places_to_rest(contwalk, falling):
     # `rest` is said to be at 2 - place; the motion comes to rest at its image, which is `place`.
-    renamed = PLUGIN.replace("[[0.0, p.place]]", "[[0.0, 2.0 - p.place]]").replace(
+    both = "(x[1] - p.place) * (x[1] - 1.0) * (x[1] - 2.0 + p.place) * 4.0"
+    renamed = PLUGIN.replace("(x[1] - p.place)", both).replace("[[0.0, p.place]]", "[[0.0, 2.0 - p.place]]")
+    renamed = renamed.replace(
         "    starts=", '    symmetries=(Symmetry("swap", "relabel", mirror),),\n    starts='
     )
     (falling / "falling.py").write_text(renamed)

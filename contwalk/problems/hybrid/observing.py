@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contwalk.errors import called
+from contwalk.errors import measured
 from contwalk.problems.hybrid import families, limits
 from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.orbit.closure import images_of
@@ -174,14 +174,13 @@ def values(problem: HybridOrbit, z: np.ndarray, found: Multipliers, margins: lim
     result = []
     for o in own:
         if o.at is None:
-            given: tuple = (t, x)
+            place: tuple[float | np.ndarray, np.ndarray] | None = (t, x)
         else:
             place = at_event(problem, z, o.at, o.side)
-            if place is None:
-                result.append(float("nan"))
-                continue
-            given = place
-        result.append(called(f"observable '{o.name}'", lambda f, g: float(f(*g, p)), o.function, given))
+        if place is None:
+            result.append(float("nan"))
+        else:
+            result.append(measured(f"observable '{o.name}'", o.function, place[0], place[1], p))
     named = [name for name in problem.system.margins if name not in [o.name for o in own]]
     result += [margins.least(name) for name in named]
     largest = float(np.abs(found.values[0])) if len(found.values) else float("nan")

@@ -24,7 +24,7 @@ from contwalk.memory import remembered
 from contwalk.problems.hybrid.watching import Watched
 from contwalk.problems.hybrid.word import Leg
 from contwalk.problems.orbit.motion import DIRECTIONS, PLAIN, STATES, TANGENT, lifted
-from contwalk.problems.tracing import parameter_symbols
+from contwalk.problems.tracing import parameter_symbols, refuse_time, time_refused
 from contwalk.system import Condition, Neutral, System, Transition
 from contwalk.system.declarations import ParameterValues
 
@@ -180,11 +180,9 @@ class Passage:
     def refuse_time(self, program: Program) -> None:
         """Refuse functions that depend on time in a system that is not declared to."""
         if program.reads(TIME):
-            raise SystemDefinitionError(
-                f"A function of mode '{self.leg.mode}' depends on the time t, but '{self.system.name}' has "
-                "no period.",
-                "Declare period=..., in seconds, of what repeats itself.",
-            )
+            mode = self.system.mode(self.leg.mode)
+            refuse_time(self.system, mode.name, mode.field, f"field of mode '{mode.name}'")
+            raise time_refused(self.system, mode.field, f"guard or reset at the end of mode '{mode.name}'")
 
     def field(self, lift: str, implicit: bool = False) -> CompiledField:
         """The compiled field of a lift; an implicit method needs the Jacobian of any."""
@@ -361,7 +359,10 @@ def _written(
     function(t, x, p, out)
     for i in states:
         if out[i] is None:
-            raise ValueError(f"{what} does not write entry {i} of its last argument")
+            raise SystemDefinitionError(
+                f"{what} does not write entry {i} of its last argument.",
+                "Every entry must be written.",
+            )
     return [out[i] for i in states]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow.traced import CONSTANT, TIME, arguments, field_program, shared_program
 from contwalk.problems.hybrid.passage import passage_of
 from contwalk.problems.hybrid.word import Leg
-from contwalk.problems.tracing import parameter_symbols, state_symbols
+from contwalk.problems.tracing import parameter_symbols, state_symbols, time_refused
 from contwalk.system import Mode, System, Transition
 from contwalk.system.declarations import ParameterValues
 
@@ -30,8 +31,12 @@ def equations_text(system: System, free: str | None) -> str:
     modes = {mode.code: mode for mode in system.modes}
     programs = [_field(system, mode) for mode in modes.values()]
     transitions = {_functions_of(system, transition): transition for transition in system.transitions}
+    for one, program in zip(modes.values(), programs, strict=True):
+        _refuse_time(system, [program], one.field, f"field of mode '{one.name}'")
     for transition in transitions.values():
-        programs += _transition(system, transition, free)
+        found = _transition(system, transition, free)
+        _refuse_time(system, found, transition.guard, f"guard or reset of transition '{transition.name}'")
+        programs += found
     for condition in system.conditions:
         mode, copy = system.sources(condition.at)[0], rebound(condition.function)
 
@@ -44,6 +49,13 @@ def equations_text(system: System, free: str | None) -> str:
         programs.append(trace(lambda t: [period(parameter_symbols(t, system.parameter_names, free, ()))]))
     texts = [source(program, _INPUTS) for program in programs]
     return "\n".join([*texts, *_tables(system)])
+
+
+def _refuse_time(
+    system: System, programs: Sequence[Program], function: Callable[..., Any], what: str
+) -> None:
+    if system.period is None and any(program.reads(TIME) for program in programs):
+        raise time_refused(system, function, what)
 
 
 def _tables(system: System) -> list[str]:

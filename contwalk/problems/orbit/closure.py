@@ -120,7 +120,7 @@ def imaged(
     """Image of a state under a power of a symmetry, shape (n,)."""
     for _ in range(power if symmetry is not None else 0):
         out = np.zeros(len(x))
-        called(f"symmetry '{symmetry.name}'", symmetry.map, 0.0, x, parameters, out)  # type: ignore[union-attr]
+        called(f"symmetry '{symmetry.name}'", symmetry.map, 0.0, x.copy(), parameters, out)  # type: ignore[union-attr]
         x = out
     return x
 

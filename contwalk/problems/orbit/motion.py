@@ -31,7 +31,7 @@ from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow import Field
 from contwalk.memory import remembered
-from contwalk.problems.tracing import parameter_symbols, state_symbols, written
+from contwalk.problems.tracing import parameter_symbols, refuse_time, state_symbols, written
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 
@@ -107,6 +107,11 @@ class Motion:
     @cached_property
     def program(self) -> Program:
         """The field over one closure, n outputs."""
+        mode = self.system.modes[0]
+        if not self.forced:
+            refuse_time(self.system, mode.name, mode.field, f"field of mode '{mode.name}'")
+        for pin in () if self.forced else self.pins:
+            refuse_time(self.system, mode.name, pin.generator, f"neutral direction '{pin.name}'")
         return trace(self._right_side)
 
     # -- lifts -------------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ import numpy as np
 
 from contwalk import quantities
 from contwalk.branch import Outcome, SpecialPoint
-from contwalk.errors import called
+from contwalk.errors import called, measured
 from contwalk.memory import remembered, unowned
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.linear import EPSILON, Factored
@@ -460,7 +460,7 @@ class PeriodicOrbit:
             directions = [] if self.forced else [self._flow_direction(z, i, factors)]
             for pin in self.pins:
                 v = np.zeros(self.states)
-                called(f"generator of '{pin.name}'", pin.generator, 0.0, x, values, v)
+                called(f"generator of '{pin.name}'", pin.generator, 0.0, x.copy(), values, v)
                 directions.append(v)
             result.append(np.array(directions).reshape(len(directions), self.states).T)
         return result
@@ -530,8 +530,7 @@ class PeriodicOrbit:
             t, x = self.motion_of(z, curve=curve)
             p = ParameterValues(**self.values_of(z))
             values = [
-                called(f"observable '{o.name}'", lambda f: float(f(t, x, p)), o.function)
-                for o in self.system.observables
+                measured(f"observable '{o.name}'", o.function, t, x, p) for o in self.system.observables
             ]
         largest = float(np.abs(found.values[0])) if len(found.values) else float("nan")
         low, high = extremes(self, z, curve)
@@ -548,7 +547,7 @@ class PeriodicOrbit:
         function = next(o.function for o in self.system.observables if o.name == name)
         t, x = self.motion_of(z)
         p = ParameterValues(**self.values_of(z))
-        return float(called(f"observable '{name}'", function, t, x, p))
+        return measured(f"observable '{name}'", function, t, x, p)
 
     @property
     def whole(self) -> tuple[str, int]:

@@ -1,0 +1,88 @@
+"""Systems as runs take them: loaded, and refused where what is cheap to check shows them to be wrong.
+
+`contwalk systems check` tries far more. Here every function is traced twice, and what is declared about the
+field, a period and symmetries, is compared with it: some milliseconds, against results that are wrong without
+a word.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from contwalk.errors import SystemDefinitionError
+from contwalk.system import System
+from contwalk.system import load_system as load_declared
+from contwalk.workflow.check_at_events import traced_at_event
+from contwalk.workflow.check_declarations import check_period, check_repeats
+from contwalk.workflow.check_events import check_soft, traced_reset
+from contwalk.workflow.check_findings import Finding, Report
+from contwalk.workflow.check_functions import traced_guard
+from contwalk.workflow.check_modes import CheckedFields, distinct_transitions
+from contwalk.workflow.check_samples import samples_of
+from contwalk.workflow.check_symmetry import compare_symmetry
+from contwalk.workflow.check_traced import traced, vector_form
+
+
+def load_system(
+    reference: str | Path, model: Mapping[str, Any] | None = None, base: Path | None = None
+) -> System:
+    """The system of this name or plugin file, built with these model choices, and found sound.
+
+    Raises
+    ------
+    SystemDefinitionError
+        If there is no such system, its file cannot be imported, it does not have a model choice, or one of
+        its functions or declarations is wrong; the sentence names the plugin's line.
+    """
+    system = load_declared(reference, model, base)
+    refuse_unsound(system)
+    return system
+
+
+def refuse_unsound(system: System) -> None:
+    """Raise for the first error that is found in a system's functions and declarations.
+
+    Raises
+    ------
+    SystemDefinitionError
+        With the line of the plugin.
+    """
+    found = next((finding for finding in _findings(system) if finding.level == "error"), None)
+    if found is None:
+        return
+    place = "" if found.file is None else f"{found.file}, line {found.line}: "
+    raise SystemDefinitionError(
+        f"{place}{found.what}: {found.sentence}", "`contwalk systems check` tells of all that is wrong."
+    )
+
+
+def _findings(system: System) -> list[Finding]:
+    report = Report()
+    period = check_period(report, system)
+    samples = samples_of(system, period)
+    fields = CheckedFields(system)
+    fields.check(report)
+    for transition in distinct_transitions(system):
+        what = f"guard of transition '{transition.name}'"
+        guard, reset = (
+            traced_guard(report, what, transition, system),
+            traced_reset(report, transition, system),
+        )
+        if transition.role == "soft" and guard is not None and reset is not None:
+            check_soft(report, transition, guard, reset, fields, samples)
+    for entry in system.conditions:
+        traced_at_event(report, entry, system)
+    for neutral in system.neutral:
+        form = vector_form(system, "generator", "v")
+        traced(report, f"neutral direction '{neutral.name}'", neutral.generator, system, form)
+    if period is not None:
+        for name, field in fields.items():
+            check_repeats(report, f"field of mode '{name}'", field, samples, period)
+    for symmetry in system.symmetries:
+        form = vector_form(system, "map", "x_image")
+        image = traced(report, f"symmetry '{symmetry.name}'", symmetry.map, system, form)
+        if image is not None and fields.complete:
+            compare_symmetry(report, symmetry, image, system, fields, samples, period)
+    return report.findings

@@ -1,0 +1,99 @@
+"""Wrong plugins through the command line: a sentence with the line, never a traceback or a wrong number."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from hostile_plugins import HOSTILE, HYBRID, plugin
+
+from contwalk.cli.entry import run
+from contwalk.storage import open_database
+
+CONTINUE = """\
+contwalk: 1
+system: ./wrong.py
+start: {start}
+continue: {{parameter: r, range: [0.5, 1.5], max_points: 4}}
+diagram: none
+output: wrong.h5
+"""
+SIMULATE = """\
+contwalk: 1
+system: ./wrong.py
+start: {state: {x: 0.9, y: 0.1}}
+simulate: {until: 1.0}
+output: wrong.h5
+"""
+SMOOTH_START = "{state: {x: 1.0, y: 0.0}}"
+HYBRID_START = "{simulate: {state: {x: 0.5, y: 0.5}, until: settled}}"
+
+# Exit codes of `systems check`, `continue`, `simulate` where they are not 2: what is wrong is no part of what
+# is computed, or is found only where the motion gets to.
+OTHERS = {
+    "interrupt at import": (130, 130, 130),
+    "exit in an observable": (2, 1, 0),
+    "observable of the wrong shape": (2, 1, 0),
+    "observable gives text": (2, 1, 0),
+    "observable raises": (2, 1, 0),
+    "observable is NaN": (2, 0, 0),  # NaN is what is stored
+    "division by zero at the start": (2, 1, 1),
+    "NaN as a constant": (2, 1, 1),
+    "infinity as a constant": (2, 1, 1),
+    "time without a period": (2, 2, 0),
+    "time without a period, with impacts": (2, 2, 0),
+    "start of the wrong length": (2, 0, 0),
+    "start raises": (2, 0, 0),
+    "start gives None": (2, 0, 0),
+    "start gives one number": (2, 0, 0),
+    "guard is NaN": (2, 1, 1),
+    "reset gives NaN": (2, 1, 0),
+    "reset divides by zero": (2, 1, 0),
+    "guard not left behind": (2, 1, 0),
+    # Each function has arrays of its own, so that these do no harm.
+    "changes the state": (0, 0, 0),
+    "observable changes the state": (0, 0, 0),
+    "reset changes the state it gets": (0, 0, 0),
+}
+NO_LINE = ("SYSTEM", "interrupt")  # the file is said, or nothing is wrong with it
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_wrong_plugin_is_told_with_its_line(name, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    start = HYBRID_START if HOSTILE[name][0] is HYBRID else SMOOTH_START
+    (tmp_path / "wrong.py").write_text(plugin(name), encoding="utf-8")
+    (tmp_path / "run.yaml").write_text(CONTINUE.format(start=start), encoding="utf-8")
+    (tmp_path / "motion.yaml").write_text(SIMULATE, encoding="utf-8")
+    commands = (
+        ("systems", "check", "wrong.py"),
+        ("continue", "run.yaml", "--no-figures"),
+        ("simulate", "motion.yaml", "--no-figures", "--output", "motion.h5"),
+    )
+    codes = []
+    for command in commands:
+        capsys.readouterr()
+        codes.append(run(command))
+        said = "".join(capsys.readouterr())
+        assert "Traceback" not in said
+        assert "internal error" not in said
+        assert "object at 0x" not in said
+        if codes[-1] == 2 and not any(word in name for word in NO_LINE):
+            assert re.search(r"wrong\.py(:|, line )\d+", said), said
+    assert tuple(codes) == OTHERS.get(name, (2, 2, 2))
+    if codes[1] == 2:
+        assert not (tmp_path / "wrong.h5").exists()
+
+
+def test_functions_that_write_into_what_they_read_do_no_harm(tmp_path, monkeypatch, capsys):
+    """x^2 = r though an observable overwrites x; (x + 1)^2 = r where the field adds 1 to its own x."""
+    monkeypatch.chdir(tmp_path)
+    for name, moved in (("observable changes the state", 0.0), ("changes the state", 1.0)):
+        (tmp_path / "wrong.py").write_text(plugin(name), encoding="utf-8")
+        (tmp_path / "run.yaml").write_text(CONTINUE.format(start=SMOOTH_START), encoding="utf-8")
+        assert run(("continue", "run.yaml", "--no-figures", "--force")) == 0
+        with open_database(tmp_path / "wrong.h5") as db:
+            branch = db.branch("b1")
+        # Newton's method ends at rounding, some 1e-16.
+        assert np.allclose((branch["x"] + moved) ** 2, branch["r"], rtol=0.0, atol=1e-13)
