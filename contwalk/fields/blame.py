@@ -51,6 +51,13 @@ class Probe(Number):
         second = b.value if isinstance(b, Probe) else b
         return bool(getattr(operator, relation)(first, second))
 
+    def select(self, a: Any, b: Any) -> Any:
+        """`a` where this is not zero, else `b`."""
+        return a if self.value else b
+
+    def __bool__(self) -> bool:
+        return bool(self.value)
+
     def __float__(self) -> float:
         return float(self.value)
 

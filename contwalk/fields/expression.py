@@ -171,6 +171,10 @@ class Graph:
         """Node of a comparison (`lt`, `le`, `eq`); only conditions of branches and `select` use it."""
         return self._intern((relation, a, b))
 
+    def is_condition(self, node: int) -> bool:
+        """Whether a node is a condition rather than a number."""
+        return self.nodes[node][0] in CONDITIONS
+
     def combine(self, operation: str, *conditions: int) -> int:
         """Node of conditions combined by `and`, `or`, `not`."""
         return self._intern((operation, *conditions))
@@ -203,9 +207,10 @@ class Expression(Number):
         return Expression(self.graph, node, self.tracer)
 
     def lift(self, other: Any) -> int:
-        """Node of an operand: an expression or a number."""
+        """Node of an operand: an expression or a number; a condition is 1 where it holds, else 0."""
         if isinstance(other, Expression):
-            return other.node
+            graph, node = other.graph, other.node
+            return graph.select(node, graph.one, graph.zero) if graph.is_condition(node) else node
         try:
             return self.graph.constant(float(other))
         except (TypeError, ValueError):
@@ -228,6 +233,13 @@ class Expression(Number):
         """A condition."""
         return self.wrap(self.graph.compare(relation, self.lift(a), self.lift(b)))
 
+    @property
+    def condition(self) -> int:
+        """Node of the condition that this is; of a number that it is not zero."""
+        if self.graph.is_condition(self.node):
+            return self.node
+        return self.graph.combine("not", self.graph.compare("eq", self.node, self.graph.zero))
+
     def __and__(self, other: Any) -> Any:
         return self._combined("and", other)
 
@@ -237,22 +249,31 @@ class Expression(Number):
     __rand__, __ror__ = __and__, __or__
 
     def __invert__(self) -> Expression:
-        return self.wrap(self.graph.combine("not", self.node))
+        return self.wrap(self.graph.combine("not", self._own_condition()))
+
+    def _own_condition(self) -> int:
+        if not self.graph.is_condition(self.node):
+            raise UnsupportedOperation(
+                "&, | and ~ stand between a number and something else here.",
+                "They combine comparisons, each in parentheses: (x[0] > 0) & (x[1] > 0).",
+            )
+        return self.node
 
     def _combined(self, operation: str, other: Any) -> Any:
         """This condition and, or or, another one; conditions known already are plain bools."""
+        own = self._own_condition()
         if isinstance(other, Expression):
-            return self.wrap(self.graph.combine(operation, self.node, other.node))
+            return self.wrap(self.graph.combine(operation, own, other._own_condition()))
         if operation == "and":
             return self if other else False
         return True if other else self
 
     def select(self, a: Any, b: Any) -> Expression:
         """`a` where this condition holds, else `b`, without a branch."""
-        return self.wrap(self.graph.select(self.node, self.lift(a), self.lift(b)))
+        return self.wrap(self.graph.select(self.condition, self.lift(a), self.lift(b)))
 
     def __bool__(self) -> bool:
-        return self.tracer.decide(self.node)
+        return self.tracer.decide(self.condition)
 
     def __float__(self) -> float:
         raise UnsupportedOperation(

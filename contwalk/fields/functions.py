@@ -26,7 +26,17 @@ class Function:
 
 
 def _sign(x: float) -> float:
-    return math.copysign(1.0, x) if x != 0.0 else 0.0
+    return x if x != x else math.copysign(1.0, x) if x != 0.0 else 0.0
+
+
+def minimum(a: Any, b: Any) -> Any:
+    """The smaller number, the first of two that are equal; NaN where one is."""
+    return b if b < a or b != b else a
+
+
+def maximum(a: Any, b: Any) -> Any:
+    """The larger number, the first of two that are equal; NaN where one is."""
+    return b if b > a or b != b else a
 
 
 def _reciprocal(g: Graph, node: int) -> int:
@@ -115,8 +125,8 @@ FUNCTIONS: dict[str, Function] = {
     "floor": Function(lambda x: float(math.floor(x)), lambda g, r, a: (None,)),
     "fmod": Function(math.fmod, lambda g, r, a: (g.one, g.neg(g.call("trunc", g.div(a[0], a[1]))))),
     "trunc": Function(lambda x: float(math.trunc(x)), lambda g, r, a: (None,)),
-    "min": Function(min, _min_partials),
-    "max": Function(max, _max_partials),
+    "min": Function(minimum, _min_partials),
+    "max": Function(maximum, _max_partials),
 }
 
 
@@ -201,7 +211,8 @@ class Number:
         return self.compare("eq", self, other)
 
     def __ne__(self, other: Any) -> Any:
-        return not self.compare("eq", self, other)
+        same = self.compare("eq", self, other)
+        return not same if isinstance(same, bool) else ~same
 
     __hash__ = object.__hash__
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -10,7 +11,7 @@ import numpy as np
 
 from contwalk.errors import PluginError
 from contwalk.fields.codegen import source
-from contwalk.fields.functions import FUNCTIONS
+from contwalk.fields.functions import FUNCTIONS, maximum, minimum
 from contwalk.fields.trace import Program, Raises
 
 
@@ -18,28 +19,62 @@ class PluginRaised(Exception):
     """The plugin's function raised on the path that was taken."""
 
 
+def _quiet(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A function that is NaN where it has no value."""
+
+    def call(*arguments: Any) -> Any:
+        if any(a != a for a in arguments):
+            return math.nan
+        try:
+            return function(*arguments)
+        except (ArithmeticError, ValueError):
+            return math.nan
+
+    return call
+
+
+def _with_quiet(names: dict[str, Callable[..., Any]]) -> dict[str, Any]:
+    """Names of the functions, each with its quiet twin, as `codegen` writes them."""
+    own = {f"{name}_": function for name, function in names.items()}
+    quiet = {f"quiet_{name}_": _quiet(function) for name, function in names.items()}
+    return {**own, **quiet, "quiet_div_": _quiet(operator.truediv), "NAN_": math.nan}
+
+
 def _float_names() -> dict[str, Any]:
-    return {"number_": float} | {f"{name}_": function.of_float for name, function in FUNCTIONS.items()}
+    functions = {name: function.of_float for name, function in FUNCTIONS.items()}
+    return {**_with_quiet(functions), "number_": float}
+
+
+def _real(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A function of mpmath that is NaN where its value is complex."""
+    import mpmath
+
+    def call(*arguments: Any) -> Any:
+        value = function(*arguments)
+        real = not isinstance(value, mpmath.mpc) or any(isinstance(a, mpmath.mpc) for a in arguments)
+        return value if real else mpmath.nan
+
+    return call
 
 
 def _mp_names() -> dict[str, Any]:
     import mpmath
 
-    names: dict[str, Any] = {}
+    functions: dict[str, Callable[..., Any]] = {}
     for name in FUNCTIONS:
         if hasattr(mpmath.mp, name):
-            names[f"{name}_"] = getattr(mpmath.mp, name)
-    names |= {
-        "number_": mpmath.mpf,
-        "abs_": abs,
-        "min_": min,
-        "max_": max,
-        "pow_": lambda a, b: mpmath.mpf(a) ** b,
-        "fmod_": lambda a, b: a - b * mpmath.mp.floor(a / b) if a / b >= 0 else a - b * mpmath.mp.ceil(a / b),
-        "trunc_": lambda a: mpmath.mp.floor(a) if a >= 0 else mpmath.mp.ceil(a),
-        "log2_": lambda a: mpmath.mp.log(a, 2),
+            functions[name] = _real(getattr(mpmath.mp, name))
+    functions |= {
+        "abs": abs,
+        "min": minimum,
+        "max": maximum,
+        "pow": _real(lambda a, b: mpmath.mpf(a) ** b),
+        "cbrt": lambda a: mpmath.mp.cbrt(a) if a >= 0 else -mpmath.mp.cbrt(-a),
+        "fmod": lambda a, b: a - b * mpmath.mp.floor(a / b) if a / b >= 0 else a - b * mpmath.mp.ceil(a / b),
+        "trunc": lambda a: mpmath.mp.floor(a) if a >= 0 else mpmath.mp.ceil(a),
+        "log2": _real(lambda a: mpmath.mp.log(a, 2)),
     }
-    return names
+    return {**_with_quiet(functions), "number_": mpmath.mpf}
 
 
 class Kernel:

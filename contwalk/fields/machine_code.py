@@ -2,7 +2,8 @@
 
 What is undefined is NaN: an operation that has no finite result where its arguments are finite (a division by
 zero, the logarithm of zero, an overflowing exponential) gives NaN rather than infinity, a condition between
-numbers of which one is NaN has no outcome, and NaN passes through everything that is computed from it. No
+numbers of which one is NaN has no outcome (`a & b` and `a | b` have one where one side decides, whatever the
+other is), and NaN passes through everything that is computed from it. No
 operation traps. So operations may be executed whether or not their results will be used, both sides of a
 `select` are computed without a branch, and whatever depends on parameters alone is computed once beforehand.
 """
@@ -221,12 +222,15 @@ def _condition(body: _Body, node: int, names: _Names) -> None:
         names[node] = body.statement(f"xor i1 {holds}, true")
         names.undefined[node] = undefined
         return
-    # the second condition counts where the first one does not decide
+    # `and` is decided by a side that does not hold, `or` by one that does, whatever the other one is
     second, second_undefined = names[arguments[1]], names.undefined[arguments[1]]
     names[node] = body.statement(f"{name} i1 {holds}, {second}")
-    open_ = holds if name == "and" else body.statement(f"xor i1 {holds}, true")
-    reached = body.statement(f"and i1 {open_}, {second_undefined}")
-    names.undefined[node] = body.statement(f"or i1 {undefined}, {reached}")
+    either = body.statement(f"or i1 {undefined}, {second_undefined}")
+    for side, unknown in ((holds, undefined), (second, second_undefined)):
+        open_ = side if name == "and" else body.statement(f"xor i1 {side}, true")
+        leaves_open = body.statement(f"or i1 {unknown}, {open_}")
+        either = body.statement(f"and i1 {either}, {leaves_open}")
+    names.undefined[node] = either
 
 
 def _operation(body: _Body, node: int, names: _Names) -> str:

@@ -21,7 +21,6 @@ from contwalk.system.declarations import ParameterValues
 from contwalk.workflow.check_findings import Report, place_of, split_place
 
 GROUPS = ("t", "x", "p")
-_RELATIONS = ("lt", "le", "eq")
 AGAIN = (
     "Called again it gives other values: it depends on something besides t, x and p, such as a random "
     "number, a clock, or a variable that changes. What it needs must be constant, a state or a parameter."
@@ -149,9 +148,10 @@ class Traced:
         return [leaf for leaf in self.program.leaves() if isinstance(leaf, Outputs)]
 
     def is_condition(self) -> bool:
-        """Whether a result is True or False rather than a number."""
-        nodes = self.program.graph.nodes
-        return any(nodes[node][0] in _RELATIONS for leaf in self.outputs() for node in leaf.nodes)
+        """Whether a result is True or False rather than a number: 1 where something holds, else 0."""
+        graph = self.program.graph
+        keys = (graph.nodes[node] for leaf in self.outputs() for node in leaf.nodes)
+        return any(key[0] == "select" and key[2:] == (graph.one, graph.zero) for key in keys)
 
     def _inputs(self) -> list[int]:
         graph = self.program.graph
@@ -245,7 +245,7 @@ def traced(
             report.error(what, f"It does not write {form.entry(index)}. {every}", place)
         else:
             report.error(what, f"It returns nothing. {form.signature} must return a number.", place)
-    if usable and found.is_condition():
+    if usable and not form.argument and not instants and found.is_condition():
         report.error(what, "It gives True or False. A number is needed, whose sign changes there.", place)
         usable = False
     return found if usable else None
