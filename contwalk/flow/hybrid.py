@@ -17,11 +17,13 @@ from contwalk.errors import StartError
 from contwalk.flow.arc import Arc, Control
 from contwalk.flow.arc_paths import by_paths
 from contwalk.flow.arc_walks import ByWalk
+from contwalk.flow.blaming import why_not_finite
 from contwalk.flow.chatter import Pace, Verdict
 from contwalk.flow.departure import BEYOND, ENTERING, RESTING, UNDEFINED, Departure, departures
 from contwalk.flow.guard import EPSILON
 from contwalk.flow.hybrid_machine import HybridMachine, ModeFlow, applied, hybrid_machine, landed
 from contwalk.flow.walk import METHOD
+from contwalk.system import Transition
 
 __all__ = ["Arc", "HybridMachine", "applied", "arcs", "hybrid_machine", "parts"]
 
@@ -119,7 +121,8 @@ def parts(
     if just_after is None:
         _refuse_beyond(flow, standing)
     if verdict.status != "ok":
-        yield replace(_instant(flow, t, x), status=verdict.status, reason=verdict.reason)
+        reason = verdict.reason + _blame(verdict, machine, flow, t, x)
+        yield replace(_instant(flow, t, x), status=verdict.status, reason=reason)
         return
     while t < t1:
         number = _at_once(flow, standing)
@@ -140,7 +143,8 @@ def parts(
             arc = replace(_instant(flow, t, x), transition=flow.transitions[number].name, rising=rising)
         last = name = str(arc.transition)
         t, happening = float(arc.times[-1]), machine.transition(name, flow.name)
-        x, noise = landed(machine, happening, t, arc.states[-1])
+        before = arc.states[-1]
+        x, noise = landed(machine, happening, t, before)
         flow = machine.mode(happening.target)
         standing, verdict = _stands(flow, t, x, noise, control.weights, name)
         if verdict.status == "ok":
@@ -149,7 +153,7 @@ def parts(
             arc,
             after=x,
             status=verdict.status,
-            reason=verdict.reason,
+            reason=verdict.reason + _blame(verdict, machine, flow, t, x, (happening, before)),
             accumulation=verdict.accumulation,
         )
         if verdict.status != "ok":
@@ -184,6 +188,18 @@ def _stands(
         if transition.name == last and guard.kind in (ENTERING, BEYOND, RESTING):
             return standing, Verdict("sticking", _sticks(transition.name, t, guard))
     return standing, Verdict()
+
+
+def _blame(
+    verdict: Verdict,
+    machine: HybridMachine,
+    flow: ModeFlow,
+    t: float,
+    x: np.ndarray,
+    landing: tuple[Transition, np.ndarray] | None = None,
+) -> str:
+    """The plugin's line, where something is not finite."""
+    return why_not_finite(machine, flow.name, t, x, landing) if verdict.status == "not_finite" else ""
 
 
 def _sticks(name: str, t: float, guard: Departure) -> str:

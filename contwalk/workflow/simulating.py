@@ -132,6 +132,7 @@ def _smoothly(
 ) -> Simulated:
     """The motion of a machine of one mode, on which nothing acts but its field."""
     from contwalk.flow import dense
+    from contwalk.flow.blaming import told
     from contwalk.flow.motion import magnitudes, pieces
     from contwalk.flow.settling import Settling
     from contwalk.workflow.simulated import LONGEST, PARTS, Simulated
@@ -139,7 +140,11 @@ def _smoothly(
     system, settings = run.system, run.simulation
     machine = _machine(run, parameters)
     if not np.isfinite(machine.field(0.0, state, machine.c)).all():
-        raise NotFinite("The field is not finite at the start.", "Start elsewhere, or mend the plugin.")
+        mode = system.modes[0]
+        blame = told(system, mode.name, {f"field of mode '{mode.name}'": mode.field}, 0.0, state, parameters)
+        raise NotFinite(
+            f"The field is not finite at the start.{blame}", "Start elsewhere, or mend the plugin."
+        )
     settles = settings.until == "settled"
     end = np.inf if settles else float(settings.until)
     weights = magnitudes(machine, 0.0, state, end, [s.scale for s in system.states], settings.method)
@@ -333,7 +338,7 @@ def why(status: str, t: float, reason: str = "") -> ContwalkError | None:
     """The error for a motion that ended before its time; None where it did not."""
     if status == "ok":
         return None
-    if status in ("chatter", "sticking"):
+    if status in ("chatter", "sticking") or (status == "not_finite" and reason):
         return NotFinite(f"The motion ended early. {reason}", "What came before is stored.")
     words = {
         "not_finite": "the field is not finite beyond",

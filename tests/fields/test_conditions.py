@@ -1,7 +1,7 @@
 """Conditions in every arithmetic: generated Python, machine code, and mpmath numbers give what NumPy gives.
 
-Where NumPy's answer would rest on a comparison with NaN, all three give NaN instead: `sqrt(-1) < 1` is no fact
-about the state. Where it does not, because the other side of `&` or `|` decides, all three give NumPy's answer.
+Where NumPy's answer would rest on a comparison with NaN, all three give NaN instead: `sqrt(-1) < 1` is no
+fact about the state. Where it does not, since the other side of `&` or `|` decides, all three give NumPy's.
 """
 
 from __future__ import annotations

@@ -97,3 +97,28 @@ def test_functions_that_write_into_what_they_read_do_no_harm(tmp_path, monkeypat
             branch = db.branch("b1")
         # Newton's method ends at rounding, some 1e-16.
         assert np.allclose((branch["x"] + moved) ** 2, branch["r"], rtol=0.0, atol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        (
+            "    x_plus[0] = x[0]\n",
+            '    if x[1] > 0.1:\n        raise ValueError("broken stop")\n    x_plus[0] = x[0]\n',
+            "line 14: ValueError: broken stop",
+        ),
+        ("-0.8 * x[1]", "-0.8 * x[1] / math.log(p.r)", "line 14: div of"),
+    ],
+)
+def test_reset_without_a_result_is_told_with_what_it_raises(old, new, said, tmp_path, monkeypatch, capsys):
+    """At r = 1 the mass reaches its stop with a speed above 0.1; log(1) is 0."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "wrong.py").write_text(HYBRID.replace(old, new), encoding="utf-8")
+    run_file = CONTINUE.format(start=HYBRID_START)
+    (tmp_path / "run.yaml").write_text(run_file, encoding="utf-8")
+    assert run(("continue", "run.yaml", "--no-figures")) == 1
+    assert f"The reset of transition 'hit': {tmp_path}/wrong.py, {said}" in capsys.readouterr().err
+    simulate = SIMULATE.replace("until: 1.0", "until: 20.0")
+    (tmp_path / "motion.yaml").write_text(simulate, encoding="utf-8")
+    run(("simulate", "motion.yaml", "--no-figures"))
+    assert f"wrong.py, {said}" in "".join(capsys.readouterr())
