@@ -201,7 +201,7 @@ def test_compiled_plugins_give_the_same_branches_and_motions(system, request):
     for name in ("python", "compiled"):
         assert run(("continue", f"{name}_continue.yaml", "--no-figures")) == 0
         assert run(("simulate", f"{name}_simulate.yaml", "--no-figures")) == 0
-        assert run(("verify", f"{name}.h5")) == 0
+        assert run(("verify", f"{name}.h5", "--trust")) == 0
         with open_database(folder / f"{name}.h5") as db:
             branches.append(db.branch("b1"))
         motions.append(read_trajectory(folder / f"{name}_motion_trajectory.h5"))

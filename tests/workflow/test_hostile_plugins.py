@@ -51,6 +51,7 @@ OTHERS = {
     "reset gives NaN": (2, 1, 0),
     "reset divides by zero": (2, 1, 0),
     "guard not left behind": (2, 1, 0),
+    "a condition as a rate": (0, 0, 0),  # 1 where it holds, else 0, as NumPy has it
     # Each function has arrays of its own, so that these do no harm.
     "changes the state": (0, 0, 0),
     "observable changes the state": (0, 0, 0),
