@@ -11,15 +11,15 @@ from pathlib import Path
 from subprocess import CalledProcessError
 from typing import Any
 
-import matplotlib
 import numpy as np
-from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, HTMLWriter, PillowWriter
+from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
 from matplotlib.artist import Artist
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from contwalk.errors import ContwalkError
+from contwalk.plotting.film_page import PageWriter
 from contwalk.plotting.machine import scenery
 from contwalk.plotting.playback import Playback
 from contwalk.plotting.style import GREY, INK, PALETTE
@@ -34,7 +34,6 @@ MACHINE, CLOCK = (0.01, 0.14, 0.98, 0.80), (0.06, 0.085, 0.88, 0.03)
 LOOKED_AT = 24  # instants, for limits that hold all of them
 # Times between frames of a GIF are whole hundredths of a second, and browsers play none below two.
 HUNDREDTHS, LEAST_HUNDREDTHS = 100.0, 2
-MOST_BYTES = 500  # megabytes of frames in a page of HTML
 EVENTS = (*PALETTE[2:], *PALETTE[:2])  # colours; not the first ones, which a machine may well have
 # How long the name of an event stays, in seconds of the animation.
 LINGER = 0.25
@@ -109,8 +108,7 @@ def save_animation(
     film = _Film(motion, events, slow, title, second, told)
     partial = target.with_name(f".{target.stem}.partial{suffix}")
     try:
-        with matplotlib.rc_context({"animation.embed_limit": MOST_BYTES}):
-            _write(film, _writer(suffix, fps), partial, instants, progress)
+        _write(film, _writer(suffix, fps, title), partial, instants, progress)
         os.replace(partial, target)
     except OSError as error:
         raise ContwalkError(
@@ -298,11 +296,11 @@ def frames_of(duration: float, fps: float, slow: float) -> int:
     return max(round(wanted), 1)
 
 
-def _writer(suffix: str, fps: float) -> AbstractMovieWriter:
+def _writer(suffix: str, fps: float, title: str) -> AbstractMovieWriter:
     """What writes a format."""
-    kind: Any = {".gif": PillowWriter, ".mp4": FFMpegWriter, ".html": HTMLWriter}[suffix]
+    if suffix == ".html":
+        return PageWriter(fps, title)
+    kind: Any = {".gif": PillowWriter, ".mp4": FFMpegWriter}[suffix]
     if suffix == ".gif":  # it cuts off what its durations have of a fraction
         return kind(fps=fps * (1.0 - 1e-9))
-    if suffix == ".mp4":
-        return kind(fps=fps, codec="h264", extra_args=["-pix_fmt", "yuv420p"])
-    return kind(fps=fps, embed_frames=True, default_mode="loop")
+    return kind(fps=fps, codec="h264", extra_args=["-pix_fmt", "yuv420p"])

@@ -7,8 +7,9 @@ from collections.abc import Mapping, Sequence
 from matplotlib.axes import Axes
 
 from contwalk.branch import Branch
-from contwalk.plotting.spectrum import SHADE, choose, draw_spectra, with_margin
+from contwalk.plotting.spectrum import SHADE, choose, draw_spectra, every_spectrum
 from contwalk.plotting.style import INK, dress, new_axes
+from contwalk.plotting.wide_axis import scale
 
 
 def plot_eigenvalues(
@@ -18,7 +19,8 @@ def plot_eigenvalues(
 
     A cross marks the start of each branch and a ring its end; on a branch walked both ways from its start
     these are its ends in the order of growing `s`. The imaginary axis is drawn strong, the unstable
-    half-plane shaded.
+    half-plane shaded. Where eigenvalues differ widely in size, as those of stiff machines do, an axis is
+    linear near zero and logarithmic beyond.
 
     Parameters
     ----------
@@ -37,11 +39,11 @@ def plot_eigenvalues(
     chosen = choose(branches, ("equilibrium",), "eigenvalues", "for orbits use the figure `multipliers`")
     ax = ax or new_axes("eigenvalues")
     dress(ax, "real part", "imaginary part")
-    numbers = draw_spectra(ax, chosen, units)
-    left, right = with_margin(numbers.real, [0.0])
+    draw_spectra(ax, chosen, units)
+    found = every_spectrum(chosen)
+    _, right = scale(ax, "x", found.real)
+    scale(ax, "y", found.imag)
     ax.axvspan(0.0, right, color=SHADE, linewidth=0, zorder=0)
     ax.axvline(0.0, color=INK, linewidth=1.2, zorder=1, gid="imaginary-axis")
     ax.axhline(0.0, color=INK, linewidth=0.4, zorder=1)
-    ax.set_xlim(left, right)
-    ax.set_ylim(*with_margin(numbers.imag, [0.0]))
     return ax

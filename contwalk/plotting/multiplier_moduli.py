@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -25,7 +26,9 @@ KINDS = ("positive", "negative", "complex pair")
 # Points at which a multiplier is on the unit circle.
 CROSSING = ("LP", "BP", "PD", "NS")
 LEAST = 1e-4  # modulus below which it does not matter how small
+MARGIN = 0.5  # modulus down to which the axis goes at least, in parts of the largest
 PLAIN = 100.0  # ratio of the largest to the least up to which numbers are written out
+PAPER: dict[str, Any] = {"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.0}
 WHITE = 0.55  # share of white in the colour of what is not admissible
 
 
@@ -66,13 +69,17 @@ def plot_multiplier_moduli(
     ax.set_autoscaley_on(False)  # see `_scale`
     drawn: set[tuple[int, bool]] = set()
     curves, labels, largest, least = [], [], 1.0, 1.0
+    below, endless = [], False
     for branch in chosen:
         across = np.asarray(values(branch, x))
         loci = track(branch.points["spectrum"])
         moduli = np.maximum(np.abs(loci), LEAST / 10.0)  # zero has no place on the axis
         drawn |= _draw(ax, branch, across, loci, moduli)
         finite = moduli[np.isfinite(moduli)]
-        largest, least = max(largest, finite.max(initial=0.0)), min(least, finite.min(initial=1.0))
+        told = finite[finite >= LEAST]
+        largest, least = max(largest, finite.max(initial=0.0)), min(least, told.min(initial=1.0))
+        below.append(int(np.sum(np.isfinite(moduli) & (moduli < LEAST), axis=1).max(initial=0)))
+        endless |= bool(np.isinf(loci).any())
         curves += [np.stack([across, column], axis=1) for column in moduli.T]
         for point in branch.special_points:
             if point.label in CROSSING:
@@ -83,7 +90,8 @@ def plot_multiplier_moduli(
                 labels.append(Label(name, at, 1.0, dark(PALETTE[-1])))
     ax.margins(x=0.04)
     ax.autoscale_view(scaley=False)
-    _scale(ax, max(least, LEAST), largest)
+    _scale(ax, least, largest)
+    _left_out(ax, max(below), endless)
     ax.axhspan(1.0, 1e300, color=SHADE, linewidth=0, zorder=0)
     ax.axhline(1.0, color=INK, linewidth=1.2, zorder=1, gid="unit-modulus")
     _legend(ax, drawn)
@@ -91,8 +99,25 @@ def plot_multiplier_moduli(
     return ax
 
 
+def _left_out(ax: Axes, below: int, endless: bool) -> None:
+    """Tell of multipliers that have no place on the axis."""
+    told = f"{below} of modulus below {LEAST:g}" if below else ""
+    told = ", ".join(filter(None, [told, "some infinite" if endless else ""]))
+    if told:
+        look: dict[str, Any] = {
+            "ha": "right",
+            "va": "bottom",
+            "fontsize": 8.5,
+            "color": INK,
+            "zorder": 5,
+            "bbox": PAPER,
+        }
+        ax.text(0.98, 0.02, f"not shown: {told}", transform=ax.transAxes, gid="left-out", **look)
+
+
 def _scale(ax: Axes, least: float, largest: float) -> None:
     """Limits with air in proportion, and plain numbers where they span little."""
+    least = min(least, MARGIN * largest)  # not the circle alone
     air = max((largest / least) ** 0.06, 1.05)
     ax.set_ylim(least / air, largest * air)
     if largest < PLAIN * least:

@@ -48,7 +48,8 @@ def track(spectrum: np.ndarray) -> np.ndarray:
 
 def _matched(previous: np.ndarray, current: np.ndarray) -> np.ndarray:
     result = np.full_like(current, np.nan)
-    distance = np.abs(previous[:, None] - current[None, :])
+    with np.errstate(invalid="ignore"):  # what is infinite has no neighbour
+        distance = np.abs(previous[:, None] - current[None, :])
     free_columns, free_values = set(range(len(previous))), set(np.flatnonzero(~np.isnan(current)).tolist())
     for pair in np.argsort(distance, axis=None, kind="stable"):
         column, value = divmod(int(pair), len(current))
@@ -63,6 +64,15 @@ def _matched(previous: np.ndarray, current: np.ndarray) -> np.ndarray:
     for column, value in zip(columns, sorted(free_values), strict=False):
         result[column] = current[value]
     return result
+
+
+def every_spectrum(branches: Sequence[Branch]) -> np.ndarray:
+    """The tracked spectra of branches one below the other, shape (k, m), padded with NaN."""
+    width = max(branch.info.spectrum for branch in branches)
+    tracked = [track(branch["spectrum"]) for branch in branches]
+    return np.concatenate(
+        [np.pad(t, ((0, 0), (0, width - t.shape[1])), constant_values=np.nan) for t in tracked]
+    )
 
 
 def choose(branches: Sequence[Branch], problems: Sequence[str], what: str, other: str) -> list[Branch]:

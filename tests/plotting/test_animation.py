@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import stat
+from base64 import b64decode
 
 import matplotlib
 import numpy as np
@@ -46,8 +48,21 @@ def test_html_is_a_page_that_needs_nothing_else(tmp_path):
     path = tmp_path / "walk.html"
     assert save_animation(CLOCK, TURN_TIMES, TURN_STATES, {}, path, fps=1.0) == 4
     text = path.read_text(encoding="utf-8")
-    assert text.count("data:image/png;base64") == 4
+    frames = re.findall(r'"data:image/png;base64,([^"]+)"', text)
+    assert [b64decode(frame)[:4] for frame in frames] == [b"\x89PNG"] * 4
+    assert len(set(frames)) == 4  # the hand of the clock moves
+    # Nothing is asked of a network: no address, and nothing that would load another file.
+    rest = re.sub(r'"data:[^"]+"', '""', text)
+    assert not re.search(r"//|\bhref\b|@import|url\(|<link|<script [^>]*src|fetch\(", rest)
+    assert "const interval = 1000.0;" in rest
     assert [found.name for found in tmp_path.iterdir()] == ["walk.html"]
+
+
+def test_titles_are_text_in_a_page(tmp_path):
+    path = tmp_path / "walk.html"
+    given = {"fps": 1.0, "title": "<script>x</script> & $frames"}
+    assert save_animation(CLOCK, TURN_TIMES, TURN_STATES, {}, path, **given) == 4
+    assert "<title>&lt;script&gt;x&lt;/script&gt; &amp; $frames</title>" in path.read_text(encoding="utf-8")
 
 
 def test_the_camera_follows_and_time_is_told():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from synthetic_branches import branch, hopf
@@ -184,3 +186,72 @@ def test_moduli_of_few_points(k):
         problem="hybrid_orbit",
     )
     plot_multiplier_moduli([made]).figure.canvas.draw()
+
+
+# -- spectra of widely different size ----------------------------------------------------------------------
+
+MU = np.linspace(0.0, 1.0, 21)
+
+
+def orbits(*multipliers):
+    spectrum = np.stack(
+        [np.broadcast_to(np.asarray(m, dtype=complex), MU.shape) for m in multipliers], axis=1
+    )
+    return branch({"mu": MU, "x": MU}, spectrum=spectrum, problem="periodic_orbit")
+
+
+def points_at_rest(*eigenvalues):
+    spectrum = np.stack(
+        [np.broadcast_to(np.asarray(m, dtype=complex), MU.shape) for m in eigenvalues], axis=1
+    )
+    return branch({"mu": MU, "x": MU}, spectrum=spectrum)
+
+
+def drawn_width(ax, low, high):
+    """Share of the axes' width that an interval of real parts takes."""
+    (left, _), (right, _) = ax.transData.transform([(low, 0.0), (high, 0.0)])
+    return (right - left) / ax.bbox.width
+
+
+def test_eigenvalues_that_decide_are_seen_beside_stiff_ones():
+    ax = plot_eigenvalues([points_at_rest(-1e6 * (1 + MU), MU - 0.5 + 1j, MU - 0.5 - 1j)])
+    assert ax.get_xscale() == "symlog"
+    assert ax.get_yscale() == "linear"
+    # On a linear axis these would be 5e-7 of it.
+    assert drawn_width(ax, -0.5, 0.5) > 0.2
+    low, high = ax.get_xlim()
+    assert low < -2e6
+    assert high > 0.5
+    assert "logarithmic beyond ±0.1" in ax.get_xlabel()
+    boxes = [label.get_window_extent() for label in ax.get_xticklabels()]
+    assert not any(a.overlaps(b) for a, b in pairwise(boxes))
+
+
+def test_eigenvalues_of_like_size_keep_a_linear_axis():
+    ax = plot_eigenvalues([points_at_rest(-100.0, MU - 0.5, 0.0)])  # a zero eigenvalue is no small one
+    assert ax.get_xscale() == "linear"
+    assert "logarithmic" not in ax.get_xlabel()
+
+
+def test_multipliers_that_are_zero_do_not_stretch_the_axis():
+    ax = plot_multiplier_moduli([orbits(0.5 + MU, 0.0, 1e-9)])
+    low, high = ax.get_ylim()
+    assert 0.3 < low < 0.5
+    assert 1.5 < high < 2.0
+    assert by_gid(ax, "left-out").get_text() == "not shown: 2 of modulus below 0.0001"
+
+
+def test_nothing_is_left_out_without_a_word():
+    assert [
+        t for t in plot_multiplier_moduli([orbits(0.5 + MU, 0.1)]).texts if t.get_gid() == "left-out"
+    ] == []
+    ax = plot_multiplier_moduli([orbits(np.where(MU > 0.9, np.inf, 1.0 + MU), 0.2)])
+    assert by_gid(ax, "left-out").get_text() == "not shown: some infinite"
+    assert ax.get_ylim()[1] < 3.0
+
+
+def test_all_multipliers_zero_still_shows_the_circle_and_says_so():
+    ax = plot_multiplier_moduli([orbits(0.0, 0.0)])
+    low, high = ax.get_ylim()
+    assert low < 1.0 < high
+    assert "2 of modulus below" in by_gid(ax, "left-out").get_text()
