@@ -1,0 +1,113 @@
+"""Marked values and extrema on a segment: each once, where it is, and what is none is not told."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from made_up import at, line
+
+from contwalk.continuation.marks import Observer, marked, marks_at
+from contwalk.continuation.settings import Mark
+
+PARAMETER = Observer("lam", ())
+
+
+def straight(**observe):
+    """x = 0 along lam, with observables of lam."""
+    return line(lambda z: [-1.0], observe=observe)
+
+
+def segment_of(problem, a, b):
+    return problem.segment((0.0, a), (0.0, b))
+
+
+def places(found):
+    return [float(f.located.z[-1]) for f in found]
+
+
+def test_a_value_of_the_parameter_is_met_exactly():
+    found = marked(segment_of(straight(), 0.0, 0.3), (Mark("lam", (0.1,)),), PARAMETER)
+    assert places(found) == [0.1]
+    assert [(f.label, f.kind) for f in found] == [("UZ", "parameter")]
+    assert found[0].theta == pytest.approx(1.0 / 3.0)
+
+
+def test_values_come_in_the_order_of_the_branch():
+    marks = (Mark("lam", (0.05, 0.25, 0.1)),)
+    assert places(marked(segment_of(straight(), 0.0, 0.3), marks, PARAMETER)) == [0.05, 0.1, 0.25]
+    assert places(marked(segment_of(straight(), 0.3, 0.0), marks, PARAMETER)) == [0.25, 0.1, 0.05]
+
+
+def test_a_value_at_a_joint_of_two_segments_is_met_once():
+    marks = (Mark("lam", (0.1,)),)
+    before = marked(segment_of(straight(), 0.0, 0.1), marks, PARAMETER)
+    after = marked(segment_of(straight(), 0.1, 0.2), marks, PARAMETER)
+    assert places(before) == [0.1]
+    assert after == []
+    assert marked(segment_of(straight(), 0.11, 0.2), marks, PARAMETER) == []
+
+
+def test_a_value_of_an_observable_is_where_its_equation_is_solved():
+    problem = straight(height=lambda z: math.exp(z[1]))
+    problem.special["height"] = [at(0.0, math.log(1.2))]
+    observer = Observer("lam", ("height",))
+    found = marked(segment_of(problem, 0.0, 0.3), (Mark("height", (1.2,)),), observer)
+    assert places(found) == [math.log(1.2)]
+    assert found[0].kind == "observable"
+
+
+@pytest.mark.parametrize("wrong", [(0.0, 0.9), (0.01, math.log(1.2))], ids=["elsewhere", "not on the branch"])
+def test_a_solution_that_is_not_there_is_not_told(wrong):
+    problem = straight(height=lambda z: math.exp(z[1]))
+    problem.special["height"] = [at(*wrong)]
+    observer = Observer("lam", ("height",))
+    assert marked(segment_of(problem, 0.0, 0.3), (Mark("height", (1.2,)),), observer) == []
+
+
+def test_what_a_problem_does_not_have_is_no_mark():
+    assert marked(segment_of(straight(), 0.0, 0.3), (Mark("max_abs", (1.0,), True),), PARAMETER) == []
+
+
+def test_a_smooth_extremum_is_found_with_an_error_that_covers():
+    problem = straight(height=lambda z: math.cos(3.0 * (z[1] - 0.17)))
+    observer = Observer("lam", ("height",))
+    found = marked(segment_of(problem, 0.0, 0.3), (Mark("height", (), True),), observer)
+    assert [f.kind for f in found] == ["extremum"]
+    # The rate is a difference with a step of 1e-5: rounding 1e-11 of it, over its slope of nine.
+    assert abs(places(found)[0] - 0.17) <= found[0].located.error
+    assert found[0].located.error <= 1e-10
+
+
+def test_a_kink_is_no_extremum():
+    problem = straight(height=lambda z: -abs(z[1] - 0.17))
+    problem.slopes["height"] = lambda z: math.copysign(1.0, 0.17 - z[1])
+    observer = Observer("lam", ("height",))
+    assert marked(segment_of(problem, 0.0, 0.3), (Mark("height", (), True),), observer) == []
+
+
+def test_where_the_branch_turns_nothing_is_extreme():
+    problem = straight(height=lambda z: (z[1] - 0.15) ** 2)
+    observer = Observer("lam", ("height",))
+    segment = segment_of(problem, 0.0, 0.3)
+    assert len(marked(segment, (Mark("height", (), True),), observer)) == 1
+    assert marked(segment, (Mark("height", (), True),), observer, turns=[0.5]) == []
+
+
+def test_on_a_path_a_parameter_is_a_line():
+    """c = 2 + 3 path: c = 2.3 is path = 0.1, to the rounding of the division."""
+    observer = Observer("path", (), {"c": (2.0, 3.0)})
+    found = marked(segment_of(straight(), 0.0, 0.3), (Mark("c", (2.3,)),), observer)
+    assert places(found) == pytest.approx([0.1], abs=1e-16)
+    assert found[0].kind == "parameter"
+
+
+def test_marks_that_a_start_has_itself():
+    problem = straight(height=lambda z: math.exp(z[1]))
+    observer = Observer("lam", ("height",))
+    sample = problem.sample((0.0, 0.1), (0.0, 1.0))
+    marks = (Mark("lam", (0.1, 0.2)), Mark("height", (float(np.exp(0.1)), 7.0)))
+    assert marks_at(sample, marks, observer) == ["parameter", "observable"]
+    beside = problem.sample((0.0, 0.1 * (1.0 + 1e-14)), (0.0, 1.0))
+    assert marks_at(beside, (Mark("lam", (0.1,)),), observer) == []

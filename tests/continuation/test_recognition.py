@@ -1,0 +1,153 @@
+"""A branch is known where a solution lies on it and goes its way, or an image of the solution does."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from small_systems import small_system
+
+import contwalk as cw
+from contwalk.continuation.here import begin
+from contwalk.continuation.recognition import known_branch
+from contwalk.continuation.settings import Settings
+from contwalk.system import Symmetry
+
+SETTINGS = Settings(range=(-1.0, 1.0))
+
+
+def fork(t, x, p, dx):
+    dx[0] = p.mu * x[0] - x[0] ** 3 + p.c
+    dx[1] = -x[1] + x[0] ** 2
+
+
+def turned(t, x, p, image):
+    image[0] = -x[0]
+    image[1] = x[1]
+
+
+MIRROR = Symmetry("mirror", "spatial", turned)
+
+
+def problem_of(symmetries=(), **values):
+    system = small_system(fork, "xy", {"mu": 0.5, "c": 0.0, **values}, symmetries=symmetries)
+    return cw.Equilibrium(system, system.defaults(), "mu")
+
+
+def sample_at(problem, x, y, mu):
+    here = begin(problem, np.array([x, y, mu]), SETTINGS)
+    return here.sample
+
+
+def upper(mu):
+    return math.sqrt(mu), mu, mu
+
+
+@pytest.fixture(scope="module")
+def branches():
+    problem = problem_of()
+    straight = cw.continue_branch(problem, [0.0, 0.0], (-1.0, 1.0))
+    outer = cw.switch_branch(problem, straight, "BP1", (-1.0, 1.0))
+    return [straight, outer]
+
+
+def test_a_solution_between_stored_points_is_known(branches):
+    straight, _ = branches
+    between = 0.5 * (straight["mu"][20] + straight["mu"][21])
+    assert known_branch(problem_of(), sample_at(problem_of(), 0.0, 0.0, between), [straight]) == straight.name
+
+
+def test_a_solution_of_another_branch_is_not(branches):
+    straight, _ = branches
+    assert known_branch(problem_of(), sample_at(problem_of(), *upper(0.4)), [straight]) is None
+
+
+def test_beyond_the_ends_of_a_branch_nothing_is_known(branches):
+    straight, _ = branches
+    half = cw.continue_branch(problem_of(), [0.0, 0.0], (0.4, 1.0))
+    assert known_branch(problem_of(), sample_at(problem_of(), 0.0, 0.0, 0.2), [half]) is None
+    assert known_branch(problem_of(), sample_at(problem_of(), 0.0, 0.0, 0.2), [straight]) is not None
+
+
+def test_right_where_two_branches_cross_the_way_decides():
+    """x (mu - x) = 0: the two lines cross at zero, at 45 degrees."""
+
+    def lines(t, x, p, dx):
+        dx[0] = x[0] * (p.mu - x[0])
+
+    system = small_system(lines, "x", {"mu": 0.5})
+    problem = cw.Equilibrium(system, system.defaults(), "mu")
+    flat = cw.continue_branch(problem, [0.0], (-1.0, 1.0))
+    for mu in (1e-3, 1e-5, 1e-6):
+        steep = begin(problem, np.array([mu, mu]), SETTINGS).sample
+        assert known_branch(problem, steep, [flat]) is None
+        along = begin(problem, np.array([0.0, mu]), SETTINGS).sample
+        assert known_branch(problem, along, [flat]) == flat.name
+
+
+def test_an_image_is_known_only_where_the_symmetry_is_declared(branches):
+    _, outer = branches
+    x, y, mu = upper(0.4)
+    kept = outer.points[outer.points["state"][:, 0] > 0.0]
+    half = type(outer)(outer.info, kept, [], outer.outcome)
+    lower = sample_at(problem_of(), -x, y, mu)
+    assert known_branch(problem_of(), lower, [half]) is None
+    mirrored = problem_of(symmetries=(MIRROR,))
+    assert known_branch(mirrored, sample_at(mirrored, -x, y, mu), [half]) == half.name
+
+
+def test_other_parameters_make_another_branch(branches):
+    other = problem_of(c=1e-3)
+    assert known_branch(other, sample_at(other, *upper(0.4)), branches) is None
+    # At c = 0 the same state and parameter are known.
+    assert known_branch(problem_of(), sample_at(problem_of(), *upper(0.4)), branches) is not None
+
+
+def test_of_two_starts_that_are_mirror_images_the_second_is_known(tmp_path):
+    """With the mirror declared one branch is walked, and a note says where the other start lies; else two."""
+    from plugin_runs import run_text
+
+    plugin = """
+from contwalk.system import Mode, Parameter, State, Symmetry, System
+
+def field(t, x, p, dx):
+    dx[0] = p.mu * x[0] - x[0] ** 3
+
+def turned(t, x, p, image):
+    image[0] = -x[0]
+
+SYSTEM = System(
+    name="small", states=(State("x"),), parameters=(Parameter("mu", 0.5),), modes=(Mode("only", field),),
+    {symmetries}
+)
+"""
+    run = """
+start: [{state: {x: 0.7071}}, {state: {x: -0.7071}}]
+continue: {parameter: mu, range: [0.2, 1.0]}
+diagram: none
+"""
+    mirror = 'symmetries=(Symmetry("mirror", "spatial", turned),),'
+    for name, declared, expected in (("with", mirror, 1), ("without", "", 2)):
+        folder = tmp_path / name
+        folder.mkdir()
+        (folder / "small.py").write_text(plugin.replace("{symmetries}", declared))
+        result = run_text(folder, run)
+        assert len(result.branches) == expected
+        with cw.open_database(folder / "study.h5") as db:
+            told = [text for text in db.notes().values() if "already known" in text]
+        assert len(told) == 2 - expected
+
+
+def test_a_start_far_away_is_found_by_damped_steps():
+    """mu = atan x from x = 12: Newton's full step would go to -170 and beyond."""
+
+    def field(t, x, p, dx):
+        dx[0] = p.mu - math.atan(x[0])
+
+    system = small_system(field, "x", {"mu": 0.1})
+    problem = cw.Equilibrium(system, system.defaults(), "mu")
+    branch = cw.continue_branch(problem, [12.0], (-1.0, 1.0))
+    start = int(np.flatnonzero(branch["s"] == 0.0)[0])
+    assert branch["x"][start] == pytest.approx(math.tan(0.1), rel=1e-14)
+    assert branch["x"][[0, -1]] == pytest.approx([math.tan(-1.0), math.tan(1.0)], rel=1e-13)
