@@ -10,6 +10,7 @@ import click
 
 if TYPE_CHECKING:
     from contwalk.branch import Branch
+    from contwalk.cli.termination import Termination
     from contwalk.workflow.run_file import RunFile
     from contwalk.workflow.runner import RunResult
 
@@ -40,13 +41,17 @@ def command(
     Every point is stored when it is found: after Ctrl-C or a crash, --resume goes on from there. Several
     values are set with several options: --set parameters.c=0.9 --set continue.range=[1,6].
 
-    Exit codes: 0; 1 if a branch failed; 2 for bad input, with nothing written; 130 after Ctrl-C.
+    Exit codes: 0; 1 if a branch failed, or the disk is full; 2 for bad input, with nothing written; 130
+    after Ctrl-C, 143 after SIGTERM.
     """
     if resume and force:
         raise click.UsageError(
             "--resume goes on with a database, --force replaces it. Give one of them.", context
         )
+    from contwalk.cli.entry import say
     from contwalk.cli.progress import reporter_for
+    from contwalk.cli.termination import termination
+    from contwalk.errors import WriteError
     from contwalk.workflow.run_file import read_run_file
     from contwalk.workflow.runner import run
 
@@ -55,16 +60,20 @@ def command(
         file, overrides, output, {"--no-figures": no_figures, "--strict": strict, "--quiet": quiet}
     )
     reporter = reporter_for(run_file.range, quiet)
-    try:
-        with reporter:
-            result = run(run_file, resume=resume, force=force, figures=not no_figures, reporter=reporter)
-    except KeyboardInterrupt:  # outside the computing itself; what was found is stored all the same
-        return _interrupted(again if run_file.output.exists() else None)
+    with termination() as terminated:
+        try:
+            with reporter:
+                result = run(run_file, resume=resume, force=force, figures=not no_figures, reporter=reporter)
+        except KeyboardInterrupt:  # outside the computing itself; what was found is stored all the same
+            return _interrupted(again if run_file.output.exists() else None, terminated)
+        except WriteError as error:
+            say(f"error: {error.sentence} {error.remedy.partition('contwalk')[0]}\n  {again}")
+            return error.exit_code
     if not quiet:
         _print(run_file, result, reporter.notes)
     failed = _failures(result.branches, strict)
     if result.interrupted:
-        return _interrupted(again)
+        return _interrupted(again, terminated)
     return 1 if failed else 0
 
 
@@ -99,15 +108,12 @@ def _failures(branches: Sequence[Branch], strict: bool) -> bool:
     return bool(failed) or (strict and bool(unlocated))
 
 
-def _interrupted(again: str | None) -> int:
-    from contwalk.cli.entry import INTERRUPTED, say
+def _interrupted(again: str | None, terminated: Termination) -> int:
+    from contwalk.cli.entry import INTERRUPTED, TERMINATED, say
 
-    say(
-        "Interrupted."
-        if again is None
-        else f"Interrupted; everything found is stored. Go on with:\n  {again}"
-    )
-    return INTERRUPTED
+    word = "Terminated" if terminated.came else "Interrupted"
+    say(f"{word}." if again is None else f"{word}; everything found is stored. Go on with:\n  {again}")
+    return TERMINATED if terminated.came else INTERRUPTED
 
 
 def _resuming(file: str, overrides: Sequence[str], output: str | None, flags: dict[str, bool]) -> str:

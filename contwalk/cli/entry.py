@@ -14,7 +14,7 @@ from contwalk.cli.lazy_group import LazyGroup
 from contwalk.errors import ContwalkError
 
 _UNWRITABLE = (errno.ENOSPC, errno.EDQUOT)
-INTERRUPTED = 130  # 128 + SIGINT, as shells count
+INTERRUPTED, TERMINATED = 130, 143  # 128 + SIGINT, 128 + SIGTERM, as shells count
 
 _COMMANDS = {
     "init": ("contwalk.cli.init_command", "Write a commented run file for a system, to start from."),
@@ -66,8 +66,11 @@ def run(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        0; 1 where a computation failed; 2 for bad input; 130 after Ctrl-C.
+        0; 1 where a computation failed; 2 for bad input; 130 after Ctrl-C, 143 after SIGTERM.
     """
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:  # closed by whoever has called, as after >&-
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 (to the end)
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):  # a terminal that lacks a letter shows its code
             stream.reconfigure(errors="backslashreplace")
@@ -96,6 +99,9 @@ def run(arguments: Sequence[str] | None = None) -> int:
         _close_stdout()
         return 1
     except OSError as error:
+        if error.errno == errno.ENAMETOOLONG:
+            say(f"error: a name is too long for a file: {str(error.filename)[:60]}... Choose a shorter one.")
+            return ContwalkError.exit_code
         if error.errno not in _UNWRITABLE:
             return _internal(error)
         say(f"error: what is printed cannot be written: {error.strerror}. Free some space.")

@@ -69,6 +69,7 @@ def command(
     The axes take any parameter, state or observable; those of motions take states and signals. For a
     stability map, -x is the free parameter and -y the swept one.
     """
+    from contwalk.cli.entry import say
     from contwalk.cli.point_page import stored_point
     from contwalk.storage import open_database
     from contwalk.storage.failures import refuse_existing
@@ -94,7 +95,7 @@ def command(
         if len(several) > 1:
             options["y"] = several
         options["points"] = places
-        draw_figure(kind, branches, system, Path(output), options, units)
+        draw_figure(kind, branches, system, Path(output), options, units, say)
     click.echo(f"Wrote {output}.")
 
 

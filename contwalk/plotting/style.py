@@ -133,6 +133,22 @@ def whole_title(figure: Any, text: str) -> None:
     figure.suptitle(text, fontsize=9.5, color=INK, x=0.01, ha="left")
 
 
+def check_format(path: Path) -> str:
+    """The suffix of a figure's file, if it is a format.
+
+    Raises
+    ------
+    ContwalkError
+    """
+    suffix = path.suffix.lower()
+    if suffix not in FORMATS:
+        raise ContwalkError(
+            f"A figure cannot be written to {path}: the format {suffix or '(no suffix)'} is not known.",
+            f"Allowed: {', '.join(FORMATS)}.",
+        )
+    return suffix
+
+
 def save(figure: Figure | Axes, path: str | PathLike[str]) -> Path:
     """Write a figure to a file: PNG (150 dpi), SVG or PDF, by the suffix of `path`.
 
@@ -154,12 +170,7 @@ def save(figure: Figure | Axes, path: str | PathLike[str]) -> Path:
         For another suffix, or a path that cannot be written.
     """
     target = Path(path)
-    suffix = target.suffix.lower()
-    if suffix not in FORMATS:
-        raise ContwalkError(
-            f"A figure cannot be written to {target}: the format {suffix or '(no suffix)'} is not known.",
-            f"Allowed: {', '.join(FORMATS)}.",
-        )
+    suffix = check_format(target)
     whole = (figure.figure if isinstance(figure, Axes) else figure).canvas.figure
     if whole.get_layout_engine() is None:
         whole.set_layout_engine("constrained")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Protocol
@@ -18,6 +18,13 @@ INTERRUPTED = Outcome(
     "interrupted",
     "The run ended before this branch did; every point computed until then is stored. "
     "Go on with: contwalk continue FILE --resume",
+)
+
+
+RUNNING = Outcome(
+    "stopped",
+    "interrupted",
+    "This branch is still being computed by another process; these are its points until now.",
 )
 
 
@@ -94,6 +101,15 @@ class Database(Protocol):
     def __getitem__(self, name: str) -> Branch:
         """As `branch`."""
 
+    def __iter__(self) -> Iterator[Branch]:
+        """All branches, as `branches`."""
+
+    def __len__(self) -> int:
+        """How many branches there are."""
+
+    def __contains__(self, name: object) -> bool:
+        """Whether there is a branch of this name."""
+
     def branches(self) -> list[Branch]:
         """All branches in the order of creation."""
 
@@ -112,15 +128,19 @@ def assemble(
     rows: np.ndarray,
     specials: Sequence[SpecialPoint],
     end: tuple[Outcome, Mapping[str, float]] | None,
+    running: bool = False,
 ) -> Branch:
-    """A `Branch` from what is stored in the order of appending; `end` is None while it is not finished."""
+    """A `Branch` from what is stored in the order of appending.
+
+    `end` is None while it is not finished; `running` says whether it still may be.
+    """
     points = rows[np.argsort(rows["s"], kind="stable")]
     last = max(len(points) - 1, 0)
     # A special point behind the last row can only be the one whose row was torn: keep it on the branch.
     special_points = [replace(point, index=min(point.index, last)) for point in named(list(specials), points)]
     if end is None:
         cost = {"seconds": float(rows["seconds"].sum()), "rhs": int(rows["rhs"].sum())}
-        return Branch(info, points, special_points, INTERRUPTED, cost, complete=False)
+        return Branch(info, points, special_points, RUNNING if running else INTERRUPTED, cost, complete=False)
     return Branch(info, points, special_points, end[0], {"seconds": 0.0, "rhs": 0, **end[1]})
 
 

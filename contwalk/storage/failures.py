@@ -22,6 +22,11 @@ _FULL = (errno.ENOSPC, errno.EDQUOT)
 _NOT_LARGER = (errno.EFBIG,)
 _FORBIDDEN = (errno.EACCES, errno.EPERM, errno.EROFS)
 # What is damaged fails in h5py, or later where its content is not what the schema says.
+# Files of contwalk that are no databases: the command that writes them, and what they hold.
+OTHERS = {
+    "contwalk trajectory": ("simulate", "a motion"),
+    "contwalk samples": ("sample", "the samples of a Monte Carlo study"),
+}
 _RAISED_BY: dict[str, tuple[type[Exception], ...]] = {
     "read": (OSError, RuntimeError, KeyError, ValueError, TypeError),
     "write": (OSError, RuntimeError, ValueError),
@@ -54,6 +59,9 @@ def explained(path: Path, purpose: str, error: Exception) -> DatabaseError:
         return disk_full(path, purpose)
     if code in _NOT_LARGER or os.strerror(errno.EFBIG) in text:
         return limited(path, purpose)
+    if code == errno.ENAMETOOLONG:
+        longest = max(path.parts, key=len)
+        return DatabaseError(f"The name {longest[:40]}... is too long for a file.", "Choose a shorter one.")
     if "unable to lock file" in text or "file is already open" in text:
         return DatabaseError(
             f"{path} is in use: another process reads or writes it.",
@@ -96,14 +104,15 @@ def _no_room(path: Path, purpose: str, what: str, remedy: str) -> DatabaseError:
 
 
 def check_space(path: Path, size: int, purpose: str = "write") -> None:
-    """Refuse to write `size` bytes unless they fit well.
+    """Refuse to write `size` bytes unless they fit well; to be created, all of the file.
 
     HDF5 cannot take back a write that failed half-way, so a full disk is noticed before it.
     """
-    if shutil.disk_usage(path).free < size + RESERVE:
+    place, there = (path.parent, 0) if purpose == "create" else (path, path.stat().st_size)
+    if shutil.disk_usage(place).free < size + RESERVE:
         raise disk_full(path, purpose)
     most = largest_file()
-    if most is not None and (path.stat().st_size if path.is_file() else 0) + size + RESERVE > most:
+    if most is not None and there + size + RESERVE > most:
         raise limited(path, purpose)
 
 
@@ -138,22 +147,27 @@ def refuse_existing(paths: Sequence[Path], force: bool, made: bool = False) -> N
     `made` says that a folder that is missing will be made.
     """
     for path in paths:
-        if not made and not path.parent.is_dir():
-            raise DatabaseError(
-                f"{path} cannot be created: the directory {path.parent} does not exist.",
-                "Create it, or choose another output.",
-            )
-        if path.is_dir():
-            raise DatabaseError(f"{path} is a directory.", "Choose another output.")
-        if path.exists() and not force:
-            raise DatabaseError(f"{path} exists.", "Replace it with --force, or choose another output.")
+        with failures_of(path, "create"):
+            if not made and not path.parent.is_dir():
+                raise DatabaseError(
+                    f"{path} cannot be created: the directory {path.parent} does not exist.",
+                    "Create it, or choose another output.",
+                )
+            if path.is_dir():
+                raise DatabaseError(f"{path} is a directory.", "Choose another output.")
+            if path.exists() and not force:
+                raise DatabaseError(f"{path} exists.", "Replace it with --force, or choose another output.")
 
 
 def check_input(path: Path) -> None:
     """Refuse what is missing or is no file; recognise by its signature what is not HDF5."""
-    if path.is_dir():
+    with failures_of(path, "read"):
+        directory, missing = path.is_dir(), not path.exists()
+    if directory:
         raise DatabaseError(f"{path} is a directory.", "Name the file of a run in it, such as run.h5.")
-    if not path.exists():
+    if not missing and not path.is_file():
+        raise DatabaseError(f"{path} is not a regular file.", "Name the file of a run, such as run.h5.")
+    if missing:
         near = sorted(other.name for other in path.parent.glob("*.h5")) if path.parent.is_dir() else []
         known = f"In its directory are: {', '.join(near)}." if near else "Its directory holds no .h5 file."
         raise DatabaseError(f"{path} does not exist.", f"Name the file of a run. {known}")
@@ -163,8 +177,16 @@ def check_input(path: Path) -> None:
         raise not_contwalk(path, "not an HDF5 file")
 
 
-def not_contwalk(path: Path, what: str) -> DatabaseError:
-    """The error for a file of something else."""
+def not_contwalk(path: Path, what: str, form: str = "") -> DatabaseError:
+    """The error for a file of something else; `form` is what contwalk itself has written into it."""
+    if form in OTHERS:
+        command, holds = OTHERS[form]
+        table = path.with_suffix(".csv").name
+        return DatabaseError(
+            f"{path} holds no branches: it is {holds} that contwalk {command} has written.",
+            f"Its numbers are in {table} beside it; in Python, "
+            f"contwalk.storage.trajectory.read_{form.split()[-1]} reads it.",
+        )
     return DatabaseError(
         f"{path} is not a contwalk database: it is {what}.",
         "Name a file that contwalk continue has written.",

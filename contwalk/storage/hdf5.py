@@ -30,7 +30,7 @@ from contwalk.storage.database import (
 from contwalk.storage.failures import check_input, check_output, check_space, failures_of
 from contwalk.storage.hdf5_branch import StoredBranch
 from contwalk.storage.hdf5_file import CATALOGUE, NOTES, catalogued, create_file, dataset_in, read_header
-from contwalk.storage.locking import Lock
+from contwalk.storage.locking import Lock, is_locked
 from contwalk.storage.locking import lock as acquire
 from contwalk.storage.records import RecordLog
 from contwalk.storage.schema import TEXT_DTYPE, decode, encode, joined, pieces
@@ -225,10 +225,23 @@ class Hdf5Database:
         """One branch, sorted and named."""
         stored = self._stored(name)
         with failures_of(self._path, "read"):
-            return assemble(stored.info, stored.rows(), stored.specials(), stored.end())
+            running = stored.end() is None and self._lock is None and is_locked(self._path)
+            return assemble(stored.info, stored.rows(), stored.specials(), stored.end(), running)
 
     def __getitem__(self, name: str) -> Branch:
         return self.branch(name)
+
+    def __iter__(self) -> Iterator[Branch]:
+        """The branches in the order of creation."""
+        return iter(self.branches())
+
+    def __len__(self) -> int:
+        """The number of branches."""
+        return len(self.branch_names())
+
+    def __contains__(self, name: object) -> bool:
+        """Whether there is a branch of this name."""
+        return name in self.branch_names()
 
     def branches(self) -> list[Branch]:
         """All branches."""
@@ -307,7 +320,7 @@ def _placed(
     target = Path(os.path.realpath(path))  # a symbolic link stays one
     draft = target.with_name(f".{target.name}.{os.getpid()}.new")
     with failures_of(path, purpose):
-        check_space(target.parent, len(text), purpose)
+        check_space(path, len(text), purpose)
         file, lock = None, None
         try:
             file = create_file(draft, header, text, notes, branches)

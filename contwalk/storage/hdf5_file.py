@@ -94,9 +94,9 @@ def read_header(path: Path, file: h5py.File) -> RunHeader:
         If the file is HDF5 of something else, has a newer schema, or is damaged.
     """
     with failures_of(path, "read"):
-        stated = _short_text(file, "format")
+        stated, form = _short_text(file, "format"), _form(file)
     if stated != FORMAT.encode():
-        raise not_contwalk(path, "an HDF5 file of another program")
+        raise not_contwalk(path, "an HDF5 file of another program", form)
     with failures_of(path, "read"):
         version = _whole_number(file, "schema_version")
         if version <= SCHEMA_VERSION:
@@ -121,6 +121,13 @@ def _short_text(file: h5py.File, name: str) -> bytes | None:
     kept = file.attrs.get_id(name) if name in file.attrs else None
     short = kept is not None and kept.shape == () and kept.dtype.kind == "S"
     return bytes(file.attrs[name]) if short else None
+
+
+def _form(file: h5py.File) -> str:
+    """The format that one of contwalk's own files of another kind tells, a text of any length."""
+    kept = file.attrs.get_id("format") if "format" in file.attrs else None
+    short = kept is not None and kept.shape == () and h5py.check_string_dtype(kept.dtype) is not None
+    return str(file.attrs["format"]) if short else ""
 
 
 def _whole_number(file: h5py.File, name: str) -> int:

@@ -5,7 +5,7 @@ It keeps the same texts and bytes as the file would, so that both give back the 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from types import TracebackType
 
@@ -121,6 +121,15 @@ class MemoryDatabase:
 
     def __getitem__(self, name: str) -> Branch:
         return self.branch(name)
+
+    def __iter__(self) -> Iterator[Branch]:
+        return iter(self.branches())
+
+    def __len__(self) -> int:
+        return len(self.branch_names())
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.branch_names()
 
     def branches(self) -> list[Branch]:
         """All branches."""

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import ORBITS, Branch
-from contwalk.errors import ContwalkError
+from contwalk.errors import NO_LINE, ContwalkError, plugin_line
 from contwalk.system import System
 
 
@@ -20,6 +20,7 @@ def draw_figure(
     path: Path,
     options: Mapping[str, Any],
     units: Mapping[str, str] | None = None,
+    told: Callable[[str], None] = lambda text: None,
 ) -> Path:
     """Draw one figure of a diagram into a file (PNG, SVG or PDF by its suffix).
 
@@ -34,7 +35,37 @@ def draw_figure(
         figures of points.
     units : mapping, optional
         Units by name, instead of the system's.
+    told : callable
+        Given a sentence on what the figure lacks.
+
+    Raises
+    ------
+    ContwalkError
+        If it cannot be drawn, whatever is the reason.
     """
+    try:
+        _draw(name, branches, system, path, options, units, told)
+    except ContwalkError:
+        raise
+    except (Exception, SystemExit) as error:  # the plugin's `draw` may do anything, and so may its motion
+        where = plugin_line(error)
+        raise ContwalkError(
+            f"The figure '{name}' cannot be drawn: {type(error).__name__}"
+            f"{'' if where == NO_LINE else f' at {where}'}: {error}.",
+            "Mend the plugin if it is its line, or choose another figure or point.",
+        ) from error
+    return path
+
+
+def _draw(
+    name: str,
+    branches: Sequence[Branch],
+    system: System | None,
+    path: Path,
+    options: Mapping[str, Any],
+    units: Mapping[str, str] | None,
+    told: Callable[[str], None],
+) -> None:
     from contwalk import plotting
 
     if units is None and system is not None:
@@ -54,11 +85,10 @@ def draw_figure(
     elif name in _OF_MACHINES:
         if system is None:
             raise ContwalkError(f"The figure '{name}' needs the system.", "Install it again.")
-        axes = _OF_MACHINES[name](branches, system, options)
+        axes = _OF_MACHINES[name](branches, system, {"told": told, **options})
     else:
         raise ContwalkError(f"There is no figure named '{name}'.", "See docs/reference/figures.md.")
     plotting.save(axes[0] if isinstance(axes, list) else axes, path)
-    return path
 
 
 def _phase_portrait(branches: Sequence[Branch], system: System, options: Mapping[str, Any]) -> Any:
@@ -77,7 +107,7 @@ def _phase_portrait(branches: Sequence[Branch], system: System, options: Mapping
         origins = {branch.name: branch.info.origin for branch in branches}
         groups = [
             (", from ".join(filter(None, (orbits[0].branch, origins[orbits[0].branch]))), orbits)
-            for orbits in orbits_of(system, branches)
+            for orbits in orbits_of(system, branches, options["told"])
         ]
     portraits = []
     for title, orbits in groups:

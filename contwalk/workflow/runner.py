@@ -22,6 +22,7 @@ from contwalk.fields.codegen import source
 from contwalk.problems.equilibrium import Equilibrium
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.storage.database import Database, RunHeader
+from contwalk.storage.failures import refuse_existing
 from contwalk.storage.hdf5 import Hdf5Database
 from contwalk.system.loading import plugin_files
 from contwalk.workflow.figures import draw_figure
@@ -86,6 +87,8 @@ def run(
     """
     reporter = reporter or Reporter()
     traced(run_file)
+    if figures:
+        check_figures(run_file)
     studies = [(study, *places(study)) for study in run_file.studies()]
     result = RunResult(run_file.output)
     with _database(run_file, resume, force) as db:
@@ -321,18 +324,45 @@ class _Recorder:
             self.reporter.note(text)
 
 
-def _figures(run_file: RunFile, result: RunResult, reporter: Reporter) -> Iterator[Path]:
-    """Figures beside the database, `<output>_<figure>.png` unless the run file names them."""
+def check_figures(run_file: RunFile) -> None:
+    """Refuse names of figures that cannot be written, before anything is computed.
+
+    Raises
+    ------
+    ContwalkError
+    """
+    if not run_file.figures:
+        return
+    from contwalk.plotting.style import check_format
+
+    paths = _figure_paths(run_file)
+    for path in paths:
+        check_format(path)
+    refuse_existing(paths, force=True)  # figures of an earlier run are replaced
+
+
+def _figure_paths(run_file: RunFile) -> list[Path]:
+    """Files beside the database, `<output>_<figure>.png` unless the run file names them."""
+    output, paths = run_file.output, []
     for number, figure in enumerate(run_file.figures):
-        options = dict(figure.options)
         same = [f.name for f in run_file.figures[:number]].count(figure.name)
         suffix = f"_{same + 1}" if same else ""
-        default = result.path.with_name(f"{result.path.stem}_{figure.name}{suffix}.png")
-        file = options.get("file")
-        path = result.path.parent / file if file else default
+        file = figure.options.get("file") or f"{output.stem}_{figure.name}{suffix}.png"
+        paths.append(output.parent / str(file))
+    return paths
+
+
+def _figures(run_file: RunFile, result: RunResult, reporter: Reporter) -> Iterator[Path]:
+    """The figures of the run file, drawn."""
+    for figure, path in zip(run_file.figures, _figure_paths(run_file), strict=True):
+        options = dict(figure.options)
         if figure.name == "stability_map" and "y" not in options and run_file.sweep is not None:
             options["y"] = run_file.sweep[0]
+
+        def told(text: str, name: str = figure.name) -> None:
+            reporter.note(f"Figure '{name}': {text}")
+
         try:
-            yield draw_figure(figure.name, result.branches, run_file.system, path, options)
+            yield draw_figure(figure.name, result.branches, run_file.system, path, options, told=told)
         except ContwalkError as error:
             reporter.note(f"The figure '{figure.name}' was not drawn: {error}")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
@@ -81,15 +81,18 @@ def titled(orbit: Orbit) -> str:
     return f"{orbit.branch}/{orbit.label}" + ("" if orbit.admissible else ",  not admissible")
 
 
-def orbits_of(system: System, branches: Sequence[Branch]) -> list[list[Orbit]]:
+def orbits_of(
+    system: System, branches: Sequence[Branch], told: Callable[[str], None] = lambda text: None
+) -> list[list[Orbit]]:
     """A handful of orbits of each branch of orbits: of its special points, then marked values, then ends.
 
-    If none of them is stable and admissible, one that is, or is stable at least, is added.
+    If none of them is stable and admissible, one that is, or is stable at least, is added. `told` is given a
+    sentence for each that cannot be integrated once more, such as one at a homoclinic end; it is left out.
 
     Raises
     ------
     ContwalkError
-        If there is no branch of orbits with a point, or none of the system's.
+        If there is no branch of orbits with a point, or none of its orbits can be integrated.
     """
     chosen = [b for b in branches if b.info.problem in ORBITS and len(b)][:MOST_BRANCHES]
     if not chosen:
@@ -97,13 +100,33 @@ def orbits_of(system: System, branches: Sequence[Branch]) -> list[list[Orbit]]:
             "No branch has periodic orbits, so there is no phase portrait.",
             "Follow a Hopf point (diagram: {follow: [HB]}), or use `contwalk simulate` for a motion.",
         )
-    result = []
+    result, missing = [], []
     for branch in chosen:
-        orbits = [orbit_at(system, branch, point) for point in _handful(branch)]
+        orbits, without = _all_at(system, branch, _handful(branch))
+        missing += without
         if not any(orbit.stable and orbit.admissible for orbit in orbits):  # what one would see is shown
-            orbits = [*[orbit_at(system, branch, row) for row in _typical(branch)], *orbits]
-        result.append(orbits)
+            typical, without = _all_at(system, branch, _typical(branch))
+            orbits, missing = [*typical, *orbits], [*missing, *without]
+        if orbits:
+            result.append(orbits)
+    if not result:
+        raise missing[0]
+    for error in missing:
+        told(f"An orbit is left out. {error.sentence}")
     return result
+
+
+def _all_at(
+    system: System, branch: Branch, points: Sequence[SpecialPoint | int]
+) -> tuple[list[Orbit], list[ContwalkError]]:
+    """Orbits of some points, and why others cannot be had."""
+    found, missing = [], []
+    for point in points:
+        try:
+            found.append(orbit_at(system, branch, point))
+        except ContwalkError as error:
+            missing.append(error)
+    return found, missing
 
 
 def _handful(branch: Branch) -> list[SpecialPoint] | list[int]:
@@ -135,7 +158,7 @@ def orbit_at(system: System, branch: Branch, point: SpecialPoint | int) -> Orbit
     Raises
     ------
     ContwalkError
-        If the branch is not one of orbits, or is of another system.
+        If the branch is not one of orbits, or is of another system, or the orbit cannot be integrated.
     """
     if branch.info.problem not in ORBITS:
         raise ContwalkError(
@@ -149,10 +172,18 @@ def orbit_at(system: System, branch: Branch, point: SpecialPoint | int) -> Orbit
     else:
         row = branch.points[point]
         name, admissible, stable = str(point), bool(row["admissible"]), not row["unstable"]
-    given, sample = reopened(system, branch, point, PICTURE)
-    problem: Any = given
     hybrid = branch.info.problem == "hybrid_orbit"
-    times, states, breaks = _arcs(problem, sample.z) if hybrid else (*_motion(problem, sample.z), ())
+    try:
+        with np.errstate(all="ignore"):  # what is not finite is told in a sentence
+            given, sample = reopened(system, branch, point, PICTURE)
+            problem: Any = given
+            times, states, breaks = _arcs(problem, sample.z) if hybrid else (*_motion(problem, sample.z), ())
+    except (ArithmeticError, ValueError) as error:  # numpy.linalg.LinAlgError is a ValueError
+        raise ContwalkError(
+            f"The orbit of {branch.name}/{name} cannot be integrated once more ({error}).",
+            "Name another point: near a homoclinic orbit, and where deviations grow beyond all numbers, "
+            "no computation is sharp enough.",
+        ) from error
     fold = int(branch.info.settings.get("fold", 1))
     free = branch.info.free[0]
     value = f"{sample.parameter:.6g} {_unit(system, free)}".strip()

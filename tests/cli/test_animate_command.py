@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from PIL import Image
+
+from contwalk.workflow import stored_orbits
 
 WHEEL = """\
 import math
@@ -258,3 +261,25 @@ def test_show_without_the_system_tells_what_is_stored(contwalk, wheel, folder):
     assert done.code == 0
     assert "admissible" in done.out
     assert "of its largest" not in done.out
+
+
+def test_an_orbit_that_cannot_be_integrated_is_left_out(contwalk, circle, folder, monkeypatch):
+    """As at a homoclinic end, where multipliers overflow."""
+    real = stored_orbits.reopened
+
+    def reopened(system, branch, point, steps):
+        if getattr(point, "name", "") == "EP1":
+            raise np.linalg.LinAlgError("Array must not contain infs or NaNs")
+        return real(system, branch, point, steps)
+
+    monkeypatch.setattr(stored_orbits, "reopened", reopened)
+    given = ("plot", "--trust", "--force", circle, "--kind", "phase_portrait", "-o", "p.svg")
+    done = contwalk(*given)
+    assert done.code == 0
+    assert done.err == (
+        "An orbit is left out. The orbit of b2/EP1 cannot be integrated once more "
+        "(Array must not contain infs or NaNs).\n"
+    )
+    done = contwalk(*given, "--branch", "b2", "--point", "b2/EP1")
+    assert done.code == 2
+    assert done.err.startswith("error: The orbit of b2/EP1 cannot be integrated once more")

@@ -134,6 +134,38 @@ def test_reader_that_leaves(contwalk, database, folder):
     assert process.returncode in (0, 1)
 
 
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("continue", "run.yaml", "--output", "LONG.h5"),
+        ("continue", "LONG.yaml"),
+        ("continue", "run.yaml", "--set", "system=./LONG.py"),
+        ("show", "LONG.h5"),
+        ("plot", "fork.h5", "-o", "LONG.png"),
+        ("export", "fork.h5", "--csv", "LONG"),
+        ("animate", "fork.h5", "b1/0", "-o", "LONG.gif", "--trust"),
+        ("systems", "check", "./LONG.py"),
+        ("init", "autobalancer", "-o", "LONG.yaml"),
+    ],
+)
+def test_names_that_are_too_long(contwalk, database, arguments):
+    done = contwalk(*(word.replace("LONG", 300 * "a") for word in arguments))
+    assert done.code == 2
+    assert "too long" in done.err
+    assert "internal error" not in done.err
+
+
+@pytest.mark.parametrize("closed", [1, 2])
+def test_streams_that_are_closed(contwalk, database, folder, closed):
+    """As `contwalk show ... >&-`."""
+    command = [sys.executable, "-m", "contwalk", "show", database]
+    done = subprocess.run(
+        command, cwd=folder, preexec_fn=lambda: os.close(closed), capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0
+    assert done.stderr == ""
+
+
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a device that is always full")
 def test_output_that_does_not_fit(contwalk, database, folder):
     with open("/dev/full", "w", encoding="utf-8") as full:

@@ -2,6 +2,7 @@
 
 import errno
 import os
+import resource
 import shutil
 import subprocess
 import sys
@@ -11,7 +12,7 @@ import h5py
 import numpy as np
 import pytest
 
-from contwalk.errors import DatabaseError
+from contwalk.errors import DatabaseError, WriteError
 from contwalk.storage import Hdf5Database, RunHeader, failures, hdf5, open_database
 from contwalk.storage.records import RecordLog
 
@@ -254,7 +255,7 @@ def test_a_file_that_another_process_writes(stored, header):
         assert len(db.rows("b1")) == 20
 
 
-def fill(db, info, make_row, make_special):
+def fill(db, info, make_row, make_special, why="disk is full"):
     """Append until the database refuses; how many points and special points it has acknowledged."""
     done = [0, 0]
 
@@ -265,9 +266,10 @@ def fill(db, info, make_row, make_special):
             db.append_special("b1", make_special("UZ", float(done[1])))
             done[1] += 1
 
-    with pytest.raises(DatabaseError, match="disk is full") as caught:
+    with pytest.raises(WriteError, match=why) as caught:
         forever()
     assert "--resume" in caught.value.remedy
+    assert caught.value.exit_code == 1
     return done
 
 
@@ -288,6 +290,34 @@ def test_full_disk_keeps_every_point(
     with open_database(path) as again:
         assert again.rows("b1")["s"].tolist()[:points] == [float(s) for s in range(points)]
         assert [point.s for point in again.specials("b1")][:specials] == [float(s) for s in range(specials)]
+
+
+@pytest.mark.parametrize("foresight", [True, False])
+def test_a_limit_on_the_size_of_files_keeps_every_point(
+    tmp_path, header, make_info, make_row, make_special, monkeypatch, foresight
+):
+    """With the check before a write, and where HDF5 is refused in the middle of one."""
+    if not foresight:
+        monkeypatch.setattr(failures, "largest_file", lambda: None)
+    info, before = make_info(), resource.getrlimit(resource.RLIMIT_FSIZE)
+    for size in range(90_000, 240_000, 7_300):
+        path = tmp_path / f"{size}.h5"
+        db = Hdf5Database.create(path, header)
+        db.start_branch(info)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+        try:
+            points, specials = fill(db, info, make_row, make_special, "limited")
+            with pytest.raises(DatabaseError, match="limited"):
+                db.write_note("later", "what has failed is not tried again")
+            db.close()
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        with open_database(path) as again:
+            assert again.rows("b1")["s"].tolist()[:points] == [float(s) for s in range(points)]
+            assert [p.s for p in again.specials("b1")][:specials] == [float(s) for s in range(specials)]
+        with Hdf5Database.open(path, writable=True) as again:
+            again.append("b1", make_row(info, -1.0))
+            assert len(again.rows("b1")) >= points + 1
 
 
 def test_full_disk_reported_by_hdf5(stored, make_info, make_row, monkeypatch):
