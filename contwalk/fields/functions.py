@@ -11,6 +11,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from contwalk.errors import UnsupportedOperation
+from contwalk.fields.special_functions import gamma, lgamma, polygamma
+
 if TYPE_CHECKING:
     from contwalk.fields.expression import Graph
 
@@ -91,6 +94,24 @@ def _erf_partials(g: Graph, r: int, a: tuple[int, ...]) -> tuple[int | None, ...
     return (g.div(g.mul(g.constant(2.0), bell), root_of_pi),)
 
 
+def _erfc_partials(g: Graph, r: int, a: tuple[int, ...]) -> tuple[int | None, ...]:
+    (bell,) = _erf_partials(g, r, a)
+    assert bell is not None
+    return (g.neg(bell),)
+
+
+def _gamma_partials(g: Graph, r: int, a: tuple[int, ...]) -> tuple[int | None, ...]:
+    return (g.mul(r, g.call("polygamma", g.zero, a[0])),)
+
+
+def _polygamma_partials(g: Graph, r: int, a: tuple[int, ...]) -> tuple[int | None, ...]:
+    if g.value(a[0]) is None:
+        raise UnsupportedOperation(
+            "The order of a polygamma function depends on the state or a parameter.", "Give a whole number."
+        )
+    return None, g.call("polygamma", g.add(a[0], g.one), a[1])
+
+
 def _logarithm_partials(base: float) -> Partials:
     return lambda g, r, a: (g.div(g.one, g.mul(a[0], g.call("log", g.constant(base)))),)
 
@@ -120,6 +141,10 @@ FUNCTIONS: dict[str, Function] = {
     "pow": Function(math.pow, _pow_partials),
     "hypot": Function(math.hypot, lambda g, r, a: (g.div(a[0], r), g.div(a[1], r))),
     "erf": Function(math.erf, _erf_partials),
+    "erfc": Function(math.erfc, _erfc_partials),
+    "gamma": Function(gamma, _gamma_partials),
+    "lgamma": Function(lgamma, lambda g, r, a: (g.call("polygamma", g.zero, a[0]),)),
+    "polygamma": Function(polygamma, _polygamma_partials),
     "abs": Function(abs, lambda g, r, a: (g.call("sign", a[0]),)),
     "sign": Function(_sign, lambda g, r, a: (None,)),
     "floor": Function(lambda x: float(math.floor(x)), lambda g, r, a: (None,)),
@@ -172,6 +197,20 @@ class Number:
 
     def __rpow__(self, other: Any) -> Any:
         return self.apply("pow", (other, self)) if _is_scalar(other) else NotImplemented
+
+    # NumPy's own functions of arrays ask their entries for these.
+
+    def sqrt(self) -> Any:
+        """The square root."""
+        return self.apply("sqrt", (self,))
+
+    def conjugate(self) -> Any:
+        """The same number: it is real."""
+        return self
+
+    def select(self, a: Any, b: Any) -> Any:
+        """`a` where this holds, or is not zero, else `b`."""
+        raise NotImplementedError
 
     def __neg__(self) -> Any:
         return self.apply("neg", (self,))

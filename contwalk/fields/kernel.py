@@ -73,6 +73,8 @@ def _mp_names() -> dict[str, Any]:
         "fmod": lambda a, b: a - b * mpmath.mp.floor(a / b) if a / b >= 0 else a - b * mpmath.mp.ceil(a / b),
         "trunc": lambda a: mpmath.mp.floor(a) if a >= 0 else mpmath.mp.ceil(a),
         "log2": _real(lambda a: mpmath.mp.log(a, 2)),
+        "lgamma": lambda a: mpmath.mp.log(abs(mpmath.mp.gamma(a))),
+        "polygamma": lambda n, a: mpmath.mp.psi(int(n), a),
     }
     return {**_with_quiet(functions), "number_": mpmath.mpf}
 

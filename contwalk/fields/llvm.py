@@ -17,6 +17,7 @@ import llvmlite
 from llvmlite import binding
 
 from contwalk.fields import object_cache
+from contwalk.fields.special_functions import called_in
 
 _LOCK = threading.RLock()
 
@@ -66,6 +67,8 @@ class Code:
 
 def code_of(text: str, symbols: Sequence[str]) -> Code:
     """The functions `symbols` of a module of LLVM IR, compiled or taken from the cache."""
+    for name, address in called_in(text).items():
+        known_to_the_linker(name, address)
     return cached_code((text,), symbols, lambda: compiled(text))
 
 
@@ -121,7 +124,7 @@ def known_to_the_linker(symbol: str, address: int) -> None:
 @cache
 def _find_mathematics() -> None:
     """Make the functions of the C library known to the linker where the process does not export them."""
-    names = ("sin", "cos", "sincos", "erf", "cbrt", "fmod", "hypot")
+    names = ("sin", "cos", "sincos", "erf", "erfc", "tgamma", "lgamma", "cbrt", "fmod", "hypot")
     if all(binding.address_of_symbol(name) for name in names):
         return
     library = ctypes.util.find_library("m") or ctypes.util.find_library("msvcrt")

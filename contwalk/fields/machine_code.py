@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 
 from contwalk.fields.derivative import arguments_of
 from contwalk.fields.expression import CONDITIONS, RELATIONS, Graph
+from contwalk.fields.special_functions import POLYGAMMA
 from contwalk.fields.trace import Fork, Outputs, Program, Raises, Tree, roots
 
 Input = tuple[str, int]
@@ -28,9 +29,12 @@ _LIBRARY = {
     **{name: name for name in ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "asinh")},
     **{
         name: name
-        for name in ("acosh", "atanh", "exp", "expm1", "log", "log1p", "log2", "log10", "cbrt", "erf")
+        for name in ("acosh", "atanh", "exp", "expm1", "log", "log1p", "log2", "log10", "cbrt", "erf", "erfc")
     },
     **{name: name for name in ("atan2", "pow", "hypot", "fmod")},
+    "gamma": "tgamma",
+    "lgamma": "lgamma",
+    "polygamma": POLYGAMMA,
     "sqrt": "llvm.sqrt.f64",
     "abs": "llvm.fabs.f64",
     "floor": "llvm.floor.f64",
@@ -39,7 +43,7 @@ _LIBRARY = {
 # Infinite or overflowing at some finite arguments; the others are finite or NaN.
 _UNBOUNDED = frozenset(
     ("sinh", "cosh", "atanh", "exp", "expm1", "log", "log1p", "log2", "log10", "pow", "hypot", "tan")
-)
+) | {"gamma", "lgamma", "polygamma"}
 # NaN with some arguments, yet finite: pow(NaN, 0), pow(1, NaN).
 _FORGIVING = frozenset(("pow",))
 

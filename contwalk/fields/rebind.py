@@ -10,6 +10,7 @@ from __future__ import annotations
 import builtins
 import functools
 import math
+import operator
 import types
 from collections.abc import Callable
 from typing import Any
@@ -17,22 +18,11 @@ from typing import Any
 import numpy as np
 
 from contwalk.errors import UnsupportedOperation
+from contwalk.fields.dispatch import dispatch, where
 from contwalk.fields.functions import FUNCTIONS, Number
+from contwalk.fields.linear_algebra import det, inv, solve
+from contwalk.fields.tables import interp
 from contwalk.python_functions import PlainModule, copied, original
-
-
-def dispatch(name: str, arguments: tuple[Any, ...]) -> Any:
-    """A function of `FUNCTIONS` for numbers, stand-ins, or arrays of them."""
-    for argument in arguments:
-        if isinstance(argument, Number):
-            return argument.apply(name, arguments)
-    if any(isinstance(a, np.ndarray | list | tuple) for a in arguments):
-        arrays = np.broadcast_arrays(*[np.asarray(a, dtype=object) for a in arguments])
-        result = np.empty(arrays[0].shape, dtype=object)
-        for index in np.ndindex(result.shape):
-            result[index] = dispatch(name, tuple(a[index] for a in arrays))
-        return result
-    return FUNCTIONS[name].of_float(*arguments)
 
 
 def _function(name: str) -> Callable[..., Any]:
@@ -74,18 +64,21 @@ def _copysign(x: Any, y: Any) -> Any:
     return dispatch("abs", (x,)) * dispatch("sign", (y,))
 
 
-def _where(condition: Any, a: Any, b: Any) -> Any:
-    if isinstance(condition, Number):
-        return condition.select(a, b)  # type: ignore[attr-defined]
-    if np.ndim(condition) == 0:
-        return a if condition else b
-    conditions, first, second = np.broadcast_arrays(
-        np.asarray(condition, dtype=object), np.asarray(a, dtype=object), np.asarray(b, dtype=object)
-    )
-    result = np.empty(conditions.shape, dtype=object)
-    for index in np.ndindex(result.shape):
-        result[index] = _where(conditions[index], first[index], second[index])
-    return result
+def _heaviside(x: Any, middle: Any) -> Any:
+    return where(x < 0.0, 0.0, where(x == 0.0, middle, 1.0))
+
+
+def _clip(x: Any, low: Any = None, high: Any = None) -> Any:
+    x = x if low is None else dispatch("max", (x, low))
+    return x if high is None else dispatch("min", (x, high))
+
+
+def _ceil(x: Any) -> Any:
+    return -dispatch("floor", (-x,))
+
+
+def _expit(x: Any) -> Any:
+    return 0.5 + 0.5 * dispatch("tanh", (0.5 * x,))
 
 
 def _filled(value: float) -> Callable[..., np.ndarray]:
@@ -111,6 +104,7 @@ _MATH |= {
     "degrees": _degrees,
     "radians": _radians,
     "copysign": _copysign,
+    "ceil": _ceil,
 }
 _NUMPY = {name: _function(name) for name in FUNCTIONS if isinstance(getattr(np, name, None), np.ufunc)}
 _NUMPY |= {
@@ -132,7 +126,24 @@ _NUMPY |= {
     "rad2deg": _degrees,
     "radians": _radians,
     "deg2rad": _radians,
-    "where": _where,
+    "where": where,
+    "interp": interp,
+    "heaviside": _heaviside,
+    "clip": _clip,
+    "ceil": _ceil,
+    "square": lambda x: x * x,
+    "reciprocal": lambda x: 1.0 / x,
+    "negative": operator.neg,
+    "positive": operator.pos,
+    "add": operator.add,
+    "subtract": operator.sub,
+    "multiply": operator.mul,
+    "divide": operator.truediv,
+    "true_divide": operator.truediv,
+    "floor_divide": operator.floordiv,
+    "mod": operator.mod,
+    "remainder": operator.mod,
+    "float64": _float,
     "logical_and": lambda a, b: (a != 0) & (b != 0),
     "logical_or": lambda a, b: (a != 0) | (b != 0),
     "logical_not": lambda a: a == 0,
@@ -144,6 +155,14 @@ _NUMPY |= {
     "ones_like": _like(1.0),
     "array": _array,
     "asarray": _array,
+}
+_LINALG = {"solve": solve, "inv": inv, "det": det}
+# Functions of SciPy, by the names of its ufuncs.
+_SCIPY = {name: _function(name) for name in ("erf", "erfc", "gamma", "cbrt", "expm1", "log1p")}
+_SCIPY |= {
+    "gammaln": _function("lgamma"),
+    "psi": lambda x: dispatch("polygamma", (0.0, x)),
+    "expit": _expit,
 }
 _BUILTINS = {"min": _extreme("min"), "max": _extreme("max"), "float": _float}
 
@@ -178,6 +197,8 @@ def _stand_in(value: Any, memo: dict[int, Any]) -> Any:
             return _Module(value, _MATH, memo)
         if value is np:
             return _Module(value, _NUMPY, memo)
+        if value is np.linalg:
+            return _Module(value, _LINALG, memo)
         return _Module(value, {}, memo) if hasattr(value, "__file__") else value
     value = original(value)
     if isinstance(value, types.FunctionType):
@@ -186,7 +207,10 @@ def _stand_in(value: Any, memo: dict[int, Any]) -> Any:
         return functools.partial(_stand_in(value.func, memo), *value.args, **value.keywords)
     name = getattr(value, "__name__", None)
     if isinstance(value, np.ufunc):
-        return _NUMPY.get(str(name)) or _unsupported_ufunc(value)
+        return _NUMPY.get(str(name)) or _SCIPY.get(str(name)) or _unsupported_ufunc(value)
+    for module, replaced in ((np, _NUMPY), (np.linalg, _LINALG)):  # from numpy import where
+        if str(name) in replaced and getattr(module, str(name), None) is value:
+            return replaced[str(name)]
     if isinstance(value, types.BuiltinFunctionType) and getattr(value, "__module__", "") == "math":
         return _MATH.get(str(name), value)
     return value
@@ -212,6 +236,7 @@ def rebound(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _symbolic(function: types.FunctionType, memo: dict[int, Any]) -> Callable[..., Any]:
-    if (getattr(function, "__module__", None) or "").split(".")[0] == "numpy":
-        return function  # numpy's own Python functions work on arrays of stand-ins as they are
+    module = getattr(function, "__module__", None) or ""
+    if module.split(".")[0] == "numpy" or module.startswith(__package__):
+        return function  # these work on stand-ins, and on arrays of them, as they are
     return copied(function, _stand_in, memo, _BUILTINS)

@@ -10,6 +10,8 @@ from typing import Any
 import mpmath
 import numpy as np
 
+from contwalk.fields.dispatch import dispatch
+
 mp = mpmath.mp
 
 
@@ -30,6 +32,7 @@ class Sample:
 _ANY = ((0.7,), (-1.3,), (2.9,))
 _POSITIVE = ((0.3,), (1.7,), (40.0,))
 _UNIT = ((0.31,), (-0.77,), (0.05,))
+_GAMMA = ((0.3,), (-1.7,), (6.4,))
 _PAIRS = ((0.7, 1.9), (-1.3, 0.4), (2.1, -0.6))
 
 SAMPLES: dict[str, Sample] = {
@@ -57,6 +60,10 @@ SAMPLES: dict[str, Sample] = {
     "pow": Sample(math.pow, lambda a, b: mp.exp(b * mp.log(a)), ((0.7, 1.9), (3.0, -0.5), (1.4, 2.0))),
     "hypot": Sample(math.hypot, lambda a, b: mp.sqrt(a * a + b * b), _PAIRS),
     "erf": Sample(math.erf, mp.erf, _ANY),
+    "erfc": Sample(math.erfc, mp.erfc, _ANY),
+    "gamma": Sample(math.gamma, mp.gamma, _GAMMA),
+    "lgamma": Sample(math.lgamma, lambda x: mp.log(abs(mp.gamma(x))), _GAMMA),
+    "polygamma": Sample(lambda x: dispatch("polygamma", (1.0, x)), lambda x: mp.psi(1, x), _GAMMA),
     "abs": Sample(abs, lambda x: x if x > 0 else -x, _ANY),
     "sign": Sample(np.sign, lambda x: mp.mpf(1 if x > 0 else -1), _ANY),
     "floor": Sample(np.floor, mp.floor, ((0.7,), (-1.3,), (2.4,))),

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import inspect
-import math
 
 import numpy as np
 import pytest
+from scipy import special
 from traced_kernels import kernel_of
 
 from contwalk.errors import PluginError, UnsupportedOperation
 
 
-def gamma(x):
-    return math.gamma(x[0])
+def bessel(x):
+    return special.jv(0, x[0])
 
 
 def whole_number(x):
@@ -38,16 +38,28 @@ def too_many_paths(x):
     return total
 
 
-def norm(x):
-    return np.linalg.norm(x)
+def eigenvalues(x):
+    return np.linalg.eigvalsh(np.array([[x[0], 1.0], [1.0, x[1]]]))
 
 
 def numpy_function_without_derivative(x):
-    return np.heaviside(x[0], 0.5)
+    return np.spacing(x[0])
 
 
-def solve(x):
-    return np.linalg.solve(np.array([[x[0], 1.0], [0.0, x[1]]]), np.array([1.0, 2.0]))
+def solve_of_the_wrong_shape(x):
+    return np.linalg.solve(np.array([[x[0], 1.0], [0.0, x[1]]]), np.array([1.0, 2.0, 3.0]))
+
+
+def table_with_moving_places(x):
+    return np.interp(0.5, [0.0, x[0]], [1.0, 2.0])
+
+
+def table_out_of_order(x):
+    return np.interp(x[0], [0.0, 2.0, 1.0], [1.0, 2.0, 3.0])
+
+
+def positions(x):
+    return np.where(x > 0.0)
 
 
 def text(x):
@@ -58,8 +70,8 @@ def rounded(x):
     return round(x[0])
 
 
-def determinant(x):
-    return np.linalg.det(np.array([[x[0], 1.0], [2.0, x[1]]]))
+def large_determinant(x):
+    return np.linalg.det(np.eye(9) * x[0])
 
 
 def complex_number(x):
@@ -75,16 +87,19 @@ def undefined_state(x):
 
 
 REFUSED = (
-    gamma,
+    bessel,
     whole_number,
     endless_loop,
     too_many_paths,
-    norm,
+    eigenvalues,
     numpy_function_without_derivative,
-    solve,
+    solve_of_the_wrong_shape,
+    table_with_moving_places,
+    table_out_of_order,
+    positions,
     text,
     rounded,
-    determinant,
+    large_determinant,
     complex_number,
 )
 RAISES = (table_lookup, missing_name, undefined_state)
