@@ -37,6 +37,7 @@ from contwalk.problems.linear import EPSILON, Factorization
 from contwalk.problems.orbit import augmented, branching, describing, ending, rates
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.discretization import FINEST, Discretization
+from contwalk.problems.orbit.homoclinic import AROUND, SlowPlace, homoclinic, slow_place_on
 from contwalk.problems.orbit.motion import PLAIN, TANGENT
 from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers, multipliers
 from contwalk.problems.orbit.normal_forms import SectionMap
@@ -893,7 +894,7 @@ class HybridOrbit:
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
         """Why the branch ends between two neighbouring solutions; limits are the engine's business."""
         at_rest = None if self.word.eventful else ending.at_a_point(self, a, b)
-        return at_rest or ending.homoclinic(self, a, b)
+        return at_rest or homoclinic(self, a, b)
 
     def velocity(self, z: np.ndarray) -> np.ndarray:
         """dx/dt at the start."""
@@ -903,19 +904,23 @@ class HybridOrbit:
         """How fast the closure's duration grows along a tangent."""
         return float(tangent[self.layout.durations].sum())
 
-    def slowness(self, z: np.ndarray) -> float:
-        """Speed where the orbit is slowest against where it is fastest, in units of the states' variation."""
-        speeds = []
+    def parameter_error(self, sample: Sample) -> float:
+        """Estimated error of the free parameter."""
+        return sample.error * float(sample.weights[-1])
+
+    def slow_place(self, z: np.ndarray) -> SlowPlace:
+        """Where the orbit is slowest, and the field there."""
+        even, places = np.linspace(0.0, 1.0, AROUND), []
         for i, piece in enumerate(self.pieces):
             x, scalars = self.layout.inputs(i, z)
-            duration = abs(float(scalars[0]))
-            if duration == 0.0:
+            if scalars[0] == 0.0:
                 continue
-            scale = self.mesh.variation[list(piece.passage.states)]
-            moved = np.linalg.norm(np.diff(piece.nodes(x, scalars), axis=0) / scale, axis=1)
-            speeds.append(moved / (np.diff(piece.steps) * duration))
-        every = np.concatenate(speeds)
-        return float(every.min() / max(every.max(), 1e-300))
+            field, times = piece.passage.field(PLAIN), np.union1d(piece.steps, even)
+            path = piece.at(piece.nodes(x, scalars), times, scalars)
+            c, scale = field.constants(piece.values(scalars)), self.mesh.variation[list(piece.passage.states)]
+            places.append(slow_place_on(field, c, abs(float(scalars[0])), times, path, scale))
+        fastest = max(place.fastest for place in places)
+        return replace(min(places, key=lambda place: place.speed), fastest=fastest)
 
     def at_stored(self, z: np.ndarray, weights: np.ndarray) -> HybridOrbit:
         """The problem discretised for a solution that is taken up again."""

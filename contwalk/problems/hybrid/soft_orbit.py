@@ -34,6 +34,7 @@ from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.hybrid.word import Word
 from contwalk.problems.linear import Factored, Factorization, kernel_direction
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
+from contwalk.problems.orbit.homoclinic import SlowPlace
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.problem import Linearization, Located, Sample, Seed
 from contwalk.system import System
@@ -290,10 +291,10 @@ class SoftOrbit(HybridOrbit):
         explicit, unknowns = self.explicit(z)
         return explicit.reported(unknowns)
 
-    def slowness(self, z: np.ndarray) -> float:
-        """Speed where the orbit is slowest against where it is fastest."""
+    def slow_place(self, z: np.ndarray) -> SlowPlace:
+        """Where the orbit is slowest, and the field there."""
         explicit, unknowns = self.explicit(z)
-        return explicit.slowness(unknowns)
+        return explicit.slow_place(unknowns)
 
     # -- limits ------------------------------------------------------------------------------------------
 

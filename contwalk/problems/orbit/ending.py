@@ -11,25 +11,20 @@ import numpy as np
 from contwalk.branch import Outcome
 from contwalk.errors import NotFinite
 from contwalk.problems.orbit.closure import imaged, order_of
+from contwalk.problems.orbit.homoclinic import AROUND, SlowPlace, homoclinic, slow_place_on
+from contwalk.problems.orbit.motion import PLAIN
 from contwalk.problems.orbit.transport import carried_to
 from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
     from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
-    from contwalk.problems.orbit.protocol import Orbit
     from contwalk.problems.problem import Sample
 
 # An orbit that goes a smaller part of its metric in one closure is a point: solutions are known to 1e-10.
 POINT = 1e-8
-# An orbit that is this slow somewhere, against its fastest, passes an equilibrium.
-CREEPING = 1e-2
 # Two states of an orbit nearer than this, in units of its range, are one.
 MEETS = 1e-6
-# A parameter this near to its limit, relative to itself, is at it.
-LEAST_REST = 1e-10
-# The extrapolated limit is better than the last value by more than this.
-REST = 10.0
 
 
 def ended(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:
@@ -75,36 +70,12 @@ def at_a_point(problem: PeriodicOrbit | HybridOrbit, a: Sample, b: Sample) -> Ou
     )
 
 
-def homoclinic(problem: Orbit, a: Sample, b: Sample) -> Outcome | None:
-    """The period runs off while the parameter converges: lambda - lambda_h falls like exp(-kappa T)."""
-    if problem.forced or not b.period > a.period:
-        return None
-    rises = [problem.lengthening(s.tangent) for s in (a, b)]
-    if 0.0 in rises:
-        return None
-    slopes = [float(s.tangent[-1]) / rise for s, rise in zip((a, b), rises, strict=True)]
-    if not (np.all(np.isfinite(slopes)) and slopes[0] * slopes[1] > 0.0 and abs(slopes[1]) < abs(slopes[0])):
-        return None
-    kappa = float(np.log(slopes[0] / slopes[1]) / (b.period - a.period))
-    rest = float(slopes[1] / kappa)
-    value = float(b.z[-1])
-    wanted = max(REST * problem.discretization.accuracy, LEAST_REST) * max(abs(value), 1e-300)
-    if abs(rest) > wanted or problem.slowness(b.z) > CREEPING:
-        return None
-    return Outcome(
-        "stopped",
-        "homoclinic",
-        f"The period runs off ({b.period:.4g} s here) while the orbit creeps past an equilibrium: a "
-        f"homoclinic or "
-        f"heteroclinic orbit at {problem.free} = {value + rest:.12g}, by extrapolation from {value:.12g}. "
-        "Nothing to do; a finer accuracy follows it further.",
-    )
-
-
-def slowness(problem: PeriodicOrbit, z: np.ndarray) -> float:
-    """Speed where the orbit is slowest against where it is fastest, in units of the states' variation."""
-    speeds = speeds_of(problem, z)[1]
-    return float(speeds.min() / max(speeds.max(), 1e-300))
+def slow_place(problem: PeriodicOrbit, z: np.ndarray) -> SlowPlace:
+    """Where the orbit is slowest, and the field there."""
+    field = problem.motion.field(PLAIN)
+    c = field.constants(np.concatenate([problem.scalars(z), problem.fixed]))
+    times, path = problem.curve(z).sampled(AROUND)
+    return slow_place_on(field, c, problem.duration(z), times, path, problem.mesh.variation)
 
 
 def speeds_of(problem: PeriodicOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -40,6 +40,10 @@ class Multipliers:
         """Modulus minus one: negative for stability."""
         return np.abs(self.values) - 1.0
 
+    def doubted(self, error: float) -> Multipliers:
+        """The same, none known better than to an absolute error."""
+        return Multipliers(self.values, np.maximum(self.errors, error), max(self.accuracy, error))
+
     def unstable(self, before: int | None) -> int:
         """Number of multipliers outside the unit circle; doubtful ones count as at the neighbouring point."""
         measures = self.measures

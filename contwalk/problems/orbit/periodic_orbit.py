@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -19,6 +20,7 @@ from contwalk.problems.orbit import augmented, branching, describing, ending, ra
 from contwalk.problems.orbit.closure import Closure
 from contwalk.problems.orbit.discretization import FINEST, Discretization
 from contwalk.problems.orbit.extrema import extremes
+from contwalk.problems.orbit.homoclinic import SlowPlace
 from contwalk.problems.orbit.motion import MIXED, PLAIN, TANGENT, Motion, motion_of
 from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers, multipliers
 from contwalk.problems.orbit.normal_forms import ReturnMap
@@ -47,8 +49,13 @@ POINT = 1e-10
 CONSTANT = 1e-5
 # An orbit that goes a smaller part of its own size in one period has become a point.
 MOVES = 1e-2
-# Growth of deviations over a segment beyond which the orbit is cut into twice as many.
-TOO_MUCH = 1e6
+# The flow's own multiplier, one, missed by more than this tells nothing of the others.
+UNTOLD = 0.3
+# A gap that makes an error of the multipliers larger than this is closed before they are told.
+UNCLOSED = 1e-4
+# Growth of deviations over a segment beyond which the orbit is cut into twice as many; and what errors of the
+# steps may grow to, in parts of the orbit.
+TOO_MUCH, RESOLVED = 1e5, 0.1
 # Linearizations that are kept: a step asks for the same ones several times.
 MOST_KEPT = 12
 # Two orbits whose periods and places differ by less than this part are one.
@@ -418,8 +425,8 @@ class PeriodicOrbit:
         """
         length = float(np.linalg.norm(tangent / weights))
         unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
-        found = self.multipliers(z, linearization.jacobian)
         trivial = self.trivial_error(z, linearization.jacobian)
+        found = self._known(self.multipliers(z, linearization.jacobian), trivial, linearization.jacobian)
         orientation, error = linearization.orientation_and_error(unit, weights, self._errors(linearization))
         return Sample(
             z=z,
@@ -506,6 +513,16 @@ class PeriodicOrbit:
             worst = max(worst, float(np.linalg.norm(carried - own[(i + 1) % m])) / size)
         return worst
 
+    def _known(self, found: Multipliers, trivial: float, jacobian: np.ndarray) -> Multipliers:
+        """Multipliers with what the trivial one misses by as an error, where that is no small part of it.
+
+        The flow's direction then leaks into the others, with all that the closure lets grow.
+        """
+        if not trivial > UNTOLD:
+            return found
+        scaled = [f / self.mesh.variation[:, None] * self.mesh.variation for f in self.factors(jacobian)]
+        return found.doubted(trivial * float(np.prod([np.linalg.norm(f, 2) for f in scaled])))
+
     def curve(self, z: np.ndarray) -> Curve:
         """The integrated part of the motion, in 0..1."""
         return self.shooting.curve(self.starts(z), self.scalars(z))
@@ -577,16 +594,41 @@ class PeriodicOrbit:
             better = better_phase(times, speeds, lengths)
             if better is not None:
                 problem, sample = moved(problem, sample, better)
-        if problem.mesh.growth > TOO_MUCH and 2 * problem.segments <= max(ROOM, problem.segments):
+        too_much = min(TOO_MUCH, RESOLVED / problem.mesh.tolerance)
+        if problem.mesh.growth > too_much and 2 * problem.segments <= max(ROOM, problem.segments):
             problem, sample = recut(problem, sample)
         tangent = problem.into_section(sample.z, sample.tangent)
         # Both ends of the next step are seen on the same steps: what they tell differs by the branch alone.
-        linearization = problem.linearize(sample.z)
+        z = problem.closed_on(sample.z, tangent, sample.weights)
         again = problem.examine(
-            sample.z, tangent, sample.weights, linearization, sample.unstable, sample.observables
+            z, tangent, sample.weights, problem.linearize(z), sample.unstable, sample.observables
         )
         orientation = 0.0 if sample.orientation == 0.0 else again.orientation
-        return problem, replace(again, orientation=orientation)
+        return problem, replace(again, z=sample.z, orientation=orientation)
+
+    def closed_on(self, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """z, or where it is not closed enough on these steps for its multipliers, the orbit here that is.
+
+        New steps leave a gap of their error between end and start. What the flow carries into itself is seen
+        at an angle to the flow then, which growing deviations make the multipliers' error.
+        """
+        linearization, n, m = self.linearize(z), self.states, self.segments
+        if not self.forced and self.moves(z) and linearization.finite:
+            variation = self.mesh.variation
+            gaps = np.linalg.norm(linearization.residual[: m * n].reshape(m, n) / variation, axis=1)
+            growth = [
+                np.linalg.norm(f / variation[:, None] * variation)
+                for f in self.factors(linearization.jacobian)
+            ]
+            speeds = [np.linalg.norm(self.velocity(z, (i + 1) % m) / variation) for i in range(m)]
+            if float(np.max(gaps * growth / speeds)) > UNCLOSED:
+                with contextlib.suppress(np.linalg.LinAlgError):
+                    bordered = linearization.bordered(tangent / weights**2, weights)
+                    closed = z - bordered.solve(np.append(linearization.residual, 0.0))
+                    there = self.linearize(closed)
+                    if there.finite and there.excess < linearization.excess:
+                        return closed
+        return z
 
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
         """Why the branch ends between two neighbouring orbits, if it does."""
@@ -641,8 +683,9 @@ class PeriodicOrbit:
         mesh = meshed(self.motion, starts, values, magnitudes, tolerance, method, self.parts)
         self._tally[0] += 2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps)
         problem = self.on(mesh, self._section_at(starts[0], values, magnitudes))
-        if self.discretization.phase == "integral" and not self.forced:
-            problem._reference = problem._own_reference(z)
+        # An orbit that is a point still has no velocities to compare with: its section holds the phase.
+        integral = self.discretization.phase == "integral" and not self.forced and problem.moves(z)
+        problem._reference = problem._own_reference(z) if integral else None
         return problem
 
     def _section_at(self, x: np.ndarray, values: np.ndarray, magnitudes: np.ndarray) -> Section | None:
@@ -762,9 +805,21 @@ class PeriodicOrbit:
         """How fast the closure's duration grows along a tangent."""
         return float(tangent[self.segments * self.states])
 
-    def slowness(self, z: np.ndarray) -> float:
-        """Speed where the orbit is slowest against where it is fastest."""
-        return ending.slowness(self, z)
+    def parameter_error(self, sample: Sample) -> float:
+        """What errors of the steps do to the free parameter of an orbit of this period."""
+        linearization = self.linearize(sample.z)
+        held = np.zeros(len(sample.z))
+        held[self.segments * self.states] = 1.0
+        try:
+            bordered = self.factored(np.vstack([linearization.jacobian, held]), sample.weights)
+            row = bordered.solve_adjoint(np.eye(len(held))[-1])[:-1]
+        except np.linalg.LinAlgError:
+            return float("inf")
+        return float(np.abs(row) @ self._errors(linearization))
+
+    def slow_place(self, z: np.ndarray) -> SlowPlace:
+        """Where the orbit is slowest, and the field there."""
+        return ending.slow_place(self, z)
 
     def fallen_back(self, z: np.ndarray) -> bool:
         """Whether the orbit has become its parent again."""

@@ -8,10 +8,11 @@ import numpy as np
 
 from contwalk.problems.linear import Factorization
 from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.orbit.homoclinic import SlowPlace
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.normal_forms import SectionMap
 from contwalk.problems.orbit.shooting import Mesh
-from contwalk.problems.problem import Linearization
+from contwalk.problems.problem import Linearization, Sample
 from contwalk.system import System
 
 
@@ -133,8 +134,12 @@ class Orbit(Protocol):
         """How fast the closure's duration grows along a tangent."""
         ...
 
-    def slowness(self, z: np.ndarray) -> float:
-        """Speed where the orbit is slowest against where it is fastest."""
+    def parameter_error(self, sample: Sample) -> float:
+        """Estimated error of the free parameter at an orbit of this period."""
+        ...
+
+    def slow_place(self, z: np.ndarray) -> SlowPlace:
+        """Where the orbit is slowest, and the field there."""
         ...
 
     def values_of(self, z: np.ndarray) -> dict[str, float]:

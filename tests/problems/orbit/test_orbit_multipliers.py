@@ -72,3 +72,12 @@ def test_doubtful_ones_count_as_at_the_neighbour():
     assert found.unstable(2) == 2
     assert found.unstable(1) == 1
     assert found.unstable(None) == 1
+
+
+def test_what_is_not_known_to_its_size_is_not_counted_as_unstable():
+    found = Multipliers(np.array([6e6 + 0j, 0.1 + 0j]), np.array([1e-8, 1e-14]), 3.6)
+    assert found.unstable(0) == found.unstable(None) == 1
+    doubted = found.doubted(2e7)
+    assert doubted.accuracy == 2e7
+    assert doubted.unstable(0) == doubted.unstable(None) == 0
+    assert doubted.unstable(1) == 1  # as at the neighbouring point

@@ -1,0 +1,236 @@
+"""Whether a family of orbits ends in a homoclinic orbit, and at which parameter.
+
+That the parameter hardly changes while the period grows is true of a fold of an orbit with a slow phase too.
+An orbit that comes near a homoclinic one passes an equilibrium, ever more closely, and the equilibrium's own
+eigenvalues tell how the parameter converges (Yu. A. Kuznetsov, Elements of Applied Bifurcation Theory, 2004,
+chapters 6 and 7):
+
+| equilibrium | lambda - lambda_h |
+|---|---|
+| saddle, leading eigenvalue real | falls like exp(-kappa T), kappa the smaller of the two leading rates |
+| saddle-focus whose pair leads | Re(c exp((-rho + i omega) T)): folds without end |
+| saddle-node, just gone | falls like 1 / (T - T_0)^2, while the least speed does |
+
+All of it follows from two neighbouring orbits, so that a walk that is taken up again sees the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contwalk.branch import Outcome
+
+if TYPE_CHECKING:
+    from contwalk.flow import CompiledField
+    from contwalk.problems.orbit.protocol import Orbit
+    from contwalk.problems.problem import Sample
+
+# Samples of an orbit among which its slowest place is looked for, beside the integrator's own steps.
+AROUND = 256
+# An orbit that is this slow somewhere, against its fastest, passes an equilibrium, or where one has been.
+CREEPING = 1e-2
+# An equilibrium this near to the orbit, in units of its range, is passed by it; so near that it is hidden.
+PASSED, AT_REST = 2e-2, 1e-3
+# A parameter this near to its limit, relative to itself, is at it.
+LEAST_REST = 1e-10
+# The extrapolated limit is better than the last value by more than this.
+REST = 10.0
+# Rates times periods are not larger: the rest is not asked for before the slope can be small enough.
+MOST_TURNS = 300.0
+# How far from the law of its equilibrium the parameter may be, and from it where nothing else is seen.
+LAWFUL, ABOUT = 0.25, 4.0
+# Newton's method for an equilibrium.
+ITERATIONS, CONVERGED = 20, 1e-9
+
+
+@dataclass(frozen=True)
+class SlowPlace:
+    """Where an orbit is slowest, and the field around.
+
+    Parameters
+    ----------
+    speed, fastest : float
+        Speed there and where it is fastest, in ranges of the states per second.
+    state, scale : ndarray, shape (k,)
+        The state there, and half the range of each.
+    path : ndarray, shape (p, k)
+        The states around it on the orbit.
+    velocity, jacobian : callable
+        The field in seconds, shape (k,), and its derivative, shape (k, k).
+    """
+
+    speed: float
+    fastest: float
+    state: np.ndarray
+    scale: np.ndarray
+    path: np.ndarray
+    velocity: Callable[[np.ndarray], np.ndarray]
+    jacobian: Callable[[np.ndarray], np.ndarray]
+
+    @property
+    def slowness(self) -> float:
+        """Speed there against the largest."""
+        return self.speed / max(self.fastest, 1e-300)
+
+    def equilibrium(self) -> np.ndarray | None:
+        """The equilibrium nearby, by Newton's method; None where there is none."""
+        x = self.state.copy()
+        for _ in range(ITERATIONS):
+            f, j = self.velocity(x), self.jacobian(x)
+            if not (np.all(np.isfinite(f)) and np.all(np.isfinite(j))):
+                return None
+            scaled = j * self.scale / self.scale[:, None]
+            step = np.linalg.lstsq(scaled, f / self.scale, rcond=1e-12)[0]
+            x = x - step * self.scale
+            size = float(np.linalg.norm(step))
+            if size < CONVERGED:
+                return x if self.distance(x) < 1.0 else None
+            if size > 2.0:
+                return None
+        return None
+
+    def distance(self, x: np.ndarray) -> float:
+        """Of a state from the orbit, in units of its range."""
+        return float(np.linalg.norm((self.path - x) / self.scale, axis=1).min())
+
+
+def slow_place_on(
+    field: CompiledField,
+    c: np.ndarray,
+    duration: float,
+    times: np.ndarray,
+    path: np.ndarray,
+    scale: np.ndarray,
+) -> SlowPlace:
+    """The slowest place on a path whose field is in units of a duration, at times in 0..1."""
+    n = len(scale)
+    speeds = [
+        float(np.linalg.norm(field(t, x, c) / scale)) / duration for t, x in zip(times, path, strict=True)
+    ]
+    slowest = int(np.argmin(speeds))
+    return SlowPlace(
+        speeds[slowest],
+        max(speeds),
+        path[slowest],
+        scale,
+        path,
+        lambda x: field(0.0, x, c) / duration,
+        lambda x: field.jacobian(0.0, x, c)[:, :n] / duration,
+    )
+
+
+@dataclass(frozen=True)
+class Limit:
+    """What is left to the limit of the parameter, its error, and how far the parameter may still swing."""
+
+    rest: float
+    error: float
+    swing: float
+
+
+def homoclinic(problem: Orbit, a: Sample, b: Sample) -> Outcome | None:
+    """The end at a homoclinic or heteroclinic orbit, where two neighbouring orbits show that it is near."""
+    if problem.forced or not b.period > a.period:
+        return None
+    rises = [problem.lengthening(s.tangent) for s in (a, b)]
+    if 0.0 in rises:
+        return None
+    slopes = np.array([float(s.tangent[-1]) / rise for s, rise in zip((a, b), rises, strict=True)])
+    value = float(b.z[-1])
+    wanted = max(REST * problem.discretization.accuracy, LEAST_REST) * max(abs(value), 1e-300)
+    if not np.all(np.isfinite(slopes)) or abs(slopes[1]) * b.period > MOST_TURNS * wanted:
+        return None
+    before, after = (problem.slow_place(s.z) for s in (a, b))
+    if after.slowness > CREEPING:
+        return None
+    limit = _limit(before, after, (a, b), slopes)
+    if limit is None or limit.swing > wanted:
+        return None
+    error = limit.error + problem.parameter_error(b)
+    return Outcome(
+        "stopped",
+        "homoclinic",
+        f"The period runs off ({b.period:.4g} s here) while the orbit creeps past an equilibrium: a "
+        f"homoclinic or heteroclinic orbit at {problem.free} = {value + limit.rest:.12g} +- {error:.1e}, by "
+        f"extrapolation from {value:.12g}.{_doubt(b)} Nothing to do; a finer accuracy follows it further.",
+    )
+
+
+def _doubt(sample: Sample) -> str:
+    """A sentence where the multipliers of an orbit are not known to their size."""
+    largest = float(np.abs(sample.eigenvalues).max(initial=1.0))
+    if (sample.spectrum_error or 0.0) < largest:
+        return ""
+    return " Its last multipliers are not known to their size, and are not counted as unstable."
+
+
+def _limit(
+    before: SlowPlace, after: SlowPlace, samples: tuple[Sample, Sample], slopes: np.ndarray
+) -> Limit | None:
+    """The limit by the law of the equilibrium that is passed; None where it is not obeyed."""
+    rest = after.equilibrium()
+    if rest is None or after.distance(rest) > PASSED:
+        return _gone(before, after, samples, slopes)
+    values = np.linalg.eigvals(after.jacobian(rest))
+    growing, falling = values[values.real > 0.0], values[values.real < 0.0]
+    old = before.equilibrium()
+    nearer = old is not None and after.distance(rest) < before.distance(old)
+    if not (len(growing) and len(falling) and nearer):
+        return None
+    leading = min(
+        growing[np.argmin(growing.real)], falling[np.argmax(falling.real)], key=lambda v: abs(v.real)
+    )
+    if abs(leading.imag) > 1e-9 * abs(leading):
+        return _swinging(complex(-abs(leading.real), abs(leading.imag)), samples, slopes)
+    return _falling(float(abs(leading.real)), samples, slopes, after.distance(rest) < AT_REST)
+
+
+def _falling(rate: float, samples: tuple[Sample, Sample], slopes: np.ndarray, at_rest: bool) -> Limit | None:
+    """lambda - lambda_h falls like exp(-rate T); of a cycle past several equilibria, with another rate."""
+    if slopes[0] * slopes[1] <= 0.0:
+        return None
+    measured = float(np.log(slopes[0] / slopes[1])) / (samples[1].period - samples[0].period)
+    if measured <= 0.0:
+        return None
+    off = abs(measured / rate - 1.0)
+    lawful = off < LAWFUL
+    if not lawful and not (at_rest and 1.0 / ABOUT < measured / rate < ABOUT):
+        return None
+    rest = float(slopes[1]) / measured
+    return Limit(rest, abs(rest - float(slopes[1]) / rate) + (off + LAWFUL) * abs(rest), abs(rest))
+
+
+def _swinging(exponent: complex, samples: tuple[Sample, Sample], slopes: np.ndarray) -> Limit | None:
+    """lambda - lambda_h = Re(c exp(exponent T)): c from the slopes at two periods."""
+    a, b = samples
+    back = np.exp(-exponent * (b.period - a.period))
+    if abs(back.imag) < 0.05 * abs(back):  # half a turn apart, or hardly apart: the phase is not told
+        return None
+    slope = complex(slopes[1], (slopes[1] * back.real - slopes[0]) / back.imag)
+    amplitude = slope / exponent
+    predicted = amplitude.real - (amplitude * back).real
+    off = abs(predicted - float(b.z[-1] - a.z[-1])) / max(abs(amplitude), abs(amplitude * back))
+    if off > LAWFUL:
+        return None
+    return Limit(-amplitude.real, abs(amplitude), abs(amplitude))
+
+
+def _gone(
+    before: SlowPlace, after: SlowPlace, samples: tuple[Sample, Sample], slopes: np.ndarray
+) -> Limit | None:
+    """A saddle-node that has gone: lambda - lambda_h and the least speed fall like 1 / (T - T_0)^2."""
+    ratio = float(slopes[0] / slopes[1]) if slopes[1] else 0.0
+    if not ratio > 1.0:
+        return None
+    a, b = (s.period for s in samples)
+    longer = ratio ** (1.0 / 3.0)  # (b - T_0) / (a - T_0)
+    since = (b - a) * longer / (longer - 1.0)  # b - T_0
+    slower = before.speed / max(after.speed, 1e-300)
+    if since > 2.0 * b or slower <= 1.0 or abs(np.log(slower) / np.log(longer) - 2.0) > 0.5:
+        return None
+    rest = 0.5 * float(slopes[1]) * since
+    return Limit(rest, 0.5 * abs(rest), abs(rest))

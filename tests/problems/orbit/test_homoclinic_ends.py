@@ -1,0 +1,121 @@
+"""Homoclinic ends: what is one, what is a fold, and what the limit's error claims."""
+
+import re
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from small_systems import labelled, small_problem
+
+import contwalk as cw
+from contwalk.problems.orbit.homoclinic import SlowPlace, _falling, _gone, _swinging
+
+# Of the Morris-Lecar model below, from collocation on 400 intervals followed to periods of 3e4.
+MORRIS_LECAR = 35.00673420
+
+
+def claimed(branch):
+    """The limit that a homoclinic end names, and its error."""
+    found = re.search(r"orbit at \w+ = (\S+) \+- (\S+), by", branch.outcome.message)
+    return float(found[1]), float(found[2])
+
+
+def morris_lecar(t, x, p, dx):
+    m = 0.5 * (1.0 + np.tanh((x[0] + 1.2) / 18.0))
+    w = 0.5 * (1.0 + np.tanh((x[0] - 12.0) / 17.4))
+    rate = 0.23 * np.cosh((x[0] - 12.0) / 34.8)
+    dx[0] = (p.I - 4.0 * m * (x[0] - 120.0) - 8.0 * x[1] * (x[0] + 84.0) - 2.0 * (x[0] + 60.0)) / 20.0
+    dx[1] = rate * (w - x[1])
+
+
+def test_the_limit_is_given_with_an_error_that_covers():
+    problem = small_problem(morris_lecar, ["v", "w"], {"I": -50.0}, "I")
+    equilibria = cw.continue_branch(problem, [-75.0, 0.0], (-50.0, 120.0))
+    cycle = cw.switch_branch(problem, equilibria, "HB1", (-50.0, 120.0))
+    assert cycle.outcome.reason == "homoclinic", cycle.outcome
+    assert [p.label for p in cycle.special_points] == ["LP", "EP"]
+    value, error = claimed(cycle)
+    assert abs(value - MORRIS_LECAR) <= error
+    assert error <= 1e-6 * value  # the walk ends ten accuracies, 1e-7, from the limit, on steps of 1e-6
+
+
+def circuit(t, x, p, dx):
+    """An electronic oscillator (E. Freire et al., 1993), the demo `tor` of AUTO."""
+    dx[0] = (-(0.5 + p.nu) * x[0] + 0.5 * x[1] - 0.328578 * x[0] ** 3 + 0.933578 * (x[1] - x[0]) ** 3) / 0.6
+    dx[1] = 0.5 * x[0] + 0.1 * x[1] - x[2] - 0.933578 * (x[1] - x[0]) ** 3
+    dx[2] = x[1]
+
+
+def test_folds_before_a_saddle_focus_are_no_end():
+    """Around a saddle-focus the family turns again and again, each time nearer to the limit."""
+    problem = small_problem(circuit, "xyz", {"nu": -0.9}, "nu")
+    equilibria = cw.continue_branch(problem, [0.0, 0.0, 0.0], (-1.0, 0.0))
+    cycle = cw.switch_branch(problem, equilibria, "HB1", (-1.0, 0.0))
+    assert cycle.outcome.reason == "homoclinic", cycle.outcome
+    # A fold and the branch point beside it are one turn; turns are half a round of the focus apart.
+    turns = [p for p in labelled(cycle, "LP", "BP") if p.period > 35.0]
+    apart = np.diff([p.period for p in turns], prepend=0.0) > 1.0
+    places = [p.parameters["nu"] for p, new in zip(turns, apart, strict=True) if new]
+    assert len(places) >= 8
+    widths = np.abs(np.diff(places))
+    # Each turn is exp(pi rho / omega) times nearer, with the pair rho +- i omega of the equilibrium at y = 0.
+    square = -(0.5 + places[-1]) / (0.328578 + 0.933578)
+    bend = 3.0 * 0.933578 * square
+    matrix = [
+        [(-(0.5 + places[-1]) - 3.0 * 0.328578 * square - bend) / 0.6, (0.5 + bend) / 0.6, 0.0],
+        [0.5 + bend, 0.1 - bend, -1.0],
+        [0.0, 1.0, 0.0],
+    ]
+    pair = next(v for v in np.linalg.eigvals(np.array(matrix)) if v.imag > 0.0)
+    # The next order is a part of the order of the deviation, 2e-3 at the first of these turns.
+    assert np.diff(np.log(widths)) == pytest.approx(-np.pi * pair.real / pair.imag, abs=0.03)
+    value, error = claimed(cycle)
+    assert min(places[-2:]) < value < max(places[-2:])
+    assert abs(value - places[-1]) < widths[-1]
+    assert error < widths[-1]
+
+
+def samples(law, *periods):
+    """Two neighbouring orbits of a law lambda(T), and the slopes that their tangents tell."""
+    step = 1e-6
+    slopes = np.array([(law(t + step) - law(t - step)) / (2.0 * step) for t in periods])
+    return tuple(SimpleNamespace(period=t, z=np.array([law(t)])) for t in periods), slopes
+
+
+def test_the_law_of_a_saddle():
+    law = lambda t: 2.0 + 3.0 * np.exp(-0.7 * t)  # noqa: E731
+    pair, slopes = samples(law, 10.0, 10.5)
+    limit = _falling(0.7, pair, slopes, at_rest=False)
+    assert limit.rest == pytest.approx(2.0 - law(10.5), rel=1e-4)  # slopes by differences of 1e-6
+    assert _falling(1.5, pair, slopes, at_rest=False) is None  # another equilibrium's rate: no end
+    assert _falling(1.5, pair, slopes, at_rest=True).error >= abs(limit.rest)
+
+
+def test_a_fold_is_not_the_law_of_a_saddle():
+    """Near a fold dlambda/dT falls linearly: by which rate depends on how near, not on an equilibrium."""
+    pair, slopes = samples(lambda t: 2.0 + 1e-9 * (t - 20.0) ** 2, 18.0, 18.3)
+    assert _falling(0.05, pair, slopes, at_rest=False) is None
+    assert _falling(3.0, pair, slopes, at_rest=False) is None
+
+
+def test_the_law_of_a_saddle_focus():
+    law = lambda t: 2.0 + np.exp(-0.2 * t) * np.cos(1.3 * t + 0.4)  # noqa: E731
+    pair, slopes = samples(law, 20.0, 20.4)
+    limit = _swinging(complex(-0.2, 1.3), pair, slopes)
+    assert limit.rest == pytest.approx(2.0 - law(20.4), rel=1e-3)
+    assert limit.swing == pytest.approx(np.exp(-0.2 * 20.4), rel=1e-3)
+    assert limit.error >= limit.swing
+
+
+def place(speed):
+    """A slow place with a speed, and nothing else."""
+    return SlowPlace(speed, 1.0, np.zeros(1), np.ones(1), np.zeros((1, 1)), lambda x: x, lambda x: np.eye(1))
+
+
+def test_the_law_of_a_saddle_node_that_has_gone():
+    law = lambda t: 2.0 + 5.0 / (t - 3.0) ** 2  # noqa: E731
+    pair, slopes = samples(law, 300.0, 310.0)
+    limit = _gone(place(1.0 / 297.0**2), place(1.0 / 307.0**2), pair, slopes)
+    assert limit.rest == pytest.approx(2.0 - law(310.0), rel=1e-2)
+    assert abs(limit.rest - (2.0 - law(310.0))) <= limit.error
+    assert _gone(place(1e-5), place(0.99e-5), pair, slopes) is None  # the least speed stays: no equilibrium
