@@ -22,6 +22,8 @@ from contwalk.problems.problem import Linearization, Located, Problem, Sample
 COINCIDE = 1e-9
 # What lies this near before the end of the admissible orbits, in parts of the step, is not told from it.
 BEFORE_LIMIT = 1e-4
+# A family of orbits is followed to this size, in the metric, before it counts as shrunk onto its Hopf point.
+NEARLY_SHRUNK = 1e-3
 # The field's domain ends where a step this short still leaves it.
 EDGE = 1e-7
 
@@ -101,6 +103,8 @@ def take_step(problem: Problem, here: Here, settings: Settings, observer: Observ
             try:
                 segment = _segment(problem, here, prediction, correction, settings, smallest)
                 if outcome := problem.ended(segment.a, segment.b):
+                    if outcome.reason == "shrunk" and length > NEARLY_SHRUNK and not smallest:
+                        raise Disagreement("EP", "The orbit shrinks to nothing within the step.")
                     return outcome
                 found = _special(segment, settings, observer, smallest)
                 if prediction.to_bound and not any(f.theta > 1.0 - COINCIDE for f in found):

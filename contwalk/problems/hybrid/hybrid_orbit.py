@@ -775,7 +775,7 @@ class HybridOrbit:
             return ""
         return self.word.legs[shortest].name
 
-    def fallen_back(self, z: np.ndarray) -> bool:
+    def fallen_back(self, z: np.ndarray, tangent: np.ndarray | None = None) -> bool:
         """Whether an orbit repeats itself, or is its own image, as its parent does."""
         return least.repetitions(self, z) > 1 or bool(least.own_image(self, z))
 

@@ -110,7 +110,7 @@ def _refined(problem: Orbit, system: Augmented, rough: np.ndarray, sample: Sampl
         return None  # refinement has left the neighbourhood
     vectors = system.vectors(finer, found)
     if "plane" in vectors:
-        vectors["fallen_back"] = finer.fallen_back(found[: size + 1])
+        vectors["fallen_back"] = finer.fallen_back(found[: size + 1], sample.tangent)
     return Located(found[: size + 1], error, vectors, refined=True, problem=finer)
 
 

@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 POINT = 1e-8
 # Two states of an orbit nearer than this, in units of its range, are one.
 MEETS = 1e-6
+# How far aside along the branch another orbit is looked at, in the metric; and by how much less it moves from
+# what it keeps: to the second order.
+ASIDE, STAYS = 1e-3, 0.03
 
 
 def ended(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:
@@ -88,10 +91,15 @@ def speeds_of(problem: PeriodicOrbit, z: np.ndarray) -> tuple[np.ndarray, np.nda
     return np.concatenate(times), np.concatenate(speeds)
 
 
-def repeats(problem: PeriodicOrbit, z: np.ndarray) -> bool:
-    """Whether an orbit runs twice through the same states, or is its own mirror image, so that its
-    parent is met.
+def fallen_back(problem: PeriodicOrbit, z: np.ndarray, tangent: np.ndarray) -> bool:
+    """Whether an orbit has become its parent: it repeats itself, or is its own image, and those beside it
+    on its branch do not.
     """
+    return repeats(problem, z, MEETS) and not repeats(problem, z + ASIDE * tangent, ASIDE * STAYS)
+
+
+def repeats(problem: PeriodicOrbit, z: np.ndarray, meets: float) -> bool:
+    """Whether an orbit runs twice through the same states, or is its own mirror image."""
     try:
         x = problem.starts(z)[0]
         still = np.zeros(len(z))
@@ -99,7 +107,7 @@ def repeats(problem: PeriodicOrbit, z: np.ndarray) -> bool:
         # no parent's.
         if not problem.forced or problem.subharmonic % 2 == 0:
             half = carried_to(problem, z, still, 0.5)[0] - 0.5 * problem.closure.turns
-            if _meet(problem, half, x):
+            if _meet(problem, half, x, meets):
                 return True
         p = ParameterValues(**problem.values_of(z))
         for symmetry in problem.system.symmetries:
@@ -107,12 +115,12 @@ def repeats(problem: PeriodicOrbit, z: np.ndarray) -> bool:
             if problem.closure.fold > 1 or symmetry.role != "spatial" or order is None or order < 2:
                 continue
             part = carried_to(problem, z, still, 1.0 / order)[0]
-            if any(_meet(problem, imaged(symmetry, part, p, power), x) for power in range(1, order)):
+            if any(_meet(problem, imaged(symmetry, part, p, power), x, meets) for power in range(1, order)):
                 return True
     except NotFinite:
         return False
     return False
 
 
-def _meet(problem: PeriodicOrbit, x: np.ndarray, y: np.ndarray) -> bool:
-    return float(np.linalg.norm((x - y) / problem.mesh.variation)) < MEETS
+def _meet(problem: PeriodicOrbit, x: np.ndarray, y: np.ndarray, meets: float) -> bool:
+    return float(np.linalg.norm((x - y) / problem.mesh.variation)) < meets

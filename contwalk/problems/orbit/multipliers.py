@@ -105,7 +105,10 @@ def _single(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _product(factors: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """Eigenvalues of an unformed product, with errors relative to their own size."""
-    values = product_eigenvalues(factors)
+    try:
+        values = product_eigenvalues(factors)
+    except np.linalg.LinAlgError:
+        return _single(np.linalg.multi_dot(factors[::-1]) if len(factors) > 1 else factors[0])
     # The factors are real: what is left of an imaginary part by the complex arithmetic is rounding.
     values = np.where(np.abs(values.imag) <= REAL * np.abs(values), values.real, values).astype(complex)
     values = _paired(values)

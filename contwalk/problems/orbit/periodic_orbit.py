@@ -821,9 +821,9 @@ class PeriodicOrbit:
         """Where the orbit is slowest, and the field there."""
         return ending.slow_place(self, z)
 
-    def fallen_back(self, z: np.ndarray) -> bool:
-        """Whether the orbit has become its parent again."""
-        return ending.repeats(self, z)
+    def fallen_back(self, z: np.ndarray, tangent: np.ndarray) -> bool:
+        """Whether the orbit of a branch with this tangent has become its parent again."""
+        return ending.fallen_back(self, z, tangent)
 
     # -- special points ----------------------------------------------------------------------------------
 

@@ -110,8 +110,8 @@ class Orbit(Protocol):
         """The map that takes the section once round the orbit."""
         ...
 
-    def fallen_back(self, z: np.ndarray) -> bool:
-        """Whether the orbit has become its parent again."""
+    def fallen_back(self, z: np.ndarray, tangent: np.ndarray) -> bool:
+        """Whether the orbit of a branch with this tangent has become its parent again."""
         ...
 
     def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:

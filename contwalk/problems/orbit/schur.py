@@ -38,13 +38,18 @@ def product_eigenvalues(factors: Sequence[np.ndarray]) -> np.ndarray:
     """
     if len(factors) == 1:
         return np.linalg.eigvals(factors[0]).astype(complex)
-    chain = [np.array(factor, dtype=complex) for factor in factors]
-    _hessenberg(chain)
-    _sweeps(chain)
-    values = np.ones(len(chain[0]), dtype=complex)
-    for factor in chain:
-        values = values * np.diag(factor)
-    return values
+    if not all(np.any(factor) for factor in factors):
+        return np.zeros(len(factors[0]), dtype=complex)
+    # A product has the eigenvalues of its cyclic permutations: where one stalls another one may begin elsewhere.
+    for first in range(len(factors)):
+        chain = [np.array(factor, dtype=complex) for factor in (*factors[first:], *factors[:first])]
+        try:
+            _hessenberg(chain)
+            _sweeps(chain)
+        except np.linalg.LinAlgError:
+            continue
+        return np.prod([np.diag(factor) for factor in chain], axis=0)
+    raise np.linalg.LinAlgError("the periodic QR iteration does not converge")
 
 
 def _hessenberg(chain: list[np.ndarray]) -> None:
@@ -62,11 +67,12 @@ def _hessenberg(chain: list[np.ndarray]) -> None:
 def _triangular(chain: list[np.ndarray], first: int = 0) -> None:
     """Restore the triangular form of rows and columns from `first` on, passing the changes on to the last."""
     for i in range(len(chain) - 1):
+        size = np.linalg.norm(chain[i])
         q, r = np.linalg.qr(chain[i][first:, first:], mode="complete")
         lost = np.flatnonzero(np.diag(r) == 0.0)
         # A factor that is singular to rounding: which rounding it was makes no difference, but zero stops
         # the sweeps.
-        r[lost, lost] = 0.1 * EPSILON * np.linalg.norm(r)
+        r[lost, lost] = 0.1 * EPSILON * size
         chain[i][first:, first:] = r
         chain[i + 1][:, first:] = chain[i + 1][:, first:] @ q
 

@@ -96,3 +96,26 @@ def test_factors_are_left_as_they_are():
     product_eigenvalues(factors)
     for factor, copy in zip(factors, copies, strict=True):
         assert np.array_equal(factor, copy)
+
+
+@pytest.mark.parametrize("first", range(3))
+def test_singular_factors_that_are_not_triangular(first):
+    """Integer factors of any rank, and cyclic permutations of one product, which have the same eigenvalues."""
+    random = np.random.default_rng(5)
+    for _ in range(40):
+        n = int(random.integers(1, 6))
+        ranks = random.integers(0, n + 1, 3)
+        factors = [random.integers(-2, 3, (n, r)) @ random.integers(-2, 3, (r, n)) * 1.0 for r in ranks]
+        product = factors[2] @ factors[1] @ factors[0]
+        found = np.poly(product_eigenvalues([*factors[first:], *factors[:first]]))
+        size = max(float(np.prod([np.linalg.norm(f, 2) for f in factors])), 1.0)
+        # The coefficients of the characteristic polynomial, by rounding of each factor: eigenvalues
+        # themselves are not so well conditioned where they meet.
+        off = np.abs(found - np.poly(product)) / size ** np.arange(n + 1.0)
+        assert off.max() < 1e-12
+
+
+def test_a_factor_that_is_zero():
+    factors = [np.zeros((2, 2)), np.array([[-1.0, -1.0], [-2.0, 2.0]])]
+    assert not np.any(product_eigenvalues(factors))
+    assert not np.any(product_eigenvalues(factors[::-1]))
