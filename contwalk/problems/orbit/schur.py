@@ -40,7 +40,7 @@ def product_eigenvalues(factors: Sequence[np.ndarray]) -> np.ndarray:
         return np.linalg.eigvals(factors[0]).astype(complex)
     if not all(np.any(factor) for factor in factors):
         return np.zeros(len(factors[0]), dtype=complex)
-    # A product has the eigenvalues of its cyclic permutations: where one stalls another one may begin elsewhere.
+    # A product has the eigenvalues of its cyclic permutations: where one stalls another one may not.
     for first in range(len(factors)):
         chain = [np.array(factor, dtype=complex) for factor in (*factors[first:], *factors[:first])]
         try:

@@ -100,7 +100,7 @@ def test_factors_are_left_as_they_are():
 
 @pytest.mark.parametrize("first", range(3))
 def test_singular_factors_that_are_not_triangular(first):
-    """Integer factors of any rank, and cyclic permutations of one product, which have the same eigenvalues."""
+    """Integer factors of any rank, and cyclic permutations of one product."""
     random = np.random.default_rng(5)
     for _ in range(40):
         n = int(random.integers(1, 6))
