@@ -22,7 +22,7 @@ from contwalk.problems.problem import MAX_RE, Linearization, Located, Rates, Sam
 from contwalk.problems.spectrum import EPSILON, Spectrum, spectrum
 from contwalk.problems.switching import branch_point_seeds, second_direction, tangent_through
 from contwalk.system import Neutral, System
-from contwalk.system.declarations import ParameterValues, nearest
+from contwalk.system.declarations import ParameterValues
 
 
 class Equilibrium:
@@ -67,24 +67,20 @@ class Equilibrium:
                 f"System '{system.name}' is forced periodically (period=...), so it has no equilibria.",
                 "Its periodic orbits are another kind of problem.",
             )
-        if path is None and free not in system.parameter_names:
-            known = system.parameter_names
-            raise SystemDefinitionError(
-                f"'{free}' is not a parameter of '{system.name}'.",
-                f"Known: {', '.join(known)}. {nearest(free, known)}".strip(),
-            )
+        if path is None:
+            system.require_parameter(free)
         self.system = system
         self.free = free
         self.path = path
         self.pins = tuple(pins)
         self.states = len(system.states)
         self.size = self.states + len(self.pins)
-        self.parameters = {name: float(parameters[name]) for name in system.parameter_names}
+        self.parameters = system.all_parameters(parameters)
         self.reference = reference
         self.discretization = discretization
         self.evaluations = 0
         names = system.parameter_names
-        begin, end = path if path is not None else (self.parameters, self.parameters)
+        begin, end = map(system.all_parameters, path or (self.parameters, self.parameters))
         self._base = [float(begin[name]) for name in names]
         self._direction = [float(end[name]) - float(begin[name]) for name in names]
         moving = [k for k, d in enumerate(self._direction) if d != 0.0]

@@ -15,6 +15,7 @@ from __future__ import annotations
 import keyword
 import math
 import re
+import unicodedata
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -77,6 +78,12 @@ def _require_name(what: str, name: Any) -> None:
         raise SystemDefinitionError(
             f"{what} has the name {name!r}, which is not a valid Python identifier.",
             "Use letters, digits and underscores, not starting with a digit.",
+        )
+    written = unicodedata.normalize("NFKC", name)
+    if written != name:  # Python reads p.name so, and would not find it
+        raise SystemDefinitionError(
+            f"{what} has the name {name!r} ({name!a}), which Python reads as {written!r} ({written!a}).",
+            f"Name it {written!r}.",
         )
 
 
@@ -582,6 +589,43 @@ class System:
     def defaults(self) -> dict[str, float]:
         """Default values of all parameters."""
         return {parameter.name: float(parameter.default) for parameter in self.parameters}
+
+    def require_parameter(self, name: str) -> None:
+        """Refuse a name that is no parameter.
+
+        Raises
+        ------
+        SystemDefinitionError
+        """
+        if name not in self.parameter_names:
+            known = self.parameter_names
+            raise SystemDefinitionError(
+                f"'{name}' is not a parameter of '{self.name}'.",
+                f"Known: {', '.join(known)}. {nearest(str(name), known)}".strip(),
+            )
+
+    def all_parameters(self, given: Mapping[str, Any]) -> dict[str, float]:
+        """Values of all parameters, in their order, from a mapping that has them all.
+
+        Raises
+        ------
+        SystemDefinitionError
+            If one is missing, unknown, or no number.
+        """
+        missing = [name for name in self.parameter_names if name not in given]
+        if missing:
+            raise SystemDefinitionError(
+                f"The parameters of '{self.name}' lack {', '.join(missing)}.",
+                "Give a value of each; system.defaults() | {'name': value} changes some of the defaults.",
+            )
+        for name in given:
+            self.require_parameter(name)
+        wrong = [name for name, value in given.items() if not _is_number(value)]
+        if wrong:
+            raise SystemDefinitionError(
+                f"The parameter {wrong[0]} of '{self.name}' is {given[wrong[0]]!r}.", "Give a number."
+            )
+        return {name: float(given[name]) for name in self.parameter_names}
 
     def mode(self, name: str) -> Mode:
         """The mode of this name."""

@@ -44,6 +44,8 @@ def check_transition(
         reset = Traced(transition.reset, system, form, mode=transition.source)
         check_soft(report, transition, guard, reset, fields, samples)
     happening = Happening(transition, _states_at_event(transition, guard, fields[transition.source], samples))
+    if transition.role == "soft":
+        _check_continuous(report, happening, system, fields, samples)
     if transition.role != "watched" and transition.reset is not None:
         _check_leaving(report, happening, system, samples)
     return happening
@@ -106,6 +108,35 @@ def check_soft(
                 f"The transition is soft, but its reset changes {reset.system.state_names[i]} from "
                 f"{x[i]:.6g} to {now:.6g}. Declare role='hard', or leave the reset out.",
                 place_of(transition.reset),
+            )
+            return
+
+
+def _check_continuous(
+    report: Report, happening: Happening, system: System, fields: Mapping[str, Traced], samples: Samples
+) -> None:
+    """At a soft transition the field must be the same on both sides, in the states that exist on both."""
+    transition = happening.transition
+    before, after = fields[transition.source], fields[transition.target]
+    both = [i for i in before.existing if i in after.existing]
+    for t, x in happening.before:
+        rates, bounds = [], []
+        for field in (before, after):
+            given = field.given(x)
+            rates.append(field.values(t, given, samples.values))
+            inherited = np.abs(field.slopes(t, given, samples.values)) @ np.abs([t, *given])
+            bounds.append(field.roundings(t, given, samples.values) + inherited)
+        jump = np.abs(rates[1] - rates[0])[both]
+        # A damper's force is its constant times a speed that is zero but for the rounding of the guard.
+        allowed = FACTOR * EPSILON * (bounds[0] + bounds[1])[both]
+        if (jump > np.maximum(allowed, np.finfo(float).tiny)).any():
+            i = both[int(np.argmax(jump - allowed))]
+            report.error(
+                f"transition '{transition.name}'",
+                f"It is soft, but the field jumps there: {before.form.entry(i)} is {rates[0][i]:.6g} in mode "
+                f"'{transition.source}' and {rates[1][i]:.6g} in mode '{transition.target}'. "
+                "Declare role='hard': multipliers would be wrong.",
+                place_of(transition.guard),
             )
             return
 

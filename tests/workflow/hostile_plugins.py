@@ -173,6 +173,7 @@ HOSTILE: dict[str, tuple[str, str, str]] = {
     "state named by a number": (SMOOTH, 'State("y")', "State(2)"),
     "state named by a keyword": (SMOOTH, 'State("y")', 'State("lambda")'),
     "state without a name": (SMOOTH, 'State("y")', 'State("")'),
+    "state with a sign that Python reads as another one": (SMOOTH, 'State("y")', 'State("\u00b5")'),
     "scale zero": (SMOOTH, 'State("y")', 'State("y", scale=0.0)'),
     "scale NaN": (SMOOTH, 'State("y")', 'State("y", scale=math.nan)'),
     "scale is text": (SMOOTH, 'State("y")', 'State("y", scale="large")'),

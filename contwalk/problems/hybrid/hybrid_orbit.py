@@ -115,15 +115,17 @@ class HybridOrbit:
         subharmonic: int = 1,
         discretization: Discretization | None = None,
     ) -> None:
+        if path is None:
+            system.require_parameter(free)
         self.system, self.word, self.free, self.path = system, word, free, path
         self.pins, self.reference = tuple(pins), reference
-        self.parameters = {name: float(parameters[name]) for name in system.parameter_names}
+        self.parameters = system.all_parameters(parameters)
         self.subharmonic = subharmonic
         self.discretization = discretization or Discretization()
         self.states = len(system.states)
         self.forced = system.period is not None
         names = system.parameter_names
-        begin, end = path if path is not None else (self.parameters, self.parameters)
+        begin, end = map(system.all_parameters, path or (self.parameters, self.parameters))
         self._base = np.array([float(begin[name]) for name in names])
         self._direction = np.array([float(end[name]) - float(begin[name]) for name in names])
         self.fixed = np.concatenate([self._base, self._direction])

@@ -1,0 +1,225 @@
+"""What is refused when a system is loaded or first used from Python, and what is not."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import contwalk as cw
+from contwalk.errors import SystemDefinitionError
+from contwalk.system import Mode, Parameter, State, Symmetry, System, Transition
+from contwalk.workflow.check_system import check_system
+from contwalk.workflow.sound_systems import refuse_unsound
+
+
+def oscillator(field, states=("x", "y"), **more):
+    return System(
+        name="oscillator",
+        states=tuple(State(name) for name in states),
+        parameters=(
+            Parameter("a", 1.0),
+            Parameter("f", 0.0),
+            Parameter("w", 2.0),
+            Parameter("n", 3.0),
+        ),
+        modes=(Mode("only", field),),
+        **more,
+    )
+
+
+def driven(t, x, p, dx):
+    dx[0] = x[1]
+    dx[1] = -p.a * x[0] - 0.1 * x[1] + p.f * math.cos(p.w * t) * math.sin(p.n * p.w * t)
+
+
+def free(t, x, p, dx):
+    dx[0] = x[1]
+    dx[1] = -p.a * x[0] - 0.1 * x[1]
+
+
+def forcing(p):
+    return 2.0 * math.pi / p.w
+
+
+def line(function):
+    return f"{__file__}, line {function.__code__.co_firstlineno}"
+
+
+class TestTime:
+    """Without a period there is no equilibrium and no orbit of a field that depends on time."""
+
+    system = oscillator(driven)
+
+    @pytest.mark.parametrize("kind", [cw.Equilibrium, cw.PeriodicOrbit])
+    def test_problems_are_refused(self, kind):
+        problem = kind(self.system, self.system.defaults(), free="a")
+        given = {} if kind is cw.Equilibrium else {"period": 3.0}
+        with pytest.raises(SystemDefinitionError, match="depends on the time t") as caught:
+            cw.continue_branch(problem, np.array([0.1, 0.0]), range=(0.5, 2.0), **given)
+        assert line(driven) in caught.value.sentence
+
+    def test_time_that_cancels_is_none(self):
+        def field(t, x, p, dx):
+            dx[0] = p.f - x[0] + 0.0 * t
+            dx[1] = -x[1]
+
+        system = oscillator(field)
+        problem = cw.Equilibrium(system, system.defaults(), free="f")
+        branch = cw.continue_branch(problem, np.zeros(2), range=(-1.0, 1.0))
+        assert np.allclose(branch["x"], branch["f"], rtol=0.0, atol=1e-14)
+
+    def test_loading_does_not_refuse_what_can_be_simulated(self):
+        refuse_unsound(self.system)
+
+
+class TestPeriods:
+    def test_a_period_holds_for_all_harmonics(self):
+        refuse_unsound(oscillator(driven, period=forcing))
+
+    @pytest.mark.parametrize("wrong", [lambda p: 2.0, lambda p: 1.5 * math.pi / p.w, lambda p: 6.2831 / p.w])
+    def test_a_wrong_period_shows_though_the_force_is_off_by_default(self, wrong):
+        with pytest.raises(SystemDefinitionError, match=r"does not repeat .* with f = 1") as caught:
+            refuse_unsound(oscillator(driven, period=wrong))
+        assert line(driven) in caught.value.sentence
+
+    def test_switching_a_zero_on_respects_bounds(self):
+        system = oscillator(driven, period=lambda p: 2.0)
+        off = replace(
+            system,
+            parameters=(
+                *system.parameters[:1],
+                Parameter("f", 0.0, bounds=(0.0, 0.0)),
+                *system.parameters[2:],
+            ),
+        )
+        refuse_unsound(off)
+
+
+class TestSymmetries:
+    @staticmethod
+    def minus(t, x, p, x_image):
+        x_image[0] = -x[0]
+        x_image[1] = -x[1]
+
+    @staticmethod
+    def half(t, x, p, x_image):
+        x_image[0] = -x[0]
+        x_image[1] = x[1]
+
+    def test_right_ones_pass(self):
+        refuse_unsound(oscillator(free, symmetries=(Symmetry("minus", "spatial", self.minus),)))
+
+    def test_wrong_ones_are_refused(self):
+        with pytest.raises(SystemDefinitionError, match="does not hold in mode 'only'") as caught:
+            refuse_unsound(oscillator(free, symmetries=(Symmetry("half", "spatial", self.half),)))
+        assert line(self.half) in caught.value.sentence
+
+
+class TestParameters:
+    system = oscillator(free)
+
+    @pytest.mark.parametrize("kind", [cw.Equilibrium, cw.PeriodicOrbit])
+    @pytest.mark.parametrize(
+        ("given", "said"),
+        [
+            ({"a": 1.0, "n": 2.0}, "lack f, w"),
+            ({"a": 1.0, "f": 0.0, "w": 1.0, "n": 1.0, "omega": 2.0}, "'omega' is not a parameter"),
+            ({"a": None, "f": 0.0, "w": 1.0, "n": 1.0}, "The parameter a of 'oscillator' is None"),
+        ],
+    )
+    def test_what_is_missing_or_wrong_is_named(self, kind, given, said):
+        with pytest.raises(SystemDefinitionError, match=said):
+            kind(self.system, given, free="a")
+
+    @pytest.mark.parametrize("kind", [cw.Equilibrium, cw.PeriodicOrbit])
+    def test_the_free_one_must_exist(self, kind):
+        with pytest.raises(SystemDefinitionError, match=r"'b' is not a parameter of 'oscillator'"):
+            kind(self.system, self.system.defaults(), free="b")
+
+    def test_both_ends_of_a_path_are_complete(self):
+        ends = self.system.defaults(), {"a": 2.0}
+        with pytest.raises(SystemDefinitionError, match="lack f, w, n"):
+            cw.Equilibrium(self.system, self.system.defaults(), free="path", path=ends)
+
+
+class TestNames:
+    @pytest.mark.parametrize(
+        "name", ["stable", "period", "special", "max_re", "max_abs", "split", "path", "re_1", "im_12"]
+    )
+    def test_names_of_results_are_refused(self, name):
+        with pytest.raises(SystemDefinitionError, match=f"calls a state '{name}'"):
+            oscillator(free, states=("x", name))
+
+    @pytest.mark.parametrize("name", ["s", "step", "error", "real", "T", "x_1", "stable_2"])
+    def test_others_are_not(self, name):
+        assert oscillator(free, states=("x", name)).state_names == ("x", name)
+
+
+class TestSoftTransitions:
+    """A damper that acts one way: its force is zero where it begins, but for dry friction it is not."""
+
+    @staticmethod
+    def system(force, reset=None):
+        def damped(t, x, p, dx):
+            dx[0] = x[1]
+            dx[1] = -p.a * x[0] - force(x[1])
+
+        def speed(t, x, p):
+            return x[1]
+
+        return System(
+            name="damper",
+            states=(State("x"), State("v")),
+            parameters=(Parameter("a", 1.0),),
+            modes=(Mode("out", free_of(1.0)), Mode("back", damped)),
+            transitions=(
+                Transition("turns", "out", "back", guard=speed, reset=reset, role="soft"),
+                Transition("returns", "back", "out", guard=speed, direction="rising", role="soft"),
+            ),
+        )
+
+    def errors(self, system):
+        return [finding.sentence for finding in check_system(system) if finding.level == "error"]
+
+    def test_a_viscous_damper_is_soft(self):
+        assert self.errors(self.system(lambda v: 3.0 * v)) == []
+
+    def test_dry_friction_is_not(self):
+        found = self.errors(self.system(lambda v: -0.2))
+        assert any("the field jumps there" in sentence for sentence in found)
+
+    def test_a_reset_that_jumps_is_not(self):
+        def jump(t, x, p, x_plus):
+            x_plus[0] = x[0] + 0.1
+            x_plus[1] = x[1]
+
+        system = self.system(lambda v: 3.0 * v, jump)
+        assert any("but its reset changes x" in sentence for sentence in self.errors(system))
+        with pytest.raises(SystemDefinitionError, match="but its reset changes x"):
+            refuse_unsound(system)
+
+    def test_a_reset_that_keeps_the_state_is_soft(self):
+        def kept(t, x, p, x_plus):
+            x_plus[:] = x
+
+        system = self.system(lambda v: 3.0 * v, kept)
+        assert self.errors(system) == []
+        refuse_unsound(system)
+
+
+def free_of(stiffness):
+    def field(t, x, p, dx):
+        dx[0] = x[1]
+        dx[1] = -stiffness * p.a * x[0]
+
+    return field
+
+
+@pytest.mark.parametrize(
+    "name", ["autobalancer", "planar_walker", "walker3d", "rimless_wheel", "bouncing_ball"]
+)
+def test_first_party_systems_are_sound(name):
+    assert cw.load_system(name).name == name
