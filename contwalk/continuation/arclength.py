@@ -108,7 +108,7 @@ def _arrived(
 ) -> Here:
     """The place at the end of a step, with what the step has cost."""
     seconds, evaluations = (now - then for now, then in zip(_effort(problem), before, strict=True))
-    sample = grown(step.there, here, settings)
+    sample = grown(problem, step.there, here, settings)
     sample = replace(sample, seconds=seconds, evaluations=int(evaluations))
     return Here(sample, here.s + sign * step.segment.length, step.next_length)
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contwalk.continuation.metric import parameter_weight, updated
+from contwalk.continuation.initial_scales import initial_magnitudes, later_magnitudes
+from contwalk.continuation.metric import UNKNOWN, crowded, parameter_weight, updated
 from contwalk.continuation.newton import Correction, correct
 from contwalk.continuation.settings import Settings
 from contwalk.problems.linear import kernel_direction
@@ -56,10 +57,13 @@ def begin(
         z = np.append(correction.z[:-1], value)
     linearization = problem.linearize(z)
     magnitudes = linearization.magnitudes
+    span = parameter_weight(magnitudes[-1], settings, value)
+    if toward is None and not problem.discretized:
+        magnitudes = initial_magnitudes(problem, z, linearization, span)
     if reach is not None:
-        moved = reach(parameter_weight(magnitudes[-1], settings, value))
+        moved = reach(span)
         magnitudes = np.where(np.isfinite(magnitudes) | ~(moved > 0.0), magnitudes, moved)
-    weights = updated(None, magnitudes, settings, np.abs(z), float(z[-1]))
+    weights = updated(None, crowded(problem, magnitudes), settings, np.abs(z), float(z[-1]))
     tangent = toward if toward is not None else first_tangent(linearization.jacobian, weights)
     sample = problem.examine(z, tangent, weights, linearization, None)
     if toward is not None:
@@ -85,10 +89,13 @@ def turned(here: Here) -> Here:
     return replace(here, sample=back)
 
 
-def grown(sample: Sample, here: Here, settings: Settings) -> Sample:
+def grown(problem: Problem, sample: Sample, here: Here, settings: Settings) -> Sample:
     """A new sample in the metric that its own size adds to."""
-    sizes = np.abs(sample.z) if sample.sizes is None else sample.sizes
-    weights = updated(here.sample.weights, sample.magnitudes, settings, sizes, float(sample.z[-1]))
+    known, magnitudes = here.sample.weights, sample.magnitudes
+    sizes = crowded(problem, np.abs(sample.z) if sample.sizes is None else sample.sizes)
+    if not problem.discretized and np.any(known[:-1] == UNKNOWN):
+        magnitudes = later_magnitudes(problem, sample, known)
+    weights = updated(known, crowded(problem, magnitudes), settings, sizes, float(sample.z[-1]))
     factor = float(np.linalg.norm(sample.tangent / weights))
     rates = sample.rates.scaled(1.0 / factor)
     return replace(sample, weights=weights, tangent=sample.tangent / factor, rates=rates)

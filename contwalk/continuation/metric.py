@@ -7,9 +7,12 @@ import math
 import numpy as np
 
 from contwalk.continuation.settings import Settings
+from contwalk.problems.problem import Problem
 
 # Stands in for a magnitude that neither the unknown nor the equations tell yet.
 UNKNOWN = 1.0
+# So many unknowns are counted whole: those of a mechanism, each with a meaning of its own.
+CROWD = 10
 
 
 def updated(
@@ -34,6 +37,19 @@ def updated(
     told = np.where(np.isfinite(magnitudes), magnitudes, UNKNOWN)
     result = told if weights is None else np.where(weights == UNKNOWN, told, np.maximum(weights, sizes))
     result[-1] = parameter_weight(magnitudes[-1], settings, value)
+    return result
+
+
+def crowded(problem: Problem, sizes: np.ndarray) -> np.ndarray:
+    """Sizes or magnitudes of the unknowns as the metric counts them, shape (N + 1,).
+
+    Arclength is a sum over the unknowns. Of many that are values of one function on a grid, each counts the
+    less the more there are: steps do not get shorter where the grid gets finer. Orbits count their own.
+    """
+    if problem.discretized or problem.size <= CROWD:
+        return sizes
+    result = sizes * math.sqrt(problem.size / CROWD)
+    result[-1] = sizes[-1]
     return result
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from contwalk.branch import Branch
+from contwalk.continuation.arc import Arc
 from contwalk.continuation.newton import correct
 from contwalk.errors import NotFinite
 from contwalk.problems.equilibrium import Equilibrium
@@ -25,9 +26,12 @@ if TYPE_CHECKING:  # compiled flows are imported only where orbits are computed
 SAME = 1e-7
 MOST_IMAGES = 24
 # A branch is compared with another by its points and its way: cosine between the two, and how far to look
-# for it.
-ALONG = 0.8
+# for it. The way of an interpolated arc is known to the cube of what it turns, a thousandth after halving.
+ALONG = 0.99999
 BESIDE = 1e-4
+# How often an arc is halved round a solution; how far from the interpolation the branch is, in its lengths.
+HALVINGS = 3
+NEAR = 1e-2
 
 
 Pair = tuple[np.ndarray, np.ndarray]
@@ -75,24 +79,63 @@ def _on(problem: Equilibrium, pair: Pair, weights: np.ndarray, branch: Branch) -
     """Whether z lies on the curve through a branch's points, each piece recomputed where it passes z."""
     z, along = pair[0], (pair[1] - pair[0]) / weights
     rows = np.column_stack([branch.points["unknowns"], branch.points["free"][:, 0]])
-    z = problem.nearest_turn(z, rows[0])
+    turned = problem.nearest_turn(z, rows[0])
     a, chord = rows[:-1], np.diff(rows, axis=0)
     normal = chord / weights**2
-    length = np.einsum("ij,ij->i", normal, chord)
+    length = np.sum(normal * chord, axis=1)
     usable = length > 0
     theta = np.full(len(a), np.nan)
-    theta[usable] = np.einsum("ij,ij->i", normal[usable], z - a[usable]) / length[usable]
+    theta[usable] = np.sum(normal[usable] * (turned - a[usable]), axis=1) / length[usable]
     foot = a + theta[:, None] * chord
-    distance = np.linalg.norm((z - foot) / weights, axis=1)
+    distance = np.linalg.norm((turned - foot) / weights, axis=1)
     near = (theta > -0.01) & (theta < 1.01) & (distance < 0.5 * np.sqrt(length) + SAME)
-    for i in np.flatnonzero(near):
-        way = chord[i] / weights
-        if abs(way @ along) < ALONG * np.linalg.norm(way) * np.linalg.norm(along):
-            continue  # it crosses the branch
-        correction = correct(problem, foot[i], normal[i], weights)
-        if correction.ok and np.linalg.norm((correction.z - z) / weights) < SAME:
-            return True
-    return False
+    tangents = branch.points["tangent"]
+    return any(
+        _passes(problem, Arc((rows[i], rows[i + 1]), (tangents[i], tangents[i + 1]), weights), turned, along)
+        for i in np.flatnonzero(near)
+    )
+
+
+def _passes(problem: Equilibrium, arc: Arc, z: np.ndarray, along: np.ndarray) -> bool:
+    """Whether an arc of a branch passes a solution in its direction, a unit vector in the metric or longer.
+
+    Near a point where branches cross, the corrector may find the other one, and a place alone tells nothing.
+    The arc is made shorter around the solution until its interpolation is far better than branches that
+    cross there are apart: it must pass the place, and go the solution's way.
+    """
+    for _ in range(HALVINGS):
+        theta = arc.position(z)
+        middle = _middle(problem, arc)
+        if middle is None:
+            break
+        place, way = middle
+        if theta < 0.5:
+            arc = Arc((arc.ends[0], place), (arc.tangents[0], way), arc.weights)
+        else:
+            arc = Arc((place, arc.ends[1]), (way, arc.tangents[1]), arc.weights)
+    theta = arc.position(z)
+    there, way = arc.guess(theta), arc.direction(theta) / arc.weights
+    length = np.linalg.norm(way) * np.linalg.norm(along)
+    if not abs(way @ along) > ALONG * length:
+        return False  # it crosses the branch
+    if np.linalg.norm((there - z) / arc.weights) > NEAR * arc.length + SAME:
+        return False
+    correction = correct(problem, there, arc.normal, arc.weights)
+    return correction.ok and float(np.linalg.norm((correction.z - z) / arc.weights)) < SAME
+
+
+def _middle(problem: Equilibrium, arc: Arc) -> tuple[np.ndarray, np.ndarray] | None:
+    """The branch's own solution half way along an arc and its tangent; None where that is not to be had."""
+    guess = arc.guess(0.5)
+    correction = correct(problem, guess, arc.normal, arc.weights)
+    if not correction.ok or correction.linearization is None:
+        return None
+    if np.linalg.norm((correction.z - guess) / arc.weights) > NEAR * arc.length:
+        return None  # it may be another branch
+    try:
+        return correction.z, correction.linearization.tangent(arc.normal, arc.weights)
+    except np.linalg.LinAlgError:  # a branch point
+        return None
 
 
 # -- orbits ------------------------------------------------------------------------------------------------

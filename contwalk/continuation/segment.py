@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from contwalk.continuation.arc import Arc
 from contwalk.continuation.newton import correct
 from contwalk.problems.problem import Linearization, Problem, Sample
 
@@ -12,38 +13,13 @@ class LostBranch(Exception):
     """A point inside the segment could not be computed."""
 
 
-class Segment:
+class Segment(Arc):
     """Solutions between samples `a` and `b`, by position theta in 0..1 along the chord."""
 
     def __init__(self, problem: Problem, a: Sample, b: Sample) -> None:
+        super().__init__((a.z, b.z), (a.tangent, b.tangent), a.weights)
         self.problem, self.a, self.b = problem, a, b
-        self.weights = a.weights
-        self.chord = b.z - a.z
-        self.length = float(np.linalg.norm(self.chord / self.weights))
-        self.normal = self.chord / self.weights**2 / max(self.length, 1e-300) ** 2
-        # Lengths of the end tangents for an interpolation by theta.
-        self._scales = [self.length / np.linalg.norm(end.tangent / self.weights) for end in (a, b)]
         self._known: dict[float, Sample] = {0.0: a, 1.0: b}
-
-    def position(self, z: np.ndarray) -> float:
-        """theta of the foot of z on the chord."""
-        return float(self.normal @ (z - self.a.z))
-
-    def guess(self, theta: float) -> np.ndarray:
-        """Cubic Hermite interpolation of the ends and their tangents, moved along the chord to theta."""
-        t, r = theta, 1.0 - theta
-        scale_a, scale_b = self._scales
-        ends = self.a.z + t * t * (3.0 - 2.0 * t) * self.chord
-        z = ends + t * r * r * scale_a * self.a.tangent - t * t * r * scale_b * self.b.tangent
-        return z + (theta - self.position(z)) * self.chord
-
-    def direction(self, theta: float) -> np.ndarray:
-        """Derivative of the interpolation: the way of the branch, also where its Jacobian is singular."""
-        t, r = theta, 1.0 - theta
-        scale_a, scale_b = self._scales
-        along = 6.0 * t * r * self.chord
-        along = along + (r * r - 2.0 * t * r) * scale_a * self.a.tangent
-        return along - (2.0 * t * r - t * t) * scale_b * self.b.tangent
 
     def tangent(self, linearization: Linearization) -> np.ndarray:
         """Tangent of the branch, pointing along the chord, at a solution on it.

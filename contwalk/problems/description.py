@@ -18,6 +18,9 @@ from contwalk.system import Symmetry
 if TYPE_CHECKING:
     from contwalk.problems.equilibrium import Equilibrium
 
+# A coefficient has a sign if it is this many times its estimated error.
+SURE = 10.0
+
 
 def described(problem: Equilibrium, label: str, located: Located, sample: Sample, s: float) -> SpecialPoint:
     """The record of a located point, with its normal form."""
@@ -54,7 +57,7 @@ def _normal_form(
     if label == "LP":
         coefficients = fold_coefficients(problem, located)
     elif label == "HB":
-        coefficients = hopf_coefficients(problem, located)
+        coefficients = hopf_coefficients(problem, located, sample.weights)
         criticality, note = _hopf(problem, coefficients)
     elif "multiplicity" in located.vectors:
         coefficients = {"multiplicity": located.vectors["multiplicity"]}
@@ -92,8 +95,8 @@ def _branch_point(
 
 def _hopf(problem: Equilibrium, coefficients: dict[str, Any]) -> tuple[str | None, str | None]:
     """Criticality and note of a Hopf point."""
-    if coefficients["l1"] == 0.0:
-        return None, "degenerate: the first Lyapunov coefficient is zero"
+    if abs(coefficients["l1"]) <= SURE * coefficients["l1_error"]:
+        return None, "degenerate: the first Lyapunov coefficient is zero to its error"
     criticality = "supercritical" if coefficients["l1"] < 0 else "subcritical"
     held = "l1 is that of the motion with the pinned neutral directions held"
     return criticality, held if problem.pins else None

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 # p.B(q, q) this small against its terms is zero: parameters are rounded to 1e-16.
 EQUAL = 1e-12
+# How many roundings away a solution is looked at to tell how well a coefficient is known.
+ROUNDINGS = 4.0
 
 
 class _Forms:
@@ -65,32 +67,54 @@ def fold_coefficients(problem: Equilibrium, located: Located) -> dict[str, Any]:
     }
 
 
-def hopf_coefficients(problem: Equilibrium, located: Located) -> dict[str, Any]:
-    """First Lyapunov coefficient (Kuznetsov 2004, eq. 5.34), <q, q> = 1, <p, q> = 1.
+def hopf_coefficients(problem: Equilibrium, located: Located, weights: np.ndarray) -> dict[str, Any]:
+    """First Lyapunov coefficient with its estimated error, and how fast the pair crosses.
+
+    The error is how far l1 moves while the solution moves by roundings of its own and of its weights.
+    """
+    omega = float(located.vectors["omega"])
+    q = located.vectors["right"] / np.linalg.norm(located.vectors["right"])
+    l1, q, p = _lyapunov(problem, located.z, omega, q)
+    moved = [_lyapunov(problem, z, omega, q)[0] for z in _rounded(located.z, weights)]
+    return {
+        "l1": l1,
+        "l1_error": max(abs(value - l1) for value in moved),
+        "omega": omega,
+        "crossing_rate": problem.crossing_rate(located.z, q, p),
+        "convention": "Kuznetsov 2004, eq. 5.34: l1 = Re(c1)/omega with <q,q> = 1, <p,q> = 1",
+    }
+
+
+def _rounded(z: np.ndarray, weights: np.ndarray) -> list[np.ndarray]:
+    """Two neighbours of a solution, some roundings away from it in every state, the parameter as it is."""
+    apart = ROUNDINGS * np.finfo(float).eps * np.maximum(np.abs(z), weights)
+    apart[-1] = 0.0
+    signs = np.cos(np.arange(1.0, len(z) + 1.0))  # no symmetry of a machine has these
+    return [z + apart * signs, z - apart * signs]
+
+
+def _lyapunov(
+    problem: Equilibrium, z: np.ndarray, omega: float, q: np.ndarray
+) -> tuple[float, np.ndarray, np.ndarray]:
+    """l1 with its critical vectors q and p (Kuznetsov 2004, eq. 5.34), <q, q> = 1, <p, q> = 1.
 
     l1 = Re[<p, C(q,q,q*)> - 2 <p, B(q, A^-1 B(q,q*))> + <p, B(q*, (2 i w - A)^-1 B(q,q))>] / (2 w).
     Where neutral directions are pinned, A is singular along the family and A^-1 is taken with the pin in
     place.
     """
-    n, omega = problem.states, float(located.vectors["omega"])
-    a = problem.jacobian(located.z)[:n, :n]
-    q = located.vectors["right"] / np.linalg.norm(located.vectors["right"])
+    n = problem.states
+    a = problem.jacobian(z)[:n, :n]
     p = nearest_eigenpair(a, 1j * omega).left  # a row vector: <p, x> is p @ x
     p = p / (p @ q)
-    forms = _Forms(problem, located.z)
-    h11 = problem.solve_states(located.z, forms.second(q, np.conj(q))[:n])
+    forms = _Forms(problem, z)
+    h11 = problem.solve_states(z, forms.second(q, np.conj(q))[:n])
     h20 = np.linalg.solve(2j * omega * np.eye(n) - a, forms.second(q, q)[:n])
     total = (
         p @ forms.third(q, q, np.conj(q))[:n]
         - 2.0 * p @ forms.second(q, h11)[:n]
         + p @ forms.second(np.conj(q), h20)[:n]
     )
-    return {
-        "l1": float(total.real) / (2.0 * omega),
-        "omega": omega,
-        "crossing_rate": problem.crossing_rate(located.z, q, p),
-        "convention": "Kuznetsov 2004, eq. 5.34: l1 = Re(c1)/omega with <q,q> = 1, <p,q> = 1",
-    }
+    return float(total.real) / (2.0 * omega), q, p
 
 
 def branch_point_coefficients(problem: Equilibrium, located: Located, weights: np.ndarray) -> dict[str, Any]:

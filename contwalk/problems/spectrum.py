@@ -88,16 +88,15 @@ def spectrum(
         # The two-sided Rayleigh quotient is second-order accurate in the vectors: what is left are the
         # roundings of its own terms, those of the entries of A, and the square of what the eigenvalue
         # algorithm leaves behind.
-        values = np.einsum("ij,jk,ki->i", left, scaled, right).astype(complex)
-        sensitivity = (
-            np.abs(left) @ (rounding / d[:, None] * d + 4.0 * EPSILON * np.abs(scaled)) @ np.abs(right)
-        )
+        values = _quotients(left, scaled, right).astype(complex)
+        rounded = rounding / d[:, None] * d + 4.0 * EPSILON * np.abs(scaled)
+        sensitivity = _quotients(np.abs(left), rounded, np.abs(right))
         norms = np.linalg.norm(left, axis=1) * np.linalg.norm(right, axis=0)
         backward = EPSILON * np.linalg.norm(scaled) * norms
         gaps = np.abs(values[:, None] - values) + np.diag(np.full(len(values), np.inf))
         left_behind = backward**2 / np.maximum(gaps.min(axis=1), 1e-300)
-        errors = np.diag(sensitivity) + np.minimum(backward, left_behind)
-        rates = np.einsum("ij,jk,ki->i", left, rate / d[:, None] * d, right).real
+        errors = sensitivity + np.minimum(backward, left_behind)
+        rates = _quotients(left, rate / d[:, None] * d, right).real
     # Real matrices have exact conjugates; LAPACK lists each pair next to each other.
     real = found.imag == 0.0
     values[real] = values[real].real
@@ -110,3 +109,8 @@ def spectrum(
     order = np.lexsort((-values.imag, -values.real))
     errors = np.where(np.isfinite(errors), errors, np.inf)
     return Spectrum(values[order].astype(complex), errors[order], rates[order])
+
+
+def _quotients(left: np.ndarray, matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """left_i . matrix . right_i for rows of `left` and columns of `right`: one product and one sum."""
+    return np.sum((left @ matrix) * right.T, axis=1)

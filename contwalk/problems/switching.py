@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from contwalk.problems.equilibrium import Equilibrium
 
 
+# What two directions leave of each other, against their sizes, is rounding below this.
+CANCELLED = 1e-12
 # F_lambda lies in the range of F_u if what the left vector sees of it is this small a part of its terms.
 IN_RANGE = 1e-8
 
@@ -63,6 +65,8 @@ def directions(problem: Equilibrium, z: np.ndarray, weights: np.ndarray) -> list
     for sign in (1.0, -1.0):
         xy = np.sqrt(values[1]) * vectors[:, 0] + sign * np.sqrt(-values[0]) * vectors[:, 1]
         t = xy[0] * t1 + xy[1] * t2
+        # What is left of terms that cancel is rounding, and would be taken for the scale of an unknown.
+        t[np.abs(t) <= CANCELLED * np.linalg.norm(xy) * (np.abs(t1) + np.abs(t2))] = 0.0
         tangents.append(t / np.linalg.norm(t / weights))
     return tangents
 
@@ -100,7 +104,13 @@ def branch_point_seeds(problem: Equilibrium, point: SpecialPoint) -> Sequence[Se
         other[-1] if abs(other[-1] / weights[-1]) > 1e-6 else other[int(np.argmax(np.abs(other / weights)))]
     )
     tangent = other * np.sign(lead)
-    return (Seed("BP", z, tangent, lambda change: reach(problem, z, tangent, change), problem),)
+
+    def moved(change: float) -> np.ndarray:
+        """How far the branch moves; what it leaves at rest moves on the parent."""
+        own = reach(problem, z, tangent, change)
+        return np.where(own > 0.0, own, reach(problem, z, parent, change))
+
+    return (Seed("BP", z, tangent, moved, problem),)
 
 
 def reach(problem: Equilibrium, z: np.ndarray, tangent: np.ndarray, change: float) -> np.ndarray:

@@ -1,0 +1,77 @@
+"""Typical magnitudes at the start of a branch, where an unknown may be zero and tells none itself.
+
+What an equation tells of an unknown is the change of it that would matter in that equation alone. Of a stiff
+system, as a boundary value problem on a fine grid, that is far less than how far the unknown moves along the
+branch; and where terms are rounding noise of zero it is noise.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contwalk.problems.linear import Factored, kernel_direction
+from contwalk.problems.problem import Linearization, Problem, Sample
+
+# Unknowns this many times their own error, or less, are zero.
+NOISE = 1e3
+# A solution without its noise is one if its residuals are this many times their rounding, as of any solution.
+ROUNDED = 20.0
+
+
+def initial_magnitudes(
+    problem: Problem, z: np.ndarray, linearization: Linearization, parameter_weight: float
+) -> np.ndarray:
+    """Typical magnitudes at a start, shape (N + 1,), NaN where nothing tells.
+
+    Beside what solution and equations tell, an unknown that does not tell its own is given how far it moves
+    while the parameter changes by its weight, or an unknown that is not zero by its own size.
+    """
+    quiet = _without_noise(problem, z, linearization)
+    magnitudes = quiet.magnitudes
+    told = np.abs(z) >= 0.5 * np.nan_to_num(magnitudes)
+    told &= np.isfinite(magnitudes) & (magnitudes > 0.0)
+    known = np.where(np.isfinite(magnitudes) & (magnitudes > 0.0), magnitudes, 1.0)
+    known[-1] = parameter_weight
+    tangent = np.abs(kernel_direction(linearization.jacobian, known))
+    told[-1] = True
+    moving = told & (tangent > 0.0)
+    if not np.any(moving):
+        return magnitudes
+    moved = tangent * float(np.min(known[moving] / tangent[moving]))
+    moved[moved < _NOTHING * known] = 0.0
+    further = ~told & (moved > 0.0)
+    return np.where(further, np.fmax(magnitudes, moved), magnitudes)
+
+
+def later_magnitudes(problem: Problem, sample: Sample, weights: np.ndarray) -> np.ndarray:
+    """Typical magnitudes where some were not known at the last point, shape (N + 1,), NaN where still so.
+
+    One that begins to move is scaled by how far it moves with the others, not by how little it has moved yet.
+    """
+    z = np.where(np.abs(sample.z) <= _NOTHING * weights, 0.0, sample.z)
+    z[-1] = sample.parameter
+    told = problem.linearize(z).magnitudes
+    moved = np.abs(sample.tangent)
+    return np.where((z != 0.0) & (moved > _NOTHING * weights), np.fmax(np.abs(z), moved), told)
+
+
+# What an unknown moves by is rounding noise of zero below this part of what it may be.
+_NOTHING = 1e-13
+
+
+def _without_noise(problem: Problem, z: np.ndarray, linearization: Linearization) -> Linearization:
+    """The equations at z, or where unknowns that are zero but for their error are exactly zero."""
+    level = linearization.levels[0]
+    square = linearization.jacobian[:, :-1]
+    try:
+        inverse = Factored(square).solve(np.eye(len(square)))
+    except np.linalg.LinAlgError:  # a fold or a branch point
+        return linearization
+    error = np.append(np.abs(inverse) @ level, 0.0)
+    noisy = (np.abs(z) <= NOISE * error) & (z != 0.0)
+    if not np.any(noisy):
+        return linearization
+    quiet = problem.linearize(np.where(noisy, 0.0, z))
+    if not quiet.finite or quiet.excess > max(ROUNDED, linearization.excess):
+        return linearization
+    return quiet

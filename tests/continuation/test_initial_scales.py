@@ -1,0 +1,77 @@
+"""Scales at the start of a branch, and steps on fine grids."""
+
+import numpy as np
+import pytest
+from small_systems import labelled, small_problem
+
+import contwalk as cw
+from contwalk.continuation.initial_scales import initial_magnitudes
+
+
+def bratu(n):
+    """u'' + lam exp(u) = 0, u(0) = u(1) = 0, by central differences at n points."""
+
+    def field(t, x, p, dx):
+        for i in range(n):
+            left = x[i - 1] if i > 0 else 0.0
+            right = x[i + 1] if i < n - 1 else 0.0
+            dx[i] = (left - 2.0 * x[i] + right) * (n + 1) ** 2 + p.lam * np.exp(x[i])
+
+    return field
+
+
+def test_a_finer_grid_needs_no_more_points():
+    counts = []
+    for n in (19, 59):
+        problem = small_problem(bratu(n), [f"u{i}" for i in range(n)], {"lam": 0.0}, "lam")
+        branch = cw.continue_branch(problem, np.zeros(n), (0.0, 4.0), stop_at={"lam": (1.0,)})
+        assert branch.outcome.reason == "stop_at"
+        counts.append(len(branch))
+        # From rest u moves by -A^-1 1 lam: 1 / 8 in the middle, exactly so for central differences; the
+        # parameter counts as a hundredth of its range, more than ten unknowns as ten.
+        first = branch.points["weights"][0][n // 2]
+        assert first == pytest.approx(np.sqrt(n / 10) * 0.04 / 8, rel=1e-9)
+    assert abs(counts[1] - counts[0]) <= 3
+
+
+@pytest.mark.slow
+def test_the_fold_of_a_fine_grid_is_reached_from_rest():
+    """The fold of the differential equation is at 3.513830719."""
+    n = 99
+    problem = small_problem(bratu(n), [f"u{i}" for i in range(n)], {"lam": 0.0}, "lam")
+    branch = cw.continue_branch(problem, np.zeros(n), (0.0, 4.0), max_points=250)
+    (fold,) = labelled(branch, "LP")
+    # the order of the method: h^2 times the fourth derivative's part, of size one
+    assert fold.parameters["lam"] == pytest.approx(3.513830719, abs=5.0 / (n + 1) ** 2)
+    assert branch.points["state"].max() > 2.0  # beyond it
+
+
+def noisy(t, x, p, dx):
+    """y is zero up to rounding: its square and its cube tell nothing of z."""
+    dx[0] = p.lam - 0.3 - x[0]
+    dx[1] = x[0] / 3.0 - 0.1 * (p.lam - 0.3) / 0.3 - x[1]
+    dx[2] = -1.1 * x[2] + 0.0041 * x[1] ** 2
+    dx[3] = 4.326 * (x[3] + 1.07) + 0.4642 * x[1] ** 3
+
+
+def test_rounding_noise_tells_no_scale():
+    problem = small_problem(noisy, "xyzw", {"lam": 0.8}, "lam")
+    branch = cw.continue_branch(problem, [0.5, 0.0, 0.0, -1.0], (0.5, 1.0))
+    assert branch.outcome.reason == "bound"
+    weights = branch.points["weights"]
+    assert weights.min() > 1e-8
+    assert weights.max() < 1e3
+    assert len(branch) < 80  # a step moves the parameter by a 64th of the range at most
+
+
+def test_a_start_whose_state_is_zero_is_scaled_by_how_it_moves():
+    """At x = 0 the equation itself tells 1e-8 lam; but x moves by lam / 1e4."""
+
+    def stiff(t, x, p, dx):
+        dx[0] = -1e4 * x[0] + x[1]
+        dx[1] = 1e4 * (p.lam - x[1])
+
+    problem = small_problem(stiff, "xy", {"lam": 0.0}, "lam")
+    z = np.zeros(3)
+    found = initial_magnitudes(problem, z, problem.linearize(z), 0.01)
+    assert found[:2] == pytest.approx([1e-6, 1e-2], rel=1e-12)

@@ -1,0 +1,40 @@
+"""Eigenvalues with errors and rates, against closed forms."""
+
+import numpy as np
+import pytest
+
+from contwalk.problems.spectrum import EPSILON, spectrum
+
+
+def test_rates_of_a_triangular_matrix_are_those_of_its_diagonal():
+    """Eigenvalues of a triangular matrix stand on its diagonal, their rates on that of a triangular rate."""
+    random = np.random.default_rng(3)
+    n = 6
+    matrix = np.triu(random.normal(size=(n, n)), 1) + np.diag(np.arange(n, 0.0, -1.0))
+    rate = np.triu(random.normal(size=(n, n)))
+    found = spectrum(matrix, rate, EPSILON * np.abs(matrix))
+    assert found.values.imag == pytest.approx(np.zeros(n))
+    assert np.all(np.abs(found.values.real - np.arange(n, 0.0, -1.0)) <= found.errors)
+    # left and right vectors of well separated eigenvalues: good to some hundred roundings
+    assert found.rates == pytest.approx(np.diag(rate), rel=1e-12, abs=1e-12)
+
+
+def test_a_pair_turns_and_grows_at_its_own_rates():
+    """a +- i w, of a matrix seen in another basis; the rate moves a by 2 and w by 5: the real part's is 2."""
+    basis = np.array([[2.0, 1.0], [0.5, -3.0]])
+    inverse = np.linalg.inv(basis)
+    matrix = basis @ np.array([[0.25, -7.0], [7.0, 0.25]]) @ inverse
+    rate = basis @ np.array([[2.0, -5.0], [5.0, 2.0]]) @ inverse
+    found = spectrum(matrix, rate, EPSILON * np.abs(matrix))
+    assert np.all(np.abs(found.values - np.array([0.25 + 7.0j, 0.25 - 7.0j])) <= found.errors)
+    assert found.rates == pytest.approx([2.0, 2.0], rel=1e-13)
+
+
+def test_neutral_directions_are_left_out():
+    """diag(0, -1, 2) in another basis: the direction with eigenvalue zero is given, or counted."""
+    basis = np.array([[1.0, 0.3, 0.0], [0.2, 1.0, -0.4], [0.0, 0.7, 1.0]])
+    matrix = basis @ np.diag([0.0, -1.0, 2.0]) @ np.linalg.inv(basis)
+    rounding = 8.0 * EPSILON * np.ones((3, 3))
+    rate = np.zeros((3, 3))
+    for found in (spectrum(matrix, rate, rounding, basis[:, :1]), spectrum(matrix, rate, rounding, zeros=1)):
+        assert found.values == pytest.approx([2.0, -1.0], rel=1e-14)
