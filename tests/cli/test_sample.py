@@ -111,6 +111,62 @@ def test_what_never_settles_or_never_crosses_is_counted(contwalk, falling):
     assert np.isfinite(first.values[~below]).all()
 
 
+# y' = y^3 - y ends at infinity from |y| > 1, at ln(y^2 / (y^2 - 1)) / 2; x passes its level whatever y does.
+EXPLODING = """\
+from contwalk.system import Mode, Observable, Parameter, Start, State, System
+
+def field(t, x, p, dx):
+    dx[0] = -x[0]
+    dx[1] = x[1] ** 3 - x[1]
+
+SYSTEM = System(
+    name="exploding",
+    states=(State("x", scale=1.0), State("y", scale=1.0)),
+    parameters=(Parameter("level", 0.5),),
+    modes=(Mode("free", field),),
+    observables=(Observable("height", lambda t, x, p: x[:, 0].max()),),
+    starts=(Start("rest", lambda p: [[0.0, 0.0]]),),
+)
+"""
+EXPLODING_RUN = """\
+system: ./exploding.py
+start: {state: {x: 1.0, y: 0.0}}
+sample:
+  count: 80
+  seed: 2
+  draw: {x: [1, 3], y: [-1.5, 1.5]}
+  measure: {observable: height, level: level, direction: falling, crossing: last}
+  settled: {equilibrium: rest, within: {x: 1e-3, y: 1e-3}}
+  until: 40
+output: e.h5
+"""
+
+
+def test_motions_that_blow_up_are_in_no_mean(contwalk, folder):
+    """Some of them have crossed the level before: their numbers are left out all the same."""
+    (folder / "exploding.py").write_text(EXPLODING, encoding="utf-8")
+    (folder / "e.yaml").write_text(EXPLODING_RUN, encoding="utf-8")
+    done = contwalk("sample", "e.yaml", "--no-figures")
+    stored = read_samples(folder / "e_samples.h5")
+    x, y = (stored.draws[:, stored.drawn.index(name)] for name in "xy")
+    lost = np.abs(y) > 1.0
+    crossing = np.log(x / 0.5)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        blown = np.where(lost, 0.5 * np.log(y**2 / (y**2 - 1.0)), np.inf)
+    assert 5 < lost.sum() < 40
+    assert (crossing < blown - 0.1)[lost].any()  # without these a mean of all would be no other one
+    assert np.isnan(stored.values[lost]).all()
+    # Tens of steps of local error 1e-8; the slope at the level is 0.5.
+    np.testing.assert_allclose(stored.values[~lost], crossing[~lost], rtol=0, atol=1e-6)
+    assert not stored.settled[lost].any()
+    assert (done.code, done.err.count("could not be integrated")) == (1, 1)
+    assert f"{lost.sum()} motions could not be integrated" in done.err
+    assert re.search(rf"failed +{lost.sum()}\n", done.out)
+    (mean,) = re.findall(r"mean +([0-9.]+)\n", done.out)
+    assert float(mean) == pytest.approx(crossing[~lost].mean(), abs=1e-6)
+    assert abs(float(mean) - crossing[np.isfinite(crossing)].mean()) > 1e-3  # not that of all
+
+
 def test_samples_without_their_equilibrium_never_settle_and_are_told(contwalk, falling):
     done = contwalk("sample", "s.yaml", "--set", "sample.draw.place=[0.5, 1.3]")
     stored = read_samples(falling / "s_samples.h5")

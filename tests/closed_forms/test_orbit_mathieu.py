@@ -75,7 +75,7 @@ def test_borders_of_the_first_tongues(q, c, cubic):
         critical = 1.0 if label == "BP" else -1.0
         # Liouville: the product of the multipliers is exp(-c pi).
         exact = sorted([critical, critical * math.exp(-c * math.pi)], key=abs, reverse=True)
-        np.testing.assert_allclose(point.spectrum, exact, rtol=0, atol=100 * ACCURACY)
+        np.testing.assert_allclose(point.spectrum, exact, rtol=0, atol=3 * ACCURACY)
         assert abs(point.unstable_after - point.unstable_before) == 1
         if label == "BP":
             assert point.kind == "pitchfork"

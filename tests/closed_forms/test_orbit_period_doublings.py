@@ -37,7 +37,7 @@ def test_the_doubled_orbit_is_where_its_normal_form_says(sigma, beta, kappa):
     assert point.period == pytest.approx(T, rel=10 * ACCURACY)
     assert (point.unstable_before, point.unstable_after) == (0, 1)
     exact = [-1.0, -math.exp(-T / 2.0), math.exp(-2.0 * T)]
-    np.testing.assert_allclose(point.spectrum, exact, rtol=0, atol=100 * ACCURACY)
+    np.testing.assert_allclose(point.spectrum, exact, rtol=0, atol=3 * ACCURACY)
     total = sigma + beta * kappa
     assert point.coefficients["c"] == pytest.approx(-T * total, rel=COEFFICIENT)
     assert point.criticality == ("supercritical" if total < 0 else "subcritical")
@@ -56,7 +56,7 @@ def test_the_doubled_orbit_is_where_its_normal_form_says(sigma, beta, kappa):
         exact = exact_multipliers(lam, sigma, beta, kappa)
         # |lam - 1| is known to some errors of the walk, and the multiplier is 1 - 4 T (lam - 1).
         size = abs(exact[0])
-        np.testing.assert_allclose(np.abs(row["spectrum"]), np.abs(exact), rtol=0, atol=100.0 * WALKED * size)
+        np.testing.assert_allclose(np.abs(row["spectrum"]), np.abs(exact), rtol=0, atol=30.0 * WALKED * size)
         r2 = 1.0 + kappa * (1.0 - lam) / total
         assert row["state"][:2] @ row["state"][:2] == pytest.approx(r2, rel=30.0 * WALKED)
         across = row["state"][2:] @ row["state"][2:]

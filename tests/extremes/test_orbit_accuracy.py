@@ -165,11 +165,8 @@ def test_the_accuracy_requested_is_met(case, accuracy):
         assert point.error <= accuracy * abs(truth)
 
 
-def test_claimed_errors_bound_the_true_ones_nearly_always():
-    """Of 24 points all but one have a true error below the claim, and none exceeds it tenfold.
-
-    The claim is twice the correction on finer steps; it is an estimate.
-    """
+def test_claimed_errors_bound_the_true_ones():
+    """The claim is twice the correction on finer steps, an estimate; of these 24 points it holds of all."""
     ratios = []
     for find in CASES.values():
         for accuracy in ACCURACIES:
@@ -178,8 +175,7 @@ def test_claimed_errors_bound_the_true_ones_nearly_always():
                 true = max(abs(value - truth) - PARAMETER_ROUNDING * abs(truth), 0.0)
                 ratios.append(true / point.error)
     assert len(ratios) == 24
-    assert sorted(ratios)[-2] <= 1.0, sorted(ratios)[-4:]
-    assert max(ratios) <= 10.0
+    assert max(ratios) <= 1.0, sorted(ratios)[-4:]
 
 
 # -- marks ---------------------------------------------------------------------------------------------------

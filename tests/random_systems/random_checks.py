@@ -230,13 +230,12 @@ def _orbits(branch: Branch, found: list[Round]) -> Iterator[Fault]:
         if turn.multipliers is None:
             continue
         row = branch.points[turn.row]
-        moduli = np.abs(_without_own(branch, turn.multipliers))
-        # An eigenvalue of a matrix that is off by d is off by sqrt(d) where two meet.
-        doubt = (
-            3e-3
-            + np.sqrt((LOCAL + 1e3 * turn.rounding) * 1e-2) * max(turn.norm, 1.0)
-            + float(row["spectrum_error"])
-        )
+        others, own_error = _without_own(branch, turn.multipliers)
+        moduli = np.abs(others)
+        # An eigenvalue of a matrix that is off by d is off by sqrt(d) where two meet; the flow's own one,
+        # which is 1, tells how well these are known where an event arrives with little rate.
+        doubt = 3e-3 + np.sqrt((LOCAL + 1e3 * turn.rounding) * 1e-2) * max(turn.norm, 1.0)
+        doubt += float(row["spectrum_error"]) + 10.0 * own_error
         least, most = int(np.sum(moduli > 1.0 + doubt)), int(np.sum(moduli >= 1.0 - doubt))
         if not least <= row["unstable"] <= most:
             yield Fault(
@@ -248,13 +247,13 @@ def _orbits(branch: Branch, found: list[Round]) -> Iterator[Fault]:
             break
 
 
-def _without_own(branch: Branch, values: np.ndarray) -> np.ndarray:
-    """Multipliers without the flow's own, the one nearest to one, of an autonomous machine."""
+def _without_own(branch: Branch, values: np.ndarray) -> tuple[np.ndarray, float]:
+    """Multipliers without the flow's own, the one nearest to one, of an autonomous machine; and how near."""
     count = branch.info.spectrum
     if len(values) <= count:
-        return values
+        return values, 0.0
     own = int(np.argmin(np.abs(values - 1.0)))
-    return np.delete(values, own)
+    return np.delete(values, own), float(abs(values[own] - 1.0))
 
 
 # -- what leaves a point -------------------------------------------------------------------------------------

@@ -145,7 +145,7 @@ class TestMarks:
         sine = top - SPEED**2 / (2.0 * G)
         (point,) = [p for p in branch((("y_max", (top,)),)).special_points if p.label == "UZ"]
         cosine = SPEED * (1.0 - E) / ((1.0 + E) * OMEGA)
-        assert_met(point, "A", math.hypot(sine, cosine), accuracy=100.0 * ACCURACY)
+        assert_met(point, "A", math.hypot(sine, cosine), accuracy=3.0 * ACCURACY)
 
     def test_of_the_largest_multiplier(self):
         """Both are complex and of modulus e between two amplitudes; beyond, the trace tells."""
@@ -178,7 +178,7 @@ class TestMarks:
         (point,) = [p for p in found.special_points if p.label == "UZ"]
         sine = 0.0445 - SPEED**2 / (2.0 * G)
         cosine = SPEED * (1.0 - E) / ((1.0 + E) * OMEGA)
-        assert_met(point, "A", math.hypot(sine, cosine), accuracy=100.0 * ACCURACY)
+        assert_met(point, "A", math.hypot(sine, cosine), accuracy=3.0 * ACCURACY)
 
 
 @pytest.mark.parametrize("name", ["y_max", "impact_phase", "impact_speed", "split", "max_abs"])

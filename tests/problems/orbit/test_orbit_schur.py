@@ -81,6 +81,35 @@ def test_singular_factors():
     np.testing.assert_allclose(found, [10.0, 1.5, 0.0], rtol=1e-14, atol=1e-15)
 
 
+@pytest.mark.parametrize("ranks", [(2,), (2, 3), (3, 2, 3), (2, 2, 1), (1, 3, 3, 2)])
+def test_dense_factors_of_a_given_rank(ranks):
+    """Dense factors of a given rank: as many zeros as the product has, and the others as in 200 digits."""
+    random = np.random.default_rng(sum(ranks))
+    factors = [random.standard_normal((3, rank)) @ random.standard_normal((rank, 3)) for rank in ranks]
+    found = ordered(product_eigenvalues(factors))
+    norm = float(np.prod([np.linalg.norm(f, 2) for f in factors]))
+    least = min(ranks)
+    # Zeros are known to rounding, where they are simple; the roundings of the factors make zeros of the exact
+    # product as small.
+    for a, b in zip(found[:least], exactly(factors)[:least], strict=True):
+        assert min(abs(a - b), abs(a - b.conjugate())) <= 1e-13 * norm
+    if least == 2:
+        assert abs(found[2]) <= 1e-13 * norm
+
+
+def test_where_the_product_begins_does_not_matter():
+    """Cyclic permutations of the factors have the same eigenvalues, those of singular ones as well."""
+    random = np.random.default_rng(8)
+    factors = [random.standard_normal((4, 4)) for _ in range(5)]
+    factors[2] = factors[2] @ np.diag([1.0, 1.0, 1.0, 0.0]) @ random.standard_normal((4, 4))
+    norm = float(np.prod([np.linalg.norm(f, 2) for f in factors]))
+    first = ordered(product_eigenvalues(factors))
+    for shift in range(1, 5):
+        again = ordered(product_eigenvalues([*factors[shift:], *factors[:shift]]))
+        for a, b in zip(first, again, strict=True):
+            assert min(abs(a - b), abs(a - b.conjugate())) <= 1e-13 * norm
+
+
 def test_the_identity_and_defective_products():
     np.testing.assert_allclose(product_eigenvalues([np.eye(3)] * 4), np.ones(3), rtol=1e-15)
     jordan = np.array([[1.0, 1.0], [0.0, 1.0]])

@@ -1,0 +1,105 @@
+"""Runs that are cut at each of their first reports and go on: the same diagram to the last bit.
+
+A report comes after the row of a point is stored, and another one after its record: the places at which a
+kill finds a start without its mark, a mark's row without its record, a branch without an end.
+"""
+
+from __future__ import annotations
+
+import contextlib
+
+import pytest
+from killed_runs import assert_same
+
+from contwalk.workflow.run_file import read_run_file
+from contwalk.workflow.runner import Reporter, run
+
+PLUGIN = """
+from contwalk.system import Mode, Parameter, State, System
+
+def field(t, x, p, dx):
+    dx[0] = p.mu * x[0] - x[0] ** 3
+    dx[1] = p.mu - x[1]
+
+SYSTEM = System(
+    name="fork",
+    states=(State("x"), State("y")),
+    parameters=(Parameter("mu", -0.5),),
+    modes=(Mode("smooth", field),),
+)
+"""
+# The start is at two marks itself, of the parameter and of an observable.
+RUN = """
+contwalk: 1
+system: ./fork.py
+start: {state: {x: 0.0, y: -0.5}}
+continue: {parameter: mu, range: [-0.6, 0.4]}
+mark: {mu: [-0.5, -0.45], max_re: [-0.5]}
+engine: {step: 0.05}
+"""
+
+
+class Cut(BaseException):
+    """Ends a run as a kill would: nothing catches it."""
+
+
+class Cutting(Reporter):
+    """Cuts at the report of a number, and counts them."""
+
+    def __init__(self, number: int) -> None:
+        self.left = number
+        self.told: list[str] = []
+
+    def _count(self, what: str) -> None:
+        self.told.append(what)
+        self.left -= 1
+        if self.left == 0:
+            raise Cut
+
+    def point(self, info, parameter, step, unstable, number):
+        self._count("point")
+
+    def special(self, info, point):
+        self._count(point.label)
+
+
+def study(folder, output, number=0, **rest):
+    reporter = Cutting(number)
+    file = read_run_file(folder / "run.yaml", output=str(folder / output))
+    with contextlib.suppress(Cut):
+        run(file, figures=False, reporter=reporter, **rest)
+    return reporter.told
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    path = tmp_path_factory.mktemp("cut")
+    (path / "fork.py").write_text(PLUGIN)
+    (path / "run.yaml").write_text(RUN)
+    return path
+
+
+@pytest.fixture(scope="module")
+def whole(folder):
+    """What an uninterrupted run reports."""
+    return study(folder, "whole.h5")
+
+
+def test_the_start_has_marks_of_its_own(whole):
+    assert whole[:5] == ["point", "point", "UZ", "point", "UZ"]
+
+
+@pytest.mark.parametrize("number", [*range(1, 9), 40, 41, 42])
+def test_a_run_that_is_cut_goes_on_to_the_same_diagram(folder, whole, number):
+    output = f"cut{number}.h5"
+    told = study(folder, output, number)
+    assert told == whole[:number]
+    study(folder, output, resume=True)
+    assert_same(folder / "whole.h5", folder / output)
+
+
+def test_a_run_that_is_cut_again_and_again_goes_on_to_the_same_diagram(folder, whole):
+    for _ in range(len(whole) // 15):  # each time it gets on by 14 reports or so
+        study(folder, "often.h5", 15, resume=True)
+    study(folder, "often.h5", resume=True)
+    assert_same(folder / "whole.h5", folder / "often.h5")
