@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from contwalk import quantities
+from contwalk import quantities, tables
 from contwalk.errors import ContwalkError
 from contwalk.labels import MEANINGS
 
@@ -94,7 +94,7 @@ class BranchInfo:
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SpecialPoint:
     """A special point, located or not. Fields are those of the JSON interface, plus `s` and the unknowns."""
 
@@ -122,6 +122,12 @@ class SpecialPoint:
     name: str = ""
     index: int = -1
 
+    def __repr__(self) -> str:
+        return f"<{tables.told_point(self)}>"
+
+    def _repr_html_(self) -> str:
+        return tables.html("", tables.of_point(self))
+
 
 @dataclass(frozen=True)
 class Outcome:
@@ -132,7 +138,7 @@ class Outcome:
     message: str
 
 
-@dataclass
+@dataclass(repr=False)
 class Branch:
     """A computed branch.
 
@@ -169,6 +175,12 @@ class Branch:
         scalar = name in (dtype.names or ()) and dtype[name].shape == () and dtype[name].kind != "c"
         known = name in (*self.names(), *self.info.parameters) or self._extreme(name) is not None
         return scalar or known
+
+    def __repr__(self) -> str:
+        return f"<{tables.told_branch(self)}>"
+
+    def _repr_html_(self) -> str:
+        return tables.html(tables.told_branch(self), tables.of_special_points(self))
 
     def __len__(self) -> int:
         return len(self.points)

@@ -85,7 +85,7 @@ def command(
         options["amplitude"] = amplitude
     done = _animate(system, branch, where, Path(output), options, quiet)
     if not quiet:
-        click.echo(f"Wrote {done.path}: {_told(done, periods)}.")
+        click.echo(f"Wrote {done.path}: {_told(done, periods, system.time_unit)}.")
 
 
 def _animate(
@@ -113,9 +113,10 @@ def _animate(
         return animate(system, branch, point, path, **options, progress=told)
 
 
-def _told(done: Animated, periods: int) -> str:
+def _told(done: Animated, periods: int, time: str) -> str:
     from contwalk.cli.words import plural
+    from contwalk.system.units import lasting
 
-    shown = f"{plural(periods, 'period')} of {done.motion / periods:.4g} s"
+    shown = f"{plural(periods, 'period')} of {lasting(done.motion / periods, time, '.4g')}"
     beside = f", beside it {done.mode}" if done.mode else ""
     return f"{plural(done.frames, 'frame')}, {shown} in {done.seconds:.4g} s{beside}"

@@ -80,9 +80,11 @@ def command(
 def _print(run_file: RunFile, result: RunResult, notes: Sequence[str]) -> None:
     from contwalk.cli.summary import print_branches, print_notes, print_where
     from contwalk.cli.terminal import console
+    from contwalk.plotting.quantities import units_of
 
     out = console()
-    print_branches(out, run_file.system.name, run_file.model, result.branches, result.branches)
+    units = units_of(run_file.system)
+    print_branches(out, run_file.system.name, run_file.model, result.branches, result.branches, units)
     print_notes(out, notes)
     print_where(out, result.path, result.figures, result.branches)
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from contwalk.cli.terminal import table
 from contwalk.cli.words import exact
 from contwalk.errors import ContwalkError
+from contwalk.signatures import folded
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -86,16 +87,16 @@ def _about(system: System | None, name: str) -> str:
     return f" ({about})" if about else ""
 
 
-def print_legs(out: Console, facts: HybridFacts | None) -> None:
+def print_legs(out: Console, facts: HybridFacts | None, time: str) -> None:
     """The legs of the closure with their modes and durations."""
     if facts is None:
         return
     out.print()
     rows = [
-        [str(number), leg.mode, exact(leg.duration), "s", leg.event or "the period ends"]
+        [str(number), leg.mode, exact(leg.duration), time, leg.event or "the period ends"]
         for number, leg in enumerate(facts.legs, start=1)
     ]
-    table(out, ["leg", "mode", "duration", "unit", "ended by"], rows, indent=4)
+    table(out, ["leg", "mode", "duration", "unit" if time else "", "ended by"], rows, indent=4)
 
 
 def print_margins(out: Console, facts: HybridFacts) -> None:
@@ -114,4 +115,4 @@ def print_margins(out: Console, facts: HybridFacts) -> None:
 
 def signature_line(branch: Branch) -> list[str]:
     """The events of the closure in their order."""
-    return [f"signature: {' '.join(branch.info.signature)}"] if branch.info.signature else []
+    return [f"signature: {folded(branch.info.signature)}"] if branch.info.signature else []

@@ -98,12 +98,12 @@ def print_special(
     facts += [f"note: {point.note}"] if point.note else []
     facts += admissible_line(point.admissible, branch, hybrid)
     facts += signature_line(branch)
-    facts += [] if point.period is None else _of_orbit(branch, point.period, point.trivial_error)
+    facts += [] if point.period is None else _of_orbit(branch, point.period, point.trivial_error, units)
     facts.append(f"point {point.index} of the branch, {branch.info.problem.replace('_', ' ')}")
     facts += _cost(branch.points[point.index]) if point.index < len(branch) else []
     for fact in facts:
         line(out, fact, indent=4)
-    print_legs(out, hybrid)
+    print_legs(out, hybrid, with_unit("period", units))
     _values(out, "parameter", point.parameters.items(), units)
     _values(out, "state", point.state.items(), units)
     _ranges(out, branch, point.index, units)
@@ -130,11 +130,12 @@ def print_row(
     stable = "stable" if point["stable"] else "not stable"
     line(out, f"unstable directions: {int(point['unstable'])} ({stable})", indent=4)
     period, trivial = float(point["period"]), float(point["trivial_error"])
-    facts = _of_orbit(branch, period, None if math.isnan(trivial) else trivial) if period > 0.0 else []
+    known = None if math.isnan(trivial) else trivial
+    facts = _of_orbit(branch, period, known, units) if period > 0.0 else []
     can = admissible_line(bool(point["admissible"]), branch, hybrid)
     for fact in [*can, *signature_line(branch), *facts, *_cost(point)]:
         line(out, fact, indent=4)
-    print_legs(out, hybrid)
+    print_legs(out, hybrid, with_unit("period", units))
     parameters = {**info.parameters, **dict(zip(info.free, point["free"], strict=True))}
     _values(out, "parameter", parameters.items(), units)
     _values(out, "state", zip(info.states, point["state"], strict=True), units)
@@ -151,15 +152,17 @@ def print_row(
     _spectrum(out, branch, point["spectrum"], "")
 
 
-def _of_orbit(branch: Branch, period: float, trivial_error: float | None) -> list[str]:
+def _of_orbit(
+    branch: Branch, period: float, trivial_error: float | None, units: Mapping[str, str]
+) -> list[str]:
     """Period, closure and accuracy of an orbit."""
     info = branch.info
     fold = int(info.settings.get("fold", 1))
-    facts = [f"period: {exact(fold * period)} s"]
+    time = with_unit("period", units)
+    facts = [f"period: {exact(fold * period)} {time}".rstrip()]
     if info.closure not in (None, "full"):
-        facts.append(
-            f"closure: up to the symmetry '{info.closure}' after 1/{fold} of the period, {exact(period)} s"
-        )
+        part = f"closure: up to the symmetry '{info.closure}' after 1/{fold} of the period, {exact(period)}"
+        facts.append(f"{part} {time}".rstrip())
     elif info.subharmonic > 1:
         facts.append(f"closure: after {info.subharmonic} periods of the forcing")
     else:

@@ -75,7 +75,8 @@ def _print_text(database: Hdf5Database, branch_name: str, point_name: str, point
         return
     among = database.branches()
     chosen = [database.branch(branch_name)] if branch_name else among
-    print_branches(out, database.header.system, database.header.model, chosen, among)
+    units = database.header.provenance.get("units") or {}
+    print_branches(out, database.header.system, database.header.model, chosen, among, units)
     if points:
         for branch in chosen:
             _print_points(out, branch)

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contwalk.cli.terminal import line, table
-from contwalk.cli.words import choices, exact, meaning, plural, rough
+from contwalk.cli.words import choices, exact, meaning, plural, rough, with_unit
+from contwalk.signatures import folded
+from contwalk.system.units import lasting
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -18,7 +20,12 @@ if TYPE_CHECKING:
 
 
 def print_branches(
-    out: Console, system: str, model: Mapping[str, Any], branches: Sequence[Branch], among: Sequence[Branch]
+    out: Console,
+    system: str,
+    model: Mapping[str, Any],
+    branches: Sequence[Branch],
+    among: Sequence[Branch],
+    units: Mapping[str, str],
 ) -> None:
     """Each of `branches`. Parameters that differ among all branches of the run (`among`) are named."""
     chosen = choices(model)
@@ -26,7 +33,7 @@ def print_branches(
     fixed = differing(among)
     for branch in branches:
         out.print()
-        _print_branch(out, branch, among, fixed)
+        _print_branch(out, branch, among, fixed, with_unit("period", units))
     if not branches:
         line(out, "There are no branches.")
 
@@ -54,7 +61,9 @@ def print_where(out: Console, database: Path, figures: Sequence[Path], branches:
     line(out, f"          {shlex.join(plot)}")
 
 
-def _print_branch(out: Console, branch: Branch, among: Sequence[Branch], fixed: Sequence[str]) -> None:
+def _print_branch(
+    out: Console, branch: Branch, among: Sequence[Branch], fixed: Sequence[str], time: str
+) -> None:
     info, outcome = branch.info, branch.outcome
     words = [info.problem.replace("_", " ")]
     if info.free and len(branch):
@@ -69,9 +78,9 @@ def _print_branch(out: Console, branch: Branch, among: Sequence[Branch], fixed: 
     if info.parent is not None:
         line(out, f"parent: {_parent(info.parent, among)}", indent=4)
     if len(branch) and branch.info.problem in ("periodic_orbit", "hybrid_orbit"):
-        line(out, _orbits(branch), indent=4)
+        line(out, _orbits(branch, time), indent=4)
     if info.signature:
-        line(out, f"signature: {' '.join(info.signature)}", indent=4)
+        line(out, f"signature: {folded(info.signature)}", indent=4)
     shown = [name for name in fixed if name not in info.free]
     if shown:
         line(out, ", ".join(f"{name} = {info.parameters[name]!r}" for name in shown), indent=4)
@@ -80,11 +89,11 @@ def _print_branch(out: Console, branch: Branch, among: Sequence[Branch], fixed: 
     _print_special(out, branch)
 
 
-def _orbits(branch: Branch) -> str:
+def _orbits(branch: Branch, time: str) -> str:
     """Periods and closure of a branch of orbits, and the worst error of their trivial multiplier."""
     info, fold = branch.info, int(branch.info.settings.get("fold", 1))
     periods = fold * branch.points["period"]
-    text = f"period from {np.nanmin(periods):.6g} to {np.nanmax(periods):.6g} s"
+    text = f"period from {np.nanmin(periods):.6g} to {lasting(np.nanmax(periods), time)}"
     if info.closure not in (None, "full"):
         text += f", 1/{fold} of it integrated: closed up to '{info.closure}'"
     elif info.subharmonic > 1:

@@ -24,6 +24,7 @@ from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.problems.orbit.recurrence import recurrent
 from contwalk.problems.problem import NO_MARGIN
 from contwalk.problems.stored_word import StoredWord
+from contwalk.signatures import folded
 from contwalk.system import System
 
 Path = tuple[Mapping[str, float], Mapping[str, float]]
@@ -124,7 +125,7 @@ def opened_word(
 def _hybrid(problem: HybridOrbit, z: np.ndarray, settings: Settings) -> Opening | Outcome:
     """The orbit of a simulated lap, corrected."""
     here = begin(problem, z, settings)
-    word = ", ".join(problem.signature) or "no events"
+    word = folded(problem.signature) or "no events"
     if not isinstance(here, Here):
         return outcomes.no_start(here.reason, f"{here.sentence} (word: {word})", "a periodic orbit")
     collapsed = problem.collapsed(here.sample.z)

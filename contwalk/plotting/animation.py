@@ -183,7 +183,7 @@ class _Film:
         self.stage.set_aspect("equal", adjustable="box")
         since = time - self.motion.begin
         self.hand.set_data([since], [0.0])
-        self.clock.set_xlabel(f"time  {since:.3f} s", fontsize=9, color=INK)
+        self.clock.set_xlabel(f"time  {self.motion.system.lasting(since, '.3f')}", fontsize=9, color=INK)
         just = [name for at, name in self.events if 0.0 <= time - at <= self.linger]
         self.said.set(text=just[-1] if just else "", color=self.colors[just[-1]] if just else INK)
 

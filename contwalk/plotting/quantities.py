@@ -12,6 +12,7 @@ from contwalk.branch import Branch
 from contwalk.errors import ContwalkError
 from contwalk.system import System
 from contwalk.system.declarations import nearest
+from contwalk.system.units import time_unit
 
 # Observables that every branch has. They say how stable a motion is, not what it looks like.
 BUILT_IN_OBSERVABLES = ("max_re", "max_abs")
@@ -19,7 +20,8 @@ BUILT_IN_OBSERVABLES = ("max_re", "max_abs")
 
 def units_of(system: System) -> dict[str, str]:
     """Units of a system's quantities by name, as the figures' `units` take them."""
-    units = {state.name: state.unit for state in system.states}
+    units = {"period": system.time_unit}
+    units |= {state.name: state.unit for state in system.states}
     units |= {signal.name: signal.unit for signal in system.signals}
     units |= {parameter.name: parameter.unit for parameter in system.parameters}
     return units | {observable.name: observable.unit for observable in system.observables}
@@ -27,8 +29,14 @@ def units_of(system: System) -> dict[str, str]:
 
 def axis_label(name: str, units: Mapping[str, str] | None) -> str:
     """`omega (rad/s)`; the name alone where it has no unit or is dimensionless."""
-    unit = unit_of(name, {"period": "s", **(units or {})})
+    unit = unit_of(name, units or {})
     return name if unit in ("", "1") else f"{name} ({written(unit)})"
+
+
+def time_label(units: Mapping[str, str] | None) -> str:
+    """What stands below an axis of time: with the unit of the period, or that the other units imply."""
+    known = units or {}
+    return axis_label("time", {"time": known.get("period", time_unit(known.values()))})
 
 
 def unit_of(name: str, units: Mapping[str, str]) -> str:

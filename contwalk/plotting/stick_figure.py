@@ -91,7 +91,8 @@ def plot_stick_figure(
     if own:
         _fit(ax, ABOVE if events else 0.0)
     _legend(ax)
-    told = [(tops[time], f"{name}  {time - motion.begin:.3f} s") for time, name in events if time in tops]
+    passed = {time: motion.system.lasting(time - motion.begin, ".3f") for time, _ in events}
+    told = [(tops[time], f"{name}  {passed[time]}") for time, name in events if time in tops]
     reach = tell(ax, told)
     if title and own:
         whole_title(ax.figure, title)
@@ -137,7 +138,7 @@ def plot_stick_panels(
         if ax.get_autoscale_on():
             free.append(ax)
         name = f", {names[time]}" if time in names else ""
-        write_title(ax, f"{time - motion.begin:.4g} s{name}")
+        write_title(ax, f"{motion.system.lasting(time - motion.begin, '.4g')}{name}")
     if free:  # the plugin leaves the limits open: the same for all instants
         box = np.array([[*ax.get_xlim(), *ax.get_ylim()] for ax in free])
         for ax in free:

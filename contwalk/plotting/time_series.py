@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from contwalk.errors import ContwalkError
+from contwalk.plotting import quantities
 from contwalk.plotting.quantities import written
 from contwalk.plotting.style import GREY, INK, PALETTE, dress, new_axes, new_panels
 
@@ -26,7 +27,7 @@ def plot_time_series(
     *,
     events: Mapping[str, Sequence[float]] | None = None,
     units: Mapping[str, str] | None = None,
-    time_label: str = "time (s)",
+    time_label: str | None = None,
 ) -> Axes:
     """Draw quantities over time.
 
@@ -43,8 +44,8 @@ def plot_time_series(
         Times of events by name: thin upright lines, or ticks at the lower edge where there are many.
     units : mapping, optional
         Units by name. Quantities of one unit share it on the axis.
-    time_label : str
-        What stands below the axis of time.
+    time_label : str, optional
+        What stands below the axis of time; `time` with its unit, where that is known, by default.
 
     Raises
     ------
@@ -53,7 +54,11 @@ def plot_time_series(
     """
     times, values = _checked(times, values, names)
     ax = ax or new_axes("time_series")
-    dress(ax, time_label, _common_label(names, units))
+    dress(
+        ax,
+        time_label if time_label is not None else quantities.time_label(units),
+        _common_label(names, units),
+    )
     for column, name in enumerate(names):
         color = PALETTE[column % len(PALETTE)]
         ax.plot(
@@ -73,7 +78,7 @@ def plot_time_series_panels(
     *,
     events: Mapping[str, Sequence[float]] | None = None,
     units: Mapping[str, str] | None = None,
-    time_label: str = "time (s)",
+    time_label: str | None = None,
 ) -> list[Axes]:
     """As `plot_time_series`, with a panel for each unit: metres and radians do not share an axis."""
     times, values = _checked(times, values, names)

@@ -35,6 +35,7 @@ from contwalk.storage.locking import lock as acquire
 from contwalk.storage.records import RecordLog
 from contwalk.storage.schema import TEXT_DTYPE, decode, encode, joined, pieces
 from contwalk.storage.seal import append_seal
+from contwalk.storage.shown import html_of, line_of
 from contwalk.storage.snapshot import open_snapshot
 from contwalk.storage.stored_system import StoredSystem, system_of_run
 from contwalk.system import System
@@ -116,6 +117,12 @@ class Hdf5Database:
         except BaseException:
             file.close()
             raise
+
+    def __repr__(self) -> str:
+        return line_of(self)
+
+    def _repr_html_(self) -> str:
+        return html_of(self)
 
     def __enter__(self) -> Hdf5Database:
         return self

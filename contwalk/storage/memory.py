@@ -33,6 +33,7 @@ from contwalk.storage.schema import (
     special_record_dtype,
     special_text,
 )
+from contwalk.storage.shown import html_of, line_of
 
 
 @dataclass
@@ -53,6 +54,12 @@ class MemoryDatabase:
         self._branches: dict[str, _Stored] = {}
         self._notes: dict[str, str] = {}
         self._closed = False
+
+    def __repr__(self) -> str:
+        return line_of(self)
+
+    def _repr_html_(self) -> str:
+        return html_of(self)
 
     def __enter__(self) -> MemoryDatabase:
         return self

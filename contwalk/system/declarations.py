@@ -29,6 +29,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.errors import StartError, SystemDefinitionError, UnsupportedOperation, called
+from contwalk.system.units import lasting, time_unit
 
 ROLES_OF_TRANSITIONS = ("hard", "soft", "watched")
 ROLES_OF_SYMMETRIES = ("relabel", "spatial")
@@ -626,6 +627,16 @@ class System:
                 f"The parameter {wrong[0]} of '{self.name}' is {given[wrong[0]]!r}.", "Give a number."
             )
         return {name: float(given[name]) for name in self.parameter_names}
+
+    @cached_property
+    def time_unit(self) -> str:
+        """The unit of time that the declared units imply; empty where they imply none."""
+        declared: list[Any] = [*self.states, *self.parameters, *self.observables, *self.signals]
+        return time_unit(quantity.unit for quantity in [*declared, *self.conditions])
+
+    def lasting(self, time: float, form: str = ".6g") -> str:
+        """A duration or an instant with the unit of time."""
+        return lasting(time, self.time_unit, form)
 
     def mode(self, name: str) -> Mode:
         """The mode of this name."""

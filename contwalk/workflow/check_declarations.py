@@ -121,7 +121,7 @@ def check_period(report: Report, system: System) -> float | None:
         report.error("period", AGAIN, place)
         return None
     if _period_can_be_traced(report, system.period, system.parameter_names):
-        report.ok("period", f"is {period:.6g} s at the defaults.", place)
+        report.ok("period", f"is {system.lasting(period)} at the defaults.", place)
     return period
 
 
@@ -184,7 +184,7 @@ def _repeats_not(field: Traced, samples: Samples, values: list[float], period: f
         if np.isfinite(now).all() and np.isfinite(later).all() and (np.abs(later - now) > allowed).any():
             i = int(np.argmax(np.abs(later - now) - allowed))
             return (
-                f"It does not repeat after period(p) = {period:.6g} s: {field.form.entry(i)} is "
+                f"It does not repeat after period(p) = {period:.6g}: {field.form.entry(i)} is "
                 f"{now[i]:.10g} at t = {t:.4g} and {later[i]:.10g} a period later"
             )
     return ""

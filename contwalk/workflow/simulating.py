@@ -314,9 +314,7 @@ def _drawn(run: SimulationFile, spec: FigureSpec, path: Path, trajectory: Any) -
     events: dict[str, list[float]] = {}
     for name, t in zip(trajectory.event_names, trajectory.event_times.tolist(), strict=True):
         events.setdefault(name, []).append(t)
-    panels = plotting.plot_time_series_panels(
-        times, values, shown, events=events, units=units, time_label="time"
-    )
+    panels = plotting.plot_time_series_panels(times, values, shown, events=events, units=units)
     return plotting.save(panels[0], path)
 
 

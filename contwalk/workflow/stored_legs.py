@@ -112,7 +112,7 @@ def facts_of(system: System, branch: Branch, point: SpecialPoint | int) -> Hybri
 
 def _unit(system: System, name: str) -> str:
     if name.endswith("_duration"):
-        return "s"
+        return system.time_unit
     return next((c.unit for c in system.conditions if c.name == name), "")
 
 

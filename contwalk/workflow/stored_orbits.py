@@ -187,7 +187,7 @@ def orbit_at(system: System, branch: Branch, point: SpecialPoint | int) -> Orbit
     fold = int(branch.info.settings.get("fold", 1))
     free = branch.info.free[0]
     value = f"{sample.parameter:.6g} {_unit(system, free)}".strip()
-    label = f"{name}:  {free} = {value},  T = {fold * sample.period:.4g} s"
+    label = f"{name}:  {free} = {value},  T = {system.lasting(fold * sample.period, '.4g')}"
     events = tuple(s.name for s in problem.stretches(sample.z) if s.name) if hybrid else ()
     return Orbit(
         branch.name,

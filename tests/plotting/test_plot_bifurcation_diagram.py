@@ -229,7 +229,10 @@ def test_axis_labels_carry_units_and_defaults_are_the_free_parameter_and_own_obs
     assert ax.get_xlabel() == "mu (N s/m)"
     assert ax.get_ylabel() == "amplitude (m)"
     assert plot_bifurcation_diagram([fold()], units={"x": "1"}).get_ylabel() == "x"
-    assert plot_bifurcation_diagram([fold()], y="period").get_ylabel() == "period (s)"
+    assert plot_bifurcation_diagram([fold()], y="period").get_ylabel() == "period"
+    assert (
+        plot_bifurcation_diagram([fold()], y="period", units={"period": "ms"}).get_ylabel() == "period (ms)"
+    )
 
 
 def test_parameters_are_stated_with_units():

@@ -155,7 +155,8 @@ class _Search:
             self.period = float(called("period", system.period, ParameterValues(**parameters)))
             if not (np.isfinite(self.period) and self.period > 0.0):
                 raise StartError(
-                    f"The period of '{system.name}' is {self.period:.6g} s there.", "It must be positive."
+                    f"The period of '{system.name}' is {system.lasting(self.period)} there.",
+                    "It must be positive.",
                 )
         self.turns = np.array([s.period or 0.0 for s in system.states])
         self.stretches: list[Span] = []
@@ -350,7 +351,7 @@ class _Search:
         """
         if self.best is not None and self.ended is not None:
             return self.best
-        where = "" if self.last_state is None else f" at t = {self.last_state[0]:.6g} s"
+        where = "" if self.last_state is None else f" at t = {self.system.lasting(self.last_state[0])}"
         if self.ended is not None:
             error = NotFinite if self.ended.status == "not_finite" else StartError
             raise error(

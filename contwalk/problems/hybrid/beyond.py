@@ -20,6 +20,7 @@ from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.linear import kernel_direction
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.problem import Seed
+from contwalk.signatures import folded
 
 if TYPE_CHECKING:
     from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
@@ -44,7 +45,7 @@ def seeds(problem: HybridOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], st
         except (ContwalkError, np.linalg.LinAlgError) as error:
             told.append(str(error).split(". ")[0].rstrip("."))
             continue
-        words = " ".join(seed.problem.signature) or "no events"  # type: ignore[attr-defined]
+        words = folded(seed.problem.signature) or "no events"  # type: ignore[attr-defined]
         return (seed,), f"A little beyond, the motion has the signature [{words}]: a branch of its own."
     return (), f"Beyond it: {'; '.join(dict.fromkeys(told))}."
 

@@ -388,19 +388,19 @@ def place_of(problem: HybridOrbit, limit: Limit, located: Located) -> str:
     """Where in the cycle a limit is met."""
     leg = problem.word.legs[limit.leg]
     before = problem.word.leading_in(problem.system, limit.leg) or "the start of the period"
-    seconds = float(located.vectors["seconds"])
+    after = problem.system.lasting(float(located.vectors["seconds"]), ".10g")
     if limit.test == "duration":
         return f"'{limit.name}' follows '{before}' at once: between them mode {leg.mode} lasts no time"
     if limit.test == "condition":
         return f"'{limit.name}' is zero at '{leg.name}'"
     if limit.test == "rate":
         return (
-            f"'{limit.name}' arrives with no rate, {seconds:.10g} s after '{before}', in mode {leg.mode}: "
+            f"'{limit.name}' arrives with no rate, {after} after '{before}', in mode {leg.mode}: "
             "multipliers that grow beyond all bounds do so as the inverse of its rate"
         )
     if limit.test == "leaving":
         return f"'{limit.name}' is not left again: right after it, in mode {leg.mode}, its guard has no rate"
-    return f"'{limit.name}' is touched {seconds:.10g} s after '{before}', in mode {leg.mode}"
+    return f"'{limit.name}' is touched {after} after '{before}', in mode {leg.mode}"
 
 
 def sentence(problem: HybridOrbit, label: str, located: Located, sample: Sample) -> str:

@@ -30,6 +30,7 @@ from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.problem import Seed
 from contwalk.problems.spectrum import complement
+from contwalk.signatures import folded
 from contwalk.system import Transition
 from contwalk.system.declarations import ParameterValues
 
@@ -63,14 +64,14 @@ def found(problem: HybridOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], st
     try:
         limit, place = _limit_of(problem, point)
         neighbour = _built(*_turned(problem, np.array(point.unknowns), limit), place)
-        words = " ".join(neighbour.problem.signature) or "no events"
+        words = folded(neighbour.problem.signature) or "no events"
         seed = _seed(neighbour, point.label, words)
     except _None as reason:
         simulated, told = beyond.seeds(problem, point)
         return simulated, f"No orbit of another signature passes there: {reason} {told}"
     except (NotFinite, np.linalg.LinAlgError) as error:
         return (), f"No neighbour to switch to: its equations have no solution there ({error})."
-    words = " ".join(seed.problem.signature) or "no events"  # type: ignore[attr-defined]  # over its period
+    words = folded(seed.problem.signature) or "no events"  # type: ignore[attr-defined]  # over its period
     return (seed,), f"The orbits with signature [{words}] leave there: a branch of their own."
 
 

@@ -154,7 +154,8 @@ def homoclinic(problem: Orbit, a: Sample, b: Sample) -> Outcome | None:
     return Outcome(
         "stopped",
         "homoclinic",
-        f"The period runs off ({b.period:.4g} s here) while the orbit creeps past an equilibrium: a "
+        f"The period runs off ({problem.system.lasting(b.period, '.4g')} here) while the orbit creeps past "
+        "an equilibrium: a "
         f"homoclinic or heteroclinic orbit at {problem.free} = {value + limit.rest:.12g} +- {error:.1e}, by "
         f"extrapolation from {value:.12g}.{_doubt(b)} Nothing to do; a finer accuracy follows it further.",
     )

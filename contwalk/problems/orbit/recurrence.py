@@ -98,11 +98,11 @@ def recurrent(
     reached = np.abs(x)
     weights = np.maximum(reached, 1e-3)
     if until != "settled":
-        path = _checked(simulation.run(t, x, float(until) / unit, weights), unit).path
+        path = _checked(simulation.run(t, x, float(until) / unit, weights), simulation.system, unit).path
         t, x = float(path.times[-1]), path.states[-1].copy()
     length = 8.0 if forced else _first_length(simulation, x, weights)
     for _ in range(STRETCHES):
-        run = _checked(simulation.run(t, x, t + length, weights), unit)
+        run = _checked(simulation.run(t, x, t + length, weights), simulation.system, unit)
         path = run.path
         variation = np.ptp(path.states, axis=0)
         _check_moves(simulation, path, variation)
@@ -115,8 +115,9 @@ def recurrent(
         t, x = float(path.times[-1]), path.states[-1].copy()
         if len(path.times) < STEPS:
             length *= 1.5
+    lasted = simulation.system.lasting(t * unit)
     raise StartError(
-        f"The simulation did not come back to where it was within {t * unit:.6g} s: it has not settled, "
+        f"The simulation did not come back to where it was within {lasted}: it has not settled, "
         "or settles on a motion that is not periodic.",
         "Simulate for longer with until: SECONDS, or start from another state.",
     )
@@ -128,7 +129,7 @@ def _first_length(simulation: Simulation, x: np.ndarray, weights: np.ndarray) ->
     return 10.0 / rate if rate > 0.0 else 10.0
 
 
-def _checked(run: Choice, unit: float) -> Choice:
+def _checked(run: Choice, system: System, unit: float) -> Choice:
     path = run.path
     if path.status != "ok":
         what = {
@@ -137,7 +138,7 @@ def _checked(run: Choice, unit: float) -> Choice:
             "too_many_steps": "going on takes more steps than are allowed",
         }[path.status]
         raise NotFinite(
-            f"The simulation ends after {path.times[-1] * unit:.6g} s: {what}.",
+            f"The simulation ends after {system.lasting(path.times[-1] * unit)}: {what}.",
             "Start elsewhere, or mend the plugin.",
         )
     return run
