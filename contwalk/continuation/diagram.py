@@ -6,8 +6,9 @@ the stored branches rebuilds it exactly; a branch that is stored half is walked 
 
 from __future__ import annotations
 
+import itertools
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,7 +23,17 @@ from contwalk.continuation.recognition import known_branch
 from contwalk.continuation.records import start_record
 from contwalk.continuation.rows import from_row, to_row
 from contwalk.continuation.settings import Settings
-from contwalk.continuation.work import Start, Stored, Work, closed, combined, info_of, resumed, spent
+from contwalk.continuation.work import (
+    Start,
+    Stored,
+    Work,
+    closed,
+    combined,
+    info_of,
+    outdated,
+    resumed,
+    spent,
+)
 from contwalk.problems.problem import Problem
 
 
@@ -57,11 +68,11 @@ class Found:
 
 @dataclass(frozen=True)
 class Cut:
-    """A branch that was stored in part goes on from its last regular point: keep so many rows and points."""
+    """A branch that is stored goes on: keep so many rows, and the special points of these numbers."""
 
     info: BranchInfo
     rows: int
-    special_points: int
+    special_points: tuple[int, ...]
 
 
 @dataclass(frozen=True)
@@ -92,6 +103,11 @@ class Diagram:
     plan : Plan
     restore : callable, optional
         What is stored already of the branch of a name, or None.
+    claim : callable, optional
+        The name under which the branch of a start is stored, or None. Without it, branches are stored in the
+        order in which they are walked.
+    taken : sequence of str
+        Names that only `claim` may give.
     """
 
     def __init__(
@@ -99,7 +115,11 @@ class Diagram:
         starts: Iterable[Start],
         plan: Plan,
         restore: Callable[[str], Stored | None] = lambda name: None,
+        claim: Callable[[Start], str | None] = lambda start: None,
+        taken: Sequence[str] = (),
     ) -> None:
+        self._claim = claim
+        self._taken = set(taken)
         self._starts = iter(starts)
         self._seeds: deque[Start] = deque()
         self._plan = plan
@@ -109,13 +129,19 @@ class Diagram:
     def events(self) -> Iterator[Event]:
         """Everything that happens, as it happens."""
         for start in self._queue():
-            known = self._known(start)
+            stored = self._claim(start)
+            known = None if stored else self._known(start)
             if known is not None:
                 yield Noted(
                     f"skipped {start.origin}", f"{start.origin} lies on branch {known}, already known."
                 )
                 continue
-            yield from self._branch(start)
+            yield from self._branch(start, stored or self._next_name())
+
+    def _next_name(self) -> str:
+        names = itertools.count(len(self.branches) + 1)
+        used = self._taken | {branch.name for branch in self.branches}
+        return next(name for name in (f"b{number}" for number in names) if name not in used)
 
     def _queue(self) -> Iterator[Start]:
         """Starts in their order, each followed by all that grows out of it."""
@@ -153,10 +179,10 @@ class Diagram:
         one_sided = isinstance(start.opening, Opening) and start.opening.one_sided
         return (1.0,) if one_sided else (1.0, -1.0)
 
-    def _branch(self, start: Start) -> Iterator[Event]:
-        work = Work(info_of(start, f"b{len(self.branches) + 1}"))
+    def _branch(self, start: Start, name: str) -> Iterator[Event]:
+        work = Work(info_of(start, name))
         stored = self._restore(work.info.name)
-        if stored is not None and stored.outcome is not None and stored.outcome.reason != "interrupted":
+        if stored is not None and stored.outcome is not None and self._is_whole(stored, stored.outcome):
             work.rows, work.special_points = [stored.rows], list(stored.special_points)
             branch = work.branch(stored.outcome)
         elif isinstance(start.opening, Outcome):
@@ -170,6 +196,10 @@ class Diagram:
         self.branches.append(branch)
         if not isinstance(start.opening, Outcome) and start.depth < self._plan.depth:
             self._seeds.extend(self._grown(start, start.opening.problem, branch))
+
+    def _is_whole(self, stored: Stored, outcome: Outcome) -> bool:
+        """Whether nothing is to be added to a stored branch."""
+        return outcome.reason != "interrupted" and not outdated(stored, self._plan.settings)
 
     def _walked(
         self, opening: Opening, work: Work, stored: Stored | None, signs: tuple[float, ...]
@@ -190,8 +220,9 @@ class Diagram:
             born = work.info.parent is not None
             places = {sign: from_row(problem, work.rows[0][0], sign, born) for sign in signs}
         else:
-            places = resumed(problem, work, stored, signs, settings.events)
-            yield Cut(work.info, len(work.rows), len(work.special_points))
+            without = outdated(stored, settings)
+            places, points = resumed(problem, work, stored, signs, settings.events, without)
+            yield Cut(work.info, len(work.rows), points)
         if len(work.rows) == 1:
             yield from self._start_marks(work, opening, observer)
         for sign in signs:

@@ -13,6 +13,7 @@ from contwalk.continuation import outcomes
 from contwalk.continuation.here import Here
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.rows import from_row
+from contwalk.continuation.settings import Settings
 from contwalk.problems.problem import MAX_ABS, MAX_RE, Problem
 from contwalk.system import System
 
@@ -97,19 +98,48 @@ def spent(work: Work, sign: float) -> int:
     return sum(1 for row in work.rows if row["s"][0] * sign >= 0.0)
 
 
+def outdated(stored: Stored, settings: Settings) -> frozenset[int]:
+    """Special points that are no ends any more, by their numbers.
+
+    They were ends where fewer points, or a narrower range, were allowed than the settings allow now.
+    """
+    low, high = settings.range
+    found = set()
+    for number, point in enumerate(stored.special_points):
+        if point.label != "EP":
+            continue
+        values = stored.rows["free"][stored.rows["s"] == point.s, 0]
+        own = int(np.sum(stored.rows["s"] * (1.0 if point.s > 0 else -1.0) >= 0.0))
+        widened = point.kind == "bound" and all(low < value < high for value in values)
+        if widened or (point.kind == "max_points" and own < settings.max_points):
+            found.add(number)
+    return frozenset(found)
+
+
 def resumed(
-    problem: Problem, work: Work, stored: Stored, signs: tuple[float, ...], events: Mapping[str, str]
-) -> dict[float, tuple[Problem, Here]]:
-    """Where each direction goes on; those that have ended are left out and their outcomes taken over."""
+    problem: Problem,
+    work: Work,
+    stored: Stored,
+    signs: tuple[float, ...],
+    events: Mapping[str, str],
+    without: frozenset[int] = frozenset(),
+) -> tuple[dict[float, tuple[Problem, Here]], tuple[int, ...]]:
+    """Where each direction goes on; those that have ended are left out and their outcomes taken over.
+
+    The second value tells the numbers of the special points that are kept; those of `without` are not.
+    """
     rows = stored.rows
     regular = np.flatnonzero(~rows["special"])
     kept = rows[: regular[-1] + 1]
     work.rows = [kept[i : i + 1] for i in range(len(kept))]
     # A mark of the start has a row of its own at the start's place: it is kept only if that row is.
     regular_s, special_s = set(kept["s"].tolist()), set(kept["s"][kept["special"]].tolist())
-    work.special_points = [
-        p for p in stored.special_points if p.s in (regular_s if p.label == "EP" else special_s)
-    ]
+    points = tuple(
+        number
+        for number, p in enumerate(stored.special_points)
+        if number not in without and p.s in (regular_s if p.label == "EP" else special_s)
+    )
+    work.special_points = [stored.special_points[number] for number in points]
     ends = {1.0 if p.s > 0 else -1.0: p for p in work.special_points if p.label == "EP"}
     if len(kept) == 1 and ends:  # ended where it began
         ends = dict(zip(signs, [p for p in work.special_points if p.label == "EP"], strict=False))
@@ -126,7 +156,7 @@ def resumed(
             places[sign] = from_row(problem, side[-1], sign, born)
         else:
             places[sign] = from_row(problem, kept[0], sign, born)
-    return places
+    return places, points
 
 
 _ORDER = {"complete": 0, "stopped": 1, "failed": 2}

@@ -80,8 +80,8 @@ class Database(Protocol):
     def drop_outcome(self, name: str) -> None:
         """Reopen a finished branch."""
 
-    def truncate(self, name: str, rows: int, specials: int) -> None:
-        """Keep the first `rows` points and `specials` special points, in the order of appending."""
+    def truncate(self, name: str, rows: int, specials: Sequence[int]) -> None:
+        """Keep the first `rows` points, and the special points of these numbers, as they were appended."""
 
     def drop(self, name: str) -> None:
         """Remove a branch."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import os
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from types import TracebackType
@@ -201,11 +201,20 @@ class Hdf5Database:
             with self._writing(stored.outcomes.room(1)):
                 stored.reopen()
 
-    def truncate(self, name: str, rows: int, specials: int) -> None:
-        """Keep the first ones; a shorter branch goes into a new file that replaces this one."""
+    def truncate(self, name: str, rows: int, specials: Sequence[int]) -> None:
+        """Keep the first rows, and some special points; a shorter branch goes into a new file."""
         stored = self._stored(name)
-        if rows < stored.points.count or specials < stored.special_points.count:
-            self._rewrite(truncated={name: (rows, specials)})
+        if rows < stored.points.count or len(specials) < stored.special_points.count:
+            self._rewrite(truncated={name: (rows, list(specials))})
+
+    def write_header(self, header: RunHeader) -> None:
+        """Replace the header: a run goes on with other settings."""
+        before, self._header = self._header, header
+        try:
+            self._rewrite()
+        except BaseException:
+            self._header = before
+            raise
 
     def drop(self, name: str) -> None:
         """Remove a branch; the others go into a new file that replaces this one."""
@@ -269,7 +278,9 @@ class Hdf5Database:
         with failures_of(self._path, "read"):
             return dict(map(decode, joined(self._notes.read())))
 
-    def _rewrite(self, truncated: Mapping[str, tuple[int, int]] | None = None, dropped: str = "") -> None:
+    def _rewrite(
+        self, truncated: Mapping[str, tuple[int, list[int]]] | None = None, dropped: str = ""
+    ) -> None:
         """Copy what is kept into a new file and put it in the place of this one."""
         kept = [stored for stored in self._branches.values() if stored.info.name != dropped]
         with self._writing(self._path.stat().st_size):

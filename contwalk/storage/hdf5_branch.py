@@ -91,10 +91,10 @@ class StoredBranch:
         """Bytes that a new branch takes, and more."""
         return 2 * len(info_text(info)) + (1 << 15)
 
-    def copy_to(self, file: h5py.File, order: int, rows: int | None, specials: int | None) -> None:
-        """Write the branch into another file, with its first `rows` and `specials` (all for None)."""
+    def copy_to(self, file: h5py.File, order: int, rows: int | None, specials: list[int] | None) -> None:
+        """Write the branch into another file, with its first `rows` and some `specials` (all for None)."""
         points, special_points = self._read()
-        kept, special_points = points[:rows], special_points[:specials]
+        kept, special_points = points[:rows], special_points if specials is None else special_points[specials]
         ended = None
         if self._end is not None:
             ended = pieces(outcome_text(*self._end, Extent.of(kept, special_points)))

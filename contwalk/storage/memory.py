@@ -5,7 +5,7 @@ It keeps the same texts and bytes as the file would, so that both give back the 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from types import TracebackType
 
@@ -98,10 +98,11 @@ class MemoryDatabase:
         """Reopen a finished branch."""
         self._stored(name).end = None
 
-    def truncate(self, name: str, rows: int, specials: int) -> None:
-        """Keep the first ones."""
+    def truncate(self, name: str, rows: int, specials: Sequence[int]) -> None:
+        """Keep the first rows, and some special points."""
         stored = self._stored(name)
-        del stored.rows[rows:], stored.specials[specials:]
+        del stored.rows[rows:]
+        stored.specials = [stored.specials[number] for number in specials]
 
     def drop(self, name: str) -> None:
         """Remove a branch."""

@@ -120,11 +120,15 @@ class RunFile:
 
         Wording, defaults written out, the name of the output and the figures make no difference.
         """
+        stored = self.settings_of(other)
+        return stored is not None and stored == self.settings_of(self.data)
+
+    def settings_of(self, other: str | Mapping[str, Any]) -> dict[str, Any] | None:
+        """What decides the branches of a run file, by key, from its text or data; None where it is none."""
         try:
-            data = parse_yaml(other, "the stored run file")[0] if isinstance(other, str) else other
-            return _study(data) == _study(self.data)
+            return _study(parse_yaml(other, "the stored run file")[0] if isinstance(other, str) else other)
         except (RunFileError, ValidationError):
-            return False
+            return None
 
     def studies(self) -> tuple[RunFile, ...]:
         """One run file for each swept value, without a sweep; without one, itself alone."""

@@ -26,6 +26,7 @@ from contwalk.storage.failures import refuse_existing
 from contwalk.storage.hdf5 import Hdf5Database
 from contwalk.system.loading import plugin_files
 from contwalk.workflow.figures import draw_figure
+from contwalk.workflow.going_on import WIDENED, Claims, differences, header_of_both
 from contwalk.workflow.run_file import RunFile
 from contwalk.workflow.starting import Place, places, starts
 
@@ -99,6 +100,7 @@ def run(
             _all_starts([(study, found) for study, found, _ in studies]),
             _plan(run_file),
             lambda name: _stored(db, name),
+            **_claims(db),
         )
         _Recorder(db, reporter, result, run_file.accuracy).record(diagram)
         result.branches = db.branches()
@@ -184,11 +186,13 @@ def _database(run_file: RunFile, resume: bool, force: bool) -> Hdf5Database:
     path = run_file.output
     if resume and path.exists():
         db = Hdf5Database.open(path, writable=True)
-        if not run_file.same_study(db.header.config):
+        if differing := differences(run_file, db.header):
             db.close()
             raise DatabaseError(
-                f"{path} was computed from another run file: its settings differ from {run_file.path}.",
-                "Give another --output, or --force to start anew.",
+                f"{path} was computed from another run file: its settings differ from {run_file.path} "
+                f"({', '.join(differing)}).",
+                "Only max_points may be raised, and a range widened. Give another --output, or --force to "
+                "start anew.",
             )
         if db.header.provenance.get("equations_sha256") != equations_hash(run_file):
             db.close()
@@ -197,9 +201,18 @@ def _database(run_file: RunFile, resume: bool, force: bool) -> Hdf5Database:
                 "its equations or defaults have changed since.",
                 "Put the plugin back as it was, give another --output, or --force to start anew.",
             )
+        if run_file.config() != db.header.config:
+            db.write_header(header_of_both(run_file, db.header))
         return db
     header = RunHeader(run_file.system.name, dict(run_file.model), run_file.config(), provenance(run_file))
     return Hdf5Database.create(path, header, overwrite=force)
+
+
+def _claims(db: Database) -> dict[str, Any]:
+    """How starts find their stored branches, where these need not be in the order of the starts."""
+    if not db.header.provenance.get(WIDENED):
+        return {}
+    return {"claim": Claims(db), "taken": db.branch_names()}
 
 
 def equations_hash(run_file: RunFile) -> str:

@@ -86,7 +86,7 @@ def test_truncate_keeps_the_first(db, reread, make_info, make_row, make_special)
     for s in (0.0, 0.1, 0.2, 0.3):
         db.append("b1", make_row(info, s))
         db.append_special("b1", make_special("UZ", s))
-    db.truncate("b1", 2, 1)
+    db.truncate("b1", 2, [0])
     assert db.rows("b1")["s"].tolist() == [0.0, 0.1]
     db.append("b1", make_row(info, 9.0))
     again = reread(db)

@@ -219,7 +219,7 @@ def test_writing_to_a_file_open_for_reading(stored, make_info, make_row):
             lambda: db.append("b1", make_row(make_info(), 0.0)),
             lambda: db.write_note("a", "b"),
             lambda: db.drop("b1"),
-            lambda: db.truncate("b1", 1, 0),
+            lambda: db.truncate("b1", 1, []),
         )
         for write in writes:
             with pytest.raises(DatabaseError, match="open for reading only"):
@@ -341,7 +341,7 @@ def test_a_failed_rewrite_leaves_the_file_and_no_draft(stored, monkeypatch):
 
     monkeypatch.setattr(Path, "replace", full)
     with pytest.raises(DatabaseError, match="disk is full"):
-        db.truncate("b1", 3, 0)
+        db.truncate("b1", 3, [])
     monkeypatch.undo()
     db.close()
     assert [path.name for path in stored.parent.iterdir()] == [stored.name]
