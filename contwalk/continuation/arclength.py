@@ -74,10 +74,13 @@ def walk(
             problem, sample = problem.adapted(here.sample)
             # On new steps the solution may be another: then that one is the point.
             yield Point(here if np.array_equal(sample.z, here.sample.z) else replace(here, sample=sample))
-        except NotFinite as error:
+        except (NotFinite, np.linalg.LinAlgError) as error:
             yield Point(here)
+            sentence = (
+                error.sentence if isinstance(error, NotFinite) else f"The orbit there is singular: {error}."
+            )
             outcome = outcomes.stuck(
-                "not_finite", error.sentence, here.step, observer.parameter, here.sample.parameter
+                "not_finite", sentence, here.step, observer.parameter, here.sample.parameter
             )
             break
         here = replace(here, sample=sample)

@@ -30,6 +30,8 @@ NEAR_REAL = 1e-5
 NO_SHARE = 1e-9
 # At a branch point the tangent comes from second derivatives at a point that is known to about this.
 FAINT_SHARE = 1e-6
+# With a smaller share of the parameter than the first a branch goes straight up; than the second, it turns.
+FLAT, NEARLY_FLAT = 1e-7, 1e-3
 # How many eigenvalues pass at points that only eigenvalues tell: a pair, or a real one (SB: of half a
 # symmetric orbit, where its whole loses the symmetry).
 PASSING = {"HB": 2, "NS": 2, "PD": 1, "SB": 1}
@@ -228,7 +230,7 @@ def _measure_crossings(segment: Segment, low: float, high: float, known: list[Fo
         elif not any(abs(f.theta - crossing) < _doubt(p, q, which) for f in known):
             unexplained.append((crossing, which))
     if unexplained:
-        found.append(_multiple(segment, unexplained))
+        found.append(_multiple(segment, unexplained) or _flat_fold(segment, low, high, unexplained))
     return found
 
 
@@ -241,14 +243,30 @@ def _doubt(p: Sample, q: Sample, which: int) -> float:
     return 1e-3 + 10.0 * known / max(change, 1e-300)
 
 
-def _multiple(segment: Segment, crossings: list[tuple[float, int]]) -> Found:
+def _multiple(segment: Segment, crossings: list[tuple[float, int]]) -> Found | None:
     """The point at which several real eigenvalues pass zero together, unseen by the orientation if even."""
     thetas = [theta for theta, _ in crossings]
     if len(crossings) > 1 and max(thetas) - min(thetas) < 10.0 * NEAR_REAL:
-        found = locate_multiple(segment, thetas[0])
-        if found is not None:
-            return found
-    raise Disagreement("BP", "A real eigenvalue passes zero where there is no fold and no branch point.")
+        return locate_multiple(segment, thetas[0])
+    return None
+
+
+def _flat_fold(segment: Segment, low: float, high: float, crossings: list[tuple[float, int]]) -> Found:
+    """The fold at which an eigenvalue passes zero while the parameter hardly moves: it is seen, not located.
+
+    In an explosion of cycles the parameter changes by less than it is known to.
+    """
+    ends = [segment.at(theta) for theta in (low, high)]
+    share = max(abs(float(end.tangent[-1] / end.weights[-1])) for end in ends)
+    if share > FLAT:
+        label = "LP" if share < NEARLY_FLAT else "BP"
+        raise Disagreement(label, "A real eigenvalue passes zero where there is no fold and no branch point.")
+    theta = crossings[0][0]
+    sample, width = segment.at(theta), abs(float(segment.chord[-1]))
+    note = "A real eigenvalue passes zero, and the parameter turns by less than it is known to."
+    return Found(
+        theta, "LP", Located(sample.z, width, {"note": note}, refined=False), sample, kind="unlocated"
+    )
 
 
 def _same_pair(found: Found, which: int) -> bool:

@@ -34,6 +34,7 @@ from contwalk.continuation.work import (
     resumed,
     spent,
 )
+from contwalk.errors import NotFinite
 from contwalk.problems.problem import Problem
 
 
@@ -190,7 +191,10 @@ class Diagram:
             branch = work.branch(start.opening)
             yield Ended(branch)
         else:
-            yield from self._walked(start.opening, work, stored, self._signs(start))
+            try:
+                yield from self._walked(start.opening, work, stored, self._signs(start))
+            except (NotFinite, np.linalg.LinAlgError) as error:
+                work.outcomes.append((1.0, _broken(error, "The branch cannot be followed")))
             branch = work.branch(combined(work.outcomes, start.opening.message))
             yield Ended(branch)
         self.branches.append(branch)
@@ -266,17 +270,35 @@ class Diagram:
                 continue
             if start.parent is not None and abs(point.s) < 1e-9:
                 continue  # the point that this branch itself was born at
+            for opening in self._openings(problem, point):
+                yield replace(
+                    start,
+                    opening=opening,
+                    origin=f"{branch.name}/{point.name}",
+                    parent=(branch.name, point.s),
+                    depth=start.depth + 1,
+                    label=point.label,
+                    orbit=start.orbit or point.label in ("HB", "PD"),
+                )
+
+    def _openings(self, problem: Problem, point: SpecialPoint) -> Iterator[Opening | Outcome]:
+        """The branches that leave a point; of one that cannot be begun, why."""
+        try:
             for seed in problem.seeds(point):
                 here = begin(seed.problem, seed.z, self._plan.settings, seed.tangent, seed.reach)
                 if isinstance(here, Here):
-                    yield replace(
-                        start,
-                        opening=Opening(seed.problem, here, one_sided=seed.one_sided),
-                        origin=f"{branch.name}/{point.name}",
-                        parent=(branch.name, point.s),
-                        depth=start.depth + 1,
-                        label=point.label,
-                    )
+                    yield Opening(seed.problem, here, one_sided=seed.one_sided)
+                else:
+                    yield outcomes.no_start(here.reason, here.sentence)
+        except (NotFinite, np.linalg.LinAlgError) as error:
+            yield _broken(error, f"The branch that leaves {point.name} cannot be begun")
+
+
+def _broken(error: NotFinite | np.linalg.LinAlgError, what: str) -> Outcome:
+    """The outcome of a branch that an error ended."""
+    if isinstance(error, NotFinite):
+        return outcomes.broken(f"{what}: {error.sentence}", error.remedy)
+    return outcomes.broken(f"{what}: its equations are singular ({error}).", "Start elsewhere.")
 
 
 # How near the last orbit of a family is to the Hopf point that it ends at, in parameter, period and state.

@@ -11,6 +11,7 @@ import numpy as np
 from contwalk.continuation.locating import Disagreement, Found, accepted, locate_multiple
 from contwalk.continuation.rootfinding import narrow
 from contwalk.continuation.segment import LostBranch, Segment
+from contwalk.errors import NotFinite
 from contwalk.problems.problem import Sample
 
 # An extremum is looked at when it comes this much nearer to zero than the ends.
@@ -55,7 +56,11 @@ def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | Non
     ends = max(abs(segment.a.measures[which]), abs(segment.b.measures[which]))
     if abs(here.measures[which]) > max(CLOSE * ends, here.spectrum_error or 0.0):
         return None
-    finest = segment.problem.finest(here.z, segment.weights)
+    try:
+        finest = segment.problem.finest(here.z, segment.weights)
+    except NotFinite as error:
+        label = segment.problem.label_of(here, which) or "BP"
+        raise Disagreement(label, f"Two crossings may hide there: {error.sentence}") from None
     if finest is None:
         return None
     sides = max(theta - NEIGHBOURHOOD, 0.0), min(theta + NEIGHBOURHOOD, 1.0)
@@ -110,7 +115,7 @@ def _suspects(a: Sample, b: Sample, length: float) -> Iterable[int]:
     """Measures with the same sign at both ends whose cubic interpolation comes near zero in between."""
     ma, mb = a.measures, b.measures
     certain = (np.abs(ma) > a.errors) & (np.abs(mb) > b.errors)
-    for which in np.flatnonzero(certain & (ma * mb > 0)).tolist():
+    for which in np.flatnonzero(certain & (np.sign(ma) == np.sign(mb))).tolist():
         sign = float(np.sign(ma[which]))
         # Towards zero at the one end, away from it at the other: an extremum lies between. A rate has a
         # price, and a comparison with one that is not known is false.

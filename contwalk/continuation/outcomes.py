@@ -118,6 +118,11 @@ def stuck(reason: str, sentence: str, step: float, name: str, value: float) -> O
     )
 
 
+def broken(sentence: str, remedy: str) -> Outcome:
+    """A branch that could not be begun, or gone on with, at all."""
+    return Outcome("failed", "not_finite", f"{sentence} {remedy}".strip())
+
+
 def no_start(reason: str, sentence: str, what: str = "an equilibrium, or a named one") -> Outcome:
     """The start could not be corrected to a solution."""
     if reason in ("not_finite", "plugin_error"):

@@ -15,7 +15,7 @@ from contwalk.continuation.marks import Observer, marked
 from contwalk.continuation.newton import Correction, correct
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Mark, Settings
-from contwalk.errors import PluginError
+from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.problem import Linearization, Located, Problem, Sample
 
 # A mark this near to a bifurcation, in parts of the step, is at the same place.
@@ -116,6 +116,8 @@ def take_step(problem: Problem, here: Here, settings: Settings, observer: Observ
                 sentence = "The equations are singular there in more than one direction."
             except PluginError as error:
                 reason, sentence = "plugin_error", error.sentence
+            except NotFinite as error:
+                reason, sentence = "not_finite", error.sentence
         if reason in ("not_finite", "plugin_error"):
             edge = reason, sentence
         if smallest or (edge is not None and length < EDGE):

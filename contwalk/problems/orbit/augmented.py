@@ -63,7 +63,7 @@ def located(problem: Orbit, label: str, sample: Sample, which: int) -> Located |
     try:
         system = builders[label](problem, sample, which)
         return None if system is None else solved(problem, system, sample)
-    except np.linalg.LinAlgError:
+    except (np.linalg.LinAlgError, NotFinite):
         return None
 
 
@@ -85,14 +85,17 @@ def _refined(problem: Orbit, system: Augmented, rough: np.ndarray, sample: Sampl
     found, error, finer = rough, np.inf, problem
     best: tuple[float, np.ndarray, Orbit] | None = None
     for _ in range(MOST_REFINEMENTS):
-        finer = problem.refined(found[: size + 1], sample.weights, tolerance)
-        solution = _newton(finer, system, found)
-        if solution is None:
+        try:  # on finer steps a motion may meet what it stepped over before
+            finer = problem.refined(found[: size + 1], sample.weights, tolerance)
+            solution = _newton(finer, system, found)
+            if solution is None:
+                break
+            found = solution
+            checked = max(CHECK * tolerance, TIGHTEST)
+            check = problem.refined(found[: size + 1], sample.weights, checked)
+            correction = _correction(check, system, found)
+        except NotFinite:
             break
-        found = solution
-        checked = max(CHECK * tolerance, TIGHTEST)
-        check = problem.refined(found[: size + 1], sample.weights, checked)
-        correction = _correction(check, system, found)
         if correction is None:
             break
         error = 4.0 * abs(float(correction[size])) + _rounding(check, system, found)
@@ -305,6 +308,6 @@ def observed(problem: Orbit, name: str, level: float, sample: Sample) -> Located
     system = Augmented(evaluate, sample.z, sample.weights, lambda there, z: {})
     try:
         found = solved(problem, system, sample)
-    except np.linalg.LinAlgError:
+    except (np.linalg.LinAlgError, NotFinite):
         return None
     return found if found is not None and np.all(np.isfinite(found.z[: size + 1])) else None

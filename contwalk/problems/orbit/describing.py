@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contwalk.branch import SpecialPoint
+from contwalk.errors import NotFinite
 from contwalk.problems.orbit import normal_forms
 from contwalk.problems.problem import Located, Sample
 
@@ -30,6 +31,9 @@ def described(problem: Orbit, label: str, located: Located, sample: Sample, s: f
     except np.linalg.LinAlgError:
         kind, criticality, coefficients = None, None, {}
         note = "degenerate: the critical directions are not determined, so there is no normal form"
+    except NotFinite as error:
+        kind, criticality, coefficients = None, None, {}
+        note = f"there is no normal form: {error.sentence}"
     if located.refined and located.error > problem.discretization.accuracy * abs(float(z[-1])):
         limit = f"known to {located.error:.1e} only: rounding does not allow the accuracy that was asked for"
         note = limit if note is None else f"{note}; {limit}"

@@ -68,7 +68,7 @@ class Smooth:
         """Least and largest value of each state, shapes (n,)."""
         t, x, r = self.times, self.states, self.rates
         low, high = x.min(axis=0), x.max(axis=0)
-        k, j = np.nonzero(r[:-1] * r[1:] < 0.0)
+        k, j = np.nonzero(np.sign(r[:-1]) * np.sign(r[1:]) < 0.0)
         a, b, va, vb, ra, rb = t[k], t[k + 1], x[k, j], x[k + 1, j], r[k, j], r[k + 1, j]
         near = turns(a, b, va, vb, ra, rb)
         cubic = _cubic((near - a) / (b - a), b - a, va, vb, ra, rb)
@@ -126,7 +126,7 @@ def turns(
     d = (vb - va) / h
     # derivative of the Hermite cubic: ra + 2 (3 d - 2 ra - rb) s + 3 (ra + rb - 2 d) s^2
     c1, c2 = 2.0 * (3.0 * d - 2.0 * ra - rb), 3.0 * (ra + rb - 2.0 * d)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         simple = ra / (ra - rb)
         # The one of two zeros that keeps its digits, and lies between.
         root = np.sqrt(np.maximum(c1 * c1 - 4.0 * c2 * ra, 0.0))

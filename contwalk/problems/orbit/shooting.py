@@ -286,7 +286,10 @@ def _passed(
     ends = [(i / m, np.concatenate([x, generic]), (i + 1) / m) for i, x in enumerate(starts)]
     if method == "auto":
         carried = Carried(motion.field(PLAIN), n + len(motion.columns))
-        choices = [choose(field, c, *end, tolerance, weights, carried=carried) for end in ends]
+        choices = []
+        for end in ends:
+            choices.append(choose(field, c, *end, tolerance, weights, carried=carried))
+            arrived(choices[-1].path)  # where one ends on the way, the others need not be tried
         methods = {choice.method for choice in choices}
         stiffest = max(choices, key=lambda choice: choice.stability_limited)
         method, reason = stiffest.method, stiffest.reason

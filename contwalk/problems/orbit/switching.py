@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.errors import NotFinite
 from contwalk.problems.orbit.birth import CycleSizes
 from contwalk.problems.orbit.branching import amplitude, crossing, filled_magnitudes
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.null_vectors import null_vectors
 from contwalk.problems.orbit.section import section_at
 from contwalk.problems.orbit.shooting import meshed
-from contwalk.problems.orbit.transport import carried_to, following, segments_for
+from contwalk.problems.orbit.transport import carried_to, following, segments_for, segments_of_growth
 from contwalk.problems.problem import Seed
 from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
@@ -63,9 +62,13 @@ def from_hopf(equilibrium: Equilibrium, point: SpecialPoint) -> Sequence[Seed]:
         tangent = np.concatenate([*[(q * turn).real for turn in turns], np.zeros(len(scalars))])
         return orbit.on(mesh, section), np.concatenate([np.tile(x, m), scalars]), tangent
 
-    problem, start, tangent = cut(1)
-    m = segments_for(problem, start)
-    if m > 1:
+    # The linear flow is known: what grows too much is not integrated in one piece to find that out.
+    exponents = np.linalg.eigvals(equilibrium.jacobian(z)[:n, :n]).real * period
+    m = orbit.discretization.segments or segments_of_growth(float(exponents.max()))
+    problem, start, tangent = cut(m)
+    more = max(m, segments_for(problem, start))
+    if more > m:
+        m = more
         problem, start, tangent = cut(m)
 
     def reach(change: float) -> np.ndarray:
@@ -115,16 +118,12 @@ def _symmetry_of_cycle(
 def seeds(problem: PeriodicOrbit, point: SpecialPoint) -> Sequence[Seed]:
     """The branches that leave a special point of a branch of orbits."""
     z = np.array(point.unknowns)
-    try:
-        there = _discretized(problem, z)
-        if point.label == "PD":
-            return _doubled(there, z)
-        if point.label == "BP" and point.kind == "symmetry-breaking":
-            return _whole(there, z)
-        if point.label == "BP" and point.coefficients:
-            return crossing(there, z, point)
-    except (NotFinite, np.linalg.LinAlgError):
-        return ()
+    if point.label == "PD":
+        return _doubled(_discretized(problem, z), z)
+    if point.label == "BP" and point.kind == "symmetry-breaking":
+        return _whole(_discretized(problem, z), z)
+    if point.label == "BP" and point.coefficients:
+        return crossing(_discretized(problem, z), z, point)
     return ()
 
 

@@ -85,7 +85,12 @@ def segments_for(problem: PeriodicOrbit, z: np.ndarray) -> int:
     largest = growth(problem, z)
     if not np.isfinite(largest):
         return MOST_SEGMENTS
-    return int(np.clip(np.ceil(np.log(largest) / np.log(MOST_GROWTH)), 1, MOST_SEGMENTS))
+    return segments_of_growth(float(np.log(largest)))
+
+
+def segments_of_growth(exponent: float) -> int:
+    """Number of segments over each of which what grows by exp(exponent) grows by `MOST_GROWTH` at most."""
+    return int(np.clip(np.ceil(exponent / np.log(MOST_GROWTH)), 1, MOST_SEGMENTS))
 
 
 def recut(problem: PeriodicOrbit, sample: Sample) -> tuple[PeriodicOrbit, Sample]:
