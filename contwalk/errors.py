@@ -7,6 +7,7 @@ the class's exit code; a library user catches one class.
 
 from __future__ import annotations
 
+import sysconfig
 import traceback
 from collections.abc import Callable
 from pathlib import Path
@@ -76,16 +77,22 @@ class NotFinite(ContwalkError):
 
 
 def plugin_line(error: BaseException) -> str:
-    """`file, line n` of the innermost frame of the traceback that is not part of contwalk or numpy."""
+    """`file, line n` of the innermost frame of the traceback that is not part of contwalk or numpy.
+
+    One of a library, Python's own included, counts only where there is no other: a plugin may be installed.
+    """
     frames = [f for f in traceback.extract_tb(error.__traceback__) if not _is_library(f.filename)]
+    own = [f for f in frames if not str(Path(f.filename).resolve()).startswith(_LIBRARIES)]
     if not frames:
         return NO_LINE
-    return f"{frames[-1].filename}, line {frames[-1].lineno}"
+    innermost = (own or frames)[-1]
+    return f"{innermost.filename}, line {innermost.lineno}"
 
 
 # What stands for a line that is not known.
 NO_LINE = "the plugin"
 _OWN = str(Path(__file__).resolve().parent)
+_LIBRARIES = tuple(str(Path(sysconfig.get_path(kind)).resolve()) for kind in ("stdlib", "purelib", "platlib"))
 
 
 def _is_library(filename: str) -> bool:

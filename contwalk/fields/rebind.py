@@ -205,6 +205,9 @@ def _stand_in(value: Any, memo: dict[int, Any]) -> Any:
         return _symbolic(value, memo)
     if isinstance(value, functools.partial):
         return functools.partial(_stand_in(value.func, memo), *value.args, **value.keywords)
+    method = _method_of(value)
+    if method is not None:
+        return functools.partial(_stand_in(method.__func__, memo), method.__self__)
     name = getattr(value, "__name__", None)
     if isinstance(value, np.ufunc):
         return _NUMPY.get(str(name)) or _SCIPY.get(str(name)) or _unsupported_ufunc(value)
@@ -214,6 +217,14 @@ def _stand_in(value: Any, memo: dict[int, Any]) -> Any:
     if isinstance(value, types.BuiltinFunctionType) and getattr(value, "__module__", "") == "math":
         return _MATH.get(str(name), value)
     return value
+
+
+def _method_of(value: Any) -> types.MethodType | None:
+    """A method written in Python, bound to its object; also that of an object that is called itself."""
+    if not isinstance(value, types.MethodType):
+        called = None if isinstance(value, type) else getattr(value, "__call__", None)  # noqa: B004
+        value = called if isinstance(called, types.MethodType) else None
+    return value if value is not None and isinstance(value.__func__, types.FunctionType) else None
 
 
 def rebound(function: Callable[..., Any]) -> Callable[..., Any]:

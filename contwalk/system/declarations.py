@@ -89,7 +89,17 @@ def _require_name(what: str, name: Any) -> None:
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+    """Whether this is a real number, and no larger than floats are."""
+    if isinstance(value, int | np.integer) and not isinstance(value, bool):
+        return abs(int(value)) < 10**300
+    return isinstance(value, float | np.floating)
+
+
+def _require_texts(what: str, declared: Any, *names: str) -> None:
+    for name in names:
+        text = getattr(declared, name)
+        if not isinstance(text, str):
+            raise SystemDefinitionError(f"{what} has {name} {text!r}.", f"A {name} is a text.")
 
 
 def _require_callable(what: str, function: Any) -> None:
@@ -127,6 +137,7 @@ class State:
 
     def __post_init__(self) -> None:
         _require_name("A state", self.name)
+        _require_texts(f"State '{self.name}'", self, "unit", "about")
         for what, value in (("scale", self.scale), ("period", self.period)):
             if value is not None and not (_is_number(value) and 0 < value < math.inf):
                 raise SystemDefinitionError(
@@ -146,6 +157,7 @@ class Parameter:
 
     def __post_init__(self) -> None:
         _require_name("A parameter", self.name)
+        _require_texts(f"Parameter '{self.name}'", self, "unit", "about")
         if not _is_number(self.default):
             raise SystemDefinitionError(
                 f"Parameter '{self.name}' has the default {self.default!r}.", "A default is a number."
@@ -203,6 +215,14 @@ class Mode:
     def __post_init__(self) -> None:
         _require_name("A mode", self.name)
         _require_callable(f"The field of mode '{self.name}'", self.field)
+        if isinstance(self.states, str):
+            raise SystemDefinitionError(
+                f"Mode '{self.name}' has states {self.states!r}.", "Give a tuple of names, as in ('x', 'y')."
+            )
+        if not isinstance(self.constants, Mapping):
+            raise SystemDefinitionError(
+                f"Mode '{self.name}' has constants {self.constants!r}.", "Give a mapping: {'name': 1.0}."
+            )
         for name, value in self.constants.items():
             _require_name(f"A constant of mode '{self.name}'", name)
             if not isinstance(value, int | float) or not math.isfinite(value):
@@ -240,6 +260,8 @@ class Transition:
     def __post_init__(self) -> None:
         _require_name("A transition", self.name)
         _require_callable(f"The guard of transition '{self.name}'", self.guard)
+        if self.reset is not None:
+            _require_callable(f"The reset of transition '{self.name}'", self.reset)
         if self.direction not in DIRECTIONS:
             raise SystemDefinitionError(
                 f"Transition '{self.name}' has direction {self.direction!r}.",
@@ -271,6 +293,11 @@ class Symmetry:
     def __post_init__(self) -> None:
         _require_name("A symmetry", self.name)
         _require_callable(f"The map of symmetry '{self.name}'", self.map)
+        for what, images in (("modes", self.modes), ("events", self.events)):
+            if not isinstance(images, Mapping):
+                raise SystemDefinitionError(
+                    f"Symmetry '{self.name}' has {what} {images!r}.", "Give a mapping: {'name': 'its image'}."
+                )
         if self.role not in ROLES_OF_SYMMETRIES:
             raise SystemDefinitionError(
                 f"Symmetry '{self.name}' has role {self.role!r}.",
@@ -343,6 +370,7 @@ class Observable:
 
     def __post_init__(self) -> None:
         _require_name("An observable", self.name)
+        _require_texts(f"Observable '{self.name}'", self, "unit", "about")
         _require_callable(f"The function of observable '{self.name}'", self.function)
         _require_side(f"Observable '{self.name}'", self.side)
 
@@ -430,6 +458,7 @@ class System:
 
     def __post_init__(self) -> None:
         _require_name("A system", self.name)
+        _require_texts(f"System '{self.name}'", self, "reference", "about")
         for what, kind in _TUPLES.items():
             entries = getattr(self, what)
             if isinstance(entries, kind):

@@ -130,9 +130,9 @@ class Traced:
         with np.errstate(all="ignore"):
             try:
                 out = self._call(self._plain, t, self.given(x), p, np.nan, float)
-            except (ArithmeticError, ValueError):
-                return np.full(len(self.form.names), np.nan)
             except (Exception, SystemExit) as error:
+                if isinstance(error, ArithmeticError | ValueError) or self.raises():
+                    return np.full(len(self.form.names), np.nan)
                 raise PluginError(
                     f"With numbers in place of symbols it raises {type(error).__name__}: {error}.",
                     f"Its form is {self.form.signature}.",

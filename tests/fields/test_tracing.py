@@ -219,3 +219,21 @@ def test_where_evaluates_only_the_side_it_takes():
     """As a plugin's author expects of numpy.where around a division: no NaN from the other side."""
     kernel = kernel_of(lambda x: np.where(x[0] > 0.0, x[0] / (x[0] + 1.0), 2.0 * x[0]), 1)
     assert kernel([-1.0])[0] == -2.0
+
+
+class Spring:
+    """A law with constants of its own, as a method and as an object that is called."""
+
+    def __init__(self, stiffness):
+        self.stiffness = stiffness
+
+    def force(self, x):
+        return -self.stiffness * math.sin(x[0])
+
+    def __call__(self, x):
+        return self.force(x)
+
+
+def test_bound_methods_are_traced():
+    spring = Spring(3.0)
+    assert kernel_of(spring.force, 1)([0.5])[0] == -3.0 * math.sin(0.5)

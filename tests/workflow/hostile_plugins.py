@@ -174,6 +174,33 @@ HOSTILE: dict[str, tuple[str, str, str]] = {
     "state named by a keyword": (SMOOTH, 'State("y")', 'State("lambda")'),
     "state without a name": (SMOOTH, 'State("y")', 'State("")'),
     "state with a sign that Python reads as another one": (SMOOTH, 'State("y")', 'State("\u00b5")'),
+    "meaning None": (SMOOTH, 'State("y")', 'State("y", about=None)'),
+    "unit is a number": (SMOOTH, 'State("y")', 'State("y", unit=1)'),
+    "reference None": _more("reference=None,"),
+    "states of a mode are a word": (SMOOTH, 'Mode("only", field)', 'Mode("only", field, states="x")'),
+    "constants of a mode are a list": (SMOOTH, 'Mode("only", field)', 'Mode("only", field, constants=[1])'),
+    "default beyond floats": (SMOOTH, 'Parameter("k", 2.0)', 'Parameter("k", 10**400)'),
+    "parameters by number": _field("dx[0] = p[0] - x[0] ** 2\ndx[1] = -x[1]"),
+    "a generator": _field("dx[0] = p.r - x[0] ** 2\nyield -x[1]"),
+    "waits for input": _field("input()\ndx[0] = p.r - x[0] ** 2\ndx[1] = -x[1]"),
+    "writes into a global array": (
+        SMOOTH,
+        f"def field(t, x, p, dx):\n{_FIELD}",
+        "WORK = np.zeros(2)\ndef field(t, x, p, dx):\n    WORK[0] = x[0]\n"
+        "    dx[0] = p.r - WORK[0] ** 2\n    dx[1] = -x[1]\n",
+    ),
+    "asserts what holds": _field("assert x[0] > -9\ndx[0] = p.r - x[0] ** 2\ndx[1] = -x[1]"),
+    "NaN on a side that is not taken": _field(
+        "dx[0] = np.where(x[0] < 5, p.r - x[0] ** 2, np.nan)\ndx[1] = -x[1] if x[0] < 5 else -math.inf"
+    ),
+    "no words": (SMOOTH, SMOOTH, "\n"),
+    "null bytes": (SMOOTH, "import math", "import math\0"),
+    "exit in a family": (
+        SMOOTH,
+        "SYSTEM = System(",
+        "def build(n):\n    raise SystemExit\n\nfrom contwalk.system import Choice, Family\n"
+        "SYSTEM = Family(name='many', choices=(Choice('n', 2, minimum=1),), build=build)\nsystem = System(",
+    ),
     "scale zero": (SMOOTH, 'State("y")', 'State("y", scale=0.0)'),
     "scale NaN": (SMOOTH, 'State("y")', 'State("y", scale=math.nan)'),
     "scale is text": (SMOOTH, 'State("y")', 'State("y", scale="large")'),
@@ -201,6 +228,19 @@ HOSTILE: dict[str, tuple[str, str, str]] = {
     "start raises": _more('starts=(Start("zero", lambda p: 1 / 0),),'),
     "start gives None": _more('starts=(Start("zero", lambda p: None),),'),
     "start gives one number": _more('starts=(Start("zero", lambda p: 1.0),),'),
+    "guard of the parameters": _hybrid("return 1.0 - x[0]", "return p.k - 1.0"),
+    "exit in the reset": _hybrid("    x_plus[0] = x[0]\n", "    exit(0)\n"),
+    "reset is a number": _hybrid("reset=rebound", "reset=3"),
+    "condition that raises": _hybrid(
+        "    period=period,\n",
+        "    period=period,\n    conditions=(__import__('contwalk.system').system.Condition(\n"
+        "        'push', lambda t, x, p: 1 / 0, at='hit'),),\n",
+    ),
+    "condition at no transition": _hybrid(
+        "    period=period,\n",
+        "    period=period,\n    conditions=(__import__('contwalk.system').system.Condition(\n"
+        "        'push', lambda t, x, p: x[1], at='miss'),),\n",
+    ),
     "constant guard": _hybrid("return 1.0 - x[0]", "return 1.0"),
     "guard gives nothing": _hybrid("return 1.0 - x[0]", "1.0 - x[0]"),
     "guard gives True or False": _hybrid("return 1.0 - x[0]", "return x[0] < 1.0"),
