@@ -35,7 +35,7 @@ def command(db: str, what: str | None, method: str | None, as_json: bool, trust:
     another start with residuals of 40 digits. A point agrees if both values differ by no more than 5 times
     the sum of their error estimates, and by no more than the accuracy that the run file asked for.
 
-    Exit codes: 0 if all agree; 1 if one does not; 2 for bad input.
+    Exit codes: 0 if all agree; 1 if one does not, or could not be checked; 2 for bad input.
     """
     from contwalk.storage import open_database
 
@@ -43,12 +43,15 @@ def command(db: str, what: str | None, method: str | None, as_json: bool, trust:
         points = _chosen(database, what or "")
         system = required_system(database, trust)
         header = database.header
+    from contwalk.continuation.verification import AGREES, ELSEWHERE
+
     found = _compared(system, header, points, method or "", as_json)
     if as_json:
         _print_json(db, header, found)
     else:
         _print(header, found)
-    return 1 if any(comparison.failed for comparison in found) else 0
+    enough = (AGREES,) if what else (AGREES, ELSEWHERE)  # the parent is among all branches
+    return 0 if all(comparison.verdict in enough for comparison in found) else 1
 
 
 def _chosen(database: Database, what: str) -> list[tuple[Branch, SpecialPoint]]:
@@ -91,7 +94,7 @@ def _compared(
 def _print(header: RunHeader, found: Sequence[Comparison]) -> None:
     from contwalk.cli.terminal import console, line, table
     from contwalk.cli.words import exact, plural, rough
-    from contwalk.continuation.verification import SKIPPED, SLACK
+    from contwalk.continuation.verification import AGREES, SKIPPED, SLACK
 
     out = console()
     if not found:
@@ -118,10 +121,15 @@ def _print(header: RunHeader, found: Sequence[Comparison]) -> None:
             line(out, f"{each.branch}/{each.point}: {each.reason}")
     out.print()
     failed, skipped = sum(c.failed for c in found), sum(c.verdict == SKIPPED for c in found)
-    agree = len(found) - failed - skipped
-    others = f", {failed} DISAGREE" if failed else ""
-    others += f", {skipped} not recomputed" if skipped else ""
+    agree = sum(c.verdict == AGREES for c in found)
+    others = (
+        f", {elsewhere} checked at the parent" if (elsewhere := len(found) - failed - skipped - agree) else ""
+    )
+    others += f", {failed} DISAGREE" if failed else ""
+    others += f", {skipped} NOT CHECKED" if skipped else ""
     line(out, f"{agree} of {plural(len(found), 'point')} agree{others}.")
+    if skipped:
+        line(out, f"{plural(skipped, 'point')} could not be checked; the reasons are above.")
     accuracy = header.provenance.get("accuracy", float("nan"))
     line(
         out,
@@ -134,7 +142,7 @@ def _print_json(db: str, header: RunHeader, found: Sequence[Comparison]) -> None
     import json
     from dataclasses import asdict
 
-    from contwalk.continuation.verification import SLACK
+    from contwalk.continuation.verification import SKIPPED, SLACK
 
     def plain(value: Any) -> Any:
         return None if isinstance(value, float) and not math.isfinite(value) else value
@@ -145,6 +153,7 @@ def _print_json(db: str, header: RunHeader, found: Sequence[Comparison]) -> None
         "accuracy": header.provenance.get("accuracy"),
         "slack": SLACK,
         "agree": not any(each.failed for each in found),
+        "not_checked": sum(each.verdict == SKIPPED for each in found),
         "points": points,
     }
     click.echo(json.dumps(shown, indent=2, allow_nan=False))

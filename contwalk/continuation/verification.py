@@ -30,6 +30,7 @@ ASIDE = 1e-4
 # The second computation aims at this part of the stored error.
 TIGHTER = 0.1
 AGREES, DIFFERS, LOST, SKIPPED = "agrees", "DISAGREES", "NOT FOUND AGAIN", "not recomputed"
+ELSEWHERE = "checked at its parent"  # where a branch has become its parent, whose own point is the same one
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,7 @@ class Comparison:
     method : str
         How it was recomputed.
     verdict : str
-        `AGREES`, `DIFFERS`, `LOST` or `SKIPPED`.
+        `AGREES`, `DIFFERS`, `LOST`, `SKIPPED` or `ELSEWHERE`.
     reason : str
         Why, unless it agrees.
     """
@@ -127,7 +128,7 @@ def compared(
     begun = Comparison(branch.name, point.name, free, stored, stored_error=error)
     why = _not_for_us(branch, point)
     if why:
-        return replace(begun, reason=why)
+        return replace(begun, reason=why, verdict=ELSEWHERE if _of_parent(branch, point) else SKIPPED)
     orbit, accuracy = branch.info.problem in ORBITS, steps.accuracy
     try:
         method = method or other_method(system, branch, point, steps, marks or {}) if orbit else "40 digits"
@@ -151,9 +152,15 @@ def _not_for_us(branch: Branch, point: SpecialPoint) -> str:
         return "it was not located in the first place"
     if branch.info.problem not in ("equilibrium", *ORBITS):
         return f"points of {branch.info.problem.replace('_', ' ')} branches are not recomputed"
-    if branch.info.problem in ORBITS and point.label == "BP" and not point.coefficients:
+    if _of_parent(branch, point):
         return "the orbit is its parent again: the parent's own point is recomputed"
     return ""
+
+
+def _of_parent(branch: Branch, point: SpecialPoint) -> bool:
+    """Whether a point is one of the parent, which the branch has become."""
+    own = branch.info.problem in ORBITS and point.label == "BP"
+    return own and point.status == "located" and not point.coefficients
 
 
 # -- the second computation --------------------------------------------------------------------------------

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from contwalk.branch import Branch, SpecialPoint
-from contwalk.continuation.verification import Comparison, compared
+from contwalk.continuation.verification import LOST, Comparison, compared
 from contwalk.errors import ContwalkError
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.storage import RunHeader
@@ -45,11 +47,34 @@ def verify(
     steps, marks = discretization_of_run(header), marks_of_run(header)
     result = []
     for branch, point in points:
-        comparison = compared(system, branch, point, steps, method, marks)
+        comparison = _compared(system, branch, point, steps, method, marks)
         if progress is not None:
             progress(comparison)
         result.append(comparison)
     return result
+
+
+def _compared(
+    system: System,
+    branch: Branch,
+    point: SpecialPoint,
+    steps: Discretization,
+    method: str,
+    marks: Mapping[str, Sequence[float | str]],
+) -> Comparison:
+    """One comparison; a computation that breaks down has not found the point again."""
+    try:
+        with np.errstate(all="ignore"):  # what is not finite shows in what comes out
+            return compared(system, branch, point, steps, method, marks)
+    except (ArithmeticError, ValueError) as error:
+        return Comparison(
+            branch.name,
+            point.name,
+            branch.info.free[0],
+            float(point.unknowns[-1]) if point.unknowns else float("nan"),
+            verdict=LOST,
+            reason=f"the second computation broke down: {error}",
+        )
 
 
 def discretization_of_run(header: RunHeader) -> Discretization:

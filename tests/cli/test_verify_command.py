@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from contwalk.storage.hdf5 import Hdf5Database
+from contwalk.workflow import verifying
 
 CYCLES = """\
 from contwalk.system import Mode, Parameter, Start, State, System
@@ -107,11 +109,25 @@ def test_a_wrong_value_is_found(contwalk, database):
     assert json.loads(contwalk("verify", "--trust", wrong, "--json").out)["agree"] is False
 
 
-def test_points_that_were_not_located_do_not_fail(contwalk, database):
+def test_what_is_not_checked_is_told(contwalk, database):
     wrong = tampered(database, lambda point: replace(point, status="unlocated"))
     done = contwalk("verify", "--trust", wrong)
-    assert done.code == 0
-    assert "1 not recomputed" in done.out
+    assert done.code == 1
+    assert "0 of 1 point agree, 1 NOT CHECKED." in done.out
+    assert "b1/BP1: it was not located in the first place" in done.out
+    told = json.loads(contwalk("verify", "--trust", wrong, "--json").out)
+    assert (told["agree"], told["not_checked"]) == (True, 1)
+
+
+def test_a_computation_that_breaks_down_is_the_outcome_of_its_point(contwalk, database, monkeypatch):
+    def broken(*_):
+        raise np.linalg.LinAlgError("Singular matrix")
+
+    monkeypatch.setattr(verifying, "compared", broken)
+    done = contwalk("verify", "--trust", database)
+    assert done.code == 1
+    assert "b1/BP1: the second computation broke down: Singular matrix" in done.out
+    assert "internal error" not in done.err
 
 
 def test_nothing_to_recompute(contwalk):
