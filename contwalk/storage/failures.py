@@ -28,7 +28,16 @@ OTHERS = {
     "contwalk samples": ("sample", "the samples of a Monte Carlo study"),
 }
 _RAISED_BY: dict[str, tuple[type[Exception], ...]] = {
-    "read": (OSError, RuntimeError, KeyError, ValueError, TypeError),
+    "read": (
+        OSError,
+        RuntimeError,
+        LookupError,
+        ValueError,
+        TypeError,
+        ArithmeticError,
+        AttributeError,
+        MemoryError,
+    ),
     "write": (OSError, RuntimeError, ValueError),
     "create": (OSError, RuntimeError),
 }

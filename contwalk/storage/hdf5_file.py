@@ -13,6 +13,7 @@ from contwalk.storage.database import RunHeader
 from contwalk.storage.failures import failures_of, not_contwalk
 from contwalk.storage.records import RecordLog, check_layout, describe
 from contwalk.storage.schema import FORMAT, SCHEMA_VERSION, TEXT_CHUNK, TEXT_DTYPE, decode, joined, pieces
+from contwalk.storage.typed import typed
 
 BRANCHES = "branches"
 CATALOGUE = "catalogue"
@@ -109,10 +110,11 @@ def read_header(path: Path, file: h5py.File) -> RunHeader:
 
 
 def _header_of(stored: Any) -> RunHeader:
-    header = RunHeader(**stored)
-    texts, mappings = (header.system, header.config), (header.model, header.provenance)
-    if not (all(isinstance(t, str) for t in texts) and all(isinstance(m, dict) for m in mappings)):
-        raise ValueError("its header is none")
+    header = typed(RunHeader, stored)
+    given = header.provenance
+    units, files, engine = (given.get(key, {}) for key in ("units", "plugin_files", "engine"))
+    if not all(isinstance(each, dict) for each in (units, files, engine)):
+        raise TypeError("its provenance is none")
     return header
 
 

@@ -17,8 +17,10 @@ import numpy as np
 
 from contwalk.branch import BranchInfo, Outcome, SpecialPoint
 from contwalk.errors import DatabaseError
+from contwalk.storage.typed import typed
 
 FORMAT = "contwalk"
+PROBLEMS = ("equilibrium", "periodic_orbit", "hybrid_orbit", "locus")
 SCHEMA_VERSION = 1
 
 PIECE = 1024  # bytes of text in one row of a text log (outcome, notes)
@@ -93,10 +95,16 @@ def info_text(info: BranchInfo) -> str:
 
 def info_from_text(text: str) -> BranchInfo:
     """Inverse of `info_text`."""
-    stored = decode(text)
-    for key in ("states", "observables", "free", "signature", "parent"):
-        stored[key] = None if stored[key] is None else tuple(stored[key])
-    return BranchInfo(**stored)
+    info = typed(BranchInfo, _with_tuples(text, "states", "observables", "free", "signature", "parent"))
+    if not info.free or min(info.unknowns, info.spectrum) < 0 or info.problem not in PROBLEMS:
+        raise ValueError(f"branch {info.name} is none")
+    return info
+
+
+def _with_tuples(text: str, *keys: str) -> dict[str, Any]:
+    """A decoded record with tuples where JSON has lists."""
+    stored: dict[str, Any] = decode(text)
+    return {k: tuple(v) if k in keys and isinstance(v, list) else v for k, v in stored.items()}
 
 
 def special_text(point: SpecialPoint) -> str:
@@ -107,12 +115,10 @@ def special_text(point: SpecialPoint) -> str:
 
 def special_from_text(text: str) -> SpecialPoint:
     """Inverse of `special_text`."""
-    stored = decode(text)
-    for key in ("spectrum", "spectrum_full", "unknowns", "tangent"):
-        stored[key] = None if stored[key] is None else tuple(stored[key])
-    if stored["label"] == "EP":
-        stored["kind"] = _told_apart(stored["kind"], stored["note"] or "")
-    return SpecialPoint(**stored)
+    point = typed(SpecialPoint, _with_tuples(text, "spectrum", "spectrum_full", "unknowns", "tangent"))
+    if point.label == "EP" and point.kind is not None:
+        return replace(point, kind=_told_apart(point.kind, point.note or ""))
+    return point
 
 
 # What `closed` stood for as well, before these ends had codes of their own: files of that time tell them by
@@ -139,7 +145,7 @@ def outcome_text(outcome: Outcome, cost: Mapping[str, float], extent: Extent | N
 def extent_from_text(text: str | None) -> Extent | None:
     """What belongs to a finished branch; None where its outcome does not tell."""
     stored = decode(text) if text else None
-    return Extent(**stored["extent"]) if stored and "extent" in stored else None
+    return typed(Extent, stored["extent"]) if stored and "extent" in stored else None
 
 
 def outcome_from_text(text: str | None) -> tuple[Outcome, dict[str, float]] | None:
@@ -147,8 +153,11 @@ def outcome_from_text(text: str | None) -> tuple[Outcome, dict[str, float]] | No
     stored = decode(text) if text else None
     if not stored:
         return None
-    outcome = Outcome(**stored["outcome"])
-    return replace(outcome, reason=_told_apart(outcome.reason, outcome.message)), stored["cost"]
+    outcome = typed(Outcome, stored["outcome"])
+    cost = {str(name): float(value) for name, value in stored["cost"].items()}
+    if "rhs" in cost:
+        cost["rhs"] = int(cost["rhs"])
+    return replace(outcome, reason=_told_apart(outcome.reason, outcome.message)), cost
 
 
 def point_record_dtype(info: BranchInfo) -> np.dtype:

@@ -1,5 +1,7 @@
 """Files that were made to mislead: a sentence, at once, and in little memory."""
 
+import json
+
 import h5py
 import numpy as np
 import pytest
@@ -7,7 +9,7 @@ import pytest
 from contwalk.errors import DatabaseError
 from contwalk.storage import Hdf5Database, document, open_database
 from contwalk.storage.records import RecordLog
-from contwalk.storage.schema import TEXT_CHUNK, TEXT_DTYPE, pieces
+from contwalk.storage.schema import TEXT_CHUNK, TEXT_DTYPE, joined, pieces, special_from_text, special_text
 from contwalk.storage.trajectory import TRAJECTORY
 
 
@@ -79,6 +81,38 @@ CHANGES = {
     "version is a text": lambda file: file.attrs.__setitem__("schema_version", "one"),
     "version is an array": lambda file: file.attrs.__setitem__("schema_version", np.ones(5)),
 }
+
+
+TEXTS = {
+    "no problem": {"problem": "weather"},
+    "nothing free": {"free": []},
+    "states in one text": {"states": "q1"},
+    "fewer than none": {"unknowns": -1},
+    "more than there can be": {"unknowns": 10**12},
+    "a half": {"spectrum": 0.5},
+    "no name": {"name": 3},
+    "a parent of three": {"parent": ["b1", 0.0, 1.0]},
+    "what is not known": {"colour": "red"},
+    "parameters by text": {"parameters": {"delta": "small"}},
+}
+
+
+@pytest.mark.parametrize("changed", TEXTS)
+def test_records_of_other_types(stored, changed):
+    with h5py.File(stored, "r+") as file:
+        (text,) = joined(RecordLog(file["branches/b1/info"], TEXT_DTYPE).read())
+        text_log(file, "branches/b1/info", json.dumps(json.loads(text) | TEXTS[changed]))
+    refused(stored)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{"s": "here"}, {"spectrum": [[1.0]]}, {"state": [1.0]}, {"admissible": "yes"}, {"s": None}],
+)
+def test_special_points_of_other_types(make_special, changes):
+    text = json.dumps(json.loads(special_text(make_special())) | changes)
+    with pytest.raises(TypeError, match="of another type"):
+        special_from_text(text)
 
 
 @pytest.mark.parametrize("change", CHANGES)
