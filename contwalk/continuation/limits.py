@@ -30,6 +30,8 @@ NARROW, JUMPS = 1e-3, 0.05
 NARROWEST, JUMPED = 1e-6, 1e-4
 # Two limits that pass zero at the same place, in parts of the segment, are one if their names agree.
 SAME_PLACE = 1e-6
+# A margin at a segment's end is too near to zero below this part of what it has changed by on the segment.
+IN_DOUBT = 1e-3
 
 
 def passed(segment: Segment) -> list[Found]:
@@ -46,14 +48,26 @@ def passed(segment: Segment) -> list[Found]:
         first, last = float(a.margins[which]), float(b.margins[which])
         if abs(first) <= BORN and last > 0.0:
             continue  # born there, or begun next to it, and gone to the machine's side
-        if abs(first) <= ROUNDED:
-            first = ROUNDED
+        # A solution that is a limit itself, to rounding, is on the machine's side: of two steps that meet
+        # there one passes it.
+        first, last = (ROUNDED if abs(margin) <= ROUNDED else margin for margin in (first, last))
         if (first > 0.0) == (last > 0.0):
             continue
         point = _located(segment, which, first, last, found)
         if point is not None and not any(point is known for known in found):
             found.append(point)
     return sorted(found, key=lambda f: f.theta)
+
+
+def in_doubt(segment: Segment) -> bool:
+    """Whether the end of a segment is so near to a limit that it is not sure on which side.
+
+    The next segment sees the same solution on other steps, and may see it on the other side: the limit would be
+    told twice, or never.
+    """
+    a, b = segment.a.margins, segment.b.margins
+    with np.errstate(invalid="ignore"):
+        return bool(np.any(np.abs(b) < IN_DOUBT * np.abs(b - a)))
 
 
 def _alike(problem: Problem, which: int, other: int) -> bool:

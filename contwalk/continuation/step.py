@@ -107,6 +107,8 @@ def take_step(problem: Problem, here: Here, settings: Settings, observer: Observ
                         raise Disagreement("EP", "The orbit shrinks to nothing within the step.")
                     return outcome
                 found = _special(segment, settings, observer, smallest)
+                if not (smallest or prediction.to_bound) and _ends_at_a_limit(segment, found, settings):
+                    raise Disagreement("GR", "The step ends at a limit, to within its errors.")
                 if prediction.to_bound and not any(f.theta > 1.0 - COINCIDE for f in found):
                     found += at_the_end(segment)
                 return Step(segment, segment.b, found, _next_length(segment, prediction, here, settings))
@@ -246,6 +248,13 @@ def _special(segment: Segment, settings: Settings, observer: Observer, smallest:
     if any(not low <= f.located.z[-1] <= high for f in found):
         raise Disagreement("EP", "The step passes the end of the range and comes back.")
     return _with_counts(sorted(found, key=lambda f: f.theta), segment.a.unstable)
+
+
+def _ends_at_a_limit(segment: Segment, found: list[Found], settings: Settings) -> bool:
+    """Whether the walk goes on from a step that ends at a limit, to within what its margin is known to."""
+    reached = [f for f in found if f.kind != "unlocated" and f.label in (*limits.LABELS, limits.SOFT)]
+    goes_on = limits.stopping(segment.problem, reached, settings.events) is None
+    return goes_on and limits.in_doubt(segment)
 
 
 def _smooth(segment: Segment, settings: Settings, observer: Observer) -> list[Found]:

@@ -48,6 +48,8 @@ HIDDEN = 1e-6
 ZERO, BELOW = 1e-9, 1e-7
 # A little time, and none, in parts of the closure's.
 LITTLE, NO_TIME = 1e-3, 1e-12
+# A rate below this part of the guard's largest one is zero but for what the instants of events are known to.
+NO_RATE = 1e-7
 
 
 @dataclass(frozen=True)
@@ -167,6 +169,9 @@ class _Watch:
     sign: float
     own: bool
     total: float  # duration of the closure
+    opens: bool  # its guards go on from the leg before, through a soft transition or none
+    closes: bool  # they go on in the leg after it
+    known: bool  # the leg before has the guard, too
 
     @cached_property
     def scale(self) -> float:
@@ -175,9 +180,25 @@ class _Watch:
 
     @property
     def dips(self) -> list[tuple[int, float, float]]:
-        """Where it is least: after which sample, at which instant, and its value there."""
+        """Where it is least: after which sample, at which instant, and its value there.
+
+        A field may switch just where a guard turns: a damper that acts upwards only does where what it damps
+        is lowest. The guard's rate there is zero but for rounding, whose sign decides nothing: the leg that
+        ends there has the turn. So has an orbit without events that begins where a guard turns. At a hard
+        transition there is no turn, and the guard's value there is a limit of its own.
+        """
         found = self.view.turning(self.transition)
-        return [(k, time, self.sign * value) for k, time, value in found if self.rates[k] < 0.0]
+        dips = [(k, time, self.sign * value) for k, time, value in found if self.rates[k] < 0.0]
+        last, still = len(self.times) - 2, NO_RATE * float(np.abs(self.rates).max())
+        if abs(self.rates[0]) <= still and not self.own:
+            dips = [dip for dip in dips if dip[0] > 0]
+            if self.opens and not self.known and self.rates[1] > 0.0:
+                dips.append((0, 0.0, float(self.values[0])))
+        if abs(self.rates[-1]) <= still and not self.own:
+            dips = [dip for dip in dips if dip[0] < last]
+            if self.closes and self.rates[-2] < 0.0:
+                dips.append((last, 1.0, float(self.values[-1])))
+        return dips
 
 
 def margins(problem: HybridOrbit, z: np.ndarray) -> Margins:
@@ -221,7 +242,27 @@ def _watch(problem: HybridOrbit, i: int, view: LegView, transition: Transition) 
     times, values, rates = view.guard(transition)
     own = transition == leg.transition
     sign = _sign(transition, leg.falls if own else None, values)
-    return _Watch(view, transition, times, sign * values, sign * rates, sign, own, problem.mesh.total)
+    before = problem.word.legs[i - 1]
+    opens = _goes_on(before.transition) and not (i == 0 and problem.word.image)
+    known = opens and any(t.name == transition.name for t in problem.system.leaving(before.mode))
+    return _Watch(
+        view,
+        transition,
+        times,
+        sign * values,
+        sign * rates,
+        sign,
+        own,
+        problem.mesh.total,
+        opens,
+        _goes_on(leg.transition),
+        known,
+    )
+
+
+def _goes_on(transition: Transition | None) -> bool:
+    """Whether a guard goes on smoothly where a leg ends: with a soft transition, or where a period does."""
+    return transition is None or transition.role == "soft"
 
 
 def _largest(values: np.ndarray, rates: np.ndarray, duration: float, total: float) -> float:
@@ -261,7 +302,7 @@ def _of_watch(test: str, watch: _Watch, duration: float) -> tuple[float, float, 
         first, last = k == 0, k == len(t) - 2
         if last and watch.own and abs(v[-1]) < ZERO * scale:
             continue  # what turns just before its own event is told by the rate there
-        if first and abs(v[0]) < ZERO * scale and value > -BELOW * scale:
+        if first and not watch.opens and abs(v[0]) < ZERO * scale and value > -BELOW * scale:
             continue  # it has just been zero, and leaves
         if value < least:
             least, place = value, time
@@ -368,8 +409,8 @@ def _rows(problem: HybridOrbit, limit: Limit, y: np.ndarray, share: float) -> tu
         values, derivative = watched.differentiated(0.0, x, own, piece.values(scalars))
         return values[:1], layout.spread(i, derivative[:1])
     if limit.test == "dip":
-        inside = piece.steps[piece.steps < share - 1e-12] / share
-        piece = Piece(piece.passage, np.append(inside, 1.0), piece.method, piece.fixed)
+        inside = piece.steps[1:][piece.steps[1:] < share - 1e-12] / max(share, 1e-12)
+        piece = Piece(piece.passage, np.concatenate([[0.0], inside, [1.0]]), piece.method, piece.fixed)
         scalars = np.concatenate([y[-1:], scalars[1:]])
     end, moved = piece.before_differentiated(PLAIN, x, scalars)
     values, derivative = watched.differentiated(1.0, end, moved, piece.values(scalars))

@@ -84,8 +84,8 @@ def passed(
         x, begin, end = problem.passages[i].full(problem.layout.inputs(i, z)[0]), times[i], times[i + 1]
         mode = settled(machine, leg.mode, float(begin), x)
         pieces, last = _pieces(machine, mode, float(begin), x, float(end), magnitudes)
-        pieces = _lasting(pieces, NO_TIME * problem.duration(z))
-        pieces = _switched(problem.system, leg.name, pieces, last)
+        least = NO_TIME * problem.duration(z)
+        pieces = _switched(problem.system, leg.name, _lasting(pieces, least), last, least)
         assert leg.transition is not None
         final = problem.system.transition(leg.name, pieces[-1][0].mode)
         own = [piece[2] for piece in pieces]
@@ -102,10 +102,11 @@ def _held(problem: SoftOrbit, z: np.ndarray, states: np.ndarray, since: np.ndarr
     return families.shifted(problem.system, problem.pins, states, problem.values_of(z), shares)
 
 
-def _switched(system: System, name: str, pieces: list[Piece], last: np.ndarray) -> list[Piece]:
+def _switched(system: System, name: str, pieces: list[Piece], last: np.ndarray, least: float) -> list[Piece]:
     """The pieces of a leg that ends with a transition, which may not lead out of the mode of the last one.
 
-    Where both happen at nearly the same time, a soft transition to a mode that it leads out of comes first.
+    Where both happen at nearly the same time, a soft transition to a mode that it leads out of comes first,
+    and one out of such a mode has not happened yet.
 
     Raises
     ------
@@ -116,6 +117,9 @@ def _switched(system: System, name: str, pieces: list[Piece], last: np.ndarray) 
     sources = system.sources(name)
     if leg.mode in sources:
         return pieces
+    if len(pieces) > 1 and lasts < least and pieces[-2][0].mode in sources:
+        before, x, first = pieces[-2]
+        return [*pieces[:-2], (before, x, first + lasts)]
     for soft in system.leaving(leg.mode):
         if soft.role == "soft" and soft.target in sources:
             between = Leg(leg.mode, soft, soft.direction != "rising")
