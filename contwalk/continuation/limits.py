@@ -32,10 +32,12 @@ NARROWEST, JUMPED = 1e-6, 1e-4
 SAME_PLACE = 1e-6
 # A margin at a segment's end is too near to zero below this part of what it has changed by on the segment.
 IN_DOUBT = 1e-3
+# It has gone there steadily, and not jumped, if half way it is this near to the mean.
+STEADY = 0.25
 
 
-def passed(segment: Segment) -> list[Found]:
-    """The limits that pass zero on a segment, in their order.
+def passed(segment: Segment, begins: bool) -> list[Found]:
+    """The limits that pass zero on a segment, in their order; `begins`: the walk starts there.
 
     Raises
     ------
@@ -51,6 +53,8 @@ def passed(segment: Segment) -> list[Found]:
         # A solution that is a limit itself, to rounding, is on the machine's side: of two steps that meet
         # there one passes it.
         first, last = (ROUNDED if abs(margin) <= ROUNDED else margin for margin in (first, last))
+        if begins and abs(first) <= BORN:
+            first = ROUNDED  # it starts at the limit: beyond it is passed at once
         if (first > 0.0) == (last > 0.0):
             continue
         point = _located(segment, which, first, last, found)
@@ -62,12 +66,18 @@ def passed(segment: Segment) -> list[Found]:
 def in_doubt(segment: Segment) -> bool:
     """Whether the end of a segment is so near to a limit that it is not sure on which side.
 
-    The next segment sees the same solution on other steps, and may see it on the other side: the limit would be
-    told twice, or never.
+    The next segment sees the same solution on other steps, and may see it on the other side: the limit would
+    be told twice, or never. A margin that has jumped to nearly zero passes nothing.
     """
     a, b = segment.a.margins, segment.b.margins
     with np.errstate(invalid="ignore"):
-        return bool(np.any(np.abs(b) < IN_DOUBT * np.abs(b - a)))
+        change = b - a
+        near = np.flatnonzero(np.abs(b) < IN_DOUBT * np.abs(change))
+    if not len(near):
+        return False
+    middle = segment.at(0.5).margins
+    with np.errstate(invalid="ignore"):
+        return bool(np.any(np.abs(middle - a - 0.5 * change)[near] < STEADY * np.abs(change[near])))
 
 
 def _alike(problem: Problem, which: int, other: int) -> bool:

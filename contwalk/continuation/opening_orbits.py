@@ -136,8 +136,14 @@ def opened_word(
 
 def _hybrid(problem: HybridOrbit, z: np.ndarray, settings: Settings) -> Opening | Outcome:
     """The orbit of a simulated lap, corrected."""
-    here = begin(problem, z, settings)
     word = folded(problem.signature) or "no events"
+    try:
+        with problem.effort.of_start(problem.cost):
+            here = begin(problem, z, settings)
+    except StartError as error:
+        return outcomes.no_start(
+            "no_convergence", f"{error.sentence} {error.remedy} (word: {word})", "an orbit"
+        )
     if not isinstance(here, Here):
         return outcomes.no_start(here.reason, f"{here.sentence} (word: {word})", "a periodic orbit")
     collapsed = problem.collapsed(here.sample.z)

@@ -106,7 +106,7 @@ def take_step(problem: Problem, here: Here, settings: Settings, observer: Observ
                     if outcome.reason == "shrunk" and length > NEARLY_SHRUNK and not smallest:
                         raise Disagreement("EP", "The orbit shrinks to nothing within the step.")
                     return outcome
-                found = _special(segment, settings, observer, smallest)
+                found = _special(segment, settings, observer, smallest, begins=here.s == 0.0)
                 if not (smallest or prediction.to_bound) and _ends_at_a_limit(segment, found, settings):
                     raise Disagreement("GR", "The step ends at a limit, to within its errors.")
                 if prediction.to_bound and not any(f.theta > 1.0 - COINCIDE for f in found):
@@ -227,10 +227,12 @@ def _beside(segment: Segment) -> Sample:
     )
 
 
-def _special(segment: Segment, settings: Settings, observer: Observer, smallest: bool) -> list[Found]:
+def _special(
+    segment: Segment, settings: Settings, observer: Observer, smallest: bool, begins: bool
+) -> list[Found]:
     """Everything special on a segment, in its order; at the smallest step, what cannot be located as well."""
     try:
-        reached = limits.passed(segment)
+        reached = limits.passed(segment, begins)
         end = limits.stopping(segment.problem, reached, settings.events)
         if end is None:
             found = [*_smooth(segment, settings, observer), *reached]

@@ -87,9 +87,6 @@ class TestRestarts:
         assert branch.outcome.status != "failed"
         assert len(branch) > 5
 
-    @pytest.mark.xfail(
-        strict=True, reason="beside a start at a limit, its inadmissible side is walked as well"
-    )
     def test_at_a_terminal_grazing(self, folder):
         """No orbit beyond it is the walker's, GR: ignore or not: the branch goes one way only."""
         grazing = first(folder)[0].special("GR1")

@@ -12,6 +12,7 @@ import numpy as np
 
 from contwalk import quantities
 from contwalk.branch import Outcome, SpecialPoint
+from contwalk.errors import NotFinite
 from contwalk.memory import remembered, unowned
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.hybrid import (
@@ -24,12 +25,13 @@ from contwalk.problems.hybrid import (
     observing,
     switching,
 )
+from contwalk.problems.hybrid.effort import Effort
 from contwalk.problems.hybrid.layout import Layout
 from contwalk.problems.hybrid.limits import Limit, Margins
 from contwalk.problems.hybrid.passage import Passage, passage_of
 from contwalk.problems.hybrid.period import period_map
 from contwalk.problems.hybrid.return_map import EventMap
-from contwalk.problems.hybrid.shooting import LegMesh, Piece, meshed
+from contwalk.problems.hybrid.shooting import LegMesh, Piece, meshed, most_steps
 from contwalk.problems.hybrid.solving import newton_on
 from contwalk.problems.hybrid.view import LegView, view_of
 from contwalk.problems.hybrid.word import Word
@@ -132,7 +134,8 @@ class HybridOrbit:
         self.turns = np.zeros(self.states)
         self.section: Section | None = None
         self._mesh: LegMesh | None = None
-        self._tally = [0]
+        self._most_steps: int | None = None
+        self.effort = Effort()
         self._kept: dict[bytes, Linearization] = {}
         self._views: dict[bytes, tuple[LegView, ...]] = {}
         self._margins: dict[bytes, Margins] = {}
@@ -168,7 +171,7 @@ class HybridOrbit:
             self.discretization,
         )
         other.turns = self.turns * times if turns is None else turns
-        other._tally = self._tally
+        other.effort = self.effort
         return other
 
     def turning(self, turns: np.ndarray) -> HybridOrbit:
@@ -223,7 +226,7 @@ class HybridOrbit:
     @property
     def evaluations(self) -> int:
         """Steps of integration so far, in right-hand sides."""
-        return self._tally[0]
+        return self.effort.spent
 
     @property
     def observable_names(self) -> tuple[str, ...]:
@@ -373,7 +376,7 @@ class HybridOrbit:
         for i, piece in enumerate(self.pieces):
             self._match(i, z, piece.end(PLAIN, *self.layout.inputs(i, z)), residual)
         self._closed(z, residual, np.zeros((self.size, self.size + 1)))
-        self._tally[0] += STAGES[self.mesh.method] * sum(len(piece.steps) - 1 for piece in self.pieces)
+        self.effort.spend(STAGES[self.mesh.method] * sum(len(piece.steps) - 1 for piece in self.pieces))
         return residual
 
     def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factorization:
@@ -394,7 +397,7 @@ class HybridOrbit:
             if len(end) > n:
                 jacobian[layout.guards + i] = derivative[n]
         self._closed(z, residual, jacobian)
-        self._tally[0] += self._cost
+        self.effort.spend(self.cost)
         return residual, jacobian
 
     def _match(self, i: int, z: np.ndarray, end: np.ndarray, residual: np.ndarray) -> None:
@@ -464,7 +467,7 @@ class HybridOrbit:
         return normal, float(x[k] - (self.reference[k] if pin.value is None else values[pin.value]))
 
     @property
-    def _cost(self) -> int:
+    def cost(self) -> int:
         """Right-hand sides of one pass with derivatives, each column counted as one."""
         stages = STAGES[self.mesh.method]
         return sum(
@@ -938,17 +941,23 @@ class HybridOrbit:
         """
         inputs = [self.layout.inputs(i, z) for i in range(self.layout.legs)]
         magnitudes = self.magnitudes_of(weights)
-        mesh = meshed(
-            self.passages,
-            [x for x, _ in inputs],
-            [scalars for _, scalars in inputs],
-            self.fixed,
-            magnitudes,
-            tolerance or self.discretization.walking,
-            self.discretization.method,
-            self.word.has_halves(self.system),
-        )
-        self._tally[0] += 2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps)
+        most = self._most_steps or most_steps(self._mesh, tolerance or self.discretization.walking)
+        try:
+            mesh = meshed(
+                self.passages,
+                [x for x, _ in inputs],
+                [scalars for _, scalars in inputs],
+                self.fixed,
+                magnitudes,
+                tolerance or self.discretization.walking,
+                self.discretization.method,
+                self.word.has_halves(self.system),
+                most,
+            )
+        except NotFinite:
+            self.effort.spend(STAGES["radau9"] * most)
+            raise
+        self.effort.spend(2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps))
         section = None
         if not (self.word.eventful or self.forced):
             x, scalars = inputs[0]

@@ -23,6 +23,8 @@ from contwalk.problems.orbit.shooting import CONSTANT, LEAST_SHARE, Mesh, arrive
 
 # Local errors may grow by so much over a leg before its steps are made finer.
 SAFE = 30.0
+# Steps of a leg at most: of any, and against those of the orbit that it is a neighbour of.
+MOST_STEPS, LEAST_MOST, MANY_TIMES = 100_000, 2_000, 50
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,6 +180,7 @@ def meshed(
     tolerance: float,
     method: str,
     alike: bool,
+    most: int = MOST_STEPS,
 ) -> LegMesh:
     """Steps on which each leg, and a generic neighbour of it, are integrated to a tolerance.
 
@@ -187,23 +190,25 @@ def meshed(
         Typical magnitudes of all states. Where one varies less along the orbit, its variation counts.
     alike : bool
         The second half of the legs repeats the first, or its image: steps are made the same in both.
+    most : int
+        Steps that a leg may take.
 
     Raises
     ------
     NotFinite
-        If the motion ends before a leg does.
+        If the motion ends before a leg does, or takes too many steps.
     """
     variation = magnitudes
-    paths, chosen, reason = _passed(passages, starts, scalars, fixed, variation, tolerance, method)
+    paths, chosen, reason = _passed(passages, starts, scalars, fixed, variation, tolerance, method, most)
     smaller = _variation(passages, paths, magnitudes)
     if np.any(smaller < 0.2 * variation):
         variation = smaller
-        paths, chosen, reason = _passed(passages, starts, scalars, fixed, variation, tolerance, method)
+        paths, chosen, reason = _passed(passages, starts, scalars, fixed, variation, tolerance, method, most)
     # Over a leg that passes a saddle, an error grows with whatever else does: its steps have to be finer.
     growth, finer = _growth(passages, paths, variation), tolerance
     while growth * finer > SAFE * tolerance and finer > TIGHTEST:
         finer = max(0.5 * tolerance * SAFE / growth, TIGHTEST)
-        paths, chosen, reason = _passed(passages, starts, scalars, fixed, variation, finer, method)
+        paths, chosen, reason = _passed(passages, starts, scalars, fixed, variation, finer, method, most)
         growth = _growth(passages, paths, variation)
     amplified = max(growth * finer / tolerance, 1.0)
     steps = [path.steady for path in paths]
@@ -246,6 +251,7 @@ def _passed(
     variation: np.ndarray,
     tolerance: float,
     method: str,
+    most: int,
 ) -> tuple[list[flow.Path], str, str]:
     """The path of every leg with a generic neighbour, the integrator, and why this one."""
     runs = []
@@ -256,17 +262,32 @@ def _passed(
         generic = sizes * np.cos(np.arange(1.0, len(sizes) + 1.0))
         runs.append((passage, field, c, np.concatenate([x, generic]), np.concatenate([sizes, sizes])))
     if method == "auto":
-        choices = [
-            choose(field, c, 0.0, y, 1.0, tolerance, weights, carried=Carried(p.field(PLAIN), len(y)))
-            for p, field, c, y, weights in runs
-        ]
+        choices = []
+        for p, field, c, y, weights in runs:
+            carried = Carried(p.field(PLAIN), len(y))
+            choices.append(choose(field, c, 0.0, y, 1.0, tolerance, weights, most, carried))
+            arrived(choices[-1].path)  # where one leg does not, the others are not asked
         stiffest = max(choices, key=lambda choice: choice.stability_limited)
         method, reason = stiffest.method, stiffest.reason
         if len({choice.method for choice in choices}) == 1:
-            return [arrived(choice.path) for choice in choices], method, reason
+            return [choice.path for choice in choices], method, reason
     else:
         reason = "as the run file says"
     paths = [
-        flow.adaptive(field, c, 0.0, y, 1.0, tolerance, weights, method) for _, field, c, y, weights in runs
+        arrived(flow.adaptive(field, c, 0.0, y, 1.0, tolerance, weights, method, most))
+        for _, field, c, y, weights in runs
     ]
-    return [arrived(path) for path in paths], method, reason
+    return paths, method, reason
+
+
+def most_steps(mesh: LegMesh | None, tolerance: float) -> int:
+    """Steps that a leg of a neighbouring orbit may take: many times those of an orbit that is known.
+
+    Newton's method may ask for motions that no machine has: each of their legs would take all the steps that
+    there are.
+    """
+    if mesh is None:
+        return MOST_STEPS
+    longest = max(len(steps) for steps in mesh.steps)
+    finer = max(mesh.tolerance / tolerance, 1.0) ** (1.0 / 8.0)  # at the order of the explicit pair
+    return min(max(LEAST_MOST, int(MANY_TIMES * finer * longest)), MOST_STEPS)

@@ -29,6 +29,7 @@ from contwalk.problems.hybrid.grouping import Grouping
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.limits import Limit, Margins
 from contwalk.problems.hybrid.observing import Stretch
+from contwalk.problems.hybrid.shooting import most_steps
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.hybrid.word import Word
@@ -143,6 +144,7 @@ class SoftOrbit(HybridOrbit):
         """
         word, states, lasting = softness.passed(self, z, self.magnitudes_of(weights))
         rough, begins = self.explicit_of(word), float(self.starting_times(z)[0])
+        rough._most_steps = most_steps(self._mesh, tolerance or self.discretization.walking)
         unknowns = rough.assembled(states, lasting, z[self.layout.drifts], float(z[-1]), begins)
         explicit = rough.adapted_to(unknowns, self._explicit_weights(rough, weights), tolerance)
         grouping = Grouping(word, rough.layout)
@@ -182,6 +184,11 @@ class SoftOrbit(HybridOrbit):
     def equation_scales(self) -> np.ndarray:
         """Units of the equations, shape (N,)."""
         return self.inner.explicit.equation_scales[self.inner.grouping.hard_rows]
+
+    @property
+    def cost(self) -> int:
+        """Right-hand sides of one pass with derivatives."""
+        return self.inner.explicit.cost
 
     # -- equations ---------------------------------------------------------------------------------------
 
