@@ -16,7 +16,6 @@ from .model import CHOICES, LOCKED, MIRRORED, Model
 from .observables import make_observables, make_signals
 from .parameters import make_parameters, make_presets
 from .states import STATES
-from .study import make_study
 
 REFERENCE = (
     "J. Adolfsson (2000), 3D Passive Walkers: Code Implementation Issues, and "
@@ -57,7 +56,6 @@ def build(**choices: str) -> System:
         signals=make_signals(model),
         presets=make_presets(model),
         draw=make_draw(model),
-        study=make_study(model),
         reference=REFERENCE,
     )
 

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 
-from peers.form import Study, Value
+import numpy as np
+from peers.form import Ending, Study, Value
 
 from contwalk.branch import Branch, SpecialPoint
 
 # Labels of points that must all be known. UZ and EP are what a run file asks for and where branches end.
 COMPARED = ("LP", "BP", "HB", "PD", "NS", "GR", "OC", "AZ")
+# The limit of the parameter that a message tells, with its error.
+LIMIT = re.compile(r"= (\S+) \+- (\S+?),? ")
 # A found point this near to a value, relative to it, is meant to be it. Whether it is near enough is for its
 # claimed error to say.
 NEAR = 1e-3
@@ -90,10 +94,19 @@ def _judge_point(value: Value, branch: Branch, point: SpecialPoint, verdict: Ver
             f"not covered: {_told(branch, point)}, error {point.error!r}, is {off:.3g} off {value.value!r}, "
             f"known to {value.rel * size:.1g}"
         )
+    if value.period is not None and not _near(point.period_full or point.period, value.period):
+        verdict.otherwise.append(
+            f"period: {_told(branch, point)} is told {point.period_full or point.period}"
+        )
     for name in ("criticality", "kind"):
         said, known = getattr(point, name), getattr(value, name)
         if known is not None and said != known:
             verdict.otherwise.append(f"{name}: {_told(branch, point)} is told {said}, and is {known}")
+
+
+def _near(found: float | None, known: float) -> bool:
+    """Whether a period is the known one, and no multiple of it."""
+    return found is not None and abs(found - known) <= NEAR * known
 
 
 def _judge_ends(study: Study, branches: list[Branch], verdict: Verdict) -> None:
@@ -104,16 +117,23 @@ def _judge_ends(study: Study, branches: list[Branch], verdict: Verdict) -> None:
     for ending in study.endings:
         like = [branch for branch in branches if _kind_of(branch) == ending.of]
         ends = [branch for branch in like if branch.outcome.reason == ending.reason]
-        last = [(branch[branch.info.free[0]][0], branch[branch.info.free[0]][-1]) for branch in ends]
-        if ending.value is None:
-            there = bool(ends)
-        else:
-            there = any(abs(v - ending.value) <= ending.error for pair in last for v in pair)
-        if not there:
+        if not any(_ends_there(ending, branch) for branch in ends):
             at = "" if ending.value is None else f" at {ending.value!r}"
+            told = "; ".join(branch.outcome.message for branch in ends)
             verdict.otherwise.append(
-                f"end: no branch ends as {ending.reason}{at} of {ending.of} ({ending.source})"
+                f"end: no branch of {ending.of} ends as {ending.reason}{at} ({ending.source}). {told}"
             )
+
+
+def _ends_there(ending: Ending, branch: Branch) -> bool:
+    """Whether the told limit covers the known one; where none is told, whether the last point is near it."""
+    if ending.value is None:
+        return True
+    limits = LIMIT.findall(branch.outcome.message)
+    if limits:
+        return any(abs(float(v) - ending.value) <= float(e) + ending.error for v, e in limits)
+    rows = branch[branch.info.free[0]][[0, -1]]
+    return bool(np.any(np.abs(rows - ending.value) <= ending.error))
 
 
 def _told(branch: Branch, point: SpecialPoint) -> str:

@@ -7,6 +7,7 @@ from typing import Any
 
 FORTY_DIGITS = "defining equations solved in 40-digit arithmetic"
 CLOSED_FORM = "closed form"
+MONODROMY = "monodromy of the linear equation by DOP853 at 1e-13"
 COLLOCATION = "Gauss collocation of the defining equations at two meshes, by a program of its own"
 
 
@@ -30,6 +31,8 @@ class Value:
         As contwalk calls them, where the source says so or a computation of its own does.
     times : int
         So many solutions have this point at this value, mirror images for example.
+    period : float, optional
+        Of the whole orbit.
     """
 
     label: str
@@ -40,14 +43,15 @@ class Value:
     criticality: str | None = None
     kind: str | None = None
     times: int = 1
+    period: float | None = None
 
 
 @dataclass(frozen=True)
 class Ending:
     """A branch `of` equilibria or orbits that must end for this reason, and at this value if one is given.
 
-    `error` is how far the last stored point may be from `value`: it is where the walk stopped, no located
-    point, and tells which end is meant.
+    `error` is how far `value` itself may be off, beside the error that is told with a limit; where no limit
+    is told, how far the last stored point may be from it, which tells what end is meant.
     """
 
     reason: str

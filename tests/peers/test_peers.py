@@ -29,3 +29,11 @@ def _cases():
 def test_a_published_problem(problem: str, study: Study, tmp_path: Path):
     verdict = judge(study, run_study(problem, study, tmp_path).branches)
     assert not verdict.complaints, "\n".join(verdict.complaints)
+
+
+def test_there_are_enough_and_each_value_names_its_source():
+    values = [value for peer in PEERS.values() for study in peer.studies for value in study.values]
+    assert len(PEERS) >= 25
+    assert sum(value.times for value in values) >= 120
+    assert all(value.source and 0.0 <= value.rel < 1e-3 for value in values)
+    assert all(peer.source for peer in PEERS.values())

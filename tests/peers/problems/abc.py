@@ -47,9 +47,9 @@ PEER = Peer(
                 Value("HB", 0.22983903764846678, 1e-15, FORTY_DIGITS, criticality="supercritical"),
                 Value("HB", 0.2599578542445167, 1e-15, FORTY_DIGITS, criticality="subcritical"),
                 Value("HB", 0.3462085216073892, 1e-15, FORTY_DIGITS, criticality="supercritical"),
-                Value("LP", 0.21369736921872304, 9e-13, COLLOCATION, of="orbit"),
-                Value("LP", 0.21190327712347493, 6e-13, COLLOCATION, of="orbit"),
-                Value("LP", 0.2249620655385621, 6e-13, COLLOCATION, of="orbit"),
+                Value("LP", 0.21369736921861118, 1e-13, COLLOCATION, of="orbit"),
+                Value("LP", 0.21190327712341947, 1e-13, COLLOCATION, of="orbit"),
+                Value("LP", 0.2249620655386473, 1e-13, COLLOCATION, of="orbit"),
             ),
             endings=(
                 Ending("shrunk", "the Hopf point at 0.3462", 0.34620852, 2e-2),

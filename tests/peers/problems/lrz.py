@@ -46,7 +46,7 @@ PEER = Peer(
                     "homoclinic",
                     "Sparrow (1982); shooting along the unstable manifold of the origin",
                     13.926557407,
-                    3e-6,
+                    1e-9,
                 ),
             ),
         ),

@@ -53,8 +53,8 @@ PEER = Peer(
             values=(
                 Value("HB", 93.85761837372544, 1e-15, FORTY_DIGITS, criticality="subcritical"),
                 Value("HB", 212.01881610037435, 1e-15, FORTY_DIGITS, criticality="subcritical"),
-                Value("LP", 88.29325054310345, 7e-13, COLLOCATION, of="orbit"),
-                Value("LP", 216.89980138987247, 4e-12, COLLOCATION, of="orbit"),
+                Value("LP", 88.29325054306928, 1e-13, COLLOCATION, of="orbit"),
+                Value("LP", 216.89980138941146, 1e-13, COLLOCATION, of="orbit"),
             ),
             endings=(Ending("shrunk", "the Hopf point at 212.02", 212.018816, 5e-2),),
         ),

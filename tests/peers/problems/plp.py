@@ -41,8 +41,8 @@ PEER = Peer(
             values=(
                 Value("HB", 3.4999538279869022, 1e-15, FORTY_DIGITS, criticality="subcritical"),
                 Value("HB", 4.6504578126027045, 1e-15, FORTY_DIGITS, criticality="subcritical"),
-                Value("LP", 2.7596874554934305, 5e-12, COLLOCATION, of="orbit"),
-                Value("LP", 5.0078397607733045, 4e-12, COLLOCATION, of="orbit"),
+                Value("LP", 2.7596874554986286, 3e-13, COLLOCATION, of="orbit"),
+                Value("LP", 5.007839760762865, 1e-13, COLLOCATION, of="orbit"),
             ),
             endings=(Ending("shrunk", "the Hopf point at 4.650", 4.65045781, 2e-2),),
         ),

@@ -48,7 +48,7 @@ PEER = Peer(
                 Value("BP", 0.3193402608060465, 1e-15, FORTY_DIGITS, kind="transcritical"),
                 Value("HB", 0.4596001119006839, 1e-15, FORTY_DIGITS, criticality="supercritical"),
                 Value("LP", 0.8278426146357348, 1e-15, FORTY_DIGITS),
-                Value("BP", 0.3012348912848383, 5e-12, COLLOCATION, of="orbit", kind="transcritical"),
+                Value("BP", 0.3012348912840097, 1e-13, COLLOCATION, of="orbit", kind="transcritical"),
                 Value("HB", 0.22935697699150545, 1e-15, FORTY_DIGITS, criticality="supercritical"),
                 Value("HB", 0.5038348000919475, 1e-15, FORTY_DIGITS, criticality="supercritical"),
             ),
