@@ -21,6 +21,7 @@ from contwalk.workflow.check_findings import Finding, Report, place_of, place_of
 from contwalk.workflow.check_functions import check_map
 from contwalk.workflow.check_modes import CheckedFields, distinct_transitions
 from contwalk.workflow.check_samples import Samples, samples_of
+from contwalk.workflow.check_signals import check_signal
 from contwalk.workflow.check_symmetry import check_symmetry
 from contwalk.workflow.check_traced import vector_form
 
@@ -104,6 +105,8 @@ def check_system(system: System, sources: Sequence[Path] = (), model: str = "") 
     for observable in system.observables:
         if observable.at is None:
             declarations.check_observable(report, observable, system, samples)
+    for signal in system.signals:
+        check_signal(report, signal, system, samples)
     at_events: list[Condition | Observable] = [*system.conditions]
     at_events += [observable for observable in system.observables if observable.at is not None]
     for entry in at_events:

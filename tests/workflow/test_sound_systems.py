@@ -10,7 +10,7 @@ import pytest
 
 import contwalk as cw
 from contwalk.errors import SystemDefinitionError
-from contwalk.system import Mode, Parameter, State, Symmetry, System, Transition
+from contwalk.system import Mode, Parameter, Signal, State, Symmetry, System, Transition
 from contwalk.workflow.check_system import check_system
 from contwalk.workflow.sound_systems import refuse_unsound
 
@@ -156,6 +156,27 @@ class TestNames:
     @pytest.mark.parametrize("name", ["s", "step", "error", "real", "T", "x_1", "stable_2"])
     def test_others_are_not(self, name):
         assert oscillator(free, states=("x", name)).state_names == ("x", name)
+
+
+class TestSignals:
+    @pytest.mark.parametrize(
+        ("function", "said"),
+        [
+            (lambda t, x, p: x[:, 0].max(), "gives an array of shape ()"),
+            (lambda t, x, p: x, "gives an array of shape (5, 2)"),
+            (lambda t, x, p: p.b * x[:, 0], "the system has no parameter 'b'"),
+            (lambda t, x, p: exit(), "raises SystemExit"),
+        ],
+    )
+    def test_wrong_ones_are_told(self, function, said):
+        found = check_system(oscillator(free, signals=(Signal("force", function),)))
+        (error,) = [finding for finding in found if finding.level == "error"]
+        assert said in error.sentence
+        assert error.line == function.__code__.co_firstlineno
+
+    def test_right_ones_pass(self):
+        signal = Signal("force", lambda t, x, p: np.where(x[:, 0] > 0.0, p.a * x[:, 1], np.nan))
+        assert not [f for f in check_system(oscillator(free, signals=(signal,))) if f.level == "error"]
 
 
 class TestSoftTransitions:
