@@ -21,6 +21,8 @@ RESIDUAL = 1e3 * EPSILON
 CERTAIN = 1e-9
 # Local errors of 1e-6 that a run with an accuracy of 1e-8 asks of its orbits; a hundred of them may add up.
 LOCAL = 1e-4
+# Where the flow's own multiplier is off by this, the others of the product are worth nothing.
+LOST = 0.1
 BIFURCATIONS = ("LP", "BP", "HB", "PD", "NS")
 LIMITS = ("GR", "OC", "AZ")
 STATUS = {
@@ -61,8 +63,8 @@ class Study:
     warned: tuple[str, ...] = ()
 
 
-def faults(study: Study) -> Iterator[Fault]:
-    """Everything that does not hold of a study."""
+def faults(study: Study, left_out: list[str] | None = None) -> Iterator[Fault]:
+    """Everything that does not hold of a study; to `left_out` goes each row that no integration can check."""
     yield from _conduct(study)
     machine = Machine(study.recipe)
     looks: dict[str, list[Round]] = {}
@@ -74,6 +76,8 @@ def faults(study: Study) -> Iterator[Fault]:
         elif len(branch):
             try:
                 looks[branch.name] = rounds(machine, branch)
+                if left_out is not None:
+                    left_out += [branch.name] * (len(branch) - len(looks[branch.name]))
             except Unchecked:
                 yield Fault("unchecked", branch.name, "an independent integration was too long")
                 continue
@@ -231,6 +235,8 @@ def _orbits(branch: Branch, found: list[Round]) -> Iterator[Fault]:
             continue
         row = branch.points[turn.row]
         others, own_error = _without_own(branch, turn.multipliers)
+        if own_error > LOST:
+            continue
         moduli = np.abs(others)
         # An eigenvalue of a matrix that is off by d is off by sqrt(d) where two meet; the flow's own one,
         # which is 1, tells how well these are known where an event arrives with little rate.

@@ -16,6 +16,8 @@ from contwalk.branch import Branch
 PARTS = 8
 # Multipliers are computed of special rows, of every so many others, and of those that do not close so well.
 EVERY, DOUBTFUL = 4, 1e-5
+# Local errors of 1e-6 that a run asks for, a hundred of them, grown by this, are as large as the orbit.
+HOPELESS = 1e4
 # An orbit smaller than this part of its place is a Hopf point still.
 POINT = 1e-9
 
@@ -60,12 +62,18 @@ def parameters_of(branch: Branch, rows: np.ndarray) -> dict[str, Any]:
 
 
 def rounds(machine: Machine, branch: Branch) -> list[Round]:
-    """All rows of a branch of orbits, carried round together where they have the same form."""
+    """The rows of a branch of orbits, carried round together where they have the same form.
+
+    Left out are rows whose deviations grow so much that what a run asks of its steps becomes as large as the
+    orbit: from a stored start alone no integration comes back.
+    """
+    spectrum = np.abs(branch.points["spectrum"])
+    largest = np.where(np.isfinite(spectrum), spectrum, 0.0).max(axis=1, initial=0.0)
     sizes = np.isfinite(branch.points["unknowns"]).sum(axis=1)
     found: list[Round] = []
     for size in np.unique(sizes):
-        chosen = np.flatnonzero(sizes == size)
-        for part in np.array_split(chosen, -(-len(chosen) // 64)):
+        chosen = np.flatnonzero((sizes == size) & (largest <= HOPELESS))
+        for part in np.array_split(chosen, -(-len(chosen) // 64)) if len(chosen) else ():
             found += _carried(machine, branch, part)
     return sorted(found, key=lambda r: r.row)
 

@@ -43,6 +43,7 @@ def page(records: Iterable[Mapping[str, Any]], command: str) -> str:
     found = sorted(records, key=lambda r: r["seed"])
     branches = sum(_sum(found, "branches").values())
     cost = [sum(r.get(key, 0.0) for r in found) for key in ("seconds", "checking")]
+    left_out = sum(r.get("left_out", 0) for r in found)
     lines = [
         "# Random systems: what ended how",
         "",
@@ -50,7 +51,9 @@ def page(records: Iterable[Mapping[str, Any]], command: str) -> str:
         f"    {command}",
         "",
         f"{len(found)} systems, {branches} branches, {sum(r.get('rows', 0) for r in found)} stored points; "
-        f"{cost[0]:.0f} s of processor time for the studies, {cost[1]:.0f} s for the checks.",
+        f"{cost[0]:.0f} s of processor time for the studies, {cost[1]:.0f} s for the checks. "
+        f"{left_out} points were not checked: deviations from these orbits grow by more than 1e4 in a period, "
+        "and no integration from a stored start alone comes back.",
         "",
         "## Families",
         "",
