@@ -145,6 +145,22 @@ def test_a_pair_of_crossings_within_a_step_is_not_lost():
     assert told(bifurcations(problem.segment((0.0, 0.0), (0.0, 1.0)))) == [("HB", 0, 2), ("HB", 2, 0)]
 
 
+def test_a_pair_of_crossings_that_the_ends_only_hint_at_is_not_lost():
+    """From both ends the real part rises from -0.24 with the slope 0.47, towards a corner just below zero.
+
+    It rises a little faster on the way, and passes zero at 0.457 and 0.543.
+    """
+
+    def corner(z):
+        d = 0.5 - abs(z[1] - 0.5)
+        return -0.24 + 0.47 * d + 0.12 * d * d
+
+    root = (-0.47 + math.sqrt(0.47**2 + 4.0 * 0.12 * 0.24)) / 0.24
+    special = {"HB": [at(0.0, root), at(0.0, 1.0 - root)]}
+    problem = line(lambda z: [corner(z) + 2j, corner(z) - 2j], special=special)
+    assert told(bifurcations(problem.segment((0.0, 0.0), (0.0, 1.0)))) == [("HB", 0, 2), ("HB", 2, 0)]
+
+
 def test_a_pair_that_comes_near_and_goes_back_is_none():
     bump = lambda z: -0.001 - (z[1] - 0.5) ** 2  # noqa: E731
     problem = line(lambda z: [bump(z) + 2j, bump(z) - 2j], special={"HB": [at(0.0, 0.5)]})

@@ -105,6 +105,12 @@ def test_dust_is_swept_away_but_not_a_small_parameter():
     assert found.z.tolist() == [0.0, 2e-25]
 
 
+def test_what_shrinks_to_dust_on_the_way_is_exactly_zero():
+    """x + x^3 = 0 from 0.5: convergence ends far below any rounding of what x could be, and not at zero."""
+    problem = MadeUp(lambda z: [z[0] + z[0] ** 3], lambda z: [[1.0 + 3.0 * z[0] ** 2, 0.0]])
+    assert along(problem, [0.5, 1.0], [0.0, 1.0]).z.tolist() == [0.0, 1.0]
+
+
 def test_an_unknown_is_small_against_its_own_weight_only():
     """With a weight of 1e-20 an unknown of 3e-20 is no dust."""
     problem = MadeUp(lambda z: [1e20 * z[0] - 3.0], lambda z: [[1e20, 0.0]])

@@ -12,7 +12,7 @@ import contwalk as cw
 from contwalk.continuation.here import begin
 from contwalk.continuation.recognition import known_branch
 from contwalk.continuation.settings import Settings
-from contwalk.system import Symmetry
+from contwalk.system import State, Symmetry
 
 SETTINGS = Settings(range=(-1.0, 1.0))
 
@@ -84,6 +84,21 @@ def test_right_where_two_branches_cross_the_way_decides():
         assert known_branch(problem, steep, [flat]) is None
         along = begin(problem, np.array([0.0, mu]), SETTINGS).sample
         assert known_branch(problem, along, [flat]) == flat.name
+
+
+def test_a_branch_that_runs_close_beside_is_another_one():
+    """x = 0 and x = 1e-4, in a state of size one."""
+
+    def close(t, x, p, dx):
+        dx[0] = x[0] * (x[0] - 1e-4) * (1.0 + p.mu**2)
+
+    system = small_system(close, [State("x", scale=1.0)], {"mu": 0.5})
+    problem = cw.Equilibrium(system, system.defaults(), "mu")
+    straight = cw.continue_branch(problem, [0.0], (-1.0, 1.0))
+    for x, expected in ((0.0, straight.name), (1e-4, None)):
+        sample = begin(problem, np.array([x, 0.3]), SETTINGS).sample
+        assert sample.z[0] == pytest.approx(x, abs=1e-12)
+        assert known_branch(problem, sample, [straight]) == expected
 
 
 def test_an_image_is_known_only_where_the_symmetry_is_declared(branches):

@@ -169,22 +169,30 @@ def test_a_branch_that_turns_before_the_end_of_its_range_is_followed_round():
 
 
 def test_a_step_does_not_land_on_the_branch_beside():
-    """(x - 1e-2) (x + 1e-2) = 0 for |lam| < 1: two lines; from one, no step ends on the other."""
+    """Three lines x = g, g + 0.1 and g + 0.2, where g falls from 0 to -0.17 round lam = 0.
+
+    A long step along the first one ends beside the third, which points the same way and has the same
+    orientation; nothing but its chord tells.
+    """
+
+    def g(lam):
+        return -0.085 * (1.0 + math.tanh(100.0 * lam))
 
     def f(z):
-        return [z[0] * (z[0] - 0.02 - 0.3 * math.tanh(30.0 * z[1]) ** 2 * 0.05)]
+        return [math.prod(z[0] - g(z[1]) - k for k in (0.0, 0.1, 0.2)) * 100.0]
 
     def df(z):
-        shift = 0.02 + 0.015 * math.tanh(30.0 * z[1]) ** 2
-        slope = 0.03 * math.tanh(30.0 * z[1]) * 30.0 / math.cosh(30.0 * z[1]) ** 2
-        return [[2.0 * z[0] - shift, -z[0] * slope]]
+        factors = [z[0] - g(z[1]) - k for k in (0.0, 0.1, 0.2)]
+        slope = 100.0 * sum(math.prod(factors[:i] + factors[i + 1 :]) for i in range(3))
+        return [[slope, slope * 8.5 / math.cosh(100.0 * z[1]) ** 2]]
 
-    problem = MadeUp(f, df)
-    place = here(problem, (0.0, -0.3), (0.0, 1.0), step=0.4)
-    for _ in range(20):
-        step = take_step(problem, place, replace(RANGE, range=(-0.3, 0.3)), OBSERVER)
-        assert step.there.z[0] == pytest.approx(0.0, abs=1e-15)
-        if step.there.parameter == 0.3:
+    problem = MadeUp(f, df, lambda z: [-1.0])
+    place = here(problem, (0.0, -0.1), (0.0, 1.0), step=0.2)
+    settings = replace(RANGE, range=(-0.1, 0.1))
+    for _ in range(400):
+        step = take_step(problem, place, settings, OBSERVER)
+        assert step.there.z[0] == pytest.approx(g(step.there.parameter), abs=1e-12)
+        if step.there.parameter == 0.1:
             return
         place = Here(step.there, 0.0, step.next_length)
     raise AssertionError("the end of the range was not reached")
