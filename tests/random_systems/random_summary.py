@@ -48,6 +48,7 @@ def page(records: Iterable[Mapping[str, Any]], command: str) -> str:
         "# Random systems: what ended how",
         "",
         *INTRODUCTION.splitlines(),
+        "",
         f"    {command}",
         "",
         f"{len(found)} systems, {branches} branches, {sum(r.get('rows', 0) for r in found)} stored points; "

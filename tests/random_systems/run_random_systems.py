@@ -25,7 +25,7 @@ from random_shrink import shrunk
 from random_study import checked, plain
 from random_summary import page
 
-COMMAND = "python tests/random_systems/run_random_systems.py --systems {} --summary docs/random_systems.md"
+COMMAND = "python tests/random_systems/run_random_systems.py --systems {}{} --summary docs/random_systems.md"
 
 
 class TooLong(BaseException):
@@ -107,7 +107,10 @@ def main() -> int:
             for fault in records[seed]["faults"]:
                 print(f"{seed}: {fault['code']} at {fault['where']}: {fault['text'][:200]}", flush=True)
     if given.summary:
-        given.summary.write_text(page(records.values(), COMMAND.format(len(records))), encoding="utf-8")
+        given.summary.write_text(
+            page(records.values(), COMMAND.format(len(records), " --small" if given.small else "")),
+            encoding="utf-8",
+        )
     return int(any(r["faults"] for r in records.values()))
 
 
