@@ -1,6 +1,6 @@
 """CO oxidation on platinum."""
 
-from peers.form import COLLOCATION, FORTY_DIGITS, Peer, Study, Value
+from peers.form import FORTY_DIGITS, Peer, Study, Value
 
 from contwalk.system import Mode, Parameter, State, System
 
@@ -42,16 +42,14 @@ PEER = Peer(
                 "parameters": {"q2": 0.5},
                 "start": {"state": {"x": 0.35, "y": 0.05, "s": 0.4}},
                 "continue": {"parameter": "q2", "range": [0.5, 2.0]},
+                "diagram": {"follow": ["BP"]},
             },
             values=(
                 Value("HB", 1.0409915695326164, 1e-15, FORTY_DIGITS, criticality="subcritical"),
                 Value("LP", 1.0522002878699548, 1e-15, FORTY_DIGITS),
                 Value("LP", 1.0420485053785267, 1e-15, FORTY_DIGITS),
                 Value("HB", 1.0515574624577304, 1e-15, FORTY_DIGITS, criticality="subcritical"),
-                Value("LP", 1.039162965368511, 5e-13, COLLOCATION, of="orbit"),
-                Value("LP", 1.053610280787918, 2e-13, COLLOCATION, of="orbit"),
             ),
-            slow=True,
         ),
     ),
 )
