@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.continuation import outcomes
 from contwalk.continuation.here import Here, begin
-from contwalk.continuation.opening import Opening
+from contwalk.continuation.opening import Opening, opened
 from contwalk.continuation.settings import Settings
 from contwalk.errors import NotFinite, PluginError, StartError
 from contwalk.problems.hybrid.beginning import at_start, lap_from, orbit_of
@@ -21,13 +22,16 @@ from contwalk.problems.hybrid.word import named_word
 from contwalk.problems.orbit.beginning import orbit_at, symmetric
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
-from contwalk.problems.orbit.recurrence import recurrent
+from contwalk.problems.orbit.recurrence import AtRest, recurrent
 from contwalk.problems.problem import NO_MARGIN
 from contwalk.problems.stored_word import StoredWord
 from contwalk.signatures import folded
 from contwalk.system import System
 
 Path = tuple[Mapping[str, float], Mapping[str, float]]
+
+# A motion this small against its place may be the last of one that comes to rest.
+FAINT = 1e-6
 
 
 def opened_orbit(
@@ -62,26 +66,40 @@ def opened_orbit(
             lap = lap_from(system, at_start(parameters, path, at), state, mode, event, until)
             explicit = orbit_of(system, parameters, free, lap, path, at, discretization)
             return _hybrid(*softened(*explicit), settings)
+        faint = False
         if until is not None:
             found = recurrent(system, at_start(parameters, path, at), state, until)
+            faint = bool(np.all(found.variation <= FAINT * np.abs(found.state).max()))
             state, period = found.state, found.period
         problem, z = orbit_at(system, parameters, free, state, period, path, at, discretization)
         here = begin(problem, z, settings)
         if not isinstance(here, Here):
             return outcomes.no_start(here.reason, here.sentence, "a periodic orbit")
         if not problem.moves(here.sample.z):
+            if faint:  # the last of a motion that dies away
+                raise AtRest(state)
             return outcomes.no_start(
                 "no_convergence",
                 "The correction ends at an equilibrium, which is no orbit.",
                 "a periodic orbit",
             )
         return _closed(problem, here, settings)
+    except AtRest as rest:
+        return _resting(opened(system, parameters, free, rest.state, settings, path, at, discretization))
     except PluginError as error:
         return outcomes.no_start("plugin_error", error.sentence)
     except NotFinite as error:
         return outcomes.no_start("not_finite", error.sentence)
     except StartError as error:
         return outcomes.no_start("no_convergence", f"{error.sentence} {error.remedy}")
+
+
+def _resting(opening: Opening | Outcome) -> Opening | Outcome:
+    """The branch of equilibria that begins where a simulation has come to rest."""
+    if isinstance(opening, Outcome):
+        return opening
+    said = "The simulation came to rest at an equilibrium: the equilibria are followed."
+    return replace(opening, message=f"{said} {opening.message}".strip())
 
 
 def opened_word(

@@ -360,11 +360,13 @@ class _Search:
             )
         if not self.period and self.last_state is not None and not self.stretches:
             return self._smooth()
+        remedy = "Simulate for longer with until: SECONDS, or start from another state."
+        if self.until is not None:  # else it is the first near return that was looked for
+            remedy += " Where it is near an orbit that may be unstable, until: 0 takes its first near return."
         raise StartError(
             f"The simulation did not come back to where it was{where}: it has not settled, settles on a "
             "motion that is not periodic, or meets no more events.",
-            "Simulate for longer with until: SECONDS, or start from another state. Where it is near an "
-            "orbit that may be unstable, until: 0 takes its first near return.",
+            remedy,
         )
 
     def _smooth(self) -> Lap:

@@ -72,6 +72,17 @@ class Simulation:
         return flow.dense(field, c, run.path.times, run.path.states, times, run.method)
 
 
+class AtRest(StartError):
+    """A simulation has come to rest at an equilibrium, at `state`, shape (n,)."""
+
+    def __init__(self, state: np.ndarray) -> None:
+        super().__init__(
+            "The simulation comes to rest at an equilibrium.",
+            "Start with start: {state: {...}}, or simulate from a state that leads to a periodic motion.",
+        )
+        self.state = state.copy()
+
+
 def recurrent(
     system: System, parameters: Mapping[str, float], state: np.ndarray, until: float | str = "settled"
 ) -> Recurrence:
@@ -86,8 +97,10 @@ def recurrent(
     ------
     NotFinite
         If the motion ends.
+    AtRest
+        If it comes to rest.
     StartError
-        If it comes to rest, or does not come back to where it was.
+        If it does not come back to where it was.
     """
     simulation = Simulation(system, parameters)
     forced = system.period is not None
@@ -148,10 +161,7 @@ def _check_moves(simulation: Simulation, path: flow.Path, variation: np.ndarray)
     """An equilibrium is not an orbit."""
     size = np.maximum(np.abs(path.states[-1]), 1e-12)
     if simulation.system.period is None and np.all(variation <= STILL * size):
-        raise StartError(
-            "The simulation comes to rest at an equilibrium.",
-            "Start with start: {state: {...}}, or simulate from a state that leads to a periodic motion.",
-        )
+        raise AtRest(path.states[-1])
 
 
 def _return(
