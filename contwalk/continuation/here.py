@@ -93,7 +93,8 @@ def grown(problem: Problem, sample: Sample, here: Here, settings: Settings) -> S
     """A new sample in the metric that its own size adds to."""
     known, magnitudes = here.sample.weights, sample.magnitudes
     sizes = crowded(problem, np.abs(sample.z) if sample.sizes is None else sample.sizes)
-    if not problem.discretized and np.any(known[:-1] == UNKNOWN):
+    # What nothing tells yet, as drifts never, need not be asked for again.
+    if not problem.discretized and np.any((known == UNKNOWN)[:-1] & np.isfinite(magnitudes[:-1])):
         magnitudes = later_magnitudes(problem, sample, known)
     weights = updated(known, crowded(problem, magnitudes), settings, sizes, float(sample.z[-1]))
     factor = float(np.linalg.norm(sample.tangent / weights))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from contwalk.continuation.metric import UNKNOWN
 from contwalk.problems.linear import Factored, kernel_direction
 from contwalk.problems.problem import Linearization, Problem, Sample
 
@@ -52,7 +53,9 @@ def later_magnitudes(problem: Problem, sample: Sample, weights: np.ndarray) -> n
     z[-1] = sample.parameter
     told = problem.linearize(z).magnitudes
     moved = np.abs(sample.tangent)
-    return np.where((z != 0.0) & (moved > _NOTHING * weights), np.fmax(np.abs(z), moved), told)
+    # A declared scale may be one as well; it stays what it is.
+    begins = (told != UNKNOWN) & (z != 0.0) & (moved > _NOTHING * weights)
+    return np.where(begins, np.fmax(np.abs(z), moved), told)
 
 
 # What an unknown moves by is rounding noise of zero below this part of what it may be.

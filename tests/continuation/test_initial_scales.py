@@ -6,6 +6,7 @@ from small_systems import labelled, small_problem
 
 import contwalk as cw
 from contwalk.continuation.initial_scales import initial_magnitudes
+from contwalk.system import State
 
 
 def bratu(n):
@@ -75,3 +76,16 @@ def test_a_start_whose_state_is_zero_is_scaled_by_how_it_moves():
     z = np.zeros(3)
     found = initial_magnitudes(problem, z, problem.linearize(z), 0.01)
     assert found[:2] == pytest.approx([1e-6, 1e-2], rel=1e-12)
+
+
+def test_a_declared_scale_of_one_is_kept():
+    """One is what stands for an unknown scale too."""
+
+    def small(t, x, p, dx):
+        dx[0] = 1e-3 * p.lam - x[0]
+        dx[1] = 1e-3 * p.lam - x[1]
+
+    states = (State("x", scale=1.0), "y")
+    branch = cw.continue_branch(small_problem(small, states, {"lam": 0.5}, "lam"), [5e-4, 5e-4], (0.0, 1.0))
+    assert np.all(branch.points["weights"][:, 0] == 1.0)
+    assert branch.points["weights"][:, 1].max() < 2e-3  # by its equation, whose terms add up to 1.5e-3
