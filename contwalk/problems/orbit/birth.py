@@ -59,18 +59,20 @@ class CycleSizes:
 
     def __call__(self, change: float) -> np.ndarray:
         """Half of what each state moves by, or what its mean does, shape (n,): positive."""
-        rho = np.sqrt(self._square * change) if self._square > 0.0 else 0.5
-        moved = None
+        wanted = np.sqrt(self._square * change) if self._square > 0.0 else 0.5
+        rho, moved = wanted, None
         for _ in range(HALVINGS):
             moved = self._moved(rho)
             if moved is not None:
                 break
             rho *= 0.5
         by_itself = self._first > FAINT * self._first.max()
-        sizes = rho * self._first if moved is None else moved
-        sizes = np.where(by_itself, np.maximum(sizes, rho * self._first), sizes + self._shift * change)
-        least = np.maximum(FAINT * rho * self._first.max(), 1e-12 * np.abs(self._z[: len(sizes)]))
-        return np.where(sizes > 0.0, np.maximum(sizes, 1e-12 * np.abs(self._z[: len(sizes)])), least)
+        # What is found of a smaller amplitude follows with its square at least.
+        higher = np.zeros(len(by_itself)) if moved is None else moved * (wanted / rho) ** 2
+        sizes = np.where(by_itself, wanted * self._first, higher + self._shift * change)
+        still = 1e-12 * np.abs(self._z[: len(sizes)])
+        least = np.maximum(FAINT * wanted * self._first.max(), still)
+        return np.where(sizes > 0.0, np.maximum(sizes, still), least)
 
     def _moved(self, rho: float) -> np.ndarray | None:
         """What each state moves by on the cycle of an amplitude; None where the orders do not fall."""

@@ -53,9 +53,9 @@ MOVES = 1e-2
 UNTOLD = 0.3
 # A gap that makes an error of the multipliers larger than this is closed before they are told.
 UNCLOSED = 1e-4
-# Growth of deviations over a segment beyond which the orbit is cut into twice as many; and what errors of the
-# steps may grow to, in parts of the orbit.
-TOO_MUCH, RESOLVED = 1e5, 0.1
+# Growth of deviations over a segment beyond which an orbit is cut into twice as many; what the flow may miss
+# its own velocity by.
+TOO_MUCH, MISSED = 1e6, 1e-3
 # Linearizations that are kept: a step asks for the same ones several times.
 MOST_KEPT = 12
 # Two orbits whose periods and places differ by less than this part are one.
@@ -596,8 +596,10 @@ class PeriodicOrbit:
             better = better_phase(times, speeds, lengths)
             if better is not None:
                 problem, sample = moved(problem, sample, better)
-        too_much = min(TOO_MUCH, RESOLVED / problem.mesh.tolerance)
-        if problem.mesh.growth > too_much and 2 * problem.segments <= max(ROOM, problem.segments):
+        missed = problem.trivial_error(sample.z, problem.linearize(sample.z).jacobian)
+        if (problem.mesh.growth > TOO_MUCH or missed > MISSED) and 2 * problem.segments <= max(
+            ROOM, problem.segments
+        ):
             problem, sample = recut(problem, sample)
         tangent = problem.into_section(sample.z, sample.tangent)
         # Both ends of the next step are seen on the same steps: what they tell differs by the branch alone.
