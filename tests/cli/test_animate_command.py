@@ -256,6 +256,13 @@ def test_show_tells_legs_and_margins(contwalk, wheel):
 
 
 def test_show_without_the_system_tells_what_is_stored(contwalk, wheel, folder):
+    done = contwalk("show", wheel, "b1/EP1")
+    assert done.code == 0
+    assert "signature: heel_strike" in done.out
+    assert done.err == (
+        "Not shown: legs and margins of the orbit. The system of wheel.h5 is the plugin file ./wheel.py, "
+        "which is not run without being asked. Give --trust (in Python trust=True) if you trust its code.\n"
+    )
     (folder / "wheel.py").unlink()
     done = contwalk("show", "--trust", wheel, "b1/EP1")
     assert done.code == 0

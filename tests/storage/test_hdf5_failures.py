@@ -255,6 +255,20 @@ def test_a_file_that_another_process_writes(stored, header):
         assert len(db.rows("b1")) == 20
 
 
+def test_the_lock_goes_on_where_a_file_takes_the_place_of_another(stored, header, make_info):
+    with Hdf5Database.open(stored, writable=True) as db:
+        for change in (lambda: db.truncate("b1", 5, []), lambda: db.drop("b1"), lambda: None):
+            change()
+            with pytest.raises(DatabaseError, match="is in use"):
+                Hdf5Database.open(stored, writable=True)
+            with pytest.raises(DatabaseError, match="is in use"):
+                Hdf5Database.create(stored, header, overwrite=True)
+        db.start_branch(make_info("b2"))
+    with Hdf5Database.open(stored, writable=True) as db:
+        assert db.branch_names() == ["b2"]
+    assert [path.name for path in stored.parent.iterdir()] == [stored.name]
+
+
 def fill(db, info, make_row, make_special, why="disk is full"):
     """Append until the database refuses; how many points and special points it has acknowledged."""
     done = [0, 0]
