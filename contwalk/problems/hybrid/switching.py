@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
+from contwalk.problems.hybrid.word import imaged_leg
 from contwalk.problems.orbit.branching import amplitude, crossing, filled_magnitudes
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.null_vectors import null_vectors
 from contwalk.problems.problem import Seed
+from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
@@ -20,6 +23,8 @@ if TYPE_CHECKING:
 
 # Size of a state that starts show nothing of, against the largest; tolerance of steps for magnitudes only.
 UNSEEN, ROUGH = 1e-2, 1e-7
+# Images that differ by less than this part of the variation are one.
+ALIKE = 1e-6
 # Shifts along pinned directions that are tried, and how little they leave of the residual.
 MOST_SHIFTS, SHIFTED = 5, 2.0
 
@@ -55,9 +60,45 @@ def discretized(problem: HybridOrbit, z: np.ndarray) -> HybridOrbit:
 
 
 def _doubled(problem: HybridOrbit, z: np.ndarray) -> Sequence[Seed]:
-    """The orbit of the word run through twice that leaves along the critical vector."""
+    """The orbit of the word run through twice that leaves along the critical vector.
+
+    Where the second round is the image of the first, as where a symmetry keeps every state of the parent and
+    reverses the critical vector, it is one round that closes up to that image.
+    """
+    matrix = problem.cycle_matrix(problem.linearize(z).jacobian, -1.0)
+    v = null_vectors(problem, matrix, *problem.cycle_scales)[0].real
+    name = _reversing(problem, z, v)
+    if name:
+        there = discretized(problem.of_word(replace(problem.word, image=name), 2), z)
+        size = float(np.linalg.norm(v / there.cycle_scales[1]))
+        tangent = np.append(v, 0.0) / size
+        walking = there.adapted_to(z, filled_magnitudes(there, z))
+        return (Seed("PD", z, tangent, amplitude(tangent), walking, one_sided=True),)
     other = problem.of_word(problem.word.repeated(2), 2)
     return _alternating(problem, z, other, lambda i, x: x, "PD")
+
+
+def _reversing(problem: HybridOrbit, z: np.ndarray, v: np.ndarray) -> str:
+    """The symmetry that keeps each leg of an orbit and reverses a deviation of it; empty if there is none."""
+    layout, word = problem.layout, problem.word
+    if word.image or not word.eventful or problem.pins or np.any(problem.turns):
+        return ""
+    size = float(np.linalg.norm(v / problem.cycle_scales[1]))
+    if np.any(np.abs(v[layout.durations]) > ALIKE * size * problem.mesh.total):
+        return ""
+    spatial = (s for s in problem.system.symmetries if s.role == "spatial")
+    return next((s.name for s in spatial if _reverses(problem, z, v / size, s)), "")
+
+
+def _reverses(problem: HybridOrbit, z: np.ndarray, v: np.ndarray, symmetry: Symmetry) -> bool:
+    p, scale = ParameterValues(**problem.values_of(z)), problem.mesh.variation
+    for leg, passage, place in zip(problem.word.legs, problem.passages, problem.layout.states, strict=True):
+        own, x, w = list(passage.states), passage.full(z[place]), passage.full(v[place])
+        moved = imaged(symmetry, x, p) - x, imaged(symmetry, x + w, p) - x + w
+        apart = max(float(np.linalg.norm((each / scale)[own])) for each in moved)
+        if imaged_leg(problem.system, symmetry.name, leg) != leg or apart > ALIKE:
+            return False
+    return True
 
 
 def _unfolded(problem: HybridOrbit, z: np.ndarray) -> Sequence[Seed]:

@@ -9,13 +9,15 @@ import numpy as np
 import pytest
 from contwalk_systems.impact_oscillator import SYSTEM
 from forced_mirrors import block, half, spring_between_stops
-from hybrid_runs import diagram, solution
+from hybrid_runs import assert_met, diagram, machine, solution
 from one_impact import OneImpact, forced, parameters, stiffness
+from scipy.linalg import expm
 
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.least import least, own_image
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.hybrid.word import Word
+from contwalk.system import State, Symmetry, Transition
 
 OMEGA, ZETA = 2.6, 0.1
 
@@ -132,3 +134,38 @@ def test_what_a_simulation_finds_beyond_a_limit_is_closed_up_to_its_symmetry() -
     )
     assert quiet.info.signature == ()
     assert (impacts.info.closure, len(impacts.info.signature)) == ("inversion", 1)
+
+
+def test_a_doubled_orbit_that_is_its_own_image_is_closed_up_to_it() -> None:
+    """A spring that is kicked by its own displacement at each tick of a clock: at rest until it swings.
+
+    One round of the motion at rest is u+ = u - k x after x'' = -4 x - 0.1 x' for the time one; where -1 is
+    its multiplier the spring begins to swing to one side in each round, the image of the round before.
+    """
+
+    def field(t, x, p, dx):
+        dx[0], dx[1], dx[2] = 1.0, x[2], -4.0 * x[1] - 0.1 * x[2] - x[1] ** 3
+
+    def tick(t, x, p, after):
+        after[0], after[1], after[2] = 0.0, x[1], x[2] - p.k * x[1]
+
+    def mirror(t, x, p, image):
+        image[0], image[1], image[2] = x[0], -x[1], -x[2]
+
+    system = machine(
+        [State("clock"), State("x", scale=1.0), State("u", scale=1.0)],
+        {"k": 2.0},
+        {"on": field},
+        [Transition("tick", "on", "on", lambda t, x, p: 1.0 - x[0], reset=tick)],
+        symmetries=(Symmetry("mirror", "spatial", mirror),),
+    )
+    rest, swings = diagram(system, "k", (1.5, 3.5), [0.0, 0.0, 0.0], follow=("PD",), max_step=0.2)
+    (doubling,) = [p for p in rest.special_points if p.label == "PD"]
+    flow = expm(np.array([[0.0, 1.0], [-4.0, -0.1]]))
+    # 1 + trace + determinant = 0, and the kick takes k flow_01 from the trace.
+    exact = (1.0 + np.trace(flow) + np.linalg.det(flow)) / flow[0, 1]
+    assert_met(doubling, "k", float(exact))
+    assert swings.info.closure == "mirror"
+    assert len(swings.info.signature) == 1
+    assert swings.outcome.reason != "rejoined"
+    assert np.ptp(swings["k"]) > 0.1
