@@ -579,9 +579,11 @@ class System:
                         f"Rename the {kind}, as in '{name}_of_{self.name}'.",
                     )
         kinds["signal"] = self.signal_names
+        # An observable of a state's name is a measure of that state: `branch[name]` is the observable.
+        allowed = {("state", "observable"), ("observable", "signal")}
         for (kind, names), (other, others) in combinations(kinds.items(), 2):
             shared = next((name for name in names if name in others), None)
-            if shared is not None and (kind, other) != ("observable", "signal"):
+            if shared is not None and (kind, other) not in allowed:
                 raise SystemDefinitionError(
                     f"System '{self.name}': '{shared}' is {_a(kind)} and {_a(other)}.", "Rename one of them."
                 )

@@ -51,6 +51,7 @@ OTHERS = {
     "reset gives NaN": (2, 1, 0),
     "reset divides by zero": (2, 1, 0),
     "guard not left behind": (2, 1, 0),
+    "observable and state of one name": (0, 0, 0),  # its measure of the state
     "asserts what holds": (0, 0, 0),
     "NaN on a side that is not taken": (0, 0, 0),
     "a condition as a rate": (0, 0, 0),  # 1 where it holds, else 0, as NumPy has it

@@ -10,7 +10,7 @@ import pytest
 
 import contwalk as cw
 from contwalk.errors import SystemDefinitionError
-from contwalk.system import Mode, Parameter, Signal, State, Symmetry, System, Transition
+from contwalk.system import Mode, Observable, Parameter, Signal, State, Symmetry, System, Transition
 from contwalk.workflow.check_system import check_system
 from contwalk.workflow.sound_systems import refuse_unsound
 
@@ -156,6 +156,14 @@ class TestNames:
     @pytest.mark.parametrize("name", ["s", "step", "error", "real", "T", "x_1", "stable_2"])
     def test_others_are_not(self, name):
         assert oscillator(free, states=("x", name)).state_names == ("x", name)
+
+    def test_an_observable_may_be_a_measure_of_a_state(self):
+        measure = Observable("x", lambda t, x, p: x[:, 0].max())
+        assert oscillator(free, observables=(measure,)).observable_names == ("x",)
+
+    def test_an_observable_is_no_parameter(self):
+        with pytest.raises(SystemDefinitionError, match="'a' is a parameter and an observable"):
+            oscillator(free, observables=(Observable("a", lambda t, x, p: x[:, 0].max()),))
 
 
 class TestSignals:
