@@ -13,7 +13,13 @@ def console(stderr: bool = False) -> Console:
     """A rich console that prints text as it is: no markup, no highlighting."""
     from rich.console import Console
 
-    return Console(stderr=stderr, markup=False, highlight=False, emoji=False)
+    class Piped(Console):
+        """One that leaves it to the command line what is done when nobody reads any more."""
+
+        def on_broken_pipe(self) -> None:
+            raise BrokenPipeError
+
+    return Piped(stderr=stderr, markup=False, highlight=False, emoji=False)
 
 
 def line(out: Console, text: str, indent: int = 0, style: str = "") -> None:

@@ -186,3 +186,19 @@ def test_letters_that_the_terminal_lacks(contwalk, database, folder):
     done = subprocess.run(command, capture_output=True, env=environment, cwd=folder, check=False)
     assert (done.returncode, done.stderr) == (0, b"")
     assert b"Poincar\\xe9" in done.stdout
+
+
+def test_a_reader_that_stops_reading_is_no_error_of_a_plugin(tmp_path):
+    """As after `| head`: rich would leave the process, which a plugin is then blamed for."""
+    import io
+
+    from contwalk.cli.terminal import console, line
+
+    class Closed(io.StringIO):
+        def write(self, text):
+            raise BrokenPipeError
+
+    out = console()
+    out.file = Closed()
+    with pytest.raises(BrokenPipeError):
+        line(out, "some text")

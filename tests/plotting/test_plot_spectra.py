@@ -185,7 +185,13 @@ def test_moduli_of_few_points(k):
         spectrum=np.zeros((k, 1), dtype=complex),
         problem="hybrid_orbit",
     )
-    plot_multiplier_moduli([made]).figure.canvas.draw()
+    ax = plot_multiplier_moduli([made])
+    ax.figure.canvas.draw()
+    # Multipliers that are zero are below the axis: the unit modulus is drawn, and what is missing is told.
+    assert by_gid(ax, "unit-modulus").get_ydata()[0] == 1.0
+    assert [text.get_text() for text in ax.texts if text.get_gid() == "left-out"] == (
+        ["not shown: 1 of modulus below 0.0001"] if k else []
+    )
 
 
 # -- spectra of widely different size ----------------------------------------------------------------------
