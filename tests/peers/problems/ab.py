@@ -70,7 +70,7 @@ PEER = Peer(
                 Value("LP", 0.1306373152261905, 2e-13, COLLOCATION, of="orbit"),
             ),
             endings=(Ending("bound", "AUTO-07p", 0.25, 1e-12),),
-            lost="the fold of cycles is told as unlocated branch points",
+            lost="the fold of cycles, a canard's, is seen and not located",
         ),
         Study(
             "p2=17.0",
@@ -89,8 +89,8 @@ PEER = Peer(
                 Ending("homoclinic", "AUTO-07p to period 500 at two meshes", 0.12010169875, 2e-11),
                 Ending("homoclinic", "AUTO-07p to period 500 at two meshes", 0.11945482404, 2e-11),
             ),
-            lost="folds at canards are told as many unlocated branch points, an end is not told",
             slow=True,
+            lost="a fold of cycles beside the homoclinic end is seen and not located",
         ),
         Study(
             "p2=18.0",
