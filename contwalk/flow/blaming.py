@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from contwalk.fields.blame import first_not_finite
-from contwalk.flow.hybrid_machine import HybridMachine
+from contwalk.flow.hybrid_machine import HybridMachine, ModeFlow
+from contwalk.flow.verbs import along
+from contwalk.flow.walk import METHOD
 from contwalk.system import System, Transition
+
+# Steps that look what has no value beyond the end of a motion, each ten times as long as the one before.
+SHARES = tuple(10.0**k for k in range(-12, -2))
 
 
 def told(
@@ -63,6 +69,43 @@ def why_not_finite(
     for each in system.leaving(mode):
         functions[f"guard of transition '{each.name}'"] = _as_field(each.guard)
     return told(system, mode, functions, t, x, machine.parameters) if np.isfinite(x).all() else ""
+
+
+@dataclass(frozen=True, eq=False)
+class Beyond:
+    """Where a motion has ceased to exist.
+
+    Parameters
+    ----------
+    at : tuple
+        Time, and state of full length.
+    guard : str, optional
+        The transition whose guard has no value there; None where the field has none.
+    """
+
+    at: tuple[float, np.ndarray]
+    guard: str | None
+
+
+def just_beyond(
+    machine: HybridMachine, flow: ModeFlow, t: float, x: np.ndarray, span: float
+) -> Beyond | None:
+    """What has no value right after an instant at which a motion ends; None if all have.
+
+    The field alone goes on, by small shares of `span`, the time in which states change by their magnitudes.
+    """
+    for share in SHARES:
+        times = np.array([t, t + share * span])
+        y = along(flow.field, flow.c, times, x[flow.states], METHOD)[-1]
+        if not np.isfinite(y).all():
+            return None
+        at = float(times[-1]), machine.full(flow.name, y[None])[0]
+        if not np.isfinite(flow.field(at[0], y, flow.c)).all():
+            return Beyond(at, None)
+        for number, guard in enumerate(flow.guards):
+            if not np.isfinite(guard(at[0], y, flow.p)[0]):
+                return Beyond(at, flow.transitions[number].name)
+    return None
 
 
 def _as_field(guard: Callable[..., Any]) -> Callable[..., None]:

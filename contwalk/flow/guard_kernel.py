@@ -3,8 +3,9 @@
 Where values and rates at both ends fit one cubic polynomial that only rises or only falls, the guard does so
 too. Where it cannot come near zero with twice its largest rate of late, it does not matter. On all other
 steps it is sampled by the method's own interpolation; if cubic polynomials through every second sample miss
-those between, the guard is not resolved, and the step has to be shorter. The instant of an event is located
-by taking the step anew with the length that ends there, as in `events`.
+those between, the guard is not resolved, and the step has to be shorter. So it has to be where a guard has no
+value: that is not the other side of zero. The instant of an event is located by taking the step anew with the
+length that ends there, as in `events`.
 
 A guard's rate takes the velocity. At the ends of steps that is the method's first stage. Samples take that of
 the interpolation, of whose values it is the exact rate, at instants that are common to all guards. Where an
@@ -191,13 +192,15 @@ def _between(m: Any, guard: int, t: float, h: float, share: float) -> tuple[floa
 def _located(m: Any, guard: int, t: float, low: float, high: float, guess: float, side: float) -> float:
     """The instant between two at which the guard is zero: Newton's method, bisection where it leaves them.
 
-    `side` is that of the guard before it.
+    `side` is that of the guard before it. `UNRESOLVED` where it has no value at a trial.
     """
     end, best, smallest = guess, guess, math.inf
     for _ in range(MOST_TRIALS):
         if not low < end < high:
             end = low + 0.5 * (high - low)
         value, noise = _retake(m, guard, t, end)
+        if not abs(value) < math.inf:
+            return UNRESOLVED
         if abs(value) < smallest:
             best, smallest = end, abs(value)
         if abs(value) <= noise:
@@ -265,7 +268,10 @@ def _near(m: Any, guard: int, t: float, h: float, a: float, b: float, side: floa
 
 @inlined
 def _beyond(m: Any, guard: int, t: float, h: float, part: int, side: float) -> float:
-    """A share beyond zero in a part where the guard nears it and turns; -1 if it turns before."""
+    """A share beyond zero in a part where the guard nears it and turns; `NONE` if it turns before.
+
+    `UNRESOLVED` where it has no value at a trial.
+    """
     samples = doubles(m[SAMPLES], 2 * (PARTS + 1))
     a, b = part / PARTS, (part + 1) / PARTS
     rate_a, rate_b = samples[2 * part + 1], samples[2 * part + 3]
@@ -279,6 +285,8 @@ def _beyond(m: Any, guard: int, t: float, h: float, part: int, side: float) -> f
             share = min(0.9, max(0.1, rate_a / (rate_a - rate_b)))
         at = a + share * (b - a)
         value, _ = _retake(m, guard, t, t + at * h)
+        if not abs(value) < math.inf:
+            return UNRESOLVED
         rate = _retaken_rate(m, guard, t + at * h)
         if side_of(value, rate) != side:
             return at
@@ -287,7 +295,7 @@ def _beyond(m: Any, guard: int, t: float, h: float, part: int, side: float) -> f
             a, rate_a = at, rate
         else:
             b, rate_b = at, rate
-    return -1.0
+    return NONE
 
 
 @inlined
@@ -301,6 +309,9 @@ def _sampled(m: Any, guard: int, t: float, h: float, value: float, rate: float) 
         value, rate, _ = measured(m, guard, at_part, state, state + 8 * m[SIZE])
         samples[2 * part], samples[2 * part + 1] = value, rate
     d, resolved = 2.0 * h / PARTS, True
+    for part in range(1, PARTS + 1):
+        if not abs(samples[2 * part]) < math.inf:
+            return False
     for part in range(1, PARTS, 2):
         va, ra = samples[2 * part - 2], samples[2 * part - 1]
         vb, rb = samples[2 * part + 2], samples[2 * part + 3]
@@ -342,6 +353,8 @@ def passes(m: Any, guard: int, t: float, h: float, value: float, rate: float) ->
                 return _located(m, guard, t, low, high, guess, before)
         elif va * ra < 0.0 and vb * rb > 0.0:
             middle = _beyond(m, guard, t, h, part, before)
+            if middle == UNRESOLVED:
+                return UNRESOLVED
             if middle >= 0.0:
                 turn = t + h * middle
                 if wanted == 0 or before != wanted:

@@ -14,10 +14,10 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.errors import StartError
-from contwalk.flow.arc import Arc, Control
+from contwalk.flow.arc import FAR, Arc, Control, far
 from contwalk.flow.arc_paths import by_paths
 from contwalk.flow.arc_walks import ByWalk
-from contwalk.flow.blaming import why_not_finite
+from contwalk.flow.blaming import just_beyond, why_not_finite
 from contwalk.flow.chatter import Pace, Verdict
 from contwalk.flow.departure import BEYOND, ENTERING, RESTING, UNDEFINED, Departure, departures
 from contwalk.flow.guard import EPSILON
@@ -133,7 +133,7 @@ def parts(
                 found = walk.parts(flow, t, x, t1, standing, last, noise)
             arc: Arc | None = None
             for part in found:
-                arc = _at_edge(flow, part, control.weights)
+                arc = _told(machine, flow, _at_edge(flow, part, control.weights), control.weights)
                 if arc.transition is None:
                     yield arc
             if arc is None or arc.transition is None:
@@ -243,6 +243,21 @@ def _at_edge(flow: ModeFlow, part: Arc, weights: np.ndarray) -> Arc:
             name = flow.transitions[i].name
             return replace(part, transition=name, rising=rate > 0.0, status="ok", reason="")
     return part
+
+
+def _told(machine: HybridMachine, flow: ModeFlow, part: Arc, weights: np.ndarray) -> Arc:
+    """The part that cannot go on, with the guard and the plugin's line that have no value just beyond."""
+    if part.status not in ("not_finite", "step_too_small"):
+        return part
+    t, x = float(part.times[-1]), part.states[-1]
+    found = just_beyond(machine, flow, t, x, far(flow, t, x[flow.states], weights[flow.states]) / FAR)
+    if found is None:
+        return part
+    blame = why_not_finite(machine, flow.name, *found.at)
+    if found.guard is None:
+        return replace(part, reason=part.reason + blame)
+    reason = f"The guard of transition '{found.guard}' is not finite beyond t = {t:.10g}.{blame}"
+    return replace(part, status="not_finite", reason=reason)
 
 
 def _at_once(flow: ModeFlow, standing: Sequence[Departure]) -> int | None:

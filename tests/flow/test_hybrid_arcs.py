@@ -427,3 +427,51 @@ def test_an_arc_without_end_is_given_up():
     assert only.status == "too_many_steps"
     assert 500 <= len(only.times) - 1 < 600
     assert "met no transition" in only.reason
+
+
+def swings(t, x, p, dx):
+    dx[0] = x[1]
+    dx[1] = -x[0]
+
+
+def ceases(edge, floor):
+    """sin t, watched by a guard that has no value beyond an edge, and is `floor` there."""
+
+    def guard(t, x, p):
+        return floor + math.sqrt(edge - x[0])
+
+    def back(t, x, p, x_plus):
+        x_plus[0] = x[0]
+        x_plus[1] = -x[1]
+
+    modes, hit = (Mode("swing", swings),), Transition("hit", "swing", "swing", guard, reset=back)
+    return System("ceases", (State("x0"), State("x1")), (), modes, (hit,))
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_guard_that_ceases_to_exist_is_no_event(method):
+    edge = 0.95
+    found = run(machine(ceases(edge, 0.05)), [0.0, 1.0], 5.0, method=method)
+    assert [(arc.transition, arc.status) for arc in found] == [(None, "not_finite")]
+    assert "The guard of transition 'hit' is not finite beyond" in found[0].reason
+    assert "test_hybrid_arcs.py, line" in found[0].reason
+    # The guard is a further state of the steps that approach its edge: its slope grows without bound there.
+    assert found[0].times[-1] == pytest.approx(math.asin(edge), abs=1e-6)
+    assert found[0].states[-1][0] <= edge
+
+
+def test_a_guard_that_ceases_to_exist_where_it_is_never_asked_acts():
+    # Zero at sqrt(0.5), where it falls; without a value beyond 0.95, which is in the same step of 0.5.
+    def guard(t, x, p):
+        return math.sqrt(0.95 - x[0]) - math.sqrt(0.45)
+
+    def back(t, x, p, x_plus):
+        x_plus[0] = x[0] - 1e-3
+        x_plus[1] = -x[1]
+
+    hit = Transition("hit", "swing", "swing", guard, reset=back)
+    system = System("acts", (State("x0"), State("x1")), (), (Mode("swing", swings),), (hit,))
+    found = run(machine(system), [0.0, 1.0], 2.0, tolerance=1e-4)
+    assert [(arc.transition, arc.status) for arc in found] == [("hit", "ok"), (None, "ok")]
+    # Two or three steps of error 1e-4 at most.
+    assert found[0].times[-1] == pytest.approx(math.asin(0.5), abs=3e-4)
