@@ -16,7 +16,7 @@ from contwalk.continuation.marks import Observer
 from contwalk.continuation.records import end_record, found_record
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.step import Step, take_step
-from contwalk.errors import NotFinite
+from contwalk.errors import ContwalkError, NotFinite, PluginError
 from contwalk.problems.problem import Problem
 
 
@@ -51,43 +51,44 @@ def walk(
         How many points there may still be.
     """
     origin, number = here, 0
-    while True:
-        if outcome := _finished(here, number, points, settings, observer):
-            break
-        before = _effort(problem)
-        step = take_step(problem, here, settings, observer)
-        if isinstance(step, Outcome):
-            outcome = step
-            break
-        for place, found in _on_the_way(step, here, sign):
-            record = None
-            if found.label != limits.SOFT:
-                record = found_record(problem, found, place.s, sign)
-                yield Point(place, record)
-                number += 1
-            if outcome := _stop(problem, found, record, settings, observer):
-                place = replace(place, sample=replace(place.sample, unstable=found.after))
-                yield End(outcome, end_record(problem, place, outcome, sign))
-                return
-        here = _arrived(problem, step, here, sign, settings, before)
-        try:
-            problem, sample = problem.adapted(here.sample)
+    try:
+        while True:
+            if outcome := _finished(here, number, points, settings, observer):
+                break
+            before = _effort(problem)
+            step = take_step(problem, here, settings, observer)
+            if isinstance(step, Outcome):
+                outcome = step
+                break
+            for place, found in _on_the_way(step, here, sign):
+                record = None
+                if found.label != limits.SOFT:
+                    record = found_record(problem, found, place.s, sign)
+                    yield Point(place, record)
+                    number += 1
+                if outcome := _stop(problem, found, record, settings, observer):
+                    place = replace(place, sample=replace(place.sample, unstable=found.after))
+                    yield End(outcome, end_record(problem, place, outcome, sign))
+                    return
+            here = _arrived(problem, step, here, sign, settings, before)
+            try:
+                problem, sample = problem.adapted(here.sample)
+            except (NotFinite, np.linalg.LinAlgError):
+                yield Point(here)
+                raise
             # On new steps the solution may be another: then that one is the point.
             yield Point(here if np.array_equal(sample.z, here.sample.z) else replace(here, sample=sample))
-        except (NotFinite, np.linalg.LinAlgError) as error:
-            yield Point(here)
-            sentence = (
-                error.sentence if isinstance(error, NotFinite) else f"The orbit there is singular: {error}."
-            )
-            outcome = outcomes.stuck(
-                "not_finite", sentence, here.step, observer.parameter, here.sample.parameter
-            )
-            break
-        here = replace(here, sample=sample)
-        number += 1
-        if number > 3 and step.closes(origin):
-            outcome = outcomes.closed()
-            break
+            here = replace(here, sample=sample)
+            number += 1
+            if number > 3 and step.closes(origin):
+                outcome = outcomes.closed()
+                break
+    except (ContwalkError, np.linalg.LinAlgError) as error:
+        # Whatever cannot be computed is how this direction ends, and nothing else.
+        reason = "plugin_error" if isinstance(error, PluginError) else "not_finite"
+        singular = f"The equations there are singular: {error}."
+        sentence = error.sentence if isinstance(error, ContwalkError) else singular
+        outcome = outcomes.stuck(reason, sentence, here.step, observer.parameter, here.sample.parameter)
     yield End(outcome, end_record(problem, here, outcome, sign))
 
 

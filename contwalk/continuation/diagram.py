@@ -34,7 +34,7 @@ from contwalk.continuation.work import (
     resumed,
     spent,
 )
-from contwalk.errors import NotFinite
+from contwalk.errors import ContwalkError
 from contwalk.problems.problem import Problem
 
 
@@ -152,6 +152,13 @@ class Diagram:
                 yield self._seeds.popleft()
 
     def _known(self, start: Start) -> str | None:
+        try:
+            return self._recognised(start)
+        except (ContwalkError, np.linalg.LinAlgError):  # then the walk itself tells what is wrong
+            return None
+
+    def _recognised(self, start: Start) -> str | None:
+        """Name of the known branch that a start lies on."""
         if isinstance(start.opening, Outcome):
             return None
         problem, here = start.opening.problem, start.opening.here
@@ -193,7 +200,7 @@ class Diagram:
         else:
             try:
                 yield from self._walked(start.opening, work, stored, self._signs(start))
-            except (NotFinite, np.linalg.LinAlgError) as error:
+            except (ContwalkError, np.linalg.LinAlgError) as error:
                 work.outcomes.append((1.0, _broken(error, "The branch cannot be followed")))
             branch = work.branch(combined(work.outcomes, start.opening.message))
             yield Ended(branch)
@@ -290,13 +297,13 @@ class Diagram:
                     yield Opening(seed.problem, here, one_sided=seed.one_sided)
                 else:
                     yield outcomes.no_start(here.reason, here.sentence)
-        except (NotFinite, np.linalg.LinAlgError) as error:
+        except (ContwalkError, np.linalg.LinAlgError) as error:
             yield _broken(error, f"The branch that leaves {point.name} cannot be begun")
 
 
-def _broken(error: NotFinite | np.linalg.LinAlgError, what: str) -> Outcome:
+def _broken(error: ContwalkError | np.linalg.LinAlgError, what: str) -> Outcome:
     """The outcome of a branch that an error ended."""
-    if isinstance(error, NotFinite):
+    if isinstance(error, ContwalkError):
         return outcomes.broken(f"{what}: {error.sentence}", error.remedy)
     return outcomes.broken(f"{what}: its equations are singular ({error}).", "Start elsewhere.")
 

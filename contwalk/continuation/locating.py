@@ -9,6 +9,7 @@ import numpy as np
 
 from contwalk.continuation.rootfinding import narrow
 from contwalk.continuation.segment import Segment
+from contwalk.errors import NotFinite
 from contwalk.problems.problem import Located, Sample
 
 # Of two points that are one, in the metric, beside what a problem blurs.
@@ -72,6 +73,21 @@ def accepted(
 
     `known` is asked whether what lies at a position has been found already, before more is spent on it.
     """
+    try:
+        return _accepted(segment, label, near, which, left, right, known)
+    except (NotFinite, np.linalg.LinAlgError):  # as if its equations had no solution there
+        return None
+
+
+def _accepted(
+    segment: Segment,
+    label: str,
+    near: Sample,
+    which: int,
+    left: float,
+    right: float,
+    known: Callable[[Located, float], Found | None] | None,
+) -> Found | None:
     located = segment.problem.locate(label, near, which)
     if located is None:
         return None

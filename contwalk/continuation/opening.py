@@ -83,6 +83,8 @@ def opened(
         return outcomes.no_start("plugin_error", error.sentence)
     except NotFinite as error:
         return outcomes.no_start("not_finite", error.sentence)
+    except np.linalg.LinAlgError as error:
+        return outcomes.no_start("not_finite", f"linear algebra fails there ({error}).")
 
 
 def _stays_neutral(problem: Equilibrium, here: Here) -> bool:

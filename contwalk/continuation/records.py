@@ -9,6 +9,7 @@ import numpy as np
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.continuation.here import Here
 from contwalk.continuation.locating import Found
+from contwalk.errors import NotFinite
 from contwalk.problems.problem import Located, Problem
 
 
@@ -20,7 +21,7 @@ def found_record(problem: Problem, found: Found, s: float, sign: float) -> Speci
         note = str(found.located.vectors["note"])
         record = replace(record, label=found.label, status="unlocated", note=note)
     else:
-        record = problem.special_point(found.label, found.located, found.sample, s)
+        record = _described(problem, found, s)
         if found.kind is not None:
             record = replace(record, kind=found.kind)
     tangent = tuple(sign * t for t in record.tangent)  # stored towards growing arclength
@@ -28,6 +29,17 @@ def found_record(problem: Problem, found: Found, s: float, sign: float) -> Speci
     return replace(
         record, tangent=tangent, unstable_before=before, unstable_after=after, admissible=admissible
     )
+
+
+def _described(problem: Problem, found: Found, s: float) -> SpecialPoint:
+    """The record of a located point; where its normal form cannot be computed, it is a point without one."""
+    try:
+        return problem.special_point(found.label, found.located, found.sample, s)
+    except (NotFinite, np.linalg.LinAlgError) as error:
+        record = problem.special_point("UZ", found.located, found.sample, s)
+        why = error.sentence if isinstance(error, NotFinite) else str(error)
+        note = f"located, but its normal form cannot be computed: {why}"
+        return replace(record, label=found.label, kind=None, note=note)
 
 
 def end_record(problem: Problem, here: Here, outcome: Outcome, sign: float) -> SpecialPoint:

@@ -163,8 +163,10 @@ _ORDER = {"complete": 0, "stopped": 1, "failed": 2}
 
 
 def combined(ends: list[tuple[float, Outcome]], message: str) -> Outcome:
-    """One outcome for both ends: the worse one decides, each is told."""
-    worst = max((outcome for _, outcome in ends), key=lambda o: _ORDER[o.status])
+    """One outcome for both ends: the worse one decides, of equal ones what is not the range's end; each is
+    told.
+    """
+    worst = max((outcome for _, outcome in ends), key=lambda o: (_ORDER[o.status], o.reason != "bound"))
     texts = [o.message for _, o in ends]
     if [o.reason for _, o in ends] == ["bound", "bound"]:
         texts = ["Both directions reached an end of the range. Widen `range` to go on."]

@@ -21,8 +21,12 @@ from contwalk.problems.passed_over import passed_over
 from contwalk.problems.problem import MAX_RE, Linearization, Located, Rates, Sample, Seed
 from contwalk.problems.spectrum import EPSILON, Spectrum, spectrum
 from contwalk.problems.switching import branch_point_seeds, second_direction, tangent_through
+from contwalk.problems.unbounded import escape
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
+
+# A limit of the parameter this small against its magnitude is zero.
+VANISHING = 1e-10
 
 
 class Equilibrium:
@@ -285,16 +289,26 @@ class Equilibrium:
         return self, sample
 
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
-        """Where a pinned direction takes a force to hold, what is held there is no equilibrium."""
+        """Where a pinned direction takes a force to hold, or the branch runs off to infinity."""
         name = neutrals.forced(self, b)
-        if name is None:
+        if name is not None:
+            return Outcome(
+                "failed",
+                "no_convergence",
+                f"Beyond {self.free} = {a.parameter:.10g}, holding the neutral direction '{name}' takes a "
+                "force: what solves the equations with that direction pinned is no equilibrium of yours. "
+                "End the range there, or declare as neutral only what is neutral everywhere.",
+            )
+        away = escape(a, b)
+        if away is None or away.which >= self.states:
             return None
+        limit = 0.0 if abs(away.limit) <= VANISHING * b.weights[-1] else away.limit
+        state = self.system.state_names[away.which]
         return Outcome(
-            "failed",
-            "no_convergence",
-            f"Beyond {self.free} = {a.parameter:.10g}, holding the neutral direction '{name}' takes a force: "
-            "what solves the equations with that direction pinned is no equilibrium of the machine. End the "
-            "range there, or declare as neutral only what is neutral everywhere.",
+            "complete",
+            "unbounded",
+            f"The equilibrium grows without bound as {self.free} tends to {limit:.10g}: {state} is "
+            f"{b.z[away.which]:.4g} at {self.free} = {b.parameter:.10g}. Nothing to do.",
         )
 
     def same(self, a: Sample, b: Sample) -> bool:
