@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from contwalk.system import Mode, Observable, Parameter, State, System, Transition
+from contwalk.system import Mode, Observable, Parameter, State, Study, System, Transition
 
 Y, V = range(2)
 
@@ -72,6 +72,13 @@ SYSTEM = System(
             "impact_speed", _impact_speed, "m/s", "speed relative to the table at impact", at="bounce"
         ),
         Observable("impact_phase", _impact_phase, "rad", "phase omega t of the table at impact", at="bounce"),
+    ),
+    # From the fold at which the orbit with one bounce a period is born, past its period doubling.
+    study=Study(
+        "A",
+        (0.008, 0.0125),
+        {"simulate": {"state": {"y": 0.0158, "v": -0.7435}, "until": "settled"}},
+        {"A": 0.0095},
     ),
     reference="P. J. Holmes (1982), J. Sound Vib. 84, 173-189",
 )

@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from contwalk.system import Mode, Observable, Parameter, State, System, Transition
+from contwalk.system import Mode, Observable, Parameter, State, Study, System, Transition
 
 Q, V = range(2)
 
@@ -64,6 +64,13 @@ SYSTEM = System(
         Observable("q_max", _largest, "m", "largest displacement"),
         Observable("impact_speed", _impact_speed, "m/s", "speed at which the stop is hit", at="impact"),
         Observable("impact_phase", _impact_phase, "rad", "phase omega t of the force there", at="impact"),
+    ),
+    # Through the force at which the mass first touches the stop.
+    study=Study(
+        "force",
+        (0.3, 1.2),
+        {"simulate": {"state": {"q": 0.0, "v": 0.0}, "until": "settled"}},
+        events={"GR": "switch"},
     ),
     reference="S. W. Shaw, P. J. Holmes (1983), J. Sound Vib. 90, 129-155",
 )

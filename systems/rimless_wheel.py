@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.system import Mode, Observable, Parameter, State, System, Transition
+from contwalk.system import Mode, Observable, Parameter, State, Study, System, Transition
 
 THETA, OMEGA = range(2)
 
@@ -108,6 +108,10 @@ SYSTEM = System(
         Observable(
             "impact_loss", _impact_loss, "1", "share of the kinetic energy that is lost", at="heel_strike"
         ),
+    ),
+    # Downwards to the slope at which it no longer gets over its spokes.
+    study=Study(
+        "gamma", (0.02, 0.3), {"simulate": {"state": {"theta": -0.2, "omega_": 1.5}, "until": "settled"}}
     ),
     reference="T. McGeer (1990), Int. J. Robotics Research 9(2), 62-82",
 )

@@ -394,6 +394,30 @@ class Signal:
 
 
 @dataclass(frozen=True)
+class Study:
+    """What `contwalk init` writes into a run file: a parameter along which something happens, and a start.
+
+    `start` is as in a run file; without it `init` finds one. `parameters` go on top of the defaults, `events`
+    of the run file say what happens at limits.
+    """
+
+    parameter: str
+    range: tuple[float, float]
+    start: Mapping[str, Any] | None = None
+    parameters: Mapping[str, float] = attribute(default_factory=dict)
+    events: Mapping[str, str] = attribute(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        _require_name("A study", self.parameter)
+        low, high = self.range
+        if not low < high:
+            raise SystemDefinitionError(
+                f"The range of the study over '{self.parameter}' is ({low:g}, {high:g}).",
+                "Give the lower end first.",
+            )
+
+
+@dataclass(frozen=True)
 class Start:
     """A named equilibrium known in closed form.
 
@@ -455,6 +479,7 @@ class System:
     source: str = ""
     conditions: tuple[Condition, ...] = ()
     signals: tuple[Signal, ...] = ()
+    study: Study | None = None
 
     def __post_init__(self) -> None:
         _require_name("A system", self.name)
@@ -489,6 +514,8 @@ class System:
         if self.draw is not None:
             _require_callable(f"draw of system '{self.name}'", self.draw)
         self._check_presets()
+        for name in () if self.study is None else (self.study.parameter, *self.study.parameters):
+            self.require_parameter(name)
         for what in ("states", "modes"):
             if not getattr(self, what):
                 raise SystemDefinitionError(f"System '{self.name}' has no {what}.", f"Declare {what}=(...,).")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Mapping
 
 from contwalk.errors import RunFileError, StartError
 from contwalk.system.declarations import Parameter, System
@@ -12,14 +13,14 @@ from contwalk.workflow.run_values import FIGURES, FOLLOWED
 _PLAIN = re.compile(r"[./\w][./\w-]*")
 _WORDS_OF_YAML = ("null", "true", "false", "yes", "no", "on", "off", "y", "n")
 
+_EVENTS = "# events: {GR: stop, OC: switch, AZ: ignore}   # stop, ignore or switch\n"
 _REST = """\
 # The keys below are optional; what stands behind the # is an example or the default.
 # preset: {preset}   # a named parameter set of the system; `parameters` go on top of it
 # path: {{from: {{{example}: {low}}}, to: {{{example}: {high}}}}}   # instead of a parameter and its range
 diagram: {{follow: [BP, HB, PD], depth: 5}}   # labels of {labels}; all, or none
 # mark: {{{example}: [{value}], max_re: [0.0, extremum]}}   # values to locate, and extrema of an observable
-# events: {{GR: stop, OC: switch, AZ: ignore}}   # stop, ignore or switch
-# report_at: {report_at}   # where the state of an orbit is taken
+{events}# report_at: {report_at}   # where the state of an orbit is taken
 # output: {system}.h5   # the default is this file's name with .h5, in the current directory
 # figures: [bifurcation_diagram]   # of {figures}
 # sweep: {sweep}   # the whole diagram at each value; or NAME: {{from: 0, to: 1, count: 11}}
@@ -44,6 +45,8 @@ def starting_file(system: System, reference: str) -> str:
         If the system has no parameter that can be continued.
     """
     parameter, (low, high) = _continued(system)
+    study = system.study
+    values = {**system.defaults(), **(study.parameters if study else {})}
     about = _one_line(system.about or system.reference)
     lines = [
         f"# {_one_line(system.name)}{': ' + about if about else ''}",
@@ -55,14 +58,17 @@ def starting_file(system: System, reference: str) -> str:
         lines.append(
             f"model: {{{choices}}}   # model choices; what is not chosen does not exist in the system"
         )
-    lines += ["parameters:", *_parameter_lines(system)]
+    lines += ["parameters:", *_parameter_lines(system, values)]
     lines.append("accuracy: 1e-8   # requested relative error of special points")
-    lines += _start_lines(system)
+    lines += _start_lines(system, values)
     lines.append(
         f"continue: {{parameter: {_text(parameter.name)}, range: [{low!r}, {high!r}], direction: both, "
         "max_points: 1000}"
     )
+    if study is not None and study.events:
+        lines.append(f"events: {_flow(study.events)}   # what is done at a limit: stop, ignore or switch")
     rest = _REST.format(
+        events="" if study is not None and study.events else _EVENTS,
         system=system.name,
         preset=next(iter(system.presets), "null"),
         example=parameter.name,
@@ -80,7 +86,10 @@ def starting_file(system: System, reference: str) -> str:
 
 
 def _continued(system: System) -> tuple[Parameter, tuple[float, float]]:
-    """The first parameter that has room around its default, and a range there."""
+    """The study's parameter and range; else the first parameter with room around its default, and a range."""
+    if system.study is not None:
+        name, between = system.study.parameter, system.study.range
+        return next(p for p in system.parameters if p.name == name), (float(between[0]), float(between[1]))
     for parameter in system.parameters:
         value = float(parameter.default)
         ends = sorted((0.5 * value, 2.0 * value)) if value else [-1.0, 1.0]
@@ -95,8 +104,17 @@ def _continued(system: System) -> tuple[Parameter, tuple[float, float]]:
     )
 
 
-def _parameter_lines(system: System) -> list[str]:
-    entries = [f"  {parameter.name}: {float(parameter.default)!r}" for parameter in system.parameters]
+def _flow(value: object) -> str:
+    """A value in YAML on one line."""
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{_text(key)}: {_flow(inner)}" for key, inner in value.items()) + "}"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(map(_flow, value)) + "]"
+    return _text(value)
+
+
+def _parameter_lines(system: System, values: Mapping[str, float]) -> list[str]:
+    entries = [f"  {parameter.name}: {float(values[parameter.name])!r}" for parameter in system.parameters]
     width = max(len(entry) for entry in entries)
     lines = []
     for entry, parameter in zip(entries, system.parameters, strict=True):
@@ -106,11 +124,15 @@ def _parameter_lines(system: System) -> list[str]:
     return lines
 
 
-def _start_lines(system: System) -> list[str]:
-    """The first named equilibrium that exists; a simulation for a forced or impacting system; zeros else."""
+def _start_lines(system: System, values: Mapping[str, float]) -> list[str]:
+    """The study's start; else the first named equilibrium that exists, a simulation for a forced or impacting
+    system, or zeros.
+    """
+    if system.study is not None and system.study.start is not None:
+        return [f"start: {_flow(system.study.start)}"]
     names = [start.name for start in system.starts]
     for name in names:
-        if _exists(system, name):
+        if _exists(system, name, values):
             return [
                 f"# equilibria known by name: {', '.join(names)}; or give the {{state: {{...}}}} itself",
                 f"start: {{equilibrium: {_text(name)}}}",
@@ -125,9 +147,9 @@ def _start_lines(system: System) -> list[str]:
     ]
 
 
-def _exists(system: System, name: str) -> bool:
+def _exists(system: System, name: str, values: Mapping[str, float]) -> bool:
     try:
-        return bool(system.named_states(name, system.defaults()))
+        return bool(system.named_states(name, values))
     except StartError:
         return False
 

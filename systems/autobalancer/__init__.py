@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from contwalk.system import Choice, Family, Mode, State, System
+from contwalk.system import Choice, Family, Mode, State, Study, System
 
 from . import anisotropic, isotropic
 from .balanced import make_balanced
@@ -66,6 +66,8 @@ def build_isotropic(n: int) -> System:
         draw=make_draw(n, (("k", "c"),), rotating=True),
         reference=REFERENCE,
         about=_about(n, ISOTROPIC),
+        # n masses can cancel a load m e of n m1 l1: there the balanced state ends in a pitchfork.
+        study=Study("m", (0.001, 0.012 * n), {"equilibrium": "balanced"}, {"m": 0.005 * n}),
     )
 
 

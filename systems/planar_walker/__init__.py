@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from contwalk.system import Mode, System, Transition
+from contwalk.system import Mode, Study, System, Transition
 
 from . import three_link, two_link
 from .checks import CONDITIONS, WATCHED
@@ -73,5 +73,19 @@ SYSTEM = System(
     conditions=CONDITIONS,
     presets=PRESETS,
     draw=draw,
+    # From the fold in which its gait is born, past its period doublings.
+    study=Study(
+        "alpha",
+        (0.03, 0.2),
+        {
+            "simulate": {
+                "state": {"q1": -0.5196, "q2": 0.1528388, "u1": -1.933, "u2": -2.037},
+                "at": "heel_strike",
+                "until": "settled",
+            }
+        },
+        {"alpha": 0.09},
+        {"GR": "ignore", "OC": "switch", "AZ": "ignore"},
+    ),
     reference="J. Adolfsson, A. Nordmark (2000), Planar Passive Walkers: Code Implementation Issues, KTH",
 )

@@ -16,6 +16,7 @@ from .model import CHOICES, LOCKED, MIRRORED, Model
 from .observables import make_observables, make_signals
 from .parameters import make_parameters, make_presets
 from .states import STATES
+from .study import make_study
 
 REFERENCE = (
     "J. Adolfsson (2000), 3D Passive Walkers: Code Implementation Issues, and "
@@ -56,6 +57,7 @@ def build(**choices: str) -> System:
         signals=make_signals(model),
         presets=make_presets(model),
         draw=make_draw(model),
+        study=make_study(model),
         reference=REFERENCE,
     )
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 from run_file_cases import PLUGIN
 
-from contwalk.errors import RunFileError
-from contwalk.system import Mode, Parameter, Start, State, System, load_system
+import contwalk as cw
+from contwalk.errors import RunFileError, SystemDefinitionError
+from contwalk.system import Mode, Parameter, Start, State, Study, System, load_system
 from contwalk.workflow.run_file import read_run_file, read_run_text
 from contwalk.workflow.run_model import RunModel
 from contwalk.workflow.template import starting_file
@@ -114,3 +115,60 @@ def test_an_equilibrium_that_does_not_exist_is_passed_over():
 def test_nothing_to_continue():
     with pytest.raises(RunFileError, match="no parameter that could be continued"):
         starting_file(system_of(), "s")
+
+
+# -- the systems that come along ---------------------------------------------------------------------------
+
+
+def run_of(system, tmp_path):
+    """The diagram of the run file that `init` writes, and the labels along its first branch."""
+    text = starting_file(load_system(system), system)
+    assert "depth: 5" in text
+    (tmp_path / "run.yaml").write_text(text.replace("depth: 5", "depth: 1"))  # some seconds instead of many
+    done = cw.run(cw.read_run_file(tmp_path / "run.yaml", output=tmp_path / "run.h5"), figures=False)
+    return done.branches, [p.label for p in done.branches[0].special_points if p.label != "EP"]
+
+
+@pytest.mark.parametrize(
+    ("system", "labels"),
+    [
+        ("autobalancer", {"BP"}),
+        ("bouncing_ball", {"LP", "PD"}),
+        ("impact_oscillator", {"GR"}),
+    ],
+)
+def test_along_the_parameter_something_happens(system, labels, tmp_path):
+    branches, found = run_of(system, tmp_path)
+    assert labels <= set(found)
+    assert len(branches) > 1  # what leaves there is followed
+    assert not any(branch.outcome.status == "failed" for branch in branches)
+
+
+def test_the_rimless_wheel_stops_where_it_no_longer_gets_over_its_spokes(tmp_path):
+    (branch,), _ = run_of("rimless_wheel", tmp_path)
+    assert "homoclinic" in branch.outcome.reason
+    assert branch["gamma"].min() < 0.07
+
+
+@pytest.mark.parametrize("system", ["planar_walker", "walker3d"])
+def test_studies_of_walkers_are_valid_run_files(system, tmp_path):
+    (tmp_path / "run.yaml").write_text(starting_file(load_system(system), system))
+    read = read_run_file(tmp_path / "run.yaml")
+    assert read.free == "alpha"
+    assert read.range[0] < read.parameters["alpha"] < read.range[1]
+
+
+def test_a_study_that_names_no_parameter_is_refused():
+    with pytest.raises(SystemDefinitionError, match="'b' is not a parameter"):
+        System("s", State("x"), Parameter("a", 1.0), Mode("m", smooth), study=Study("b", (0.0, 1.0)))
+    with pytest.raises(SystemDefinitionError, match="lower end first"):
+        Study("a", (1.0, 0.0))
+
+
+def test_without_a_start_of_its_own_a_study_takes_the_one_that_is_found():
+    study = Study("a", (0.5, 3.0), parameters={"a": 2.0}, events={"GR": "ignore"})
+    text = starting_file(System("s", State("x"), Parameter("a", 1.0), Mode("m", smooth), study=study), "s")
+    assert "continue: {parameter: a, range: [0.5, 3.0]" in text
+    assert "  a: 2.0" in text
+    assert "start: {state: {x: 0.0}}" in text
+    assert "\nevents: {GR: ignore}" in text
