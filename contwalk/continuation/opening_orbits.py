@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -19,14 +19,14 @@ from contwalk.problems.hybrid.least import least
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit, applies, softened
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.hybrid.word import named_word
-from contwalk.problems.orbit.beginning import orbit_at, symmetric
+from contwalk.problems.orbit.beginning import orbit_at, repetitions, symmetric
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.problems.orbit.recurrence import AtRest, recurrent
 from contwalk.problems.problem import NO_MARGIN
 from contwalk.problems.stored_word import StoredWord
 from contwalk.signatures import folded
-from contwalk.system import System
+from contwalk.system import Neutral, System
 
 Path = tuple[Mapping[str, float], Mapping[str, float]]
 
@@ -47,6 +47,8 @@ def opened_orbit(
     until: float | str | None = None,
     mode: str | None = None,
     event: str | None = None,
+    subharmonic: int = 1,
+    pins: Sequence[Neutral] | None = None,
 ) -> Opening | Outcome:
     """The branch of orbits through the one near a state, or why there is none.
 
@@ -60,6 +62,8 @@ def opened_orbit(
         Simulate from the state so long first, and take the orbit that the motion settles on.
     mode, event : str, optional
         Of a hybrid system, the mode that the state is in, or the transition that it is right before.
+    subharmonic, pins
+        Of smooth orbits, as for `orbit.beginning.orbit_at`.
     """
     try:
         if system.acting:
@@ -71,8 +75,16 @@ def opened_orbit(
             found = recurrent(system, at_start(parameters, path, at), state, until)
             faint = bool(np.all(found.variation <= FAINT * np.abs(found.state).max()))
             state, period = found.state, found.period
-        problem, z = orbit_at(system, parameters, free, state, period, path, at, discretization)
+        given = path, at, discretization, subharmonic, pins
+        problem, z = orbit_at(system, parameters, free, state, period, *given)
         here = begin(problem, z, settings)
+        if isinstance(here, Here) and problem.moves(here.sample.z):
+            times = repetitions(problem, here.sample.z)
+            if times > 1:  # it was begun with a multiple of its period
+                first = here.sample.z[: problem.states]
+                part = problem.duration(here.sample.z) / times
+                problem, z = orbit_at(system, parameters, free, first, part, *given)
+                here = begin(problem, z, settings)
         if not isinstance(here, Here):
             return outcomes.no_start(here.reason, here.sentence, "a periodic orbit")
         if not problem.moves(here.sample.z):

@@ -166,7 +166,14 @@ def _opened(
                 "An orbit of an autonomous system needs its period, or a simulation that finds it.",
                 "Give period=SECONDS, or until='settled'.",
             )
-        opening = opened_orbit(*given, discretization=problem.discretization, period=period, until=until)
+        opening = opened_orbit(
+            *given,
+            discretization=problem.discretization,
+            period=period,
+            until=until,
+            subharmonic=problem.subharmonic,
+            pins=problem.pins or None,
+        )
     if isinstance(opening, Outcome):
         raise StartError(opening.message)
     return opening

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from contwalk.errors import StartError, called
+from contwalk.flow.hybrid_machine import hybrid_machine
 from contwalk.flow.method import choose
+from contwalk.problems.hybrid import families
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.motion import PLAIN
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.problems.orbit.shooting import Mesh, arrived, velocity
 from contwalk.problems.orbit.transport import carried_to, segments_for
-from contwalk.system import System
+from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 
 # An orbit is its own image if it meets it this nearly, in units of its range: corrected orbits do to 1e-8.
@@ -23,6 +25,12 @@ OWN_IMAGE = 1e-5
 # A state that moves less than this part of what others do, in units of its size, is constant but for the
 # error of steps.
 CONSTANT = 1e-5
+
+# An orbit may be begun with so many times its period, and be told with its own.
+MOST_REPETITIONS = 12
+
+# A direction is neutral if it is so at a parameter that differs by this part of itself too.
+BESIDE = 1e-3
 
 # Tolerance of the first look at a motion.
 ROUGH = 1e-7
@@ -39,6 +47,8 @@ def orbit_at(
     path: Path | None = None,
     at: float | None = None,
     discretization: Discretization | None = None,
+    subharmonic: int = 1,
+    pins: Sequence[Neutral] | None = None,
 ) -> tuple[PeriodicOrbit, np.ndarray]:
     """The problem of the orbit through a state, discretised for it, and its unknowns; not yet a solution.
 
@@ -46,6 +56,10 @@ def orbit_at(
     ----------
     period : float or None
         Seconds; None for a forced system, whose own period it is. A multiple of that makes a subharmonic.
+    subharmonic : int
+        Periods of a forced system that the orbit lasts, where `period` does not tell.
+    pins : sequence of Neutral, optional
+        Neutral directions to hold; by default those of the system that are neutral there.
 
     Raises
     ------
@@ -53,19 +67,70 @@ def orbit_at(
         If the motion from the state ends within one period.
     """
     value = float(at or 0.0) if path is not None else float(parameters[free])
-    subharmonic = 1
     if system.period is not None and period is not None:
         own = float(called("period", system.period, ParameterValues(**parameters)))
         subharmonic = max(round(period / own), 1)
-    problem = PeriodicOrbit(
-        system, parameters, free, path, subharmonic=subharmonic, discretization=discretization
-    )
-    scalars = np.array([value]) if system.period is not None else np.array([float(period or 0.0), value])
+    x = np.asarray(state, dtype=float)
+    if pins is None:
+        pins = _neutral(system, at_path(parameters, path, at), free, path, x)
+    problem = PeriodicOrbit(system, parameters, free, path, pins, x, subharmonic, discretization)
+    durations = [] if problem.forced else [float(period or 0.0)]
+    scalars = np.array([*durations, *[0.0] * len(pins), value])
     values = np.concatenate([scalars, problem.fixed])
-    _check_moves(problem, np.asarray(state, dtype=float), values)
-    turns, mesh = _once_round(problem, np.asarray(state, dtype=float), values)
-    z = np.concatenate([np.asarray(state, dtype=float), scalars])
+    _check_moves(problem, x, values)
+    turns, mesh = _once_round(problem, x, values)
+    z = np.concatenate([x, scalars])
     return cut(problem.closing(turns).on(mesh, None), z, mesh.magnitudes)
+
+
+def at_path(parameters: Mapping[str, float], path: Path | None, at: float | None) -> dict[str, float]:
+    """Values of all parameters at a position on a path."""
+    if path is None:
+        return dict(parameters)
+    return {name: begin + float(at or 0.0) * (path[1][name] - begin) for name, begin in path[0].items()}
+
+
+def _neutral(
+    system: System, parameters: dict[str, float], free: str, path: Path | None, x: np.ndarray
+) -> list[Neutral]:
+    """The declared directions that motions through a state come in families along, beside it as well.
+
+    One that is neutral at a start only is none of the branch.
+    """
+    if not system.neutral:
+        return []
+    beside = dict(parameters)
+    moving = [free] if path is None else [n for n, value in path[0].items() if path[1][n] != value]
+    for name in moving:
+        beside[name] += BESIDE * (abs(beside[name]) or 1.0)
+    scale = np.maximum(np.abs(x), float(np.abs(x).max()) or 1.0)
+    machines = [hybrid_machine(system, values) for values in (parameters, beside)]
+    mode, found = system.modes[0].name, list[Neutral]()
+    for neutral in system.neutral:
+        if not all(families.commutes(machine, neutral, mode, 0.0, x, scale) for machine in machines):
+            continue
+        together = families.directions(system, [*found, neutral], x, parameters)
+        sizes = np.linalg.svd(together / scale[:, None], compute_uv=False)
+        if sizes[-1] > families.DEPENDENT * sizes[0]:
+            found.append(neutral)
+    return found
+
+
+def repetitions(problem: PeriodicOrbit, z: np.ndarray) -> int:
+    """How often an orbit runs through itself in its closure: more than once, if it was begun with a multiple
+    of its period.
+    """
+    x, turns, still = problem.starts(z)[0], problem.closure.turns, np.zeros(len(z))
+    own = np.array([s.period or 1.0 for s in problem.system.states])
+    most = problem.subharmonic if problem.forced else MOST_REPETITIONS
+    for times in range(most, 1, -1):
+        whole = np.allclose(np.round(turns / times / own), turns / times / own)
+        if (problem.forced and problem.subharmonic % times) or not whole:
+            continue
+        later = carried_to(problem, z, still, 1.0 / times)[0] - turns / times
+        if np.linalg.norm((later - x) / problem.mesh.variation) < OWN_IMAGE:
+            return times
+    return 1
 
 
 def _check_moves(problem: PeriodicOrbit, x: np.ndarray, values: np.ndarray) -> None:
@@ -136,8 +201,7 @@ def symmetric(
                 continue
             other = problem.closing(np.zeros(n), symmetry, power, order)
             scalars = problem.scalars(z).copy()
-            if not problem.forced:
-                scalars[0] /= order
+            scalars[:-1] /= order  # period and drifts
             part = np.concatenate([x, scalars])
             single = np.concatenate([weights[:n] / np.sqrt(problem.segments), np.abs(scalars)])
             return cut(other.adapted_to(part, single, segments=1), part, single[:n])
