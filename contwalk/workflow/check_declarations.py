@@ -143,7 +143,7 @@ def _period_can_be_traced(report: Report, period: Callable[..., float], names: I
 
 
 def check_repeats(report: Report, what: str, field: Traced, samples: Samples, period: float) -> None:
-    """Does a forced field repeat after its period?
+    """Does a function of a forced system, such as its field, repeat after its period?
 
     Asked at the defaults, and again with ones in place of zeros: a force that is off by default would repeat
     after any time.
@@ -168,6 +168,10 @@ def check_repeats(report: Report, what: str, field: Traced, samples: Samples, pe
             return
 
 
+def _entry(function: Traced, i: int) -> str:
+    return function.form.entry(i) if function.form.argument else "its value"
+
+
 def _listed(parameters: dict[str, float]) -> str:
     return f"with {', '.join(f'{name} = {value:g}' for name, value in parameters.items())}"
 
@@ -184,7 +188,7 @@ def _repeats_not(field: Traced, samples: Samples, values: list[float], period: f
         if np.isfinite(now).all() and np.isfinite(later).all() and (np.abs(later - now) > allowed).any():
             i = int(np.argmax(np.abs(later - now) - allowed))
             return (
-                f"It does not repeat after period(p) = {period:.6g}: {field.form.entry(i)} is "
+                f"It does not repeat after period(p) = {period:.6g}: {_entry(field, i)} is "
                 f"{now[i]:.10g} at t = {t:.4g} and {later[i]:.10g} a period later"
             )
     return ""
@@ -277,4 +281,4 @@ def _rates_left(field: Traced, t: float, x: np.ndarray, samples: Samples) -> str
     if (np.abs(value) <= allowed).all():
         return None
     i = int(np.argmax(np.where(np.isfinite(value), np.abs(value) - allowed, np.inf)))
-    return f"{field.form.entry(i)} is {value[i]:.6g}"
+    return f"{_entry(field, i)} is {value[i]:.6g}"

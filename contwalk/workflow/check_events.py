@@ -10,6 +10,7 @@ import numpy as np
 from contwalk.errors import ContwalkError
 from contwalk.fields.derivative import jacobian
 from contwalk.system import System, Transition
+from contwalk.workflow.check_declarations import check_repeats
 from contwalk.workflow.check_findings import Report, place_of
 from contwalk.workflow.check_functions import EPSILON, check_guard, check_map
 from contwalk.workflow.check_samples import Samples
@@ -31,17 +32,23 @@ class Happening:
 
 
 def check_transition(
-    report: Report, transition: Transition, system: System, fields: Mapping[str, Traced], samples: Samples
+    report: Report,
+    transition: Transition,
+    system: System,
+    fields: Mapping[str, Traced],
+    samples: Samples,
+    period: float | None = None,
 ) -> Happening | None:
     """Check the guard and the reset of a transition, and both together; None where they cannot be used."""
     guard = check_guard(report, f"guard of transition '{transition.name}'", transition, system, samples)
     sound = _check_reset(report, transition, system, samples)
     if guard is None or not sound or not {transition.source, transition.target} <= set(fields):
         return None
-    if transition.role == "soft" and transition.reset is not None:
-        form = reset_form(transition, system)
-        assert form is not None  # or the reset were not sound
-        reset = Traced(transition.reset, system, form, mode=transition.source)
+    reset = traced_reset(report, transition, system)
+    for what, function in (("guard", guard), ("reset", reset)):
+        if period is not None and function is not None:
+            check_repeats(report, f"{what} of transition '{transition.name}'", function, samples, period)
+    if transition.role == "soft" and reset is not None:
         check_soft(report, transition, guard, reset, fields, samples)
     happening = Happening(transition, _states_at_event(transition, guard, fields[transition.source], samples))
     if transition.role == "soft":

@@ -91,7 +91,7 @@ def check_system(system: System, sources: Sequence[Path] = (), model: str = "") 
             declarations.check_repeats(report, f"field of mode '{name}'", field, samples, period)
     distinct, happenings = distinct_transitions(system), []
     for transition in distinct:
-        happening = check_transition(report, transition, system, fields, samples)
+        happening = check_transition(report, transition, system, fields, samples, period)
         if happening is not None:
             happenings.append(happening)
     seen = None

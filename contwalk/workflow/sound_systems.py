@@ -70,6 +70,9 @@ def _findings(system: System) -> list[Finding]:
             traced_guard(report, what, transition, system),
             traced_reset(report, transition, system),
         )
+        for name, function in ((what, guard), (f"reset of transition '{transition.name}'", reset)):
+            if period is not None and function is not None:
+                check_repeats(report, name, function, samples, period)
         if transition.role == "soft" and guard is not None and reset is not None:
             check_soft(report, transition, guard, reset, fields, samples)
     for entry in system.conditions:

@@ -241,6 +241,8 @@ HOSTILE: dict[str, tuple[str, str, str]] = {
         "    period=period,\n    conditions=(__import__('contwalk.system').system.Condition(\n"
         "        'push', lambda t, x, p: x[1], at='miss'),),\n",
     ),
+    "guard with another period": _hybrid("return 1.0 - x[0]", "return 1.0 + 0.1 * math.sin(1.5 * t) - x[0]"),
+    "reset with another period": _hybrid("-0.8 * x[1]", "-(0.8 + 0.1 * math.sin(1.5 * t)) * x[1]"),
     "constant guard": _hybrid("return 1.0 - x[0]", "return 1.0"),
     "guard gives nothing": _hybrid("return 1.0 - x[0]", "1.0 - x[0]"),
     "guard gives True or False": _hybrid("return 1.0 - x[0]", "return x[0] < 1.0"),
