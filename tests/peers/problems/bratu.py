@@ -35,7 +35,6 @@ PEER = Peer(
             {"start": {"equilibrium": "rest"}, "continue": {"parameter": "lam", "range": [0.0, 4.0]}},
             values=(Value("LP", 3.5092569575207877, 1e-15, FORTY_DIGITS),),
             endings=(Ending("unbounded", "u grows without bound as lam goes to zero", of="equilibrium"),),
-            lost="a branch that grows without bound is walked until max_points",
         ),
     ),
 )

@@ -54,7 +54,6 @@ PEER = Peer(
                 "diagram": {"depth": 2},
             },
             values=(Value("NS", 0.335617425787725, 1e-13, COLLOCATION, of="orbit", period=1.0),),
-            lost="an orbit that closes after one period of the force is told with two",
         ),
     ),
 )
