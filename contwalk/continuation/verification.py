@@ -8,7 +8,7 @@ from the border, which no defining system has a part in, is turned into a distan
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,8 +27,9 @@ from contwalk.system import System
 SLACK = 5.0
 # How far the search begins beside the stored point, in the metric of the branch.
 ASIDE = 1e-4
-# The second computation aims at this part of the stored error.
-TIGHTER = 0.1
+# The second computation aims at this part of the stored error, and where no integrator reaches that, at so
+# many times more.
+TIGHTER, RELAXED = 0.1, 30.0
 AGREES, DIFFERS, LOST, SKIPPED = "agrees", "DISAGREES", "NOT FOUND AGAIN", "not recomputed"
 ELSEWHERE = "checked at its parent"  # where a branch has become its parent, whose own point is the same one
 
@@ -78,14 +79,14 @@ class Comparison:
         return self.verdict in (DIFFERS, LOST)
 
 
-def other_method(
+def other_methods(
     system: System,
     branch: Branch,
     point: SpecialPoint,
     steps: Discretization,
     marks: Mapping[str, Sequence[float | str]],
-) -> str:
-    """An integrator that a stored orbit was not computed with.
+) -> tuple[str, ...]:
+    """Integrators that a stored orbit was not computed with, the one that suits it best first.
 
     Parameters
     ----------
@@ -95,9 +96,9 @@ def other_method(
     problem, sample = reopened(system, branch, point, steps)
     finest = _finest(problem, sample, branch, point, marks)
     used = {there.mesh.method for there in (problem, finest)}  # type: ignore[attr-defined]
-    if used & {"radau5", "radau9"}:
-        return "verner98" if "verner98" not in used else "dop853"
-    return "radau9" if "verner98" in used else "verner98"
+    first = ("radau9", "dop853") if "verner98" in used else ("verner98", "radau9")
+    stiff = ("verner98", "dop853")
+    return tuple(m for m in (stiff if used & {"radau5", "radau9"} else first) if m not in used)
 
 
 def compared(
@@ -118,7 +119,7 @@ def compared(
     steps : Discretization
         What the run asked of its orbits, its relative accuracy first.
     method : str
-        The integrator for orbits; `other_method` by default.
+        The integrator for orbits; the first of `other_methods` that finds the point by default.
     marks : mapping, optional
         The run's marked values, by name: what marked points (UZ) of observables stand for.
     """
@@ -130,15 +131,42 @@ def compared(
     if why:
         return replace(begun, reason=why, verdict=ELSEWHERE if _of_parent(branch, point) else SKIPPED)
     orbit, accuracy = branch.info.problem in ORBITS, steps.accuracy
+    marked = marks or {}
+    begun = replace(begun, method=method or "40 digits")
+    if not orbit and point.label == "UZ" and point.kind == "parameter":
+        begun = replace(begun, method="another start")
     try:
-        method = method or other_method(system, branch, point, steps, marks or {}) if orbit else "40 digits"
-        if not orbit and point.label == "UZ" and point.kind == "parameter":
-            method = "another start"
-        begun = replace(begun, method=method)
-        problem, sample = _beside(system, branch, point, accuracy, method)
+        if orbit:
+            methods = (method,) if method else other_methods(system, branch, point, steps, marked)
+            attempts = [(aim, name) for aim in _aims(point, accuracy) for name in methods]
+        else:
+            attempts = [(next(_aims(point, accuracy)), begun.method)]
+    except (ContwalkError, np.linalg.LinAlgError) as failure:
+        return replace(begun, verdict=LOST, reason=str(failure))
+    lost = None
+    for aim, name in attempts:
+        result = _attempted(replace(begun, method=name), system, branch, point, accuracy, aim, marked)
+        if result.verdict != LOST:
+            return result
+        lost = lost or result
+    return lost or replace(begun, verdict=LOST, reason="there is no other integrator")
+
+
+def _attempted(
+    begun: Comparison,
+    system: System,
+    branch: Branch,
+    point: SpecialPoint,
+    accuracy: float,
+    aim: float,
+    marks: Mapping[str, Sequence[float | str]],
+) -> Comparison:
+    """The point recomputed by one integrator with one aim; `LOST` where that does not come back to it."""
+    try:
+        problem, sample = _beside(system, branch, point, Discretization(accuracy=aim, method=begun.method))
         if point.label == "UZ" and point.kind == "parameter":
             return _at_value(begun, branch, problem, sample, point, accuracy)
-        found = _found(problem, sample, branch, point, marks or {})
+        found = _found(problem, sample, branch, point, marks)
     except (ContwalkError, np.linalg.LinAlgError) as failure:
         return replace(begun, verdict=LOST, reason=str(failure))
     if found is None:
@@ -166,16 +194,30 @@ def _of_parent(branch: Branch, point: SpecialPoint) -> bool:
 # -- the second computation --------------------------------------------------------------------------------
 
 
+def _aims(point: SpecialPoint, accuracy: float) -> Iterator[float]:
+    """Relative accuracies to aim at, from far below the stored error up to what the run asked for.
+
+    An integrator may not reach the first ones: where deviations grow, or the field has rounding errors of its
+    own, its error estimate does not fall below those, whatever the steps. How well the point is known then,
+    the error of the second computation tells.
+    """
+    value = abs(float(point.unknowns[-1]))
+    relative = accuracy
+    if point.error is not None and value > 0.0:
+        relative = min(abs(point.error) / value, accuracy)
+    aim = max(TIGHTER * relative, TIGHTEST)
+    while aim < accuracy:
+        yield aim
+        aim *= RELAXED
+    yield max(accuracy, TIGHTEST)
+
+
 def _beside(
-    system: System, branch: Branch, point: SpecialPoint, accuracy: float, method: str
+    system: System, branch: Branch, point: SpecialPoint, steps: Discretization
 ) -> tuple[Problem, Sample]:
     """The problem on steps of another integrator, and a solution a little along the branch."""
     place = stored_place(branch, point)
     z, tangent, weights = place.z, place.tangent, place.weights
-    error = abs(point.error) if point.error is not None else accuracy * abs(z[-1])
-    relative = error / abs(z[-1]) if z[-1] != 0.0 else accuracy
-    wanted = min(max(TIGHTER * min(relative, accuracy), TIGHTEST), TIGHTER * accuracy)
-    steps = Discretization(accuracy=max(wanted, TIGHTEST), method=method)
     problem: Problem = problem_of(system, branch.info, z[: len(branch.info.states)], steps)
     problem = problem.at_stored(z, weights)
     if point.label == "UZ" and point.kind == "parameter":

@@ -89,7 +89,7 @@ def run(
     reporter = reporter or Reporter()
     traced(run_file)
     if figures:
-        check_figures(run_file)
+        check_figures(run_file, replacing=force or (resume and run_file.output.exists()))
     studies = [(study, *places(study)) for study in run_file.studies()]
     result = RunResult(run_file.output)
     with _database(run_file, resume, force) as db:
@@ -337,8 +337,11 @@ class _Recorder:
             self.reporter.note(text)
 
 
-def check_figures(run_file: RunFile) -> None:
+def check_figures(run_file: RunFile, replacing: bool) -> None:
     """Refuse names of figures that cannot be written, before anything is computed.
+
+    Files that bear the output's name belong to it and are replaced. One that the run file names itself may be
+    anybody's: it is replaced only where the database is, or goes on (`replacing`).
 
     Raises
     ------
@@ -349,9 +352,9 @@ def check_figures(run_file: RunFile) -> None:
     from contwalk.plotting.style import check_format
 
     paths = _figure_paths(run_file)
-    for path in paths:
+    for path, figure in zip(paths, run_file.figures, strict=True):
         check_format(path)
-    refuse_existing(paths, force=True)  # figures of an earlier run are replaced
+        refuse_existing([path], force=replacing or "file" not in figure.options)
 
 
 def _figure_paths(run_file: RunFile) -> list[Path]:

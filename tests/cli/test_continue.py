@@ -75,6 +75,27 @@ def test_figures(contwalk, folder):
     assert "figure:" not in again.out
 
 
+def test_a_figure_that_the_run_file_names_is_nobody_elses(contwalk, folder):
+    figures = ("--set", "figures=[bifurcation_diagram, {bifurcation_diagram: {file: mine.svg}}]")
+    own, named = folder / "fork_bifurcation_diagram.png", folder / "mine.svg"
+    own.write_text("left by a run whose database was deleted", encoding="utf-8")
+    named.write_text("a drawing of somebody's", encoding="utf-8")
+    done = contwalk("continue", "run.yaml", *figures)
+    assert (done.code, done.out) == (2, "")
+    assert done.err == "error: mine.svg exists. Replace it with --force, or choose another output.\n"
+    assert not (folder / "fork.h5").exists()
+    assert contwalk("continue", "run.yaml", *figures, "--no-figures", "--quiet").code == 0
+    assert named.read_text(encoding="utf-8") == "a drawing of somebody's"
+    named.unlink()
+    # What bears the output's name goes with it; where the database is replaced or goes on, so do its figures.
+    assert contwalk("continue", "run.yaml", *figures, "--force", "--quiet").code == 0
+    assert own.read_bytes().startswith(b"\x89PNG")
+    for option in ("--resume", "--force"):
+        named.write_text("an earlier drawing", encoding="utf-8")
+        assert contwalk("continue", "run.yaml", *figures, option, "--quiet").code == 0
+        assert "<svg" in named.read_text(encoding="utf-8")
+
+
 def test_sweep_names_the_swept_value(contwalk):
     done = contwalk("continue", "run.yaml", "--set", "sweep={a: [0.5, 0.75]}")
     lines = [line.strip() for line in done.out.splitlines()]

@@ -38,6 +38,20 @@ def van_der_pol(t, x, p, dx):
     dx[1] = p.mu * (1.0 - x[0] ** 2) * x[1] - x[0]
 
 
+def hodgkin_huxley(t, x, p, dx):
+    v, m, h, n = x[0], x[1], x[2], x[3]
+    dx[0] = p.i - 120.0 * m**3 * h * (v - 50.0) - 36.0 * n**4 * (v + 77.0) - 0.3 * (v + 54.4)
+    dx[1] = (
+        0.1 * (v + 40.0) / (1.0 - np.exp(-(v + 40.0) / 10.0)) * (1.0 - m)
+        - 4.0 * np.exp(-(v + 65.0) / 18.0) * m
+    )
+    dx[2] = 0.07 * np.exp(-(v + 65.0) / 20.0) * (1.0 - h) - h / (1.0 + np.exp(-(v + 35.0) / 10.0))
+    dx[3] = (
+        0.01 * (v + 55.0) / (1.0 - np.exp(-(v + 55.0) / 10.0)) * (1.0 - n)
+        - 0.125 * np.exp(-(v + 65.0) / 80.0) * n
+    )
+
+
 def mirrored(t, x, p, y):
     y[0], y[1] = -x[0], -x[1]
 
@@ -147,6 +161,37 @@ def test_period_doubling_has_its_multiplier_at_minus_one():
     found = checked(system, branch, point)
     assert found.verdict == AGREES
     assert found.spectral < STEPS.accuracy * abs(found.stored)
+
+
+@pytest.fixture(scope="module")
+def firing():
+    """The first fold of the cycles of an axon, in 20 segments."""
+    system = small_system(hodgkin_huxley, ("v", "m", "h", "n"), {"i": 9.0})
+    steps = Discretization(accuracy=1e-8, segments=20)
+    rest = cw.Equilibrium(system, system.defaults(), "i", discretization=steps)
+    equilibria = cw.continue_branch(rest, [-60.0, 0.1, 0.4, 0.4], range=(0.0, 20.0))
+    cycles = cw.switch_branch(rest, equilibria, "HB1", range=(0.0, 20.0), max_points=30)
+    return system, cycles, steps
+
+
+def test_a_point_finer_than_an_integrator_can_is_found_by_another_one(firing):
+    # To check a stored error of 7e-11 as well as it can be, steps for 3e-14 are asked for. Rounding keeps
+    # verner98 from less than about 1e-12 here: it takes too many steps. That is no doubt about the point.
+    system, branch, steps = firing
+    assert branch.info.settings["segments"] == 20
+    (fold,) = labelled(branch, "LP")
+    assert compared(system, branch, fold, steps, method="verner98").verdict == AGREES  # aiming at less
+    found = compared(system, branch, fold, steps)
+    assert found.verdict == AGREES
+    assert found.own_error <= steps.accuracy * abs(found.stored)
+
+
+def test_a_wrong_value_disagrees_whatever_is_aimed_at(firing):
+    system, branch, steps = firing
+    (fold,) = labelled(branch, "LP")
+    wrong = (*fold.unknowns[:-1], fold.unknowns[-1] * (1.0 + 3e-8))  # three times the accuracy asked for
+    found = compared(system, branch, replace(fold, unknowns=wrong), steps)
+    assert found.verdict == DIFFERS
 
 
 def test_orbits_reopened_close_as_they_did():
