@@ -103,7 +103,7 @@ def opened_orbit(
     except NotFinite as error:
         return outcomes.no_start("not_finite", error.sentence)
     except StartError as error:
-        return outcomes.no_start("no_convergence", f"{error.sentence} {error.remedy}")
+        return outcomes.no_start("no_convergence", f"{error.sentence} {error.remedy}", "a periodic orbit")
 
 
 def _resting(opening: Opening | Outcome) -> Opening | Outcome:

@@ -9,7 +9,11 @@ from contwalk.continuation.diagram import Diagram, Plan
 from contwalk.continuation.opening_orbits import opened_orbit
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.work import Start
+from contwalk.flow.hybrid import Arc, hybrid_machine
 from contwalk.problems.equilibrium import Equilibrium
+from contwalk.problems.hybrid.resting import check_moves
+from contwalk.problems.orbit.recurrence import AtRest
+from contwalk.system import Mode, Parameter, State, System, Transition
 
 
 def brusselator(t, x, p, dx):
@@ -42,3 +46,64 @@ def test_a_simulation_that_comes_to_rest_starts_the_equilibria(field, start, lab
     assert (branch["B"].min(), branch["B"].max()) == (1.0, 3.0)
     (point,) = labelled(branch, label)
     assert point.parameters["B"] == pytest.approx(expected, rel=1e-13)
+
+
+def above(t, x, p):
+    return 1.0 - x[0]
+
+
+def back(t, x, p, out):
+    out[0] = -0.5
+    out[1] = 0.5 * x[1]
+
+
+def node(t, x, p, dx):
+    dx[0] = p.B - x[0] - x[0] ** 3
+    dx[1] = x[0] - 20.0 * x[1]
+
+
+def machine(*modes, leads="flow"):
+    transition = Transition("fires", "flow", leads, above, reset=back)
+    return System("machine", (State("x"), State("y")), (Parameter("B", 0.5),), modes, (transition,))
+
+
+@pytest.mark.parametrize("start", [[0.0, 0.0], [-3.0, 2.0], [1.3, 0.0]], ids=["near", "far", "fires"])
+def test_a_machine_with_events_that_comes_to_rest_starts_the_equilibria(start):
+    # x + x^3 = B; the start beyond the guard is right before the transition.
+    system, values = machine(Mode("flow", node)), {"B": 0.5}
+    event = "fires" if start[0] > 1.0 else None
+    settings = Settings(range=(0.1, 1.0))
+    opening = opened_orbit(system, values, "B", np.array(start), settings, until="settled", event=event)
+    assert not isinstance(opening, Outcome), opening.message
+    assert isinstance(opening.problem, Equilibrium)
+    assert "came to rest at an equilibrium" in opening.message
+    x, y, _ = opening.here.sample.z
+    # The root of the cubic, by Newton's method to rounding.
+    assert x + x**3 == pytest.approx(0.5, rel=1e-14)
+    assert y == pytest.approx(x / 20.0, rel=1e-14)
+
+
+def test_rest_in_another_mode_than_the_first_says_what_to_do():
+    def rises(t, x, p, dx):
+        dx[0] = p.B
+        dx[1] = -x[1]
+
+    system, values = machine(Mode("flow", rises), Mode("other", node), leads="other"), {"B": 0.5}
+    settings = Settings(range=(0.1, 1.0))
+    outcome = opened_orbit(system, values, "B", np.zeros(2), settings, until="settled")
+    assert isinstance(outcome, Outcome)
+    assert "comes to rest in mode 'other'" in outcome.message
+    assert "declare that mode first" in outcome.message
+    assert "nearer to an equilibrium" not in outcome.message
+
+
+def test_a_motion_that_creeps_past_a_saddle_has_not_come_to_rest():
+    def saddle(t, x, p, dx):
+        dx[0] = (p.B - 1.0) * x[0]
+        dx[1] = -20.0 * x[1]
+
+    system, creeps = machine(Mode("flow", saddle)), np.array([[1e-12, 1e-13], [3e-12, 0.0], [9e-12, 0.0]])
+    arc, reached = Arc("flow", np.array([0.0, 1.1, 2.2]), creeps), np.ones(2)
+    check_moves(system, hybrid_machine(system, {"B": 2.0}).mode("flow"), arc, reached)
+    with pytest.raises(AtRest):  # the same at a node
+        check_moves(system, hybrid_machine(system, {"B": 0.0}).mode("flow"), arc, reached)

@@ -17,6 +17,7 @@ from contwalk.flow.hybrid import Arc, HybridMachine, applied, arcs, hybrid_machi
 from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.mirrors import Span, carries
+from contwalk.problems.hybrid.resting import check_moves
 from contwalk.problems.hybrid.word import Leg, Word
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.discretization import Discretization
@@ -129,6 +130,7 @@ def _motion(
         length = search.stretch(machine, t, x, mode, weights)
         for arc in arcs(machine, t, x, mode, t + length, TOLERANCE, weights, just_after=last):
             yield arc
+            search.check_moves(machine, arc)
             if arc.status != "ok" or search.exhausted:
                 return
             t = float(arc.times[-1])
@@ -192,6 +194,12 @@ class _Search:
         rates = np.abs(flow.field(t, x[flow.states], flow.c)) / weights[flow.states]
         fastest = float(np.max(rates, initial=0.0))
         return STRETCH / fastest if fastest > 0.0 else STRETCH
+
+    def check_moves(self, machine: HybridMachine, arc: Arc) -> None:
+        """Raise where the motion of an autonomous system has come to rest without an event."""
+        if not self.period and arc.transition is None and arc.status in ("ok", "too_many_steps"):
+            reached = np.maximum(np.abs(self.low), np.abs(self.high))
+            check_moves(self.system, machine.mode(arc.mode), arc, reached)
 
     def waits(self, steps: int) -> bool:
         """Whether to go on although nothing has happened for so many steps."""
