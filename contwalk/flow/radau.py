@@ -238,10 +238,59 @@ def tangents(
     return x, X
 
 
+class Interpolation:
+    """The motion between the nodes of a path; its collocation polynomials are made once.
+
+    Arguments as for `dense`; called with times, it gives states, shape (len(times), n).
+    """
+
+    def __init__(
+        self,
+        field: CompiledField,
+        c: np.ndarray,
+        times: Sequence[float] | np.ndarray,
+        states: np.ndarray,
+        method: str = "radau9",
+    ) -> None:
+        self._tableau = TABLEAUS[method]
+        self._grid, self._nodes = np.asarray(times, dtype=float), np.asarray(states, dtype=float)
+        steps = max(len(self._grid) - 1, 0)
+        self._increments = np.full((steps, self._tableau.stages, field.n), np.nan)
+        if not steps:
+            return
+        again = _march(field, c, self._grid, self._nodes[0], method, increments=self._increments)
+        # Nodes that this march does not meet, of a part of a path for example, are gone on from one by one.
+        for step in np.flatnonzero(np.any(again != self._nodes, axis=1)[:-1]):
+            alone = np.full((1, *self._increments.shape[1:]), np.nan)
+            _march(field, c, self._grid[step : step + 2], self._nodes[step], method, increments=alone)
+            self._increments[step] = alone[0]
+
+    def __call__(self, times: Sequence[float] | np.ndarray) -> np.ndarray:
+        """States at times; NaN at those outside the path."""
+        at, grid, nodes = np.asarray(times, dtype=float), self._grid, self._nodes
+        found = np.full((len(at), nodes.shape[1]), np.nan)
+        if len(grid) > 1:
+            step = _steps(grid, at)
+            part = (at - grid[step]) / (grid[step + 1] - grid[step])
+            inside = (part >= 0.0) & (part <= 1.0)
+            weights, which = _lagrange(self._tableau, part[inside]), step[inside]
+            found[inside] = nodes[which] + np.einsum("ks,ksn->kn", weights, self._increments[which])
+            # nodes are what the path says, whatever the last bits of a step that is done again
+            found[part == 0.0] = nodes[step[part == 0.0]]
+        found[at == grid[-1]] = nodes[-1]
+        return found
+
+
+def _steps(grid: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """The step that each time lies in, of those outside the nearest."""
+    direction = 1.0 if grid[-1] >= grid[0] else -1.0
+    return np.clip(np.searchsorted(direction * grid, direction * at, side="right") - 1, 0, len(grid) - 2)
+
+
 def dense(
     field: CompiledField,
     c: np.ndarray,
-    times: np.ndarray,
+    times: Sequence[float] | np.ndarray,
     states: np.ndarray,
     t_values: Sequence[float] | np.ndarray,
     method: str = "radau9",
@@ -250,22 +299,12 @@ def dense(
 
     Their error is of order s + 1 in a method of order 2 s - 1. Times outside the path give NaN.
     """
-    tableau = TABLEAUS[method]
-    grid, wanted = np.asarray(times, dtype=float), np.asarray(t_values, dtype=float)
-    direction = 1.0 if grid[-1] >= grid[0] else -1.0
-    steps = np.clip(np.searchsorted(direction * grid, direction * wanted, side="right") - 1, 0, len(grid) - 2)
-    found = np.full((len(wanted), field.n), np.nan)
-    inside = (direction * wanted >= direction * grid[0]) & (direction * wanted <= direction * grid[-1])
-    for step in np.unique(steps[inside]):
-        rows = np.flatnonzero(inside & (steps == step))
-        increments = np.full((tableau.stages, field.n), np.nan)
-        _march(field, c, grid[step : step + 2], states[step], method, increments=increments)
-        part = (wanted[rows] - grid[step]) / (grid[step + 1] - grid[step])
-        found[rows] = states[step] + _lagrange(tableau, part) @ increments
-        # nodes are what the path says, whatever the last bits of a step that is done again
-        found[rows[part == 0.0]] = states[step]
-        found[rows[part == 1.0]] = states[step + 1]
-    return found
+    grid, at = np.asarray(times, dtype=float), np.asarray(t_values, dtype=float)
+    if len(grid) > 1 and len(at):
+        wanted = _steps(grid, at)
+        part = slice(wanted.min(), wanted.max() + 2)
+        grid, states = grid[part], np.asarray(states)[part]
+    return Interpolation(field, c, grid, states, method)(at)
 
 
 def _lagrange(tableau: Collocation, at: np.ndarray) -> np.ndarray:

@@ -115,9 +115,7 @@ def interpolation(
     field: CompiledField, c: np.ndarray, times: Vector, states: np.ndarray, method: str = "dop853"
 ) -> Callable[[Vector], np.ndarray]:
     """As `dense`, of a path that is asked for its states many times: a function of the times."""
-    if method in stages.TABLEAUS:
-        return explicit.Interpolation(field, c, times, states, method)
-    return lambda t_values: dense(field, c, times, states, t_values, method)
+    return _family(method).Interpolation(field, c, times, states, method)
 
 
 def dense(

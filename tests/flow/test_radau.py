@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from small_flows import field_of
 
-from contwalk.flow import Field, adaptive, along, dense, errors_on
+from contwalk.flow import Field, adaptive, along, dense, errors_on, interpolation, radau
 from contwalk.flow.tableaus.radau import RADAU5, RADAU9, Collocation
 
 METHODS = ("radau5", "radau9")
@@ -222,6 +222,39 @@ def test_steps_of_a_path_are_taken_again_bitwise(method: str) -> None:
     # cases
     assert np.median(errors) < 1e-8
     assert np.array_equal(dense(field, c, path.times, path.states, path.times, method), path.states)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_path_that_is_interpolated_is_marched_once(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Orbits are looked at everywhere at each point of a branch: a call a step costs more than the rest."""
+    field = van_der_pol()
+    c = field.constants([50.0])
+    path = adaptive(field, c, 0.0, [2.0, 0.0], 60.0, 1e-8, [2.0, 75.0], method)
+    starts, lengths = path.times[:-1], np.diff(path.times)
+    at = (starts[:, None] + lengths[:, None] * [0.0, 0.3, 0.8]).ravel()
+    one_by_one = [
+        dense(field, c, path.times[k : k + 2], path.states[k : k + 2], at[3 * k : 3 * k + 3], method)
+        for k in range(len(lengths))
+    ]
+    marches, march = [], radau._march
+    monkeypatch.setattr(radau, "_march", lambda *a, **b: marches.append(1) or march(*a, **b))
+    found = interpolation(field, c, path.times, path.states, method)(at)
+    assert len(marches) == 1
+    # both solve the same steps to rounding, which stiffness hardly magnifies
+    np.testing.assert_allclose(found, np.concatenate(one_by_one), rtol=1e-11, atol=1e-11)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_nodes_that_are_no_march_are_gone_on_from_one_by_one(method: str) -> None:
+    """Deviations that grow by exp(20) over the path stay what they are at the nodes."""
+    field = field_of(lambda t, x, p: [p[0] * x[0]], 1, 1)
+    c, times = field.constants([1.0]), np.linspace(0.0, 20.0, 101)
+    states = np.exp(times)[:, None] * (1.0 + 1e-3 * np.cos(times))[:, None]
+    at = times[:-1] + 0.1
+    found = interpolation(field, c, times, states, method)(at)
+    # the local error of a step of 0.2 between nodes, of order s + 1: (0.2)^4 / 4! at most
+    np.testing.assert_allclose(found[:, 0], states[:-1, 0] * np.exp(0.1), rtol=1e-4)
+    assert np.array_equal(interpolation(field, c, times, states, method)(times), states)
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -108,13 +108,11 @@ def slow_place_on(
 ) -> SlowPlace:
     """The slowest place on a path whose field is in units of a duration, at times in 0..1."""
     n = len(scale)
-    speeds = [
-        float(np.linalg.norm(field(t, x, c) / scale)) / duration for t, x in zip(times, path, strict=True)
-    ]
+    speeds = np.linalg.norm(field.along(times, path, c) / scale, axis=1) / duration
     slowest = int(np.argmin(speeds))
     return SlowPlace(
-        speeds[slowest],
-        max(speeds),
+        float(speeds[slowest]),
+        float(speeds.max()),
         path[slowest],
         scale,
         path,
@@ -144,10 +142,10 @@ def homoclinic(problem: Orbit, a: Sample, b: Sample) -> Outcome | None:
     wanted = max(REST * problem.discretization.accuracy, LEAST_REST) * max(abs(value), 1e-300)
     if not np.all(np.isfinite(slopes)) or abs(slopes[1]) * b.period > MOST_TURNS * wanted:
         return None
-    before, after = (problem.slow_place(s.z) for s in (a, b))
+    after = problem.slow_place(b.z)
     if after.slowness > CREEPING:
         return None
-    limit = _limit(before, after, (a, b), slopes)
+    limit = _limit(problem.slow_place(a.z), after, (a, b), slopes)
     if limit is None or limit.swing > wanted:
         return None
     error = limit.error + problem.parameter_error(b)

@@ -8,7 +8,7 @@ import pytest
 from small_systems import labelled, small_problem
 
 import contwalk as cw
-from contwalk.problems.orbit.homoclinic import SlowPlace, _falling, _gone, _swinging
+from contwalk.problems.orbit.homoclinic import SlowPlace, _falling, _gone, _swinging, homoclinic
 
 # Of the Morris-Lecar model below, from collocation on 400 intervals followed to periods of 3e4.
 MORRIS_LECAR = 35.00673420
@@ -119,3 +119,18 @@ def test_the_law_of_a_saddle_node_that_has_gone():
     assert limit.rest == pytest.approx(2.0 - law(310.0), rel=1e-2)
     assert abs(limit.rest - (2.0 - law(310.0))) <= limit.error
     assert _gone(place(1e-5), place(0.99e-5), pair, slopes) is None  # the least speed stays: no equilibrium
+
+
+def test_only_an_orbit_that_creeps_is_compared_with_the_one_before():
+    """Along a canard the parameter hardly moves for hundreds of points: each is looked at once."""
+    asked = []
+    orbits = [SimpleNamespace(z=np.array([2.0]), tangent=np.array([1e-12]), period=t) for t in (9.0, 10.0)]
+    problem = SimpleNamespace(
+        forced=False,
+        discretization=SimpleNamespace(accuracy=1e-8),
+        lengthening=lambda tangent: 1.0,
+        slow_place=lambda z: asked.append(z) or place(0.5),
+    )
+    assert homoclinic(problem, *orbits) is None
+    assert len(asked) == 1
+    assert asked[0] is orbits[1].z
