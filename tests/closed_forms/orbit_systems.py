@@ -97,6 +97,21 @@ def transverse(
     return small_system(field, states, {"lam": 1.0, "omega": omega, **values})
 
 
+def born_across(growth, unit: float, omega: float = 2.0) -> System:
+    """Cycles x^2 + y^2 = lam from a Hopf point at lam = 0, zeta' = growth(lam, zeta) across them.
+
+    z = zeta / unit is not declared a scale: as long as it is zero, nothing tells its size.
+    """
+
+    def field(t, x, p, dx):
+        s = x[0] ** 2 + x[1] ** 2
+        dx[0] = (p.lam - s) * x[0] - omega * x[1]
+        dx[1] = omega * x[0] + (p.lam - s) * x[1]
+        dx[2] = growth(p, unit * x[2]) / unit
+
+    return small_system(field, "xyz", {"lam": -0.5})
+
+
 def torus(nu: float, sigma: float, beta: float = 0.0, kappa: float = 0.0, omega: float = 1.5) -> System:
     """The unit cycle with a linear oscillator across it: w' = (lam - 1 + i nu + beta (r^2 - 1) + sigma
     |w|^2) w.

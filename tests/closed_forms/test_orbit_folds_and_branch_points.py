@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from invariants import check_orbit_branch
-from orbit_systems import ACCURACY, assert_met, bautin, orbits, transverse
+from orbit_systems import ACCURACY, assert_met, bautin, born_across, orbits, transverse
 from small_systems import labelled
 
 import contwalk as cw
@@ -129,3 +129,50 @@ def test_the_transcritical_point_of_cycles(tilt, scale):
         assert zeta == pytest.approx(float(row["free"][0]) - 1.0, abs=10.0 * WALKED)
         if abs(zeta) > 1e-3:
             assert row["unstable"] == (zeta < 0.0)
+
+
+def crossing_of_the_plane(system):
+    """The branch point of the cycles that leave the Hopf point in the plane z = 0."""
+    chosen = cw.Discretization(accuracy=ACCURACY)
+    problem = cw.Equilibrium(system, system.defaults(), "lam", discretization=chosen)
+    rest = cw.continue_branch(problem, [0.0, 0.0, 0.0], (-0.5, 0.5))
+    branch = cw.switch_branch(problem, rest, "HB1", (-0.5, 1.5))
+    (point,) = labelled(branch, "LP", "BP", "PD", "NS")
+    assert point.label == "BP"
+    assert_met(point, "lam", 1.0)
+    return point
+
+
+def crossed(p, zeta):
+    return (p.lam - 1.0 - zeta) * zeta
+
+
+@pytest.mark.parametrize("unit", [1e-6, 1.0, 1e6])
+def test_a_transcritical_point_at_a_state_of_unknown_size(unit):
+    """zeta' = (lam - 1 - zeta) zeta from the cycles with zeta = 0: they cross in whatever unit of z.
+
+    The period is pi, and z is measured in the cycle's radius, 1: z -> z + pi ((lam - 1) z - unit z^2).
+    """
+    point = crossing_of_the_plane(born_across(crossed, unit))
+    assert (point.kind, point.criticality) == ("transcritical", None)
+    assert point.coefficients["c11"] == pytest.approx(-2.0 * math.pi * unit, rel=COEFFICIENT)
+    assert abs(point.coefficients["c12"]) == pytest.approx(math.pi, rel=COEFFICIENT)
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e6])
+def test_the_same_point_from_the_cycles_that_cross(unit):
+    """From the cycles with zeta = lam - 1, where z has a size until it is met: they say the same."""
+    chosen = cw.Discretization(accuracy=ACCURACY)
+    problem = cw.PeriodicOrbit(born_across(crossed, unit), {"lam": 1.4}, "lam", discretization=chosen)
+    branch = cw.continue_branch(problem, [math.sqrt(1.4), 0.0, 0.4 / unit], (0.6, 1.5), period=math.pi)
+    (point,) = labelled(branch, "LP", "BP", "PD", "NS")
+    assert (point.label, point.kind, point.criticality) == ("BP", "transcritical", None)
+
+
+@pytest.mark.parametrize(("sign", "unit"), [(1.0, 1.0), (-1.0, 1.0), (1.0, 1e6), (-1.0, 1e6)])
+def test_a_pitchfork_at_a_state_of_unknown_size(sign, unit):
+    """zeta' = (lam - 1) zeta +- zeta^3: no quadratic term in any unit, and c = +- pi unit^2."""
+    point = crossing_of_the_plane(born_across(lambda p, z: (p.lam - 1.0) * z + sign * z * z * z, unit))
+    assert (point.kind, point.coefficients["c11"]) == ("pitchfork", 0.0)
+    assert point.coefficients["c"] == pytest.approx(sign * math.pi * unit**2, rel=COEFFICIENT)
+    assert point.criticality == ("subcritical" if sign > 0 else "supercritical")

@@ -24,6 +24,7 @@ from contwalk.problems import neutral as neutrals
 from contwalk.problems.linear import Factored
 from contwalk.problems.orbit.motion import JET, PLAIN, TANGENT
 from contwalk.problems.spectrum import complement
+from contwalk.system import System
 from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
@@ -31,7 +32,12 @@ if TYPE_CHECKING:
 
 # c11 this small against its terms is zero: a pitchfork.
 EQUAL = 1e-5
+# And where the cubic term takes over from the parameter, the quadratic one is this small a part of both,
+LIKE = 1e-3
+# or moves the parameter by this part of its magnitude only.
+VANISHES = 1e-9
 # A state that moves less than this part of its magnitude has no range on the orbit; its magnitude stands in.
+# Where that is as small a part of what others move, it is the walk's least weight: nothing tells.
 MOVES = 1e-5
 # Samples of the critical deviation over a closure: evenly spaced, so that the mean converges fast.
 SAMPLES = 256
@@ -200,8 +206,7 @@ class ReturnMap(SectionMap):
         # Half of a symmetric orbit covers more or less of it, depending on where it begins.
         parameters = ParameterValues(**problem.values_of(self.z))
         whole = np.concatenate(problem.closure.images(states[:, :n], parameters))
-        scale = 0.5 * np.ptp(whole, axis=0)
-        scale = np.where(scale > MOVES * problem.mesh.magnitudes, scale, problem.mesh.magnitudes)
+        scale = units(problem.system, whole, problem.mesh.magnitudes)
         deviations = states[:, n:] / scale
         if not problem.forced:
             plain, values = problem.motion.field(PLAIN), shooting.values(scalars, ())
@@ -210,6 +215,18 @@ class ReturnMap(SectionMap):
             along /= np.linalg.norm(along, axis=1, keepdims=True)
             deviations -= np.sum(deviations * along, axis=1, keepdims=True) * along
         return float(np.mean(np.sum(deviations**2, axis=1)))
+
+
+def units(system: System, states: np.ndarray, magnitudes: np.ndarray) -> np.ndarray:
+    """What deviations of each state are measured in: half its range on the orbit, shape (n,).
+
+    Of a state at rest its declared scale, or its magnitude; where it has none, what moves most stands in.
+    """
+    half = 0.5 * np.ptp(states, axis=0)
+    declared = np.array([state.scale is not None for state in system.states])
+    known = declared | (magnitudes > MOVES * half.max())
+    at_rest = np.where(known, magnitudes, half.max())
+    return np.where(half > MOVES * magnitudes, half, at_rest)
 
 
 def fold(map_: SectionMap) -> dict[str, Any]:
@@ -274,7 +291,7 @@ def branch_point(map_: SectionMap, weight: float) -> dict[str, Any]:
     h2 = bordered.solve(np.append(-b11, 0.0))[:-1]
     c = float(p @ map_.curve(q, h2)[2]) / 6.0
     terms = float(np.abs(p) @ np.abs(b11)) + abs(6.0 * c)
-    if abs(c11) <= EQUAL * max(terms, abs(2.0 * c12 * weight)):
+    if _is_pitchfork(c11, c, terms, abs(2.0 * c12 * weight)):
         c11 = 0.0
     return {
         "c11": c11,
@@ -285,3 +302,13 @@ def branch_point(map_: SectionMap, weight: float) -> dict[str, Any]:
         "s q + t h; "
         "c = p.(C(q,q,q) - 3 B(q, (A-1)^-1 B(q,q)))/6, |q| = 1 over the orbit, p.q = 1",
     }
+
+
+def _is_pitchfork(c11: float, c: float, terms: float, drive: float) -> bool:
+    """Whether c11 counts as zero: against its terms, and whatever the critical state is measured in.
+
+    In another unit of the critical state c11 is multiplied by a factor and c by its square: only the
+    second comparison does not depend on it.
+    """
+    small = abs(c11) <= EQUAL * max(terms, drive)
+    return small and abs(c11) <= max(LIKE * float(np.sqrt(abs(c) * drive)), VANISHES * drive)

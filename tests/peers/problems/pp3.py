@@ -52,7 +52,6 @@ PEER = Peer(
                 Value("HB", 0.22935697699150545, 1e-15, FORTY_DIGITS, criticality="supercritical"),
                 Value("HB", 0.5038348000919475, 1e-15, FORTY_DIGITS, criticality="supercritical"),
             ),
-            lost="a transcritical BP of orbits is told a pitchfork",
         ),
     ),
 )
