@@ -27,6 +27,7 @@ from contwalk.continuation.work import (
     Start,
     Stored,
     Work,
+    check_columns,
     closed,
     combined,
     info_of,
@@ -198,6 +199,8 @@ class Diagram:
             branch = work.branch(start.opening)
             yield Ended(branch)
         else:
+            if stored is not None:
+                check_columns(stored, work.info)
             try:
                 yield from self._walked(start.opening, work, stored, self._signs(start))
             except (ContwalkError, np.linalg.LinAlgError) as error:

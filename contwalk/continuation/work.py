@@ -14,6 +14,7 @@ from contwalk.continuation.here import Here
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.rows import from_row
 from contwalk.continuation.settings import Settings
+from contwalk.errors import DatabaseError
 from contwalk.problems.problem import MAX_ABS, MAX_RE, Problem
 from contwalk.system import System
 
@@ -39,11 +40,15 @@ class Start:
 
 @dataclass(frozen=True)
 class Stored:
-    """What a database holds of a branch: rows and special points in the order of appending."""
+    """What a database holds of a branch: rows and special points in the order of appending.
+
+    `observables` are the names of what its rows have; None where they are known to be today's.
+    """
 
     rows: np.ndarray
     special_points: list[SpecialPoint]
     outcome: Outcome | None
+    observables: tuple[str, ...] | None = None
 
 
 @dataclass
@@ -86,6 +91,24 @@ def _facts(start: Start) -> dict[str, Any]:
         kind, largest = "hybrid_orbit" if system.acting else "periodic_orbit", MAX_ABS
     observables = (*[o.name for o in system.observables], largest)
     return {"problem": kind, "observables": observables, "unknowns": n, "spectrum": n}
+
+
+def check_columns(stored: Stored, info: BranchInfo) -> None:
+    """Refuse to append points to rows that have other observables than points have now.
+
+    Raises
+    ------
+    DatabaseError
+    """
+    if stored.observables is None or stored.observables == info.observables:
+        return
+    lacking = [name for name in info.observables if name not in stored.observables]
+    which = f"have no {', '.join(lacking)}" if lacking else f"have {', '.join(stored.observables)}"
+    raise DatabaseError(
+        f"Branch {info.name} cannot be gone on with: its stored points {which}. Another version of contwalk "
+        "began it.",
+        "Go on with that version, give another --output, or --force to start anew.",
+    )
 
 
 def closed(work: Work) -> bool:

@@ -265,7 +265,8 @@ def _stored(db: Database, name: str) -> Stored | None:
     if name not in db.branch_names():
         return None
     branch = db.branch(name)
-    return Stored(db.rows(name), db.specials(name), branch.outcome if branch.complete else None)
+    outcome = branch.outcome if branch.complete else None
+    return Stored(db.rows(name), db.specials(name), outcome, branch.info.observables)
 
 
 class _Recorder:

@@ -7,12 +7,14 @@ import resource
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from contwalk.cli import progress
 from contwalk.storage import open_database
+from contwalk.storage.hdf5 import Hdf5Database
 from contwalk.workflow import runner
 
 LONG = ("--set", "diagram={follow: [BP]}", "--set", "engine={max_share: 0.01}")
@@ -139,3 +141,65 @@ def test_a_figure_that_cannot_be_drawn_is_said_and_the_others_are_drawn(contwalk
     assert "note: The figure 'phase_portrait' was not drawn: No branch has periodic orbits" in done.out
     assert [path.name for path in folder.glob("*.png")] == ["fork_bifurcation_diagram.png"]
     assert "internal error" not in done.err
+
+
+CIRCLE = """
+from contwalk.system import Mode, Parameter, State, System
+
+def field(t, x, p, dx):
+    growth = p.mu - x[0] ** 2 - x[1] ** 2
+    dx[0] = growth * x[0] - x[1]
+    dx[1] = x[0] + growth * x[1]
+
+SYSTEM = System("circle", (State("x"), State("y")), (Parameter("mu", 0.5),), (Mode("only", field),))
+"""
+CYCLES = """
+contwalk: 1
+system: ./circle.py
+start: {simulate: {state: {x: 0.7, y: 0.0}, until: settled}}
+continue: {parameter: mu, range: [0.4, 0.6], max_points: 4}
+output: circle.h5
+"""
+
+
+def as_it_was(db, ended):
+    """A copy of an open database as a version wrote it that stored no extremes of states."""
+    old = Hdf5Database.create("old.h5", db.header)
+    for branch in db.branches():
+        info = replace(branch.info, observables=("max_abs",))
+        old.start_branch(info)
+        for row in db.rows(branch.name):
+            fewer = np.zeros(1, info.point_dtype())
+            for name in fewer.dtype.names:
+                fewer[name][0] = row[name][-1:] if name == "observables" else row[name]
+            old.append(branch.name, fewer)
+        for point in db.specials(branch.name):
+            old.append_special(branch.name, point)
+        if ended:
+            old.finish(branch.name, branch.outcome, branch.cost)
+    old.close()
+
+
+@pytest.mark.parametrize("ended", [True, False])
+def test_a_database_from_before_a_column_is_read_but_not_gone_on_with(contwalk, folder, ended):
+    (folder / "circle.py").write_text(CIRCLE, encoding="utf-8")
+    (folder / "circle.yaml").write_text(CYCLES, encoding="utf-8")
+    assert contwalk("continue", "circle.yaml", "--quiet").code == 0
+    with open_database("circle.h5") as db:
+        as_it_was(db, ended)
+    done = contwalk("continue", "circle.yaml", "--resume", "--quiet", "--output", "old.h5")
+    if ended:
+        assert (done.code, done.err) == (0, "")
+    else:
+        assert done.code == 2
+        assert done.err == (
+            "error: Branch b1 cannot be gone on with: its stored points have no max:x, max:y, min:x, min:y. "
+            "Another version of contwalk began it. "
+            "Go on with that version, give another --output, or --force to start anew.\n"
+        )
+    with open_database("old.h5") as db, open_database("circle.h5") as now:
+        assert np.array_equal(db["b1"]["mu"], now["b1"]["mu"])
+        assert db["b1"].complete is ended
+    assert contwalk("plot", "old.h5", "-y", "max_abs", "-o", "old.svg").code == 0
+    assert contwalk("plot", "old.h5", "-o", "default.svg").code == 0
+    assert contwalk("show", "old.h5").code == 0

@@ -25,7 +25,11 @@ def spread(parameters: dict[str, Any]) -> dict[str, Any]:
 
 
 class Unchecked(Exception):
-    """An independent integration was too long."""
+    """An independent integration came to no end."""
+
+
+class TooLong(Unchecked):
+    """It took more evaluations than are spent on it."""
 
 
 class Machine:
@@ -97,7 +101,7 @@ class Machine:
             nonlocal calls
             calls += 1
             if calls > MOST:
-                raise Unchecked
+                raise TooLong
             z = y.reshape(n, k, width)
             states = np.repeat((x + scale * z[:, :, 0])[:, :, None], width, axis=2).astype(complex)
             states[:, :, 1:] += 1j * IMAGINARY * scale[:, :, None] * z[:, :, 1:]

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from random_independent import Machine
+from random_independent import Machine, TooLong
 
 from contwalk.branch import Branch
 
@@ -65,17 +65,37 @@ def rounds(machine: Machine, branch: Branch) -> list[Round]:
     """The rows of a branch of orbits, carried round together where they have the same form.
 
     Left out are rows whose deviations grow so much that what a run asks of its steps becomes as large as the
-    orbit: from a stored start alone no integration comes back.
+    orbit: from a stored start alone no integration comes back. So are those that take too long, and those
+    whose deviations overflow on the way.
+
+    Raises
+    ------
+    Unchecked
+        If nothing of the branch can be integrated, or an integration fails.
     """
     spectrum = np.abs(branch.points["spectrum"])
     largest = np.where(np.isfinite(spectrum), spectrum, 0.0).max(axis=1, initial=0.0)
     sizes = np.isfinite(branch.points["unknowns"]).sum(axis=1)
     found: list[Round] = []
+    hopeful = largest <= HOPELESS
     for size in np.unique(sizes):
-        chosen = np.flatnonzero((sizes == size) & (largest <= HOPELESS))
+        chosen = np.flatnonzero((sizes == size) & hopeful)
         for part in np.array_split(chosen, -(-len(chosen) // 64)) if len(chosen) else ():
-            found += _carried(machine, branch, part)
+            found += _carried_in_parts(machine, branch, part)
+    if np.any(hopeful) and not found:
+        raise TooLong
     return sorted(found, key=lambda r: r.row)
+
+
+def _carried_in_parts(machine: Machine, branch: Branch, which: np.ndarray) -> list[Round]:
+    """Rows carried round in halves where all together take too long; without one that does so alone."""
+    try:
+        return _carried(machine, branch, which)
+    except TooLong:
+        if len(which) == 1:
+            return []
+    halves = np.array_split(which, 2)
+    return [turn for half in halves for turn in _carried_in_parts(machine, branch, half)]
 
 
 def _carried(machine: Machine, branch: Branch, which: np.ndarray) -> list[Round]:
@@ -104,19 +124,24 @@ def _carried(machine: Machine, branch: Branch, which: np.ndarray) -> list[Round]
     )  # fmt: skip
     place = {int(k): i for i, k in enumerate(chosen)}
     whole = int(branch.info.settings.get("fold", 1))
+    norms, known = _norms(products), np.isfinite(growth)
+    # A motion that ends is a fault; one whose deviations alone are beyond numbers cannot be judged.
+    given_up = {int(k) for k in chosen[~known] if np.isfinite(gaps[k])}
+    multipliers = {int(k): np.linalg.eigvals(products[place[int(k)]]) for k in chosen[known]}
     return [
         Round(
             int(row),
             float(gaps[k]),
             float(growth[place[k]]) if k in place else 1.0,
-            np.linalg.eigvals(products[place[k]]) if k in place else None,
-            float(np.linalg.norm(products[place[k]], 2)) if k in place else 1.0,
+            multipliers.get(k),
+            float(norms[place[k]]) if k in place else 1.0,
             least[:, k],
             most[:, k],
             float(rows["period"][k]) * whole,
             float(np.max(2.3e-16 * size[:, k] / scale[:, k])),
         )
         for k, row in enumerate(which)
+        if k not in given_up
     ]
 
 
@@ -225,15 +250,25 @@ def _product(
     product, growth = np.repeat(np.eye(n)[None], k, axis=0), np.ones(k)
     for i, piece in enumerate(pieces):
         factor, transient = _derivative(machine, piece, motions[i], p, scale)
-        if piece.guard is not None:
-            jumps = [_saltation(machine, piece, motions[i][-1], _one(p, j), j) for j in range(k)]
-            factor = np.array(jumps) @ factor
-        if i == len(pieces) - 1:
-            factor = _image(machine, branch) @ factor
-        scaled = factor / scale.T[:, :, None] * scale.T[:, None, :]
-        growth = np.maximum(growth, np.maximum(transient, np.linalg.norm(scaled, 2, axis=(1, 2))))
-        product = scaled @ product
-    return product, growth
+        with np.errstate(all="ignore"):  # what overflows has grown without bound
+            if piece.guard is not None:
+                jumps = [_saltation(machine, piece, motions[i][-1], _one(p, j), j) for j in range(k)]
+                factor = np.array(jumps) @ factor
+            if i == len(pieces) - 1:
+                factor = _image(machine, branch) @ factor
+            scaled = factor / scale.T[:, :, None] * scale.T[:, None, :]
+            product = scaled @ product
+        growth = np.maximum(growth, np.maximum(transient, _norms(scaled)))
+    return product, np.where(np.isfinite(_norms(product)), growth, np.inf)
+
+
+def _norms(matrices: np.ndarray) -> np.ndarray:
+    """2-norms of matrices (k, n, n); infinity of one that is not finite."""
+    norms = np.full(len(matrices), np.inf)
+    finite = np.isfinite(matrices).all(axis=(1, 2))
+    if np.any(finite):
+        norms[finite] = np.linalg.norm(matrices[finite], 2, axis=(1, 2))
+    return norms
 
 
 def _one(p: dict[str, Any], j: int) -> dict[str, Any]:
@@ -261,8 +296,9 @@ def _derivative(
     for first in reversed(range(PARTS)):
         product = np.repeat(np.eye(n)[None], k, axis=0)
         for factor in scaled[first:]:
-            product = factor @ product
-            growth = np.maximum(growth, np.linalg.norm(product, 2, axis=(1, 2)))
+            with np.errstate(all="ignore"):
+                product = factor @ product
+            growth = np.maximum(growth, _norms(product))
     return product / units, growth
 
 

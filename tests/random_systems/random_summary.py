@@ -54,7 +54,7 @@ def page(records: Iterable[Mapping[str, Any]], command: str) -> str:
         f"{len(found)} systems, {branches} branches, {sum(r.get('rows', 0) for r in found)} stored points; "
         f"{cost[0]:.0f} s of processor time for the studies, {cost[1]:.0f} s for the checks. "
         f"{left_out} points were not checked: from these orbits deviations grow by over 1e4 in a period, "
-        "and no integration from a stored start alone comes back.",
+        "and no integration from a stored start alone comes back; or one takes too long.",
         "",
         "## Families",
         "",

@@ -9,15 +9,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import random_independent
 import run_random_systems
 from random_checks import Study, faults
 from random_recipes import Recipe, recipe
+from random_rows import _norms
 from random_shrink import shrunk
 from random_study import record, studied
 from random_summary import page
 
 # A supercritical Hopf point with its cycle, and an oscillator with two modes.
 CYCLE, RELAY = 16, 10
+RESTING = 387
 
 
 @pytest.fixture(scope="module")
@@ -57,6 +60,24 @@ def test_a_point_that_solves_nothing_is_noticed(studies):
     assert "residual" in codes(spoilt(studies[CYCLE], 0, moved))
     assert "residual" in codes(spoilt(studies[CYCLE], 1, off_the_orbit))
     assert "residual" in codes(spoilt(studies[RELAY], 0, off_the_orbit))
+
+
+def test_rows_that_no_integration_can_check_are_given_up_and_counted(tmp_path, monkeypatch):
+    # A relay that nearly rests: its period goes to 4800 while its deviations shrink below all numbers.
+    study, left_out = studied(recipe(RESTING).small(), tmp_path), []
+    monkeypatch.setattr(random_independent, "MOST", 1500)  # an eighth of the time for this test
+    assert list(faults(study, left_out)) == []
+    assert 0 < len(left_out) < len(study.branches[0])
+
+
+def test_deviations_beyond_numbers_have_grown_without_bound():
+    matrices = np.array([[[3.0]], [[np.nan]], [[np.inf]]])
+    assert _norms(matrices).tolist() == [3.0, np.inf, np.inf]
+
+
+def test_nothing_of_a_branch_that_can_be_checked_is_a_fault(studies, monkeypatch):
+    monkeypatch.setattr(random_independent, "MOST", 1)
+    assert "unchecked" in codes(studies[CYCLE])
 
 
 def test_a_wrong_count_is_noticed(studies):
