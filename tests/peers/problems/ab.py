@@ -70,7 +70,6 @@ PEER = Peer(
                 Value("LP", 0.1306373152261905, 2e-13, COLLOCATION, of="orbit"),
             ),
             endings=(Ending("bound", "AUTO-07p", 0.25, 1e-12),),
-            lost="the fold of cycles, a canard's, is seen and not located",
         ),
         Study(
             "p2=17.0",

@@ -1,6 +1,6 @@
 """Feedback control of Lur'e type."""
 
-from peers.form import COLLOCATION, FORTY_DIGITS, Peer, Study, Value
+from peers.form import COLLOCATION, FORTY_DIGITS, Ending, Peer, Study, Value
 
 from contwalk.system import Mode, Parameter, State, System
 
@@ -45,7 +45,14 @@ PEER = Peer(
             ),
             # the doubled orbits end where they began to double
             real=(Value("BP", 0.5417461091063729, 1e-13, COLLOCATION, of="orbit"),),
-            lost="the walk to the homoclinic orbit fails instead of ending there",
+            endings=(
+                Ending(
+                    "homoclinic",
+                    "unstable manifold of x = 1, Runge-Kutta steps of 0.01",
+                    0.515489273016,
+                    1e-8,
+                ),
+            ),
         ),
     ),
 )
