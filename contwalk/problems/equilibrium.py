@@ -299,7 +299,7 @@ class Equilibrium:
                 "force: what solves the equations with that direction pinned is no equilibrium of yours. "
                 "End the range there, or declare as neutral only what is neutral everywhere.",
             )
-        away = escape(a, b)
+        away = escape(self, a, b)
         if away is None or away.which >= self.states:
             return None
         limit = 0.0 if abs(away.limit) <= VANISHING * b.weights[-1] else away.limit

@@ -1,22 +1,38 @@
 """Branches that run off to infinity while their parameter converges.
 
-As an unknown x grows, lambda_inf - lambda falls like x^-p, or faster. Two neighbouring solutions with their
-slopes d lambda / dx tell p, and with it how far the parameter still is from its limit.
+Two neighbouring solutions between which the slope d lambda / dx of an unknown x falls raise the suspicion: if
+it goes on falling like that, nearly nothing of the parameter's way is left. Whether it does is asked of
+solutions further and further along x, which power laws, logarithms and exponentials have, and a branch that
+turns round, or levels off for a while only, has not.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.problems.problem import Sample
+from contwalk.errors import PluginError
+from contwalk.problems.problem import Linearization, Problem, Sample
 
 # The parameter is at its limit if what is left is this part of its magnitude; it must still be seen to move.
 REST, SEEN = 1e-10, 1e-14
-# Powers that are believed, and how well the step itself must fit: a fold that is nearly met has neither.
-POWERS = (0.1, 100.0)
-FITS = 0.2
+# Solutions that are asked: the first as far as the step was long, each following one so many times as far.
+# (The parameter 1 / x of one twice as far is where Newton's method for 1 / lambda - x stops converging.)
+PROBES, FURTHER = 34, 1.5
+# Equations that fail further on overflow, and do not end there, where the slope has fallen so much before.
+FALLEN = 1e-20
+# They must have gone on so many times as far as where the slope would be zero if it fell in a straight line,
+# which it does towards an edge of the equations' domain.
+BEYOND = 2.0
+# A solution has a residual this small against what the way to it would make, however steep its equations are.
+REACHED = 0.1
+# Newton steps that leave the domain of the equations are halved so often at most.
+HALVINGS = 60
+# Iterations for such a solution. Residuals in units of their rounding error: where they stop, and what still
+# counts as solved when they do not get there.
+ITERATIONS, STOP, SOLVED = 12, 2.0, 20.0
 
 
 @dataclass(frozen=True)
@@ -27,21 +43,110 @@ class Escape:
     limit: float
 
 
-def escape(a: Sample, b: Sample) -> Escape | None:
+def escape(problem: Problem, a: Sample, b: Sample) -> Escape | None:
     """Where a branch runs off to infinity beyond two neighbouring solutions; None if it does not."""
     which = int(np.argmax(np.abs(b.tangent[:-1]) / b.weights[:-1]))
-    x, y = float(a.z[which]), float(b.z[which])
-    if not abs(y) > abs(x) > 0.0 or x * y < 0.0 or a.tangent[which] * b.tangent[which] * y * y <= 0.0:
+    if not _suspected(which, a, b):
         return None
+    size, first = float(b.weights[-1]), float(b.tangent[-1] / b.tangent[which])
+    limit, slope = b.parameter, first
+    change = float(b.z[which] - a.z[which])
+    before = float(a.tangent[-1] / a.tangent[which])
+    straight, gone = abs(change * first / (before - first)), 0.0
+    for distance, guess, there in _further(problem, which, change, b):
+        if there is None:
+            seen = abs(slope * distance) > SEEN * size
+            ends = seen or not _finite(problem, np.append(guess[:-1], b.parameter))
+            told = gone > BEYOND * straight and (abs(slope) <= FALLEN * abs(first) or not ends)
+            return Escape(which, limit) if told else None
+        gone += abs(distance)
+        last, limit = slope, float(there.z[-1])
+        slope = float(there.tangent[-1] / there.tangent[which])
+        if abs(limit - b.parameter) > REST * size:
+            return None  # it has not converged, or has turned round long ago
+        falls = slope * last >= 0.0 and abs(slope) <= abs(last)
+        if not falls and abs(slope * distance) > SEEN * size:
+            return None
+    return Escape(which, limit)
+
+
+def _suspected(which: int, a: Sample, b: Sample) -> bool:
+    """Whether nearly nothing of the parameter's way is left if its slope goes on falling as between two
+    solutions.
+    """
+    change, moved, size = float(b.z[which] - a.z[which]), b.parameter - a.parameter, float(b.weights[-1])
+    if change == 0.0 or a.tangent[which] * b.tangent[which] <= 0.0 or abs(moved) < SEEN * size:
+        return False
     first, last = (float(s.tangent[-1] / s.tangent[which]) for s in (a, b))
     if not (first * last > 0.0 and abs(last) < abs(first)):
-        return None
-    power = float(np.log(first / last) / np.log(y / x)) - 1.0
-    if not POWERS[0] <= power <= POWERS[1]:
-        return None
-    moved, size = b.parameter - a.parameter, float(b.weights[-1])
-    rest = last * y / power
-    fits = abs((first * x - last * y) / power - moved) <= FITS * abs(moved)
-    if not fits or abs(rest) > REST * size or abs(moved) < SEEN * size:
-        return None
-    return Escape(which, b.parameter + rest)
+        return False
+    return abs(last * change) <= REST * size * float(np.log(first / last))
+
+
+@dataclass(frozen=True)
+class _Place:
+    """A solution further on, and the direction of the branch there."""
+
+    z: np.ndarray
+    tangent: np.ndarray
+
+
+def _further(
+    problem: Problem, which: int, step: float, b: Sample
+) -> Iterator[tuple[float, np.ndarray, _Place | None]]:
+    """Solutions further and further from b along an unknown, each with its distance to the last one and the
+    guess it comes from; None where there is none.
+    """
+    place: _Place | None = _Place(b.z, b.tangent)
+    for number in range(PROBES):
+        if place is None:
+            return
+        distance = step * FURTHER**number
+        guess = place.z + distance * place.tangent / place.tangent[which]
+        guess[-1] = place.z[-1]  # what is left of its way is less than that
+        try:
+            with np.errstate(all="ignore"):  # what overflows is no solution
+                place = _solved(problem, which, guess, b.weights, distance)
+        except (PluginError, np.linalg.LinAlgError):
+            place = None
+        yield distance, guess, place
+
+
+def _finite(problem: Problem, z: np.ndarray) -> bool:
+    try:
+        with np.errstate(all="ignore"):
+            return problem.linearize(z).finite
+    except PluginError:
+        return False
+
+
+def _solved(
+    problem: Problem, which: int, guess: np.ndarray, weights: np.ndarray, distance: float
+) -> _Place | None:
+    """The solution near a guess with the same value of an unknown, if there is one."""
+    z, row = guess, np.zeros(len(guess))
+    here = problem.linearize(z)
+    for iteration in range(ITERATIONS + 1):
+        if not here.finite:
+            return None
+        sizes = np.maximum(weights, np.abs(z))
+        row[which] = 1.0 / sizes[which]
+        if here.excess <= (SOLVED if iteration == ITERATIONS else STOP):
+            if np.any(np.abs(here.residual) > REACHED * np.max(np.abs(here.jacobian[:, which] * distance))):
+                return None
+            tangent = here.tangent(row, sizes)
+            return _Place(z, tangent) if np.all(np.isfinite(tangent)) and tangent[which] != 0.0 else None
+        step = here.bordered(row, sizes).solve(np.append(here.residual, 0.0))
+        z, here = _stepped(problem, z, step)
+    return None
+
+
+def _stepped(problem: Problem, z: np.ndarray, step: np.ndarray) -> tuple[np.ndarray, Linearization]:
+    """z - step, or less than that where the equations are not finite there."""
+    here = problem.linearize(z - step)
+    for _ in range(HALVINGS):
+        if here.finite:
+            break
+        step = 0.5 * step
+        here = problem.linearize(z - step)
+    return z - step, here
