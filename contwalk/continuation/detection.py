@@ -16,7 +16,14 @@ from itertools import pairwise
 import numpy as np
 
 from contwalk.continuation.hidden import knots_of
-from contwalk.continuation.locating import SAME_POINT, Disagreement, Found, accepted, locate, locate_multiple
+from contwalk.continuation.locating import (
+    SAME_POINT,
+    Disagreement,
+    Found,
+    accepted,
+    locate,
+    locate_multiple,
+)
 from contwalk.continuation.rootfinding import narrow
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.problems.linear import Factored, critical_pair, solution_plane
@@ -252,17 +259,20 @@ def _multiple(segment: Segment, crossings: list[tuple[float, int]]) -> Found | N
 
 
 def _flat_fold(segment: Segment, low: float, high: float, crossings: list[tuple[float, int]]) -> Found:
-    """The fold at which an eigenvalue passes zero while the parameter hardly moves: it is seen, not located.
+    """The fold at which an eigenvalue passes zero while the parameter hardly moves.
 
-    In an explosion of cycles the parameter changes by less than it is known to.
+    In an explosion of cycles the parameter may turn by less than it is known to: then the fold is seen, and
+    only where its defining system has a solution there it is located.
     """
     ends = [segment.at(theta) for theta in (low, high)]
     share = max(abs(float(end.tangent[-1] / end.weights[-1])) for end in ends)
     if share > FLAT:
         label = "LP" if share < NEARLY_FLAT else "BP"
         raise Disagreement(label, "A real eigenvalue passes zero where there is no fold and no branch point.")
-    theta = crossings[0][0]
+    theta, which = crossings[0]
     sample, width = segment.at(theta), abs(float(segment.chord[-1]))
+    if (fold := accepted(segment, "LP", sample, which, low, high)) is not None:
+        return fold
     note = "A real eigenvalue passes zero, and the parameter turns by less than it is known to."
     return Found(
         theta, "LP", Located(sample.z, width, {"note": note}, refined=False), sample, kind="unlocated"

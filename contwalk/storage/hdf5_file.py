@@ -112,7 +112,8 @@ def read_header(path: Path, file: h5py.File) -> RunHeader:
 def _header_of(stored: Any) -> RunHeader:
     header = typed(RunHeader, stored)
     given = header.provenance
-    units, files, engine = (given.get(key, {}) for key in ("units", "plugin_files", "engine"))
+    files, engine = given.get("plugin_files", {}), given.get("engine", {})
+    units = given.get("units") or {}  # earlier versions stored none
     if not all(isinstance(each, dict) for each in (units, files, engine)):
         raise TypeError("its provenance is none")
     return header

@@ -225,7 +225,10 @@ def test_a_field_that_is_zero_everywhere_has_no_orbit():
 
     system = small_system(field, "xy", {"mu": 1.0})
     problem = cw.PeriodicOrbit(system, system.defaults(), "mu")
-    for given in ({"period": 1.0}, {"until": "settled"}):
-        with pytest.raises(StartError) as caught:
-            cw.continue_branch(problem, [1.0, 0.0], (0.5, 1.5), **given)
-        assert str(caught.value).endswith(".")
+    with pytest.raises(StartError) as caught:
+        cw.continue_branch(problem, [1.0, 0.0], (0.5, 1.5), period=1.0)
+    assert str(caught.value).endswith(".")
+    # A simulation comes to rest at once; nothing tells the way along a plane of equilibria.
+    resting = cw.continue_branch(problem, [1.0, 0.0], (0.5, 1.5), until="settled")
+    assert (resting.info.problem, resting.outcome.status) == ("equilibrium", "failed")
+    assert "came to rest at an equilibrium" in resting.outcome.message

@@ -72,4 +72,5 @@ def test_an_error_in_draw_names_its_line():
 
 
 def test_units_of_a_system():
-    assert units_of(pendulum()) == {"phi": "rad", "phi_dot": "rad/s", "length": "m", "damping": "N m s"}
+    units = {"period": "s", "phi": "rad", "phi_dot": "rad/s", "length": "m", "damping": "N m s"}
+    assert units_of(pendulum()) == units

@@ -4,6 +4,9 @@ from peers.form import COLLOCATION, FORTY_DIGITS, Ending, Peer, Study, Value
 
 from contwalk.system import Mode, Parameter, State, Symmetry, System
 
+# Found on whole orbits, without the mirror declared: another problem with twice the segments.
+WHOLE = "the whole orbits of the circuit, its mirror not declared"
+
 
 def field(t, x, p, dx):
     c = (x[1] - x[0]) ** 3
@@ -77,6 +80,8 @@ PEER = Peer(
             endings=(Ending("homoclinic", "the folds accumulate: Shilnikov's orbit"),),
             # Folds and branch points without end, nearer to each other than to their own rounding.
             real=(
+                Value("LP", -0.79748107300, 1e-10, WHOLE, of="orbit"),
+                Value("BP", -0.79748107300, 1e-10, WHOLE, of="orbit"),
                 Value("BP", -0.7969090558215661, 2e-13, COLLOCATION, of="orbit"),
                 Value("LP", -0.7969090552817116, 2e-13, COLLOCATION, of="orbit"),
                 Value("LP", -0.7976731385057393, 4e-12, COLLOCATION, of="orbit"),
