@@ -83,7 +83,7 @@ def walk(
             if number > 3 and step.closes(origin):
                 outcome = outcomes.closed()
                 break
-    except (ContwalkError, np.linalg.LinAlgError) as error:
+    except outcomes.BREAKDOWNS as error:
         # Whatever cannot be computed is how this direction ends, and nothing else.
         reason = "plugin_error" if isinstance(error, PluginError) else "not_finite"
         singular = f"The equations there are singular: {error}."

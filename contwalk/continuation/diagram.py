@@ -155,7 +155,7 @@ class Diagram:
     def _known(self, start: Start) -> str | None:
         try:
             return self._recognised(start)
-        except (ContwalkError, np.linalg.LinAlgError):  # then the walk itself tells what is wrong
+        except outcomes.BREAKDOWNS:  # then the walk itself tells what is wrong
             return None
 
     def _recognised(self, start: Start) -> str | None:
@@ -203,7 +203,7 @@ class Diagram:
                 check_columns(stored, work.info)
             try:
                 yield from self._walked(start.opening, work, stored, self._signs(start))
-            except (ContwalkError, np.linalg.LinAlgError) as error:
+            except outcomes.BREAKDOWNS as error:
                 work.outcomes.append((1.0, _broken(error, "The branch cannot be followed")))
             branch = work.branch(combined(work.outcomes, start.opening.message))
             yield Ended(branch)
@@ -300,7 +300,7 @@ class Diagram:
                     yield Opening(seed.problem, here, one_sided=seed.one_sided)
                 else:
                     yield outcomes.no_start(here.reason, here.sentence)
-        except (ContwalkError, np.linalg.LinAlgError) as error:
+        except outcomes.BREAKDOWNS as error:
             yield _broken(error, f"The branch that leaves {point.name} cannot be begun")
 
 

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
+import numpy as np
+
 from contwalk.branch import Outcome, SpecialPoint
+from contwalk.errors import ContwalkError
+
+# What cannot be computed is said by these: it ends one point, one direction or one branch, never a run.
+BREAKDOWNS = (ContwalkError, np.linalg.LinAlgError)
 
 
 def bound(name: str, value: float) -> Outcome:

@@ -15,6 +15,7 @@ import numpy as np
 
 from contwalk import quantities
 from contwalk.branch import ORBITS, Branch, SpecialPoint
+from contwalk.continuation import outcomes
 from contwalk.continuation.limits import LABELS as LIMITS
 from contwalk.continuation.newton import correct
 from contwalk.continuation.reopening import problem_of, reopened, stored_place
@@ -141,7 +142,7 @@ def compared(
             attempts = [(aim, name) for aim in _aims(point, accuracy) for name in methods]
         else:
             attempts = [(next(_aims(point, accuracy)), begun.method)]
-    except (ContwalkError, np.linalg.LinAlgError) as failure:
+    except outcomes.BREAKDOWNS as failure:
         return replace(begun, verdict=LOST, reason=str(failure))
     lost = None
     for aim, name in attempts:
@@ -167,7 +168,7 @@ def _attempted(
         if point.label == "UZ" and point.kind == "parameter":
             return _at_value(begun, branch, problem, sample, point, accuracy)
         found = _found(problem, sample, branch, point, marks)
-    except (ContwalkError, np.linalg.LinAlgError) as failure:
+    except outcomes.BREAKDOWNS as failure:
         return replace(begun, verdict=LOST, reason=str(failure))
     if found is None:
         return replace(begun, verdict=LOST, reason="the search from beside it does not come back to it")
