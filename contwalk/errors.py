@@ -127,7 +127,11 @@ def called(what: str, function: Callable[..., Any], *arguments: Any) -> Any:
 def measured(what: str, function: Callable[..., Any], t: Any, x: Any, p: Any) -> float:
     """The number that a plugin's function makes of a motion, as `called`.
 
-    It gets copies of times and states: whatever it changes in them is its own.
+    It gets copies of times and states: whatever it changes in them is its own. Where it has no value it is
+    NaN, which a run tells once a branch and not, as NumPy would, in the midst of what it prints.
     """
+    import numpy as np  # here, since every command imports this module, and not all of them need it
+
     times = t.copy() if hasattr(t, "copy") else t
-    return called(what, lambda: float(plain(function)(times, x.copy(), p)))
+    with np.errstate(all="ignore"):
+        return called(what, lambda: float(plain(function)(times, x.copy(), p)))

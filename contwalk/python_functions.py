@@ -83,6 +83,18 @@ def names_used(code: types.CodeType) -> set[str]:
     return used
 
 
+def values_used(function: types.FunctionType) -> Iterator[tuple[str, Any]]:
+    """Names and values that a function may look up: global, enclosed, and in modules of the plugin."""
+    used = sorted(names_used(function.__code__))
+    found = [(name, function.__globals__[name]) for name in used if name in function.__globals__]
+    enclosed = zip(function.__code__.co_freevars, _enclosed(function), strict=True)
+    found += [(name, content) for name, cell in enclosed for content in cell]
+    yield from found
+    for _, value in found:
+        if isinstance(value, types.ModuleType) and is_plugins(value):
+            yield from ((name, vars(value)[name]) for name in used if name in vars(value))
+
+
 _KNOWN: weakref.WeakKeyDictionary[Any, Any] = weakref.WeakKeyDictionary()
 
 
@@ -96,29 +108,24 @@ def plain(function: Any) -> Any:
         same = inner is function.func
         return function if same else functools.partial(inner, *function.args, **function.keywords)
     python = original(function)
-    if not isinstance(python, types.FunctionType) or _is_own(python):
+    if not isinstance(python, types.FunctionType) or is_own(python):
         return function
     if python not in _KNOWN:
         _KNOWN[python] = copied(python, _plain_value, {}) if _meets_numba(python, set()) else None
     return _KNOWN[python] or python
 
 
-def _is_own(function: types.FunctionType) -> bool:
+def is_own(function: types.FunctionType) -> bool:
+    """Whether a function is of a package that is known here, and no plugin's."""
     return (getattr(function, "__module__", None) or "").split(".")[0] in _OWN
 
 
 def _meets_numba(function: types.FunctionType, seen: set[int]) -> bool:
     """Whether a name that it uses, or that its helpers use, is a function of numba."""
-    if id(function) in seen or _is_own(function):
+    if id(function) in seen or is_own(function):
         return False
     seen.add(id(function))
-    used = names_used(function.__code__)
-    values = [function.__globals__[name] for name in used if name in function.__globals__]
-    values += [content for cell in _enclosed(function) for content in cell]
-    for value in list(values):
-        if isinstance(value, types.ModuleType) and _is_plugins(value):
-            values += [vars(value)[name] for name in used if name in vars(value)]
-    for value in values:
+    for _, value in values_used(function):
         python = original(value)
         if python is not value:
             return True
@@ -127,7 +134,7 @@ def _meets_numba(function: types.FunctionType, seen: set[int]) -> bool:
     return False
 
 
-def _is_plugins(module: types.ModuleType) -> bool:
+def is_plugins(module: types.ModuleType) -> bool:
     """Whether a module may be the plugin's own: of no package that is known here, nor of Python itself."""
     package = module.__name__.split(".")[0]
     return package not in _OWN and package not in sys.stdlib_module_names
@@ -136,8 +143,8 @@ def _is_plugins(module: types.ModuleType) -> bool:
 def _plain_value(value: Any, memo: dict[int, Any]) -> Any:
     python = original(value)
     if isinstance(python, types.FunctionType):
-        return python if _is_own(python) else copied(python, _plain_value, memo)
-    if isinstance(value, types.ModuleType) and _is_plugins(value):
+        return python if is_own(python) else copied(python, _plain_value, memo)
+    if isinstance(value, types.ModuleType) and is_plugins(value):
         return PlainModule(value, _plain_value, memo)
     return value
 

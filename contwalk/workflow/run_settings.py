@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -212,9 +212,23 @@ def figures(
             if name not in FIGURES:
                 problems.add(key, f"there is no figure '{name}'.", allowed(FIGURES, name))
             _check_axes(problems, system, key, options)
+            _check_file(problems, model.figures[:index], key, options)
             if name in kinds:
                 result.append(FigureSpec(name, options.model_dump(exclude_none=True)))
     return tuple(result)
+
+
+def _check_file(
+    problems: Problems, before: Sequence[dict[str, FigureOptions]], key: Key, options: FigureOptions
+) -> None:
+    """A file of its own: a figure would be drawn over an earlier one without a word."""
+    earlier = [of.file for entry in before for of in entry.values()]
+    if options.file is not None and options.file in earlier:
+        problems.add(
+            (*key, "file"),
+            f"'{options.file}' is the file of figure {earlier.index(options.file) + 1} too.",
+            "Give each figure a file of its own.",
+        )
 
 
 def _check_axes(problems: Problems, system: System, key: Key, options: FigureOptions) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import platform
 import sys
 from collections.abc import Iterator
@@ -12,19 +10,20 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from contwalk.branch import Branch, BranchInfo, SpecialPoint
 from contwalk.continuation import outcomes
 from contwalk.continuation.diagram import Began, Cut, Diagram, Ended, Event, Found, Noted, Plan
 from contwalk.continuation.settings import Mark, Settings
 from contwalk.continuation.work import Start, Stored
-from contwalk.errors import ContwalkError, DatabaseError, UnsupportedOperation
-from contwalk.fields.codegen import source
-from contwalk.problems.equilibrium import Equilibrium
+from contwalk.errors import ContwalkError, DatabaseError
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.storage.database import Database, RunHeader
 from contwalk.storage.failures import refuse_existing
 from contwalk.storage.hdf5 import Hdf5Database
 from contwalk.system.loading import plugin_files
+from contwalk.workflow.equations import equations_hash, equations_text
 from contwalk.workflow.figures import draw_figure
 from contwalk.workflow.going_on import WIDENED, Claims, differences, header_of_both
 from contwalk.workflow.run_file import RunFile
@@ -102,7 +101,7 @@ def run(
             lambda name: _stored(db, name),
             **_claims(db),
         )
-        _Recorder(db, reporter, result, run_file.accuracy).record(diagram)
+        _Recorder(db, reporter, result, run_file).record(diagram)
         result.branches = db.branches()
     if figures and not result.interrupted:
         result.figures = list(_figures(run_file, result, reporter))
@@ -117,23 +116,7 @@ def traced(run_file: RunFile) -> None:
     UnsupportedOperation, SystemDefinitionError
         With the line of the plugin.
     """
-    _ = _equations_text(run_file)
-
-
-def _equations_text(run_file: RunFile) -> str:
-    """The traced equations as text."""
-    given = run_file.system, run_file.parameters, run_file.free, run_file.parameter_path
-    if run_file.system.acting:
-        from contwalk.problems.hybrid.text import equations_text
-
-        free = None if run_file.parameter_path is not None else run_file.free
-        return equations_text(run_file.system, free)
-    if run_file.system.period is None:
-        return Equilibrium(*given).kernels.residual.text
-    from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
-
-    motion = PeriodicOrbit(*given).motion
-    return source(motion.program, (*motion.groups, "u", "t"))
+    equations_text(run_file)
 
 
 _OF_ORBITS = ("method", "tolerance", "segments", "phase")
@@ -215,24 +198,6 @@ def _claims(db: Database) -> dict[str, Any]:
     return {"claim": Claims(db), "taken": db.branch_names()}
 
 
-def equations_hash(run_file: RunFile) -> str:
-    """Hash of everything about the system that decides a branch, whichever files it is spread over.
-
-    The traced equations are text, so a change in any function that they call shows.
-    """
-    system = run_file.system
-    texts = [_equations_text(run_file), json.dumps(system.defaults(), sort_keys=True)]
-    if system.period is not None or system.acting:
-        return hashlib.sha256("\n".join(texts).encode()).hexdigest()
-    problem = Equilibrium(system, run_file.parameters, run_file.free, run_file.parameter_path)
-    for observable in system.observables:
-        try:
-            texts.append(problem.observable_kernels(observable.name)[0].text)
-        except UnsupportedOperation:  # an observable may do what cannot be differentiated
-            texts.append(observable.name)
-    return hashlib.sha256("\n".join(texts).encode()).hexdigest()
-
-
 def provenance(run_file: RunFile) -> dict[str, Any]:
     """Where and with what a database was made, as plain values."""
     import h5py
@@ -272,8 +237,9 @@ def _stored(db: Database, name: str) -> Stored | None:
 class _Recorder:
     """Writes the events of a diagram into a database."""
 
-    def __init__(self, db: Database, reporter: Reporter, result: RunResult, accuracy: float) -> None:
-        self.db, self.reporter, self.result, self.accuracy = db, reporter, result, accuracy
+    def __init__(self, db: Database, reporter: Reporter, result: RunResult, run_file: RunFile) -> None:
+        self.db, self.reporter, self.result, self.accuracy = db, reporter, result, run_file.accuracy
+        self._observables = run_file.system.observables
         self._current: BranchInfo | None = None
         self._number = 0
 
@@ -301,6 +267,7 @@ class _Recorder:
         elif isinstance(event, Found):
             self._found(event)
         elif isinstance(event, Ended):
+            self._check_observables(event.branch)
             self.db.finish(event.branch.name, event.branch.outcome, event.branch.cost)
             self._current = None
             self.reporter.branch_ended(event.branch)
@@ -321,6 +288,22 @@ class _Recorder:
             self.db.append_special(name, event.special)
             self.reporter.special(event.info, event.special)
             self._check_accuracy(event.info, event.special)
+
+    def _check_observables(self, branch: Branch) -> None:
+        """Say which observables of the plugin are no numbers at some points."""
+        for observable in self._observables:
+            name = observable.name
+            lacking = ~np.isfinite(branch.points["observables"][:, branch.info.observables.index(name)])
+            # One that belongs to an event is nowhere a number on a branch that does not have the event.
+            if not np.any(lacking) or (np.all(lacking) and observable.at is not None):
+                continue
+            value, free = float(branch.points["free"][lacking][0, 0]), branch.info.free[0]
+            text = (
+                f"{branch.name}: observable '{name}' is not a number at {np.sum(lacking)} of {len(lacking)} "
+                f"points, the first of them at {free} = {value:.10g}; marks of it cannot be found there."
+            )
+            self.db.write_note(f"observable {branch.name} {name}", text)
+            self.reporter.note(text)
 
     def _check_accuracy(self, info: BranchInfo, point: SpecialPoint) -> None:
         """Say where a point is known less well than was asked for."""

@@ -54,6 +54,10 @@ APPENDED = [
         "figures: [{machine: {w: m}}]",
         ["line 8", "key figures.0.machine.w", "unknown key", "x, y, z, xlim, ylim, file"],
     ),
+    (
+        "figures: [{machine: {file: a.png}}, {eigenvalues: {file: a.png}}]",
+        ["line 8", "key figures.1.eigenvalues.file", "'a.png' is the file of figure 1 too", "of its own"],
+    ),
     ("figures: [{machine: {z: load}}]", ["line 8", "key figures.0.machine.z", "has no third axis"]),
     ("figures: [{machine: {x: dampin}}]", ["line 8", "figures.0.machine.x", "Did you mean 'damping'?"]),
     ("sweep: {stiffness: [1, 2]}", ["line 8", "key sweep.stiffness", "changes already"]),

@@ -1,0 +1,97 @@
+"""What decides the points of a branch, as text: equations, defaults, and what is measured of each point."""
+
+from __future__ import annotations
+
+import ast
+import functools
+import hashlib
+import inspect
+import json
+import textwrap
+import types
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from contwalk.fields.codegen import source
+from contwalk.problems.equilibrium import Equilibrium
+from contwalk.python_functions import is_own, original, values_used
+from contwalk.workflow.run_file import RunFile
+
+
+def equations_hash(run_file: RunFile) -> str:
+    """Hash of everything about the system that decides a branch, whichever files it is spread over."""
+    system = run_file.system
+    texts = [equations_text(run_file), json.dumps(system.defaults(), sort_keys=True)]
+    for observable in system.observables:
+        texts += [observable.name, repr(observable.at), *function_texts(observable.function)]
+    return hashlib.sha256("\n".join(texts).encode()).hexdigest()
+
+
+def equations_text(run_file: RunFile) -> str:
+    """The traced equations as text, so that a change in any function that they call shows.
+
+    Raises
+    ------
+    UnsupportedOperation, SystemDefinitionError
+        With the line of the plugin.
+    """
+    given = run_file.system, run_file.parameters, run_file.free, run_file.parameter_path
+    if run_file.system.acting:
+        from contwalk.problems.hybrid.text import equations_text as hybrid_text
+
+        free = None if run_file.parameter_path is not None else run_file.free
+        return hybrid_text(run_file.system, free)
+    if run_file.system.period is None:
+        return Equilibrium(*given).kernels.residual.text
+    from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
+
+    motion = PeriodicOrbit(*given).motion
+    return source(motion.program, (*motion.groups, "u", "t"))
+
+
+def function_texts(function: Callable[..., Any]) -> Iterator[str]:
+    """A function that is not traced, and the plugin's helpers and constants that it uses.
+
+    Observables get whole motions and may do anything with them. Their text is that of their source without
+    comments and layout, which is the same under every version of Python.
+    """
+    yield from _texts(function, set())
+
+
+def _texts(value: Any, seen: set[int]) -> Iterator[str]:
+    """The texts of a value and of what it holds or uses; nothing of what cannot be told from its address."""
+    if id(value) in seen:
+        return
+    seen.add(id(value))
+    if isinstance(value, functools.partial):
+        for held in (value.func, value.args, value.keywords):
+            yield from _texts(held, seen)
+    elif isinstance(value, bool | int | float | complex | str | bytes | None):
+        yield repr(value)
+    elif isinstance(value, np.ndarray):
+        yield repr(value.tolist())
+    elif isinstance(value, Mapping):
+        for key in value:
+            yield repr(key)
+            yield from _texts(value[key], seen)
+    elif isinstance(value, tuple | list):
+        for held in value:
+            yield from _texts(held, seen)
+    elif isinstance(python := original(value), types.FunctionType) and not is_own(python):
+        yield _source_of(python)
+        yield from _texts((python.__defaults__, python.__kwdefaults__), seen)
+        for name, used in values_used(python):
+            yield name
+            yield from _texts(used, seen)
+
+
+def _source_of(function: types.FunctionType) -> str:
+    """The source of a function as Python would write it; its code where there is none, or none of its own."""
+    try:
+        return ast.unparse(ast.parse(textwrap.dedent(inspect.getsource(function))))
+    except (OSError, TypeError, SyntaxError):  # made by exec; a lambda within an expression
+        code = function.__code__
+        constants = [c for c in code.co_consts if not isinstance(c, types.CodeType)]
+        return f"{code.co_code.hex()} {constants!r}"
