@@ -10,7 +10,7 @@ import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.continuation import limits, outcomes
-from contwalk.continuation.here import Here, grown
+from contwalk.continuation.here import Here, adapted, grown
 from contwalk.continuation.locating import Found
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.records import end_record, found_record
@@ -72,7 +72,7 @@ def walk(
                     return
             here = _arrived(problem, step, here, sign, settings, before)
             try:
-                problem, sample = problem.adapted(here.sample)
+                problem, sample = adapted(problem, here.sample)
             except (NotFinite, np.linalg.LinAlgError):
                 yield Point(here)
                 raise

@@ -89,6 +89,15 @@ def turned(here: Here) -> Here:
     return replace(here, sample=back)
 
 
+def adapted(problem: Problem, sample: Sample) -> tuple[Problem, Sample]:
+    """The problem discretised anew for the next step, and the sample on it, with the count that it had.
+
+    A count that changed here would change between two steps, where nothing looks for a special point.
+    """
+    there, again = problem.adapted(sample)
+    return there, again.counted(sample.unstable)
+
+
 def grown(problem: Problem, sample: Sample, here: Here, settings: Settings) -> Sample:
     """A new sample in the metric that its own size adds to."""
     known, magnitudes = here.sample.weights, sample.magnitudes

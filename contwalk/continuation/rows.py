@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.branch import BranchInfo
-from contwalk.continuation.here import Here
+from contwalk.continuation.here import Here, adapted
 from contwalk.problems.problem import Problem
 
 
@@ -61,8 +61,8 @@ def from_row(problem: Problem, row: np.void, sign: float, born: bool) -> tuple[P
         sample,
         observables=np.array(row["observables"]),
         reported=None if sample.reported is None else np.array(row["state"]),
-    )
+    ).counted(int(row["unstable"]))
     if born and row["s"] == 0.0:
         sample = replace(sample, orientation=0.0)  # not defined at a branch point
-    problem, sample = problem.adapted(sample)
+    problem, sample = adapted(problem, sample)
     return problem, Here(sample, float(row["s"]), float(row["step"]))

@@ -15,7 +15,7 @@ share of
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Protocol
 
@@ -223,6 +223,18 @@ class Sample:
     def parameter(self) -> float:
         """Value of the free parameter."""
         return float(self.z[-1])
+
+    def counted(self, unstable: int) -> Sample:
+        """The same with a count that was told on other steps.
+
+        An eigenvalue that these steps put on the other side is not known to its distance from it.
+        """
+        if unstable == self.unstable:
+            return self
+        other = (np.arange(len(self.measures)) < unstable) != (self.measures > 0.0)
+        doubt = np.where(other, np.abs(self.measures), 0.0)
+        known = max(self.spectrum_error or 0.0, float(np.max(doubt, initial=0.0)))
+        return replace(self, unstable=unstable, errors=np.maximum(self.errors, doubt), spectrum_error=known)
 
     @property
     def admissible(self) -> bool:

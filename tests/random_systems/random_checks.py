@@ -222,7 +222,7 @@ def _orbits(branch: Branch, found: list[Round]) -> Iterator[Fault]:
     """Orbits close, and as many multipliers lie outside the unit circle as is stored."""
     for turn in found:
         row = branch.points[turn.row]
-        allowed = (LOCAL + 1e3 * turn.rounding) * turn.growth
+        allowed = (LOCAL + 1e3 * turn.rounding) * turn.growth + _claimed(row, turn)
         if not turn.gap <= allowed:
             yield Fault(
                 "residual",
@@ -251,6 +251,16 @@ def _orbits(branch: Branch, found: list[Round]) -> Iterator[Fault]:
                 f"at {row['free'][0]:.10g}, row {turn.row}",
             )
             break
+
+
+def _claimed(row: np.void, turn: Round) -> float:
+    """What a row says that its states may be off by, in units of the half ranges that gaps are told in.
+
+    A state that moves by a millionth of its weight is a constant to the steps of a branch.
+    """
+    weights = row["weights"][: len(turn.least)]
+    error = np.nan_to_num(row["error"], nan=0.0, posinf=np.inf)
+    return float(error * np.max(weights / np.maximum((turn.most - turn.least) / 2, 1e-300)))
 
 
 def _without_own(branch: Branch, values: np.ndarray) -> tuple[np.ndarray, float]:

@@ -16,6 +16,8 @@ REAL = 1e-11
 # How much of the local errors reaches the monodromy matrix, in units of the tolerance: step control is on
 # the safe side.
 GLOBAL = 0.3
+# No size is smaller.
+LEAST = 1e-300
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,7 @@ def multipliers(
     neutral: Sequence[np.ndarray],
     magnitudes: np.ndarray,
     tolerance: float,
+    arriving: Sequence[np.ndarray] | None = None,
 ) -> Multipliers:
     """Multipliers of the product of the segments' derivatives.
 
@@ -72,15 +75,22 @@ def multipliers(
         Typical magnitudes of the states; the quotient is orthogonal in their units.
     tolerance : float
         Of the integration.
+    arriving : sequence of ndarray, shape (n, k), optional
+        The same directions at the end of each segment, which is the next one's start but for the gap that a
+        solution has left. Where deviations grow, what has grown lies along the flow there, and what is left
+        of it beside the flow is a small part: at the state that it has arrived at, not at that next to it.
     """
     scaled = [factor / magnitudes[:, None] * magnitudes for factor in factors]
+    sizes = [max(float(np.linalg.norm(factor, 2)), LEAST) for factor in scaled]
     if neutral[0].shape[1]:
-        bases = [complement(directions / magnitudes[:, None]) for directions in neutral]
-        m = len(factors)
-        scaled = [bases[(i + 1) % m].T @ scaled[i] @ bases[i] for i in range(m)]
+        begin = [directions / magnitudes[:, None] for directions in neutral]
+        end = [*begin[1:], begin[0]]
+        if arriving is not None:
+            end = [directions / magnitudes[:, None] for directions in arriving]
+        scaled = _quotients(scaled, begin, end)
     if not len(scaled[0]):
         return Multipliers(np.zeros(0, dtype=complex), np.zeros(0), 0.0)
-    values, errors = _single(scaled[0]) if len(scaled) == 1 else _product(scaled)
+    values, errors = _single(scaled[0], sizes[0]) if len(scaled) == 1 else _product(scaled, sizes)
     order = np.lexsort((-values.imag, -np.abs(values)))
     first = int(order[0])
     return Multipliers(
@@ -88,8 +98,23 @@ def multipliers(
     )
 
 
-def _single(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues of one matrix; their errors from its rounding and their conditions."""
+def _quotients(
+    factors: Sequence[np.ndarray], begin: Sequence[np.ndarray], end: Sequence[np.ndarray]
+) -> list[np.ndarray]:
+    """Each factor between the quotient spaces at its ends, in the orthonormal bases of the starts."""
+    bases, m = [complement(directions) for directions in begin], len(factors)
+    result = []
+    for i, factor in enumerate(factors):
+        moved = factor @ bases[i]
+        directions, _ = np.linalg.qr(end[i])
+        result.append(bases[(i + 1) % m].T @ (moved - directions @ (directions.T @ moved)))
+    return result
+
+
+def _single(matrix: np.ndarray, size: float) -> tuple[np.ndarray, np.ndarray]:
+    """Eigenvalues of one matrix; their errors from the rounding of what it is a part of, and their
+    conditions.
+    """
     values, right = np.linalg.eig(matrix)
     values = values.astype(complex)
     try:
@@ -98,26 +123,26 @@ def _single(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     except np.linalg.LinAlgError:
         condition = np.full(len(values), np.inf)
     # Errors of the last steps are relative to the motion, however much has decayed before.
-    size = max(float(np.linalg.norm(matrix, 2)), 1.0)
+    size = max(size, 1.0)
     # Where eigenvalues meet, first-order conditions are infinite; the root of the noise bounds them.
     return values, np.minimum(condition * ROUNDING * size, size * np.sqrt(ROUNDING))
 
 
-def _product(factors: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def _product(factors: Sequence[np.ndarray], sizes: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
     """Eigenvalues of an unformed product, with errors relative to their own size."""
     try:
         values = product_eigenvalues(factors)
     except np.linalg.LinAlgError:
-        return _single(np.linalg.multi_dot(factors[::-1]) if len(factors) > 1 else factors[0])
+        product = np.linalg.multi_dot(factors[::-1]) if len(factors) > 1 else factors[0]
+        return _single(product, float(np.prod(sizes)))
     # The factors are real: what is left of an imaginary part by the complex arithmetic is rounding.
     values = np.where(np.abs(values.imag) <= REAL * np.abs(values), values.real, values).astype(complex)
     values = _paired(values)
     # A factor is wrong by the rounding of its norm; what that does to an eigenvalue depends on how far its
     # own growth is from the largest, segment by segment.
     m = len(factors)
-    sizes = [max(float(np.linalg.norm(factor, 2)), 1e-300) for factor in factors]
     largest = float(np.prod([size ** (1.0 / m) for size in sizes]))
-    own = np.maximum(np.abs(values), 1e-300) ** (1.0 / m)
+    own = np.maximum(np.abs(values), LEAST) ** (1.0 / m)
     return values, np.abs(values) * m * ROUNDING * np.maximum(largest / own, 1.0)
 
 

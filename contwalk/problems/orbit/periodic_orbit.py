@@ -463,10 +463,26 @@ class PeriodicOrbit:
 
     def neutral_directions(self, z: np.ndarray, factors: Sequence[np.ndarray]) -> list[np.ndarray]:
         """At the start of each segment, the directions whose multipliers are left out, shape (n, k)."""
+        starts = self.starts(z)
+        flow = [] if self.forced else [self._flow_direction(z, i, factors) for i in range(self.segments)]
+        return self._with_pins(z, starts, flow)
+
+    def arriving_directions(self, z: np.ndarray, residual: np.ndarray) -> list[np.ndarray] | None:
+        """The same at the end of each segment, by the gaps of F(z); None for an orbit that is a point."""
+        if not self.moves(z):
+            return None
+        n, m = self.states, self.segments
+        values, after = np.concatenate([self.scalars(z), self.fixed]), np.roll(np.arange(m), -1)
+        ends = self.starts(z)[after] + residual[: m * n].reshape(m, n)
+        flow = [velocity(self.motion, ends[i], after[i] / m, values) for i in range(m)]
+        return self._with_pins(z, ends, [] if self.forced else flow)
+
+    def _with_pins(self, z: np.ndarray, states: np.ndarray, flow: Sequence[np.ndarray]) -> list[np.ndarray]:
+        """The flow's directions and those that pins hold at some states, each of shape (n, k)."""
         values = ParameterValues(**self.values_of(z))
         result = []
-        for i, x in enumerate(self.starts(z)):
-            directions = [] if self.forced else [self._flow_direction(z, i, factors)]
+        for i, x in enumerate(states):
+            directions = list(flow[i : i + 1])
             for pin in self.pins:
                 v = np.zeros(self.states)
                 called(f"generator of '{pin.name}'", pin.generator, 0.0, x.copy(), values, v)
@@ -495,7 +511,8 @@ class PeriodicOrbit:
         """Multipliers of the closure without the flow's own and the pinned ones."""
         factors = self.factors(jacobian)
         neutral = self.neutral_directions(z, factors)
-        return multipliers(factors, neutral, self.mesh.variation, self.mesh.tolerance)
+        arriving = self.arriving_directions(z, self.linearize(z).residual)
+        return multipliers(factors, neutral, self.mesh.variation, self.mesh.tolerance, arriving)
 
     def trivial_error(self, z: np.ndarray, jacobian: np.ndarray) -> float:
         """|M f - f| / |f|: how well the flow carries its own velocity once round; NaN where there is none.

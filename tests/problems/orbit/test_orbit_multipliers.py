@@ -81,3 +81,21 @@ def test_what_is_not_known_to_its_size_is_not_counted_as_unstable():
     assert doubted.accuracy == 2e7
     assert doubted.unstable(0) == doubted.unstable(None) == 0
     assert doubted.unstable(1) == 1  # as at the neighbouring point
+
+
+@pytest.mark.parametrize("segments", [1, 3])
+def test_what_grows_along_the_flow_is_left_out_at_the_state_that_it_arrives_at(segments):
+    """A gap of 1e-4 between end and start turns the velocity by as much. Of deviations that grow a
+    millionfold along it, the next start's velocity leaves over 100 in each segment, where there is 0.7."""
+    gap, growth, own = 1e-4, 1e6, 0.7
+    start = np.array([[1.0], [0.0]])
+    end = np.array([[np.cos(gap)], [np.sin(gap)]])
+    aside = np.array([[-np.sin(gap)], [np.cos(gap)]])
+    factor = end @ np.array([[1.0, growth]]) + aside @ np.array([[0.0, own]])
+    found = multipliers([factor] * segments, [start] * segments, np.ones(2), 1e-6, [end] * segments)
+    # The cosine of the gap, and rounding of the growth.
+    assert found.values[0].real == pytest.approx(own**segments, rel=segments * gap**2)
+    rounding = abs(found.values[0].real - (own * np.cos(gap)) ** segments)
+    assert rounding <= found.errors[0] <= 1e-6
+    seen_from_the_start = multipliers([factor] * segments, [start] * segments, np.ones(2), 1e-6)
+    assert seen_from_the_start.values[0].real > 99.0**segments
