@@ -26,7 +26,7 @@ from contwalk.continuation.locating import (
 )
 from contwalk.continuation.rootfinding import narrow
 from contwalk.continuation.segment import LostBranch, Segment
-from contwalk.problems.linear import Factored, critical_pair, solution_plane
+from contwalk.problems.linear import Factored, critical_pair, deficiency, solution_plane
 from contwalk.problems.problem import Located, Sample
 
 # How far from a point its two sides are looked at, in parts of the segment.
@@ -39,6 +39,11 @@ NO_SHARE = 1e-9
 FAINT_SHARE = 1e-6
 # With a smaller share of the parameter than the first a branch goes straight up; than the second, it turns.
 FLAT, NEARLY_FLAT = 1e-7, 1e-3
+# What is said where an eigenvalue passes zero along a branch on which the parameter stands still.
+SECOND = (
+    "A second real eigenvalue passes zero on a branch along which the parameter stands still: the branch "
+    "turns back in a state, and no other one leaves there. The place is told as it is bracketed."
+)
 # How many eigenvalues pass at points that only eigenvalues tell: a pair, or a real one (SB: of half a
 # symmetric orbit, where its whole loses the symmetry).
 PASSING = {"HB": 2, "NS": 2, "PD": 1, "SB": 1}
@@ -160,18 +165,12 @@ def _singularity(segment: Segment, p: Sample, q: Sample) -> Callable[[Sample], f
         jacobian = segment.problem.linearize(sample.z).jacobian
         return np.vstack([jacobian, sample.tangent / sample.weights**2])
 
-    jacobians = [segment.problem.jacobian(sample.z) for sample in (p, q)]
-    pairs = [critical_pair(jacobian[:, :-1]) for jacobian in jacobians]
-    nearer = int(abs(pairs[1].value) < abs(pairs[0].value))
-    try:
-        plane = solution_plane(jacobians[nearer], pairs[nearer]) / segment.weights[:, None]
-    except np.linalg.LinAlgError:
-        raise LostBranch("The directions of solutions are not determined.") from None
-    basis, _ = np.linalg.qr(plane)
-    own = (p, q)[nearer].tangent / segment.weights
+    nearer, critical, plane = _nearer(segment, p, q)
+    basis, _ = np.linalg.qr(plane / segment.weights[:, None])
+    own = nearer.tangent / segment.weights
     along = basis.T @ own
     other = basis @ np.array([-along[1], along[0]])  # in the plane, at a right angle to this branch
-    right, left = other / segment.weights, np.append(pairs[nearer].left.real, 0.0)
+    right, left = other / segment.weights, np.append(critical, 0.0)
 
     def value(sample: Sample) -> float:
         bordered = np.zeros((size + 1, size + 1))
@@ -186,6 +185,26 @@ def _singularity(segment: Segment, p: Sample, q: Sample) -> Callable[[Sample], f
             raise LostBranch("The border of the branch point test is singular.") from None
 
     return value
+
+
+def _nearer(segment: Segment, p: Sample, q: Sample) -> tuple[Sample, np.ndarray, np.ndarray]:
+    """Of two samples the one nearer to a branch point, the left critical vector there, and the directions of
+    solutions.
+
+    The critical vector is that of F_u; along a vertical branch F_u is singular everywhere, and it is DF's.
+    """
+    jacobians = [segment.problem.jacobian(sample.z) for sample in (p, q)]
+    if segment.vertical:
+        found = [deficiency(jacobian) for jacobian in jacobians]
+        nearer = int(found[1].value < found[0].value)
+        return (p, q)[nearer], found[nearer].left, found[nearer].plane
+    pairs = [critical_pair(jacobian[:, :-1]) for jacobian in jacobians]
+    nearer = int(abs(pairs[1].value) < abs(pairs[0].value))
+    try:
+        plane = solution_plane(jacobians[nearer], pairs[nearer])
+    except np.linalg.LinAlgError:
+        raise LostBranch("The directions of solutions are not determined.") from None
+    return (p, q)[nearer], pairs[nearer].left.real, plane
 
 
 def _share(sample: Sample, tangent: np.ndarray | None = None) -> float:
@@ -271,6 +290,10 @@ def _flat_fold(segment: Segment, low: float, high: float, crossings: list[tuple[
         raise Disagreement(label, "A real eigenvalue passes zero where there is no fold and no branch point.")
     theta, which = crossings[0]
     sample, width = segment.at(theta), abs(float(segment.chord[-1]))
+    if segment.vertical:  # every point of it solves the equations of a fold
+        known = max(width, float(np.spacing(abs(sample.parameter))))
+        located = Located(sample.z, known, {"note": SECOND}, refined=False)
+        return Found(theta, "LP", located, sample, kind="unlocated")
     if (fold := accepted(segment, "LP", sample, which, low, high)) is not None:
         return fold
     note = "A real eigenvalue passes zero, and the parameter turns by less than it is known to."

@@ -16,7 +16,7 @@ def to_row(info: BranchInfo, problem: Problem, here: Here, sign: float, special:
     sample = here.sample
     row = np.zeros(1, dtype=info.point_dtype())
     eigenvalues = np.full(info.spectrum, np.nan + 0j)
-    eigenvalues[: len(sample.eigenvalues)] = sample.eigenvalues
+    eigenvalues[: len(sample.eigenvalues)] = sample.spectrum
     row["s"] = here.s
     row["free"] = sample.parameter
     row["state"] = problem.reported(sample.z) if sample.reported is None else sample.reported
@@ -24,7 +24,7 @@ def to_row(info: BranchInfo, problem: Problem, here: Here, sign: float, special:
     row["period"] = sample.period
     row["trivial_error"] = sample.trivial_error
     row["spectrum"] = eigenvalues
-    own = sample.errors[0] if len(sample.errors) else 0.0
+    own = sample.errors[sample.leading] if len(sample.errors) else 0.0
     row["spectrum_error"] = own if sample.spectrum_error is None else sample.spectrum_error
     row["unstable"] = sample.unstable
     row["stable"] = sample.unstable == 0

@@ -21,6 +21,11 @@ class Segment(Arc):
         self.problem, self.a, self.b = problem, a, b
         self._known: dict[float, Sample] = {0.0: a, 1.0: b}
 
+    @property
+    def vertical(self) -> bool:
+        """Whether the parameter stands still all along the segment."""
+        return self.a.still and self.b.still
+
     def tangent(self, linearization: Linearization) -> np.ndarray:
         """Tangent of the branch, pointing along the chord, at a solution on it.
 

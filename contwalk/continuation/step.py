@@ -224,6 +224,7 @@ def _beside(segment: Segment) -> Sample:
         errors=near.errors,
         eigenvalues=near.eigenvalues,
         unstable=near.unstable,
+        still=near.still,
     )
 
 

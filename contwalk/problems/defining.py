@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contwalk.fields.kernel import Kernel
-from contwalk.problems.linear import EPSILON, balanced, critical_pair, nearest_eigenpair
+from contwalk.problems.linear import EPSILON, balanced, critical_pair, deficiency, nearest_eigenpair
 from contwalk.problems.problem import Located, Sample
 from contwalk.problems.refine import DefiningSystem, Solution, newton, refine
 
@@ -142,7 +142,11 @@ def _real_eigenvalue(
 def branch_point(problem: Equilibrium, sample: Sample) -> Located | None:
     """The simple branch point near a sample; None where the nearest one is unfolded (mu is not zero)."""
     size = problem.size
-    start = critical_pair(problem.jacobian(sample.z)[:, :size]).left.real
+    jacobian_there = problem.jacobian(sample.z)
+    # Along a vertical branch F_u is singular everywhere, and only DF tells.
+    start = (
+        deficiency(jacobian_there).left if sample.still else critical_pair(jacobian_there[:, :size]).left.real
+    )
     start = start / np.linalg.norm(start)
     b = start
 

@@ -13,6 +13,7 @@ from contwalk.problems.normal_forms import (
     hopf_coefficients,
 )
 from contwalk.problems.problem import Located, Sample
+from contwalk.problems.switching import keep_parameter
 from contwalk.system import Symmetry
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ def described(problem: Equilibrium, label: str, located: Located, sample: Sample
         kind=kind,
         parameters=problem.values_of(z) | ({problem.free: float(z[-1])} if problem.path is not None else {}),
         state=dict(zip(problem.system.state_names, z[: problem.states].tolist(), strict=True)),
-        spectrum=tuple(complex(v) for v in sample.eigenvalues),
+        spectrum=tuple(complex(v) for v in sample.spectrum),
         error=located.error,
         criticality=criticality,
         coefficients=coefficients,
@@ -72,7 +73,9 @@ def _normal_form(
 
 def _branch_point(
     problem: Equilibrium, located: Located, weights: np.ndarray
-) -> tuple[str, str | None, dict[str, Any], str | None]:
+) -> tuple[str | None, str | None, dict[str, Any], str | None]:
+    if keep_parameter(problem, located.z, weights):
+        return None, None, {}, "both branches that cross here keep the parameter: there is no criticality"
     c = branch_point_coefficients(problem, located, weights)
     numbers = {name: c[name] for name in ("c11", "c12", "c22", "c")}
     numbers["convention"] = (

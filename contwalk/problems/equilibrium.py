@@ -11,7 +11,7 @@ from contwalk.branch import Outcome, SpecialPoint
 from contwalk.errors import NotFinite, SystemDefinitionError, called, measured
 from contwalk.fields.blame import first_not_finite
 from contwalk.fields.kernel import Kernel
-from contwalk.problems import defining
+from contwalk.problems import defining, vertical
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.description import described
 from contwalk.problems.equations import equations_of
@@ -214,18 +214,26 @@ class Equilibrium:
         values = [
             measured(f"observable '{o.name}'", o.function, np.zeros(1), x, p) for o in self.system.observables
         ]
-        values.append(float(spectrum_.values[0].real) if len(spectrum_.values) else float("nan"))
+        values.append(float(np.max(spectrum_.values.real)) if len(spectrum_.values) else float("nan"))
         return np.array(values)
 
-    def spectrum(self, z: np.ndarray, tangent: np.ndarray, jacobian: np.ndarray) -> Spectrum:
-        """Eigenvalues without the pinned neutral ones; `jacobian` is DF(z)."""
+    def spectrum(
+        self, z: np.ndarray, tangent: np.ndarray, jacobian: np.ndarray, curvature: np.ndarray | None = None
+    ) -> Spectrum:
+        """Eigenvalues without the pinned neutral ones; `jacobian` is DF(z).
+
+        `curvature` is the derivative of the tangent where the parameter stands still all along the branch.
+        """
         n = self.states
         inputs = self.inputs(z)
         rate = self.kernels.rate_of_matrix(*inputs, tangent.tolist())
         rounding = 2.0 * EPSILON * self.kernels.rounding_of_matrix(*inputs)
         declared = [n + j for j, pin in enumerate(self.pins) if pin.name != neutrals.UNDECLARED]
-        generators = jacobian[:n, declared]
-        return spectrum(jacobian[:n, :n], rate, rounding, generators, len(self.pins) - len(declared))
+        generators, zeros = jacobian[:n, declared], len(self.pins) - len(declared)
+        if curvature is None:
+            return spectrum(jacobian[:n, :n], rate, rounding, generators, zeros)
+        matrices = jacobian[:n, :n], rate, rounding
+        return vertical.spectrum_beside(matrices, tangent[:n], curvature[:n], generators, zeros)
 
     def examine(
         self,
@@ -239,7 +247,8 @@ class Equilibrium:
         length = float(np.linalg.norm(tangent / weights))
         # A stored tangent is a unit vector already; dividing again would change its last digits.
         unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
-        found = self.spectrum(z, unit, linearization.jacobian)
+        curvature = vertical.bending(self, z, unit, weights, linearization)
+        found = self.spectrum(z, unit, linearization.jacobian, curvature)
         orientation, error = linearization.orientation_and_error(unit, weights, linearization.levels[0])
         return Sample(
             z=z,
@@ -251,6 +260,7 @@ class Equilibrium:
             rates=Rates.known(found.rates),
             measures=found.values.real,
             unstable=found.unstable(before),
+            still=found.still,
             observables=self.observables(z, found),
             magnitudes=linearization.magnitudes,
             excess=linearization.excess_in(weights),
@@ -347,14 +357,14 @@ class Equilibrium:
         """The point near a sample at which an observable has the value `level`."""
         if name != MAX_RE:
             return defining.observed(self, sample, self.observable_kernels(name), level)
-        if sample.eigenvalues[0].imag != 0.0:
-            return defining.hopf(self, sample, 0, level)
+        if sample.eigenvalues[sample.leading].imag != 0.0:
+            return defining.hopf(self, sample, sample.leading, level)
         return defining.real_eigenvalue(self, sample, level)
 
     def rate(self, name: str, sample: Sample) -> float:
         """Derivative of an observable along the branch."""
         if name == MAX_RE:
-            return sample.rates[0]
+            return sample.rates[sample.leading]
         gradient = self.observable_kernels(name)[1](*self.inputs(sample.z))
         return float(gradient @ sample.tangent)
 

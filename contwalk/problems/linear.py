@@ -99,6 +99,10 @@ class Factored(Factorization):
         """Sign of the determinant."""
         return float(np.linalg.slogdet(self._scaled)[0])
 
+    def condition(self) -> float:
+        """Condition number of the equilibrated matrix."""
+        return float(np.linalg.cond(self._scaled))
+
     def error(self, levels: np.ndarray, weights: np.ndarray) -> float:
         """What errors `levels` of the first equations do to the solution in the metric, at most."""
         count = len(levels)
@@ -210,7 +214,34 @@ def solution_plane(jacobian: np.ndarray, pair: EigenPair) -> np.ndarray:
         Its critical vectors q and p; h solves F_u h = -F_lambda in the complement of q.
     """
     size = len(jacobian)
+    h = bordered_by(jacobian[:, :size], pair).solve(np.append(-jacobian[:, -1], 0.0))[:size]
+    return np.column_stack([np.append(pair.right.real, 0.0), np.append(h, 1.0)])
+
+
+def bordered_by(matrix: np.ndarray, pair: EigenPair) -> Factored:
+    """A singular matrix bordered by its critical vectors, regular if it has no others."""
     q, p = pair.right.real, pair.left.real
-    bordered = np.block([[jacobian[:, :size], p[:, None]], [q[None, :], np.zeros((1, 1))]])
-    h = Factored(bordered).solve(np.append(-jacobian[:, -1], 0.0))[:size]
-    return np.column_stack([np.append(q, 0.0), np.append(h, 1.0)])
+    return Factored(np.block([[matrix, p[:, None]], [q[None, :], np.zeros((1, 1))]]))
+
+
+@dataclass(frozen=True)
+class Deficiency:
+    """Where DF, shape (N, N + 1), is nearest to losing rank.
+
+    `value` and `next` are its smallest singular values against the largest one, rows and columns scaled;
+    `left`, shape (N,), belongs to the smallest, and `plane`, shape (N + 1, 2), is what is taken to least.
+    """
+
+    value: float
+    next: float
+    left: np.ndarray
+    plane: np.ndarray
+
+
+def deficiency(jacobian: np.ndarray) -> Deficiency:
+    """The nearest loss of rank of DF."""
+    rows, columns = equilibration(jacobian)
+    u, values, vh = np.linalg.svd(jacobian * rows[:, None] * columns)
+    v, w = (np.where(np.abs(x) < 1e-13, 0.0, x) for x in (vh[-2:].T, u[:, -1]))
+    least = values[-2] if len(values) > 1 else values[0]
+    return Deficiency(float(values[-1] / values[0]), float(least / values[0]), w * rows, v * columns[:, None])

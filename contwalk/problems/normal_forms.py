@@ -13,12 +13,11 @@ import numpy as np
 
 from contwalk.problems.linear import Factored, critical_pair, nearest_eigenpair
 from contwalk.problems.problem import Located
+from contwalk.problems.switching import EQUAL
 
 if TYPE_CHECKING:
     from contwalk.problems.equilibrium import Equilibrium
 
-# p.B(q, q) this small against its terms is zero: parameters are rounded to 1e-16.
-EQUAL = 1e-12
 # How many roundings away a solution is looked at to tell how well a coefficient is known.
 ROUNDINGS = 4.0
 

@@ -190,6 +190,8 @@ class Sample:
         The state that stands for the solution, where it depends on the steps it was computed on.
     forbidden : bool
         Whether an event of the machine would happen on it, which these equations do not have.
+    still : bool
+        Whether the last eigenvalue, out of order, is that of the branch's own direction: zero all along it.
     period, trivial_error : float
         Of orbits: duration of the closure in seconds, and |M f - f| / |f|.
     """
@@ -218,6 +220,19 @@ class Sample:
     margins: np.ndarray = field(default_factory=lambda: np.zeros(0))
     reported: np.ndarray | None = None
     forbidden: bool = False
+    still: bool = False
+
+    @property
+    def spectrum(self) -> np.ndarray:
+        """The eigenvalues in their order."""
+        if not self.still:
+            return self.eigenvalues
+        return self.eigenvalues[np.lexsort((-self.eigenvalues.imag, -self.eigenvalues.real))]
+
+    @property
+    def leading(self) -> int:
+        """Number of the first of the eigenvalues in their order."""
+        return int(np.argmax(self.eigenvalues.real)) if self.still else 0
 
     @property
     def parameter(self) -> float:

@@ -22,11 +22,14 @@ class Spectrum:
         Estimated absolute error of each.
     rates : ndarray, shape (m,)
         Derivative of each real part along the branch; NaN where eigenvalues coincide.
+    still : bool
+        Whether the last one, out of order, is zero all along the branch: that of its own direction.
     """
 
     values: np.ndarray
     errors: np.ndarray
     rates: np.ndarray
+    still: bool = False
 
     def unstable(self, before: int | None) -> int:
         """Number of eigenvalues with positive real part.
@@ -34,10 +37,12 @@ class Spectrum:
         One whose sign is not certain in double precision counts as it did at the neighbouring point
         (`before`), so that rounding never looks like a bifurcation.
         """
-        real = self.values.real
+        real, errors = self.values.real, self.errors
+        if self.still:
+            real, errors = real[:-1], errors[:-1]
         if before is None:
-            return int(np.sum(real > self.errors))
-        positive = np.where(np.abs(real) > self.errors, real > 0, np.arange(len(real)) < before)
+            return int(np.sum(real > errors))
+        positive = np.where(np.abs(real) > errors, real > 0, np.arange(len(real)) < before)
         return int(np.sum(positive))
 
 

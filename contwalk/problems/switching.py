@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.problems.linear import EPSILON, Factored, critical_pair, solution_plane
+from contwalk.problems.linear import (
+    EPSILON,
+    EigenPair,
+    Factored,
+    bordered_by,
+    critical_pair,
+    deficiency,
+    solution_plane,
+)
 from contwalk.problems.problem import Seed
 
 if TYPE_CHECKING:
@@ -19,6 +27,10 @@ if TYPE_CHECKING:
 CANCELLED = 1e-12
 # F_lambda lies in the range of F_u if what the left vector sees of it is this small a part of its terms.
 IN_RANGE = 1e-8
+# A coefficient this small against its terms is zero: parameters are rounded to 1e-16.
+EQUAL = 1e-12
+# A matrix with this condition number is singular to rounding.
+SINGULAR = 1e13
 
 
 def second_direction(problem: Equilibrium, z: np.ndarray) -> np.ndarray | None:
@@ -32,10 +44,43 @@ def second_direction(problem: Equilibrium, z: np.ndarray) -> np.ndarray | None:
     error = pair.error + float(np.abs(pair.left) @ entries @ np.abs(pair.right))
     if abs(pair.value) > 10.0 * error:
         return None
-    column = jacobian[:, -1]
+    return pair.right.real if _in_range(jacobian[:, -1], pair) else None
+
+
+def _in_range(column: np.ndarray, pair: EigenPair) -> bool:
+    """Whether F_lambda lies in the range of F_u, to rounding."""
     seen, terms = abs(pair.left @ column), np.abs(pair.left) @ np.abs(column)
     noise = 1e-12 * np.linalg.norm(pair.left) * np.linalg.norm(column)
-    return None if seen > IN_RANGE * terms + noise else pair.right.real
+    return bool(seen <= IN_RANGE * terms + noise)
+
+
+def crossing(jacobian: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """At a branch point, the left null vector of DF and the two directions of solutions.
+
+    Shapes (N,) and (N + 1, 2). Where both branches keep the parameter F_u alone has two null vectors, and
+    F_lambda need not lie in its range: there they are those of DF.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        If there are more than two directions.
+    """
+    size = len(jacobian)
+    pair = critical_pair(jacobian[:, :size])
+    simple = bordered_by(jacobian[:, :size], pair).condition() < SINGULAR
+    if not (simple and _in_range(jacobian[:, -1], pair)):
+        found = deficiency(jacobian)
+        if found.next * SINGULAR > 1.0:
+            return found.left, found.plane
+    if not simple:
+        raise np.linalg.LinAlgError("There are more than two directions of solutions.")
+    return pair.left.real, solution_plane(jacobian, pair)
+
+
+def keep_parameter(problem: Equilibrium, z: np.ndarray, weights: np.ndarray) -> bool:
+    """Whether both branches through a branch point keep the parameter, so that nothing is told against it."""
+    plane = crossing(problem.jacobian(z))[1] / weights[:, None]
+    return bool(np.all(np.abs(plane[-1]) <= IN_RANGE * np.linalg.norm(plane, axis=0)))
 
 
 def directions(problem: Equilibrium, z: np.ndarray, weights: np.ndarray) -> list[np.ndarray]:
@@ -45,10 +90,9 @@ def directions(problem: Equilibrium, z: np.ndarray, weights: np.ndarray) -> list
     + y t2 with psi.D2F(t1,t1) x^2 + 2 psi.D2F(t1,t2) x y + psi.D2F(t2,t2) y^2 = 0. Empty where it has no
     real solutions.
     """
-    size, jacobian, inputs = problem.size, problem.jacobian(z), problem.inputs(z)
-    pair = critical_pair(jacobian[:, :size])
+    inputs = problem.inputs(z)
     try:
-        psi, basis = pair.left.real, solution_plane(jacobian, pair)
+        psi, basis = crossing(problem.jacobian(z))
     except np.linalg.LinAlgError:  # more than two branches meet here
         return []
     # An orthonormal basis in the metric of the weights keeps the quadratic well scaled.
@@ -105,8 +149,12 @@ def branch_point_seeds(problem: Equilibrium, point: SpecialPoint) -> Sequence[Se
     )
     tangent = other * np.sign(lead)
 
+    vertical = keep_parameter(problem, z, weights)
+
     def moved(change: float) -> np.ndarray:
         """How far the branch moves; what it leaves at rest moves on the parent."""
+        if vertical:  # however far: the parameter does not move with it
+            return np.append(np.zeros(problem.size), change)
         own = reach(problem, z, tangent, change)
         return np.where(own > 0.0, own, reach(problem, z, parent, change))
 
@@ -130,8 +178,10 @@ def reach(problem: Equilibrium, z: np.ndarray, tangent: np.ndarray, change: floa
     h2 = bordered.solve(np.append(-problem.kernels.second(*inputs, q1, q1), 0.0))[:size]
     h = np.append(bordered.solve(np.append(-jacobian[:, -1], 0.0))[:size], 1.0).tolist()
     cubic = problem.kernels.third(*inputs, q1, q1, q1)
-    cubic = cubic + 3.0 * problem.kernels.second(*inputs, q1, np.append(h2, 0.0).tolist())
-    curvature = abs(float(p @ cubic)) / 6.0
+    mixed = 3.0 * problem.kernels.second(*inputs, q1, np.append(h2, 0.0).tolist())
+    curvature = abs(float(p @ (cubic + mixed))) / 6.0
+    if 6.0 * curvature <= EQUAL * float(np.abs(p) @ (np.abs(cubic) + np.abs(mixed))):
+        curvature = 0.0  # a vertical branch, as far as its rounding tells
     drive = abs(float(p @ problem.kernels.second(*inputs, q1, h)))
     amplitude = float(np.sqrt(drive * change / curvature)) if curvature > 0.0 and drive > 0.0 else 0.0
     return np.append(np.maximum(np.abs(amplitude * q), 0.5 * amplitude**2 * np.abs(h2)), change)
