@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 import operator
+import sys
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from contwalk.errors import plugin_line
+from contwalk.fields.elimination import Factored, eliminated, solved
 from contwalk.fields.functions import FUNCTIONS, Number
 from contwalk.fields.rebind import rebound
 from contwalk.system.declarations import ParameterValues
@@ -17,6 +19,14 @@ from contwalk.system.declarations import ParameterValues
 
 class _FoundNotFinite(Exception):
     """An operation on finite numbers gave something that is not finite."""
+
+
+def _value(argument: Any) -> float:
+    return argument.value if isinstance(argument, Probe) else float(argument)
+
+
+def _factored(matrix: list[list[Any]]) -> Factored:
+    return eliminated([_value(entry) for row in matrix for entry in row], sys.float_info.epsilon)
 
 
 class Probe(Number):
@@ -29,7 +39,7 @@ class Probe(Number):
 
     def apply(self, name: str, arguments: tuple[Any, ...]) -> Probe:
         """The operation in floats, checked."""
-        values = [a.value if isinstance(a, Probe) else float(a) for a in arguments]
+        values = [_value(a) for a in arguments]
         function: Callable[..., float]
         if name in ("add", "sub", "mul", "neg"):
             function = getattr(operator, name)
@@ -50,6 +60,19 @@ class Probe(Number):
         first = a.value if isinstance(a, Probe) else a
         second = b.value if isinstance(b, Probe) else b
         return bool(getattr(operator, relation)(first, second))
+
+    def solution(self, matrix: list[list[Any]], columns: list[list[Any]]) -> list[list[Any]]:
+        """Solutions in floats; a singular matrix is told of."""
+        factor = _factored(matrix)
+        if factor.singular:
+            raise _FoundNotFinite(
+                f"the matrix of {len(matrix)} rows is singular, as far as rounding can tell"
+            )
+        return [[Probe(v) for v in solved(factor, [_value(b) for b in column])] for column in columns]
+
+    def determinant_of(self, matrix: list[list[Any]]) -> Probe:
+        """The determinant in floats."""
+        return Probe(_factored(matrix).determinant)
 
     def select(self, a: Any, b: Any) -> Any:
         """`a` where this is not zero, else `b`."""

@@ -9,17 +9,21 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import Any
 
 from contwalk.errors import UnsupportedOperation
+from contwalk.fields.elimination import FEW_ROWS
 from contwalk.fields.functions import FUNCTIONS, Number
 
 Key = tuple[Any, ...]
 
 RELATIONS = ("lt", "le", "eq")
 CONDITIONS = (*RELATIONS, "and", "or", "not")
+# Nodes that are several numbers: a matrix as it is eliminated; a solution.
+FACTORS = ("factor", "factor_symmetric")
+BUNDLES = (*FACTORS, "solved")
 
 _ARITHMETIC: dict[str, Callable[[Any, Any], Any]] = {
     "add": operator.add,
@@ -167,6 +171,33 @@ class Graph:
             return self.constant(FUNCTIONS[name].of_float(*values))
         return self._intern((name, *arguments))
 
+    def factor(self, entries: Sequence[int]) -> int:
+        """A square matrix, given row by row, made ready to solve equations (`elimination`)."""
+        n = math.isqrt(len(entries))
+        symmetric = all(entries[i * n + j] == entries[j * n + i] for i in range(n) for j in range(i))
+        kind = "factor_symmetric" if symmetric and n > FEW_ROWS else "factor"
+        return self._intern((kind, *entries))
+
+    def solved(self, factor: int, right: Sequence[int]) -> int:
+        """The solution for a right-hand side, all of it."""
+        return self._intern(("solved", factor, *right))
+
+    def item(self, solution: int, i: int) -> int:
+        """One number of a solution."""
+        return self._intern(("item", solution, self.constant(float(i))))
+
+    def items(self, solution: int) -> list[int]:
+        """All numbers of a solution."""
+        return [self.item(solution, i) for i in range(len(self.nodes[solution]) - 2)]
+
+    def determinant(self, factor: int) -> int:
+        """The determinant of a matrix."""
+        return self._intern(("determinant", factor))
+
+    def is_bundle(self, node: int) -> bool:
+        """Whether a node is several numbers."""
+        return self.nodes[node][0] in BUNDLES
+
     def compare(self, relation: str, a: int, b: int) -> int:
         """Node of a comparison (`lt`, `le`, `eq`); only conditions of branches and `select` use it."""
         return self._intern((relation, a, b))
@@ -232,6 +263,23 @@ class Expression(Number):
     def compare(self, relation: str, a: Any, b: Any) -> Expression:
         """A condition."""
         return self.wrap(self.graph.compare(relation, self.lift(a), self.lift(b)))
+
+    def solution(self, matrix: list[list[Any]], columns: list[list[Any]]) -> list[list[Any]]:
+        """Solutions of one linear system for several right-hand sides."""
+        factor = self._factor(matrix)
+        solutions = [self.graph.solved(factor, [self.lift(b) for b in column]) for column in columns]
+        return [[self.wrap(item) for item in self.graph.items(each)] for each in solutions]
+
+    def is_zero(self) -> bool:
+        """Whether it is the constant zero."""
+        return self.graph.value(self.node) == 0.0
+
+    def determinant_of(self, matrix: list[list[Any]]) -> Expression:
+        """The determinant of a matrix."""
+        return self.wrap(self.graph.determinant(self._factor(matrix)))
+
+    def _factor(self, matrix: list[list[Any]]) -> int:
+        return self.graph.factor([self.lift(entry) for row in matrix for entry in row])
 
     @property
     def condition(self) -> int:

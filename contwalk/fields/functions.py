@@ -168,6 +168,18 @@ class Number:
         """The result of a comparison (`lt`, `le`, `eq`)."""
         raise NotImplementedError
 
+    def solution(self, matrix: list[list[Any]], columns: list[list[Any]]) -> list[list[Any]]:
+        """Solutions of one linear system, regular or not, for several right-hand sides."""
+        raise NotImplementedError
+
+    def is_zero(self) -> bool:
+        """Whether it is zero whatever the state and the parameters are."""
+        return False
+
+    def determinant_of(self, matrix: list[list[Any]]) -> Any:
+        """The determinant of a matrix."""
+        raise NotImplementedError
+
     def __add__(self, other: Any) -> Any:
         return self.apply("add", (self, other)) if _is_scalar(other) else NotImplemented
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.errors import PluginError
+from contwalk.fields import elimination
 from contwalk.fields.codegen import source
 from contwalk.fields.functions import FUNCTIONS, maximum, minimum
 from contwalk.fields.trace import Program, Raises
@@ -42,7 +43,7 @@ def _with_quiet(names: dict[str, Callable[..., Any]]) -> dict[str, Any]:
 
 def _float_names() -> dict[str, Any]:
     functions = {name: function.of_float for name, function in FUNCTIONS.items()}
-    return {**_with_quiet(functions), "number_": float}
+    return {**_with_quiet(functions | elimination.names()), "number_": float}
 
 
 def _real(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -76,7 +77,7 @@ def _mp_names() -> dict[str, Any]:
         "lgamma": lambda a: mpmath.mp.log(abs(mpmath.mp.gamma(a))),
         "polygamma": lambda n, a: mpmath.mp.psi(int(n), a),
     }
-    return {**_with_quiet(functions), "number_": mpmath.mpf}
+    return {**_with_quiet(functions | elimination.names(lambda: mpmath.mp.eps)), "number_": mpmath.mpf}
 
 
 class Kernel:

@@ -10,12 +10,16 @@ operation traps. So operations may be executed whether or not their results will
 
 from __future__ import annotations
 
+import math
 import struct
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from contwalk.fields import elimination_code
 from contwalk.fields.derivative import arguments_of
-from contwalk.fields.expression import CONDITIONS, RELATIONS, Graph
+from contwalk.fields.elimination_code import factor_width
+from contwalk.fields.expression import CONDITIONS, FACTORS, RELATIONS, Graph
+from contwalk.fields.hoisting import width_of
 from contwalk.fields.special_functions import POLYGAMMA
 from contwalk.fields.trace import Fork, Outputs, Program, Raises, Tree, roots
 
@@ -46,6 +50,8 @@ _UNBOUNDED = frozenset(
 ) | {"gamma", "lgamma", "polygamma"}
 # NaN with some arguments, yet finite: pow(NaN, 0), pow(1, NaN).
 _FORGIVING = frozenset(("pow",))
+# Among declarations: a function that the module is to define.
+_SYSTEM = "system "
 
 
 @dataclass
@@ -56,6 +62,8 @@ class _Body:
     inputs: Mapping[int, tuple[str, int]]  # nodes that are loaded: array and position
     lines: list[str] = field(default_factory=list)
     called: set[str] = field(default_factory=set)
+    allocated: list[str] = field(default_factory=list)
+    systems: set[str] = field(default_factory=set)  # functions of `elimination_code`
     count: int = 0
 
     def statement(self, operation: str) -> str:
@@ -79,15 +87,35 @@ class _Body:
         """One of two doubles."""
         return self.statement(f"select i1 {condition}, double {first}, double {second}")
 
+    def address(self, array: str, position: int) -> str:
+        """Where an entry of an array stands."""
+        return self.statement(f"getelementptr double, ptr {array}, i64 {position}")
+
     def load(self, array: str, position: int) -> str:
         """An entry of an array."""
-        address = self.statement(f"getelementptr double, ptr %{array}, i64 {position}")
-        return self.statement(f"load double, ptr {address}")
+        return self.statement(f"load double, ptr {self.address(array, position)}")
 
     def store(self, value: str, array: str, position: int) -> None:
         """Write an entry of an array."""
-        address = self.statement(f"getelementptr double, ptr %{array}, i64 {position}")
+        address = self.address(array, position)
         self.lines.append(f"  store double {value}, ptr {address}")
+
+    def array(self, values: Sequence[str], length: int) -> str:
+        """A new array that begins with these values."""
+        self.count += 1
+        name = f"%a{self.count}"
+        self.allocated.append(f"  {name} = alloca [{length} x double], align 16")
+        for i, value in enumerate(values):
+            self.store(value, name, i)
+        return name
+
+    def eliminate(self, kind: str, n: int, *arrays: str) -> None:
+        """A step of a linear system of n rows; see `elimination_code`."""
+        name = elimination_code.called(kind, n)
+        self.systems.add(name)
+        rows = [] if name.endswith(f"_{n}") else [f"i64 {n}"]
+        arguments = ", ".join([*rows, *(f"ptr {array}" for array in arrays)])
+        self.lines.append(f"  call void @{name}({arguments})")
 
 
 class _Names(dict[int, str]):
@@ -130,7 +158,8 @@ def function(
     body.lines.append("undefined:")
     _write(body, [_NAN] * width)
     head = f"define void @{name}({', '.join(arguments)}) nounwind {{"
-    return "\n".join([head, *body.lines, "}", ""]), body.called
+    text = "\n".join([head, *body.allocated, *body.lines, "}", ""])
+    return text, body.called | {f"{_SYSTEM}{name}" for name in body.systems}
 
 
 def module(functions: Iterable[tuple[str, set[str]]]) -> str:
@@ -139,14 +168,30 @@ def module(functions: Iterable[tuple[str, set[str]]]) -> str:
     for text, needed in functions:
         texts.append(text)
         declared |= needed
+    systems = {name.removeprefix(_SYSTEM) for name in declared if name.startswith(_SYSTEM)}
+    declared = {name for name in declared if not name.startswith(_SYSTEM)}
+    if systems:
+        declared.add("declare double @llvm.fabs.f64(double) #0")
+        texts += elimination_code.texts(systems)
     attributes = "attributes #0 = { nounwind willreturn readnone }"
     return "\n".join([*texts, *sorted(declared), attributes, ""])
 
 
 def _write(body: _Body, values: Sequence[str]) -> None:
     for i, value in enumerate(values):
-        body.store(value, "out", i)
+        body.store(value, "%out", i)
     body.lines.append("  ret void")
+
+
+def _results(body: _Body, nodes: Sequence[int], names: _Names) -> list[str]:
+    """Values of the outputs; all those of a bundle."""
+    found = []
+    for node in nodes:
+        if body.graph.is_bundle(node):
+            found += [body.load(names[node], i) for i in range(width_of(body.graph, node))]
+        else:
+            found.append(_operand(body, node, names))
+    return found
 
 
 def _tree(body: _Body, tree: Tree, names: _Names, width: int) -> None:
@@ -154,7 +199,7 @@ def _tree(body: _Body, tree: Tree, names: _Names, width: int) -> None:
         body.lines.append("  br label %undefined")
     elif isinstance(tree, Outputs):
         _define(body, tree.nodes, names)
-        _write(body, [_operand(body, node, names) for node in tree.nodes])
+        _write(body, _results(body, tree.nodes, names))
     else:
         _define(body, [tree.condition, *_shared(body, tree)], names)
         _fork(body, tree, names, width)
@@ -199,11 +244,32 @@ def _define(body: _Body, nodes: Iterable[int], names: _Names) -> None:
             continue
         if node in body.inputs:
             array, position = body.inputs[node]
-            names[node] = "%t" if array == "t" else body.load(array, position)
+            names[node] = "%t" if array == "t" else _loaded(body, node, f"%{array}", position)
+        elif body.graph.is_bundle(node):
+            names[node] = _bundle(body, node, names)
         elif body.graph.nodes[node][0] in CONDITIONS:
             _condition(body, node, names)
         else:
             names[node] = _operation(body, node, names)
+
+
+def _loaded(body: _Body, node: int, array: str, position: int) -> str:
+    return (body.address if body.graph.is_bundle(node) else body.load)(array, position)
+
+
+def _bundle(body: _Body, node: int, names: _Names) -> str:
+    """An array: a matrix eliminated, or the solution for a right-hand side."""
+    kind, *arguments = body.graph.nodes[node]
+    if kind in FACTORS:
+        n = math.isqrt(len(arguments))
+        by_columns = [arguments[i * n + j] for j in range(n) for i in range(n)]
+        array = body.array([_operand(body, a, names) for a in by_columns], width_of(body.graph, node))
+        body.eliminate(kind, n, array)
+        return array
+    factor, *right = arguments
+    array = body.array([_operand(body, b, names) for b in right], len(right))
+    body.eliminate(kind, len(right), names[factor], array)
+    return array
 
 
 def _operand(body: _Body, node: int, names: _Names) -> str:
@@ -243,6 +309,11 @@ def _operation(body: _Body, node: int, names: _Names) -> str:
         condition, *sides = arguments
         chosen = body.choose(names[condition], *(_operand(body, side, names) for side in sides))
         return body.choose(names.undefined[condition], _NAN, chosen)
+    if name == "item":
+        return body.load(names[arguments[0]], int(body.graph.nodes[arguments[1]][1]))
+    if name == "determinant":
+        n = math.isqrt(len(body.graph.nodes[arguments[0]]) - 1)
+        return body.load(names[arguments[0]], factor_width(n) - 1)
     operands = [_operand(body, argument, names) for argument in arguments]
     if name == "neg":
         return body.statement(f"fneg double {operands[0]}")

@@ -203,6 +203,8 @@ def _stand_in(value: Any, memo: dict[int, Any]) -> Any:
     value = original(value)
     if isinstance(value, types.FunctionType):
         return _symbolic(value, memo)
+    if isinstance(value, dict | list | tuple) and _holds_functions(value):
+        return _container(value, memo)
     if isinstance(value, functools.partial):
         return functools.partial(_stand_in(value.func, memo), *value.args, **value.keywords)
     method = _method_of(value)
@@ -217,6 +219,24 @@ def _stand_in(value: Any, memo: dict[int, Any]) -> Any:
     if isinstance(value, types.BuiltinFunctionType) and getattr(value, "__module__", "") == "math":
         return _MATH.get(str(name), value)
     return value
+
+
+def _holds_functions(value: Any) -> bool:
+    """Whether a container of a plain type holds functions that have to be copied, so deep that it is seen."""
+    if type(value) not in (dict, list, tuple):
+        return False
+    entries = value.values() if isinstance(value, dict) else value
+    return any(isinstance(original(e), types.FunctionType) or _holds_functions(e) for e in entries)
+
+
+def _container(value: Any, memo: dict[int, Any]) -> Any:
+    """A table of functions, with what they mean in the copy."""
+    if id(value) not in memo:
+        if isinstance(value, dict):
+            memo[id(value)] = {key: _stand_in(entry, memo) for key, entry in value.items()}
+        else:
+            memo[id(value)] = type(value)(_stand_in(entry, memo) for entry in value)
+    return memo[id(value)]
 
 
 def _method_of(value: Any) -> types.MethodType | None:

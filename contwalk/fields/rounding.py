@@ -10,12 +10,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from contwalk.fields.derivative import ancestors, partials
-from contwalk.fields.expression import CONDITIONS, Graph
+from contwalk.fields.expression import BUNDLES, CONDITIONS, Graph
+from contwalk.fields.linear_rates import determinant_bound, solution_bounds
 
 
 def error_bounds(graph: Graph, outputs: Sequence[int]) -> list[int]:
     """Nodes of the error bounds of the outputs, in units of the machine epsilon."""
     bounds: dict[int, int] = {}
+    solutions: dict[int, list[int]] = {}
     for node in ancestors(graph, outputs):
         name = graph.nodes[node][0]
         if name in ("const", "input", *CONDITIONS):
@@ -24,6 +26,18 @@ def error_bounds(graph: Graph, outputs: Sequence[int]) -> list[int]:
         if name == "select":
             condition, first, second = graph.nodes[node][1:]
             bounds[node] = graph.select(condition, bounds[first], bounds[second])
+            continue
+        if name in BUNDLES:
+            bounds[node] = graph.zero  # of its items, and of a determinant, that of the equations
+            continue
+        if name == "item":
+            solution, place = graph.nodes[node][1:]
+            if solution not in solutions:
+                solutions[solution] = solution_bounds(graph, solution, bounds.__getitem__)
+            bounds[node] = solutions[solution][int(graph.nodes[place][1])]
+            continue
+        if name == "determinant":
+            bounds[node] = determinant_bound(graph, node, bounds.__getitem__)
             continue
         total = graph.zero if name in ("neg", "abs") else graph.call("abs", node)
         for argument, partial in partials(graph, node):

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.fields.derivative import directional, jacobian
-from contwalk.fields.hoisting import hoisted
+from contwalk.fields.hoisting import hoisted, places_of, width_of
 from contwalk.fields.kernel import refuse_raising
 from contwalk.fields.llvm import Code, code_of
 from contwalk.fields.machine_code import Input, function, module
@@ -149,10 +149,11 @@ class Field(CompiledField):
     @cached_property
     def constant_count(self) -> int:
         """Length of c."""
-        return len(self._hoisted)
+        return sum(width_of(self._program.graph, node) for node in self._hoisted)
 
     def _text(self, name: str, program: Program) -> str:
-        inputs = {**self._states, **self._time, **{node: ("c", i) for i, node in enumerate(self._hoisted)}}
+        places = places_of(self._program.graph, self._hoisted).items()
+        inputs = {**self._states, **self._time, **{node: ("c", place) for node, place in places}}
         return module([function(name, program, ("x", "c"), inputs, time=True)])
 
     @cached_property
