@@ -61,11 +61,9 @@ def walk(
                 outcome = step
                 break
             for place, found in _on_the_way(step, here, sign):
-                record = None
-                if found.label != limits.SOFT:
-                    record = found_record(problem, found, place.s, sign)
-                    yield Point(place, record)
-                    number += 1
+                record = found_record(problem, found, place.s, sign)
+                yield Point(place, record)
+                number += 1
                 if outcome := _stop(problem, found, record, settings, observer):
                     place = replace(place, sample=replace(place.sample, unstable=found.after))
                     yield End(outcome, end_record(problem, place, outcome, sign))
@@ -118,19 +116,17 @@ def _arrived(
 
 
 def _stop(
-    problem: Problem, found: Found, record: SpecialPoint | None, settings: Settings, observer: Observer
+    problem: Problem, found: Found, record: SpecialPoint, settings: Settings, observer: Observer
 ) -> Outcome | None:
     """The end of the branch at a point: at a limit, where it meets its parent, or where a mark has a value of
     `stop_at`.
     """
-    if found.label == limits.SOFT:
-        return outcomes.softly(problem.limits[int(found.located.vectors["limit"])].name)
     if found.kind != "unlocated" and found.label in limits.LABELS:
         asked = limits.policy(problem, found.located, settings.events)
         if asked == "ignore":
             return None
         words = problem.stopped(found.label, found.located, found.sample)
-        if asked == "switch" and record is not None:
+        if asked == "switch":
             words = f"{words} {problem.neighbours(record)[1]}"
         kind = problem.limits[int(found.located.vectors["limit"])].kind
         return outcomes.limit(found.label, kind, asked, words)

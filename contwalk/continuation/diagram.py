@@ -269,8 +269,6 @@ class Diagram:
         """Whether the branches that leave a point are wanted."""
         if point.label in ("GR", "OC"):
             return self._plan.settings.events.get(point.label) == "switch"
-        if point.label == "EP":
-            return outcomes.joins_softly(point, branch.special_points)
         return point.label in self._plan.follow
 
     def _grown(self, start: Start, problem: Problem, branch: Branch) -> Iterator[Start]:

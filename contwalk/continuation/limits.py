@@ -19,8 +19,6 @@ from contwalk.continuation.segment import Segment
 from contwalk.problems.problem import Located, Problem
 
 LABELS = ("GR", "OC", "AZ")
-# A change of the problem's form without anything special: the branch goes on as another one.
-SOFT = "soft"
 # A branch that was born at a limit begins with a margin of zero, which is positive; of one that begins next
 # to a limit the sign is known.
 BORN, ROUNDED = 1e-7, 1e-10
@@ -154,8 +152,6 @@ def policy(problem: Problem, located: Located, events: Mapping[str, str]) -> str
     beyond it the orbit's own event happens earlier, and no orbit of this word is the machine's.
     """
     limit = problem.limits[int(located.vectors["limit"])]
-    if limit.label == SOFT:
-        return "switch"
     asked = events.get(limit.label, "ignore")
     if limit.label == "AZ":
         return asked

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -55,16 +55,6 @@ def limit(label: str, kind: str | None, asked: str, words: str) -> Outcome:
     return Outcome("stopped", reason, f"{words} To go on {', or '.join(ways)}.")
 
 
-def softly(name: str) -> Outcome:
-    """A soft transition joins the orbit's word, or leaves it."""
-    return Outcome(
-        "complete",
-        "order_change",
-        f"The soft transition '{name}' joins the signature or leaves it there: the orbit goes on as another "
-        "branch.",
-    )
-
-
 def max_points(number: int) -> Outcome:
     """The limit of points was reached."""
     return Outcome(
@@ -90,20 +80,8 @@ def restored(end: SpecialPoint, goes_on: bool) -> Outcome:
     return Outcome(status, reason, end.note or f"Ended with {reason}. Nothing more is known.")
 
 
-def joins_softly(end: SpecialPoint, others: Iterable[SpecialPoint]) -> bool:
-    """Whether a branch ends where a soft transition joins its word or leaves it.
-
-    That is a change of order without a special point of its own: one that the machine feels has its OC there.
-    """
-    if end.label != "EP" or end.kind != AT_LIMITS["OC"]:
-        return False
-    return all(point.label != "OC" or point.s != end.s for point in others)
-
-
-def goes_on(end: SpecialPoint, others: Iterable[SpecialPoint], events: Mapping[str, str]) -> bool:
+def goes_on(end: SpecialPoint, events: Mapping[str, str]) -> bool:
     """Whether an end point is a limit at which the diagram goes over to other branches."""
-    if joins_softly(end, others):
-        return True
     return any(end.kind == reason and events.get(label) == "switch" for label, reason in AT_LIMITS.items())
 
 

@@ -255,7 +255,7 @@ def _special(
 
 def _ends_at_a_limit(segment: Segment, found: list[Found], settings: Settings) -> bool:
     """Whether the walk goes on from a step that ends at a limit, to within what its margin is known to."""
-    reached = [f for f in found if f.kind != "unlocated" and f.label in (*limits.LABELS, limits.SOFT)]
+    reached = [f for f in found if f.kind != "unlocated" and f.label in limits.LABELS]
     goes_on = limits.stopping(segment.problem, reached, settings.events) is None
     return goes_on and limits.in_doubt(segment)
 
@@ -275,7 +275,7 @@ def _with_counts(found: list[Found], count: int) -> list[Found]:
     """Marks take their unstable counts from the bifurcations before them, or at the same place."""
     result = []
     for point in found:
-        uncounted = point.label in ("UZ", limits.SOFT, *limits.LABELS)
+        uncounted = point.label in ("UZ", *limits.LABELS)
         result.append(replace(point, before=count, after=count) if uncounted else point)
         count = result[-1].after
     return result

@@ -171,7 +171,7 @@ def resumed(
     for sign in signs:
         if sign in ends:
             end = ends[sign]
-            told = outcomes.restored(end, outcomes.goes_on(end, work.special_points, events))
+            told = outcomes.restored(end, outcomes.goes_on(end, events))
             work.outcomes.append((sign, told))
             continue
         side = kept[(np.sign(kept["s"]) == sign) & ~kept["special"]]

@@ -87,19 +87,17 @@ def test_a_stored_end_has_its_status_again(kind):
 
 
 @pytest.mark.parametrize(
-    ("kind", "others", "events", "expected"),
+    ("kind", "events", "expected"),
     [
-        ("grazing", [], {"GR": "switch"}, True),
-        ("grazing", [], {"GR": "stop", "OC": "switch"}, False),
-        ("order_change", [("OC", 0.5)], {"OC": "switch"}, True),
-        ("order_change", [("OC", 0.5)], {"OC": "stop"}, False),
-        ("order_change", [("OC", 0.2)], {"OC": "stop"}, True),  # that one was passed: this is a soft one
-        ("bound", [], {"GR": "switch"}, False),
+        ("grazing", {"GR": "switch"}, True),
+        ("grazing", {"GR": "stop", "OC": "switch"}, False),
+        ("order_change", {"OC": "switch"}, True),
+        ("order_change", {"OC": "stop"}, False),
+        ("bound", {"GR": "switch"}, False),
     ],
 )
-def test_where_a_diagram_goes_on_beyond_an_end(kind, others, events, expected):
-    points = [end("crossing", s, label) for label, s in others]
-    assert outcomes.goes_on(end(kind), [*points, end(kind)], events) is expected
+def test_where_a_diagram_goes_on_beyond_an_end(kind, events, expected):
+    assert outcomes.goes_on(end(kind), events) is expected
 
 
 @pytest.mark.parametrize(

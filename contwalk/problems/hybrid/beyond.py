@@ -1,7 +1,6 @@
 """What the machine does a little beyond a limit: simulated, and its word read off.
 
-Where no orbit of another word passes through the limit itself, or a soft transition joins or leaves the
-word, the motion beyond still tells how the orbit goes on.
+Where no orbit of another word passes through the limit itself the motion beyond still tells how it goes on.
 """
 
 from __future__ import annotations
@@ -17,6 +16,7 @@ from contwalk.problems.hybrid import limits
 from contwalk.problems.hybrid.least import least
 from contwalk.problems.hybrid.solving import newton_on
 from contwalk.problems.hybrid.switching import discretized
+from contwalk.problems.hybrid.word import Word
 from contwalk.problems.linear import kernel_direction
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.problem import Seed
@@ -73,8 +73,7 @@ def _simulated(problem: HybridOrbit, guess: np.ndarray, outward: np.ndarray, lab
         after=word.leading_in(problem.system, 0) or None,
         least=SHORTEST * problem.duration(guess),
     )
-    times, rest = divmod(len(lap.word), len(word))
-    if not rest and lap.word.legs == word.legs * times:
+    if _alike(word, lap.word):
         raise ContwalkError("the motion has the same signature still")
     at = None if problem.path is None else float(guess[-1])
     rough, start = orbit_of(
@@ -105,3 +104,13 @@ def _simulated(problem: HybridOrbit, guess: np.ndarray, outward: np.ndarray, lab
     tangent = tangent * (np.sign(tangent[-1]) * np.sign(outward[-1]) or 1.0)
     walking = there.adapted_to(start, weights)
     return Seed(label, start, tangent, amplitude(tangent), walking)
+
+
+def _alike(word: Word, lap: Word) -> bool:
+    """Whether a lap is a word, or is it some times over: soft transitions do not count."""
+    own, other = (tuple(leg for leg in each.legs if not leg.soft) for each in (word, lap))
+    times, rest = divmod(len(other), len(own)) if own else (1, len(other))
+    if word.legs == own and lap.legs == other:
+        return not rest and other == own * times
+    names = [[leg.name for leg in each if leg.name] for each in (own, other)]
+    return not rest and names[1] == names[0] * times

@@ -33,7 +33,7 @@ class HybridDeviations:
     def __init__(self, problem: HybridOrbit, z: np.ndarray) -> None:
         self.problem, self.z = problem.explicit(z) if isinstance(problem, SoftOrbit) else (problem, z)
         self.legs = self.problem.layout.legs
-        self.timed = self.problem.forced and self.problem.word.eventful
+        self.timed = self.problem.timed(0)
 
     @property
     def rounds(self) -> int:
@@ -134,7 +134,7 @@ class HybridDeviations:
         x = jacobian[rows, place].copy()
         if self.legs == 1:  # the start is the next one's
             x += np.eye(len(x))
-        if not problem.word.eventful:
+        if problem.word.legs[i].transition is None:
             return x @ d
         own, guard = layout.durations.start + i, layout.guards + i
         rate, scale = jacobian[guard, own], 1.0 if problem.mesh.guards is None else problem.mesh.guards[i]

@@ -20,6 +20,8 @@ MOST_CORRECTIONS, SOLVED = 4, 1e2
 COARSE = 1e-2
 # What is left of the other equations, in their units, near a solution.
 NEARLY = 1e-7
+# The same where it is worth to ask whether it is the machine's.
+SETTLED = 1e-4
 
 
 class Eliminated:
@@ -57,13 +59,23 @@ class Eliminated:
         return float(np.max(np.abs(self._parts[1]) / level))
 
     @property
+    def settles(self) -> bool:
+        """Whether what is left is solved nearly."""
+        return self.excess <= SOLVED and self._left < SETTLED
+
+    @cached_property
+    def _left(self) -> float:
+        """What is left to solve, in units of the equations."""
+        scales = self.explicit.equation_scales[self.grouping.hard_rows]
+        return float(np.linalg.norm(self.residual / scales))
+
+    @property
     def negligible(self) -> bool:
         """Whether what second derivatives make of the next correction is small beside what is left to solve.
 
         At a solution of what is left it has to be solved for.
         """
-        left = float(np.linalg.norm(self.residual / self.explicit.equation_scales[self.grouping.hard_rows]))
-        return left > NEARLY and self.step**2 < 0.01 * left
+        return self._left > NEARLY and self.step**2 < 0.01 * self._left
 
     @cached_property
     def _inverse(self) -> np.ndarray:

@@ -1,4 +1,5 @@
-"""Which legs of an explicit word are pieces of one leg between hard transitions; their unknowns.
+"""Which legs of an explicit word are pieces of one leg between hard transitions; their unknowns. Where there
+are no hard ones that leg is the whole closure.
 
 Unknowns that are left: the state at the start of each group, its whole duration, and what belongs to no leg.
 Eliminated: the states at the starts of the other pieces, and the durations of all pieces but a group's last.
@@ -16,7 +17,7 @@ NO_TIME = 1e-6
 
 
 class Grouping:
-    """The groups of a word that ends with a hard transition.
+    """The groups of a word that does not end with a soft transition.
 
     Attributes
     ----------
@@ -31,7 +32,7 @@ class Grouping:
         self.groups: list[list[int]] = [[]]
         for i, leg in enumerate(word.legs):
             self.groups[-1].append(i)
-            if leg.transition is not None and leg.transition.role != "soft":
+            if not leg.soft:
                 self.groups.append([])
         if self.groups.pop():
             raise ValueError("the word ends with a soft transition")

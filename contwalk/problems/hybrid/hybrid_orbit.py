@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any, TypeVar
@@ -16,7 +16,6 @@ from contwalk.errors import NotFinite
 from contwalk.memory import remembered, unowned
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.hybrid import (
-    beyond,
     condensed,
     families,
     least,
@@ -35,11 +34,12 @@ from contwalk.problems.hybrid.shooting import LegMesh, Piece, meshed, most_steps
 from contwalk.problems.hybrid.solving import newton_on
 from contwalk.problems.hybrid.view import LegView, view_of
 from contwalk.problems.hybrid.word import Word
-from contwalk.problems.linear import EPSILON, Factorization
+from contwalk.problems.linear import EPSILON, Factored, Factorization
 from contwalk.problems.orbit import augmented, branching, describing, ending, rates
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.discretization import FINEST, Discretization
 from contwalk.problems.orbit.homoclinic import AROUND, SlowPlace, homoclinic, slow_place_on
+from contwalk.problems.orbit.meeting import distance
 from contwalk.problems.orbit.motion import PLAIN, TANGENT
 from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers, multipliers
 from contwalk.problems.orbit.normal_forms import SectionMap
@@ -66,8 +66,9 @@ COLLAPSED = 1e-13
 STILL = 1e-9
 # Multipliers whose difference has a smaller square meet, to rounding.
 MEET = 1e-12
-# Two orbits whose periods and states differ by less than this part are one.
+# Two orbits whose periods and states differ by less than this part are one; a leg looked at closely.
 ALIKE = 1e-6
+CLOSELY = np.linspace(0.0, 1.0, 2048)
 
 # Limits whose neighbours are kept.
 _NEIGHBOURS: dict[tuple, tuple[System, tuple[Sequence[Seed], str]]] = {}
@@ -81,7 +82,9 @@ class HybridOrbit:
 
     Newton's method never looks for an event: durations are unknowns, and a guard is an equation. So the
     equations are smooth, and stay regular where an event grazes. An orbit without events is one leg that ends
-    where it began; what is watched on it is watched as on any other.
+    where it began; what is watched on it is watched as on any other. Where the last leg ends without an event
+    the phase is fixed by an equation of its own: forced orbits begin where the force begins its period, the
+    others in a section.
 
     Parameters
     ----------
@@ -362,7 +365,7 @@ class HybridOrbit:
             jacobian,
             lambda: (levels(z, jacobian), None),
             lambda: magnitudes(z),
-            partial(condensed.factored, self.layout),
+            self._factored,
             unowned(self.residual),
         )
 
@@ -381,7 +384,12 @@ class HybridOrbit:
 
     def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factorization:
         """A matrix of these equations and unknowns, and of borders that come last, factored."""
-        return condensed.factored(self.layout, matrix, weights)
+        return self._factored(matrix, weights)
+
+    @property
+    def _factored(self) -> Callable[[np.ndarray, np.ndarray], Factorization]:
+        # An equation of the phase is one of the first leg's start: the chain has no place for it.
+        return partial(condensed.factored, self.layout) if self.word.eventful else Factored
 
     def _equations(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         layout = self.layout
@@ -415,7 +423,8 @@ class HybridOrbit:
         """Write the equations of the closure, of phase or period and of pins, with their gradients."""
         layout = self.layout
         if not self.word.eventful:
-            residual[layout.guards] = self._phase(z, jacobian[layout.guards])
+            last = layout.guards + layout.legs - 1
+            residual[last] = self._phase(z, jacobian[last])
         if layout.sum is not None:
             period, slope = self._period(z)
             residual[layout.sum] = z[layout.durations].sum() - period
@@ -425,7 +434,7 @@ class HybridOrbit:
             residual[layout.held + j] = self._pinned(pin, z, jacobian[layout.held + j])
 
     def _phase(self, z: np.ndarray, row: np.ndarray) -> float:
-        """What fixes the phase of an orbit without events; its gradient is written into `row`."""
+        """What fixes the phase where no event does; its gradient is written into `row`."""
         if self.layout.start is not None:  # forced: it is looked at when the force begins its period
             row[self.layout.start] = 1.0
             return float(z[self.layout.start])
@@ -577,20 +586,24 @@ class HybridOrbit:
     @property
     def spectrum_size(self) -> int:
         """Number of multipliers: dimension of the smallest section, pinned directions left out."""
-        if not self.word.eventful:
-            return self.states_of_leg(0) - (0 if self.forced else 1) - len(self.pins)
-        return min(self.layout.sizes) - 1 + int(self.forced) - len(self.pins)
+        return self.layout.sizes[self.smallest] - 1 + int(self.forced) - len(self.pins)
 
-    def states_of_leg(self, i: int) -> int:
-        """Number of states of leg i."""
-        return self.layout.sizes[i]
+    @property
+    def smallest(self) -> int:
+        """The leg whose start has fewest states; without an event only the first one is a section."""
+        return int(np.argmin(self.layout.sizes)) if self.word.eventful else 0
+
+    def timed(self, i: int) -> bool:
+        """Whether the time is a coordinate of the start of leg i: it may begin earlier or later."""
+        return self.forced and (self.word.eventful or i > 0)
 
     # -- the spectrum ------------------------------------------------------------------------------------
 
     def factors(self, jacobian: np.ndarray) -> list[np.ndarray]:
         """Derivative of each leg's end by its start with the event at its end held, from DF(z).
 
-        Of a forced system the time of the event is one more coordinate, the last one.
+        Of a forced system the time of the event is one more coordinate, the last one. A leg that no event
+        ends lasts until the closure is over.
         """
         layout, result = self.layout, []
         for i in range(layout.legs):
@@ -598,25 +611,35 @@ class HybridOrbit:
             x = jacobian[rows, place].copy()
             if layout.legs == 1:
                 x += np.eye(len(x))
-            if not self.word.eventful:
-                return [x]
+            if self.word.legs[i].transition is None:
+                result.append(self._to_the_end(i, x, jacobian))
+                continue
             own, guard = layout.durations.start + i, layout.guards + i
             by_duration, guard_x = jacobian[rows, own], jacobian[guard, place]
             # An event without rate: those multipliers that stay finite have a limit, and this is near it.
             least = NO_RATE * float(self._guard_scales[i]) / self.mesh.total
             rate = jacobian[guard, own]
             rate = rate if abs(rate) > least else (-least if self.word.legs[i].falls else least)
-            if layout.start is not None:
+            if self.timed(i):
                 x = np.hstack([x, jacobian[rows, layout.start, None]])
                 guard_x = np.append(guard_x, jacobian[guard, layout.start])
             lasting = -guard_x / rate
             whole = x + np.outer(by_duration, lasting)
-            if layout.start is not None:
+            if self.timed((i + 1) % layout.legs):
                 time = lasting.copy()
-                time[-1] += 1.0
+                if self.timed(i):
+                    time[-1] += 1.0
                 whole = np.vstack([whole, time])
             result.append(whole)
         return result
+
+    def _to_the_end(self, i: int, x: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
+        """A factor of a leg that no event ends: of a forced system, one that starts later is shorter."""
+        if not self.timed(i):
+            return x
+        rows, layout = self.layout.matches[i], self.layout
+        late = jacobian[rows, layout.start] - jacobian[rows, layout.durations.start + i]
+        return np.column_stack([x, late])
 
     def once_round(self, jacobian: np.ndarray, first: int) -> np.ndarray:
         """Derivative of the closure by the start of a leg: the product of all factors from that leg on."""
@@ -628,43 +651,40 @@ class HybridOrbit:
 
     def _arrives_without_rate(self, jacobian: np.ndarray) -> bool:
         """Whether an event is a terminal grazing, to rounding: there multipliers may be infinite."""
-        if not self.word.eventful:
-            return False
-        rows = np.arange(self.layout.guards, self.layout.guards + self.layout.legs)
-        own = np.arange(self.layout.durations.start, self.layout.durations.stop)
-        rates = np.abs(jacobian[rows, own]) * self.mesh.total
-        return bool(np.any(rates <= NO_RATE * self._guard_scales))
+        events = np.flatnonzero([leg.transition is not None for leg in self.word.legs])
+        own = self.layout.durations.start + events
+        rates = np.abs(jacobian[self.layout.guards + events, own]) * self.mesh.total
+        return bool(np.any(rates <= NO_RATE * self._guard_scales[events]))
 
     def extended(self, i: int) -> np.ndarray:
-        """Typical magnitudes of the coordinates at the start of leg i: its states, and time if forced."""
+        """Typical magnitudes of the coordinates at the start of leg i: its states, and time if it is one."""
         own = self.mesh.variation[list(self.passages[i].states)]
-        return np.append(own, self.mesh.total) if self.forced and self.word.eventful else own
+        return np.append(own, self.mesh.total) if self.timed(i) else own
 
     def flow_direction(self, z: np.ndarray, i: int) -> np.ndarray:
         """What a later start of leg i on the same orbit differs by: velocity, and time if forced."""
         x, scalars = self.layout.inputs(i, z)
         duration = scalars[0] if scalars[0] != 0.0 else 1.0
         own = self.pieces[i].velocity(x, np.concatenate([[duration], scalars[1:]])) / duration
-        return np.append(own, 1.0) if self.forced and self.word.eventful else own
+        return np.append(own, 1.0) if self.timed(i) else own
 
     def pinned_directions(self, z: np.ndarray, i: int) -> list[np.ndarray]:
         """Generators of the pinned directions at the start of leg i, as `flow_direction` has the flow's."""
         x = self.passages[i].full(self.layout.inputs(i, z)[0])
         along = families.directions(self.system, self.pins, x, self.values_of(z))
         own = along[list(self.passages[i].states)]
-        timed = self.forced and self.word.eventful
-        return list((np.vstack([own, np.zeros((1, own.shape[1]))]) if timed else own).T)
+        return list((np.vstack([own, np.zeros((1, own.shape[1]))]) if self.timed(i) else own).T)
 
     def neutral_directions(self, z: np.ndarray, i: int) -> np.ndarray:
         """The flow's own direction, if there is one, and pinned ones, at the start of leg i, as columns."""
-        still = self.forced and not self.word.eventful
+        still = self.forced and not self.timed(i)
         directions = [] if still else [self.flow_direction(z, i)]
         directions += self.pinned_directions(z, i)
         return np.array(directions).reshape(len(directions), len(self.extended(i))).T
 
     def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
         """Multipliers of the closure, of the map of the smallest section."""
-        smallest = int(np.argmin(self.layout.sizes))
+        smallest = self.smallest
         product = self.once_round(jacobian, smallest)
         if not np.all(np.isfinite(product)):
             return Multipliers(
@@ -688,10 +708,11 @@ class HybridOrbit:
             return float("nan")
         worst = 0.0
         for i, factor in enumerate(self.factors(jacobian)):
-            own = self.flow_direction(z, i)
-            there = (i + 1) % self.layout.legs
+            own, there = self.flow_direction(z, i), (i + 1) % self.layout.legs
             size = float(np.linalg.norm(own / self.extended(i)))
-            left = factor @ own if self.word.eventful else factor @ own - own
+            left = factor @ own
+            if self.word.legs[i].transition is None:
+                left = left - self.flow_direction(z, there)
             scale = float(np.linalg.norm((np.abs(factor) @ np.abs(own)) / self.extended(there)))
             if size > 0.0 and scale > 0.0:
                 worst = max(worst, float(np.linalg.norm(left / self.extended(there))) / max(scale, size))
@@ -983,7 +1004,7 @@ class HybridOrbit:
 
     def locate(self, label: str, sample: Sample, which: int) -> Located | None:
         """The special point near a sample, by its defining system."""
-        if label in (*limits.LABELS, limits.SOFT):
+        if label in limits.LABELS:
             return limits.located(self, which, sample)
         return augmented.located(self, label, sample, which)
 
@@ -1048,8 +1069,6 @@ class HybridOrbit:
         """The branches that leave a special point."""
         if point.label in ("GR", "OC"):
             return self.neighbours(point)[0]
-        if point.label == "EP":
-            return beyond.seeds(self, point)[0]
         return switching.seeds(self, point)
 
     def neighbours(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
@@ -1071,8 +1090,14 @@ class HybridOrbit:
         return self.passages[0].full(z[self.layout.states[0]])
 
     def passes(self, z: np.ndarray, points: Sequence[np.ndarray]) -> bool:
-        """Whether a leg of the orbit of z starts at one of some states."""
+        """Whether a leg of the orbit of z starts at one of some states; whether it passes one, if it begins
+        anywhere.
+        """
         periods = np.array([s.period or 0.0 for s in self.system.states])
+        if not (self.word.eventful or self.pins):
+            curve = np.concatenate([stretch.at(CLOSELY)[1] for stretch in self.stretches(z)])
+            scale = self.mesh.variation
+            return any(distance(curve, x, periods, scale) < 30.0 * ALIKE for x in points)
         for place, passage in zip(self.layout.states, self.passages, strict=True):
             start = passage.full(z[place])
             for x in points:
@@ -1089,5 +1114,7 @@ class HybridOrbit:
         """Whether two solutions at the same parameter are one orbit."""
         if abs(a.period - b.period) > ALIKE * abs(a.period) or len(a.z) != len(b.z):
             return False
+        if not (self.word.eventful or self.forced):
+            return self.passes(b.z, [self.first_state(a.z)])
         there = self.nearest_turn(a.z, b.z)
         return bool(np.linalg.norm((there - b.z) / b.weights) < 30.0 * ALIKE)

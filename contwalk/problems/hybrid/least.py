@@ -14,7 +14,7 @@ from contwalk.flow.hybrid_machine import hybrid_machine
 from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.mirrors import Span, carries
 from contwalk.problems.hybrid.switching import discretized, shifted
-from contwalk.problems.hybrid.word import Word, imaged_leg
+from contwalk.problems.hybrid.word import Leg, Word, imaged_leg
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
@@ -41,7 +41,7 @@ def least(problem: HybridOrbit, z: np.ndarray) -> tuple[HybridOrbit, np.ndarray]
 
 def repetitions(problem: HybridOrbit, z: np.ndarray) -> int:
     """How many times an orbit goes through the same states."""
-    most = problem.layout.legs if problem.word.eventful else problem.subharmonic
+    most = problem.layout.legs if problem.word.eventful else max(problem.subharmonic, 2)
     for times in range(most, 1, -1):
         whole = not problem.forced or problem.subharmonic % times == 0
         if whole and problem.word.has_parts(problem.system, times) and _repeated(problem, z, times):
@@ -52,8 +52,7 @@ def repetitions(problem: HybridOrbit, z: np.ndarray) -> int:
 def _repeated(problem: HybridOrbit, z: np.ndarray, times: int) -> bool:
     """Whether an orbit of a word that repeats itself meets itself after the first of so many parts."""
     if not problem.word.eventful:
-        view = problem.view(z)[0]
-        return _alike(problem, z, view.full(view.stepped(1.0 / times)), 0, problem.turns / times)
+        return _alike(problem, z, _part_way(problem, z, times), 0, problem.turns / times)
     part = problem.layout.legs // times
     symmetry, p = _symmetry(problem, problem.word.image), ParameterValues(**problem.values_of(z))
     turns = np.zeros(problem.states) if symmetry else problem.turns / times
@@ -61,6 +60,16 @@ def _repeated(problem: HybridOrbit, z: np.ndarray, times: int) -> bool:
         _alike(problem, z, imaged(symmetry, _start(problem, z, i + part), p), i, turns)
         for i in range(problem.layout.legs - part)
     )
+
+
+def _part_way(problem: HybridOrbit, z: np.ndarray, times: int) -> np.ndarray:
+    """Full state after the first of so many parts of a closure."""
+    views = problem.view(z)
+    ends = np.cumsum([view.duration for view in views])
+    at = float(ends[-1]) / times
+    i = min(int(np.searchsorted(ends, at)), len(views) - 1)
+    view = views[i]
+    return view.full(view.stepped(1.0 - (float(ends[i]) - at) / view.duration))
 
 
 def _start(problem: HybridOrbit, z: np.ndarray, i: int) -> np.ndarray:
@@ -83,9 +92,16 @@ def divided(problem: HybridOrbit, z: np.ndarray, times: int) -> tuple[HybridOrbi
     """The problem of the first part of a word that repeats itself, and the same part of the orbit."""
     if problem.word.eventful:
         return _beginning(problem, z, problem.layout.legs // times, times, problem.word.image)
-    other, start = problem.of_word(problem.word, turns=problem.turns / times), z.copy()
-    start[problem.layout.durations] /= times
-    other.subharmonic = problem.subharmonic // times
+    layout = problem.layout
+    ends = np.cumsum(z[layout.durations])
+    at = float(ends[-1]) / times
+    last = min(int(np.searchsorted(ends, at)), layout.legs - 1)
+    lasting = np.diff([0.0, *ends[:last], at])
+    word = Word((*problem.word.legs[:last], Leg(problem.word.legs[last].mode)))
+    other = problem.of_word(word, turns=problem.turns / times)
+    other.subharmonic = max(problem.subharmonic // times, 1)
+    states = z[: layout.states[last].stop]
+    start = np.concatenate([states, lasting, z[layout.durations.stop :]])
     return discretized(other, start), start
 
 

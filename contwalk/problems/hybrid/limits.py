@@ -8,8 +8,7 @@
 | `start`, `end` | a guard that is not the leg's own, at its ends | OC, of a watched one AZ |
 | `condition` | a declared condition at an event | AZ |
 
-The same tests of a soft transition are no special points: the field switches continuously there. The word
-changes all the same, and the orbit goes on as another branch.
+Of a soft transition there are none: the field switches continuously there.
 
 A grazing is `terminal` where the guard is the one that ends the leg: the leg then ends earlier. All guards
 have the sign with which they are positive on an admissible orbit. Every limit that passes zero is a special
@@ -40,8 +39,6 @@ if TYPE_CHECKING:
 LABELS = ("GR", "OC", "AZ")
 # Limits whose numbers are not the guard's own: margins tell them under names of their own.
 DERIVED = ("rate", "duration", "leaving")
-# A soft transition that joins the word, or leaves it: no special point, but another word from there on.
-SOFT = "soft"
 # Margins larger than this are not those that a special point is a zero of.
 HIDDEN = 1e-6
 # Parts of a guard's largest value: zero to rounding; below zero beyond doubt.
@@ -130,8 +127,6 @@ def limits_of_leg(system: System, mode: str, own: Transition | None, before: str
     found: list[Limit] = []
     for other in system.leaving(mode):
         if other.role == "soft":
-            if other != own:
-                found.append(Limit(SOFT, None, other.name, i, "dip"))
             continue
         acts = other.role != "watched"
         found.append(Limit("GR", "terminal" if other == own else "interior", other.name, i, "dip", acts))
@@ -146,8 +141,6 @@ def limits_of_leg(system: System, mode: str, own: Transition | None, before: str
     if own.role == "hard":
         found.append(Limit("GR", "terminal", own.name, i, "rate"))
         found.append(Limit("OC", "crossing", own.name, i, "duration"))
-    else:
-        found.append(Limit(SOFT, None, own.name, i, "duration"))
     for condition in system.conditions:
         if condition.at == own.name:
             found.append(Limit("AZ", condition.name, condition.name, i, "condition", False))
@@ -176,7 +169,7 @@ class _Watch:
     @cached_property
     def scale(self) -> float:
         """Largest value; on a leg that lasts nearly no time, what it changes by in a little more."""
-        return max(_largest(self.values, self.rates, self.view.duration, self.total), 1e-300)
+        return max(largest(self.values, self.rates, self.view.duration, self.total), 1e-300)
 
     @property
     def dips(self) -> list[tuple[int, float, float]]:
@@ -265,7 +258,7 @@ def _goes_on(transition: Transition | None) -> bool:
     return transition is None or transition.role == "soft"
 
 
-def _largest(values: np.ndarray, rates: np.ndarray, duration: float, total: float) -> float:
+def largest(values: np.ndarray, rates: np.ndarray, duration: float, total: float) -> float:
     """Largest modulus of a guard on a leg of at least a little time; rates are over the leg's own time."""
     largest = float(np.abs(values).max())
     little = LITTLE * total

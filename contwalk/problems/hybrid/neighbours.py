@@ -24,7 +24,7 @@ from contwalk.problems.hybrid.following import follows
 from contwalk.problems.hybrid.least import least
 from contwalk.problems.hybrid.solving import newton_on
 from contwalk.problems.hybrid.switching import discretized, rotated
-from contwalk.problems.hybrid.word import Leg, Word
+from contwalk.problems.hybrid.word import Leg, Word, continued, imaged_leg
 from contwalk.problems.linear import kernel_direction
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.orbit.closure import imaged
@@ -271,21 +271,35 @@ def _inserted(
     x, t = _at(there, z, i, place), float(there.starting_times(z)[i]) + place * lasting[i]
     after = _after(problem, leg, x, t, z)
     _unchanged(there, transition, x, after)
+    word = problem.word.inserted(i, leg)
+    first, second = place * lasting[i], (1.0 - place) * lasting[i]
+    states = [*states[: i + 1], after, *states[i + 1 :]]
+    lasting = [*lasting[:i], first, second, *lasting[i + 1 :]]
     if not problem.word.eventful:
-        word = replace(problem.word, legs=(leg,))
-        given = [after], [sum(lasting)], t
-        grows = 0
-    else:
-        word = problem.word.inserted(i, leg)
-        first, second = place * lasting[i], (1.0 - place) * lasting[i]
-        given = (
-            [*states[: i + 1], after, *states[i + 1 :]],
-            [*lasting[:i], first, second, *lasting[i + 1 :]],
-            start,
-        )
-        grows = i
-    other, unknowns = _of_legs(there, word, *given, z)
-    return Neighbour(other, unknowns, _own(other, grows, "rate"))
+        word, states, lasting = _after_event(there, z, word, i, states, lasting)
+        start, i = t, len(word) - 1
+    other, unknowns = _of_legs(there, word, states, lasting, start, z)
+    return Neighbour(other, unknowns, _own(other, i, "rate"))
+
+
+def _after_event(
+    problem: HybridOrbit,
+    z: np.ndarray,
+    word: Word,
+    i: int,
+    states: list[np.ndarray],
+    lasting: list[float],
+) -> tuple[Word, list[np.ndarray], list[float]]:
+    """What begins between events, as beginning right after the event that ends leg i: that leg comes last."""
+    symmetry = problem.system.symmetry(word.image) if word.image else None
+    p, early = ParameterValues(**problem.values_of(z)), word.legs[: i + 1]
+    if symmetry is not None:
+        early = tuple(imaged_leg(problem.system, word.image, leg) for leg in early)
+    legs = continued((*word.legs[i + 1 :], *early))
+    # The last leg goes on as the first one.
+    given = [*states[i + 1 :], *(imaged(symmetry, x, p) for x in states[1 : i + 1])]
+    joined = [*lasting[i + 1 : -1], lasting[-1] + lasting[0], *lasting[1 : i + 1]]
+    return replace(word, legs=legs), given, joined
 
 
 def _falls(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> bool:

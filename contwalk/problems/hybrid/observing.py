@@ -11,6 +11,7 @@ import numpy as np
 from contwalk.errors import measured
 from contwalk.problems.hybrid import families, limits
 from contwalk.problems.hybrid.view import LegView
+from contwalk.problems.hybrid.word import imaged_leg
 from contwalk.problems.orbit.closure import images_of
 from contwalk.problems.orbit.extrema import Smooth
 from contwalk.problems.orbit.multipliers import Multipliers
@@ -107,7 +108,7 @@ def stretches(problem: HybridOrbit, z: np.ndarray) -> list[Stretch]:
         # What has drifted until the half is over.
         return drifted(np.full(len(times), begins + length), images)
 
-    legs = word.unfolded(system).legs[len(word) :]
+    legs = [imaged_leg(system, word.image, leg) for leg in word.legs]
     return found + [
         Stretch(leg.name, view, length, image, system.states_of(leg.mode))
         for leg, view in zip(legs, views, strict=True)

@@ -129,18 +129,18 @@ class Passage:
         """The state after the transition and its images, in the states of the target mode."""
         t, x, p = self._arguments(tracer)
         transition = self.leg.transition
-        assert transition is not None
         out = x
-        if transition.reset is not None:
+        if transition is not None and transition.reset is not None:
             out = np.full(len(x), None, dtype=object)
             rebound(transition.reset)(t, x, p, out)
-        for name in (transition.relabel, self.image):
+        for name in (None if transition is None else transition.relabel, self.image):
             if name:
                 given = np.array([0.0 if entry is None else entry for entry in out], dtype=object)
                 out = np.full(len(x), None, dtype=object)
                 rebound(self.system.symmetry(name).map)(t, given, p, out)
         for i in self.following:
             if out[i] is None:
+                assert transition is not None
                 raise SystemDefinitionError(
                     f"The reset of transition '{transition.name}' does not write "
                     f"'{self.system.state_names[i]}', which exists in mode '{self.target}'.",
@@ -153,7 +153,7 @@ class Passage:
         """The state after the transition, then its guard."""
         transition = self.leg.transition
         if transition is None:
-            return trace(lambda tracer: [tracer.symbol("u", k) for k in range(len(self.states))])
+            return trace(self._after)
         guard = rebound(transition.guard)
         return trace(lambda tracer: [*self._after(tracer), guard(*self._arguments(tracer))])
 

@@ -3,8 +3,8 @@
 For an orbit with events it is the map of the whole space of starts (states, and time if forced): where a
 start lies on its own motion makes no difference, so the flow's own direction has the multiplier zero, which
 no normal form minds. Each leg's duration changes along a curve so that its guard stays zero, order by order.
-Of an autonomous orbit without events, starts and ends lie in its section. Across pinned directions starts and
-ends do not move: the drifts change along a curve so that they do not.
+Where no event ends the closure, starts and ends of an autonomous orbit lie in its section. Across pinned
+directions starts and ends do not move: the drifts change along a curve so that they do not.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ class EventMap(SectionMap):
 
     def __init__(self, problem: HybridOrbit, z: np.ndarray) -> None:
         self.problem, self.z = problem, z
-        self.first = int(np.argmin(problem.layout.sizes))
-        self.timed = problem.forced and problem.word.eventful
+        self.first = problem.smallest
+        self.timed = problem.timed(self.first)
         magnitudes = problem.extended(self.first)
         held = [v / magnitudes**2 for v in problem.pinned_directions(z, self.first)]
         self.held = np.array(held).reshape(len(held), len(magnitudes))
@@ -65,8 +65,8 @@ class EventMap(SectionMap):
         return found
 
     def _ending(self, end: np.ndarray, width: int) -> float:
-        """What ends a leg, of one order of its end: the guard, or of an orbit without events the section."""
-        if self.problem.word.eventful:
+        """What ends a leg, of one order of its end: the guard, or where there is none the section."""
+        if len(end) > width:
             return float(end[width])
         assert self.problem.section is not None or self.problem.forced
         return 0.0 if self.problem.section is None else float(self.problem.section.normal @ end[:width])
@@ -159,14 +159,12 @@ class EventMap(SectionMap):
             out = piece.end(JET, jets, scalars, *directions)
             each = len(out) // (ORDERS + 1)
             end = out[(j + 1) * each : (j + 2) * each]
-            if problem.word.eventful or not forced:
+            if piece.passage.leg.transition is not None or not forced:
                 lasting[j] = -self._ending(end, width) / rate
             else:
-                lasting[j] = period[j]
+                lasting[j] = period[j] - times[j]
             ends.append(end[:width] + by_duration * lasting[j])
         later = [t + d for t, d in zip(times, lasting, strict=True)]
-        if not problem.word.eventful:
-            later = [0.0] * ORDERS
         return ends + [np.zeros(width)] * (ORDERS - order), later
 
     @cached_property
@@ -175,7 +173,7 @@ class EventMap(SectionMap):
         problem = self.problem
         moved = problem.once_round(problem.linearize(self.z).jacobian, self.first) @ self.basis
         if not (problem.word.eventful or problem.forced):
-            by_duration, rate = self._rates[0]
+            by_duration, rate = self._rates[-1]
             assert problem.section is not None
             moved -= np.outer(by_duration, problem.section.normal @ moved) / rate
         if len(self.held):
@@ -204,7 +202,7 @@ class EventMap(SectionMap):
             piece, (x, scalars) = problem.pieces[i], self._inputs[i]
             n, field = len(x), piece.passage.field(TANGENT)
             direction = np.zeros(len(scalars))
-            if problem.forced and self.timed:
+            if problem.timed(i):
                 direction[1] = v[n]
             c = field.constants(piece.values(scalars, direction))
             nodes = flow.along(field, c, piece.steps, np.concatenate([x, v[:n]]), piece.method)

@@ -2,10 +2,10 @@
 
 At a soft transition the field switches continuously: the motion through it is once continuously
 differentiable in its start, even where the switch and its reverse meet and vanish. So words leave these
-transitions out, and the unknowns are those of the legs between hard ones. Under them lies an orbit with a leg
-for every smooth piece (`explicit`): the further unknowns, states and instants at the soft transitions, are
-solved for and eliminated, exactly. Which soft transitions there are is found by simulating each leg, and anew
-for every solution: it is a part of the discretisation, as steps are.
+transitions out, and the unknowns are those of the legs between hard ones; where there are none, of the whole
+closure. Under them lies an orbit with a leg for every smooth piece (`explicit`): the further unknowns, states
+and instants at the soft transitions, are solved for and eliminated, exactly. Which of them there are is found
+by simulating each leg, and anew for every solution: it is a part of the discretisation, as steps are.
 
 Everything that needs more than one derivative is asked of the explicit orbit: special points, normal forms,
 limits.
@@ -13,7 +13,7 @@ limits.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -39,6 +39,9 @@ from contwalk.problems.orbit.homoclinic import SlowPlace
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.problem import Linearization, Located, Sample, Seed
 from contwalk.system import System
+
+# Special points lie beside other soft transitions than a step's ends: so often they are looked for anew.
+MOST_WORDS = 4
 
 
 class SoftOrbit(HybridOrbit):
@@ -70,7 +73,7 @@ class SoftOrbit(HybridOrbit):
     def around(self, explicit: HybridOrbit, unknowns: np.ndarray) -> SoftOrbit:
         """This problem on the steps of an explicit orbit, which is discretised."""
         grouping = Grouping(explicit.word, explicit.layout)
-        other = self._varied(_mesh=explicit.mesh)
+        other = self._varied(_mesh=explicit.mesh, section=explicit.section)
         other._inner = Eliminated(explicit, grouping, *grouping.split(unknowns))
         return other
 
@@ -115,10 +118,13 @@ class SoftOrbit(HybridOrbit):
         return {}
 
     def _solved(self, z: np.ndarray, roughly: bool = False) -> Eliminated:
-        """What is eliminated, from where it is known nearest by; else found anew by simulation."""
+        """What is eliminated, from where it is known nearest by; else found anew by simulation.
+
+        A solution of what is left must be one with the soft transitions that the machine meets.
+        """
         near = self._nearest(z)
         found = corrected(near.explicit, near.grouping, z, near.predicted(z), roughly)
-        if found is not None:
+        if found is not None and not (found.settles and not softness.holds(found.explicit, found.unknowns)):
             return found
         there = self.adapted_to(z, self.weighted(self.mesh.magnitudes), self.mesh.tolerance).inner
         found = corrected(there.explicit, there.grouping, z, there.predicted(z), roughly)
@@ -153,6 +159,15 @@ class SoftOrbit(HybridOrbit):
         if found is not None:
             there._inner = there._expanded[z.tobytes()] = found
         return there
+
+    def refined(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> SoftOrbit:
+        """The same problem, section included, on steps for located points."""
+        there = self.adapted_to(z, weights, tolerance or self.discretization.marking)
+        if self.section is None:
+            return there
+        explicit, unknowns = there.explicit(z)
+        assert isinstance(explicit, HybridOrbit)
+        return there.around(explicit._varied(section=self.section), unknowns)
 
     # -- metric ------------------------------------------------------------------------------------------
 
@@ -298,6 +313,11 @@ class SoftOrbit(HybridOrbit):
         explicit, unknowns = self.explicit(z)
         return explicit.reported(unknowns)
 
+    def flow_direction(self, z: np.ndarray, i: int) -> np.ndarray:
+        """What a later start of leg i on the same orbit differs by."""
+        there = self._at(z)
+        return there.explicit.flow_direction(there.unknowns, there.grouping.groups[i][0])
+
     def slow_place(self, z: np.ndarray) -> SlowPlace:
         """Where the orbit is slowest, and the field there."""
         explicit, unknowns = self.explicit(z)
@@ -358,19 +378,35 @@ class SoftOrbit(HybridOrbit):
 
     def locate(self, label: str, sample: Sample, which: int) -> Located | None:
         """The special point near a sample, by its defining system."""
-        explicit, own, _ = self._explicit_sample(sample)
-        if label in limits.LABELS:
-            there = self._at(sample.z)
-            chosen = self._least(there.grouping, explicit.margins(there.unknowns), self.limits[which])
-            if chosen is None:
-                return None
-            which = chosen
-        return self._wrapped(explicit.locate(label, own, which))
+        if label not in limits.LABELS:
+            return self._located(sample, lambda explicit, own: explicit.locate(label, own, which))
+
+        def locate(explicit: HybridOrbit, own: Sample) -> Located | None:
+            grouping = Grouping(explicit.word, explicit.layout)
+            chosen = self._least(grouping, explicit.margins(own.z), self.limits[which])
+            return None if chosen is None else explicit.locate(label, own, chosen)
+
+        return self._located(sample, locate)
 
     def locate_mark(self, name: str, level: float, sample: Sample) -> Located | None:
         """The point near a sample at which an observable has the value `level`."""
-        explicit, own, _ = self._explicit_sample(sample)
-        return self._wrapped(explicit.locate_mark(name, level, own))
+        return self._located(sample, lambda explicit, own: explicit.locate_mark(name, level, own))
+
+    def _located(
+        self, sample: Sample, locate: Callable[[HybridOrbit, Sample], Located | None]
+    ) -> Located | None:
+        """A point located on the explicit orbit; anew where other soft transitions are met there."""
+        problem = self
+        for _ in range(MOST_WORDS):
+            explicit, own, _ = problem._explicit_sample(sample)
+            found = locate(explicit, own)
+            if found is None or softness.holds(found.problem or explicit, found.z):
+                return self._wrapped(found)
+            there = self._wrapped(found)
+            assert there is not None
+            sample = replace(sample, z=there.z)
+            problem = self.adapted_to(there.z, sample.weights, self.mesh.tolerance)
+        return None
 
     def _wrapped(self, found: Located | None) -> Located | None:
         """A point of explicit orbits as one of these."""
@@ -466,9 +502,9 @@ class SoftOrbit(HybridOrbit):
 
 def softened(explicit: HybridOrbit, unknowns: np.ndarray) -> tuple[HybridOrbit, np.ndarray]:
     """A discretised orbit as one whose word leaves out soft transitions, if its machine has any."""
-    if not applies(explicit.system, explicit.word):
+    if not _has_soft(explicit.system):
         return explicit, unknowns
-    explicit, unknowns = softness.after_hard(explicit, unknowns)
+    explicit, unknowns = softness.begun(explicit, unknowns)
     problem = explicit.like(SoftOrbit, softness.hard_word(explicit.word))
     there = problem.around(explicit, unknowns)
     return there, there.inner.z
@@ -477,9 +513,9 @@ def softened(explicit: HybridOrbit, unknowns: np.ndarray) -> tuple[HybridOrbit, 
 def softened_seed(seed: Seed) -> Seed:
     """A seed of explicit orbits as one of `SoftOrbit`."""
     assert isinstance(seed.problem, HybridOrbit)
-    if not applies(seed.problem.system, seed.problem.word):
+    if not _has_soft(seed.problem.system):
         return seed
-    turned, unknowns = softness.after_hard(seed.problem, seed.z)
+    turned, unknowns = softness.begun(seed.problem, seed.z)
     problem, z = softened(turned, unknowns)
     assert isinstance(problem, SoftOrbit)
     grouping, reach = problem.inner.grouping, seed.reach
@@ -498,6 +534,9 @@ def softened_seed(seed: Seed) -> Seed:
 
 
 def applies(system: System, word: Word) -> bool:
-    """Whether a machine's words leave out its soft transitions: not where there are no others."""
-    soft = any(transition.role == "soft" for transition in system.transitions)
-    return soft and any(leg.transition is not None and leg.transition.role != "soft" for leg in word.legs)
+    """Whether a word leaves out its machine's soft transitions."""
+    return _has_soft(system) and not any(leg.soft for leg in word.legs)
+
+
+def _has_soft(system: System) -> bool:
+    return any(transition.role == "soft" for transition in system.transitions)

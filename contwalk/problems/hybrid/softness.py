@@ -13,10 +13,12 @@ from contwalk.flow.hybrid_machine import HybridMachine
 from contwalk.memory import remembered
 from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.grouping import NO_TIME
-from contwalk.problems.hybrid.limits import SOFT, Limit, limits_of_leg
-from contwalk.problems.hybrid.switching import rotated
+from contwalk.problems.hybrid.limits import ZERO, Limit, largest, limits_of_leg
+from contwalk.problems.hybrid.switching import discretized, rotated, shifted
 from contwalk.problems.hybrid.word import Leg, Word, modes_around
+from contwalk.problems.orbit.closure import imaged
 from contwalk.system import System
+from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
     from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
@@ -48,21 +50,56 @@ def hard_word(word: Word) -> Word:
     """An explicit word without its soft transitions."""
     legs, mode = [], word.legs[0].mode
     for i, leg in enumerate(word.legs):
-        if leg.transition is not None and leg.transition.role == "soft":
+        if leg.soft:
             continue
         legs.append(replace(leg, mode=mode))
         mode = word.legs[(i + 1) % len(word)].mode
     return Word(tuple(legs), word.image)
 
 
-def after_hard(problem: HybridOrbit, z: np.ndarray) -> tuple[HybridOrbit, np.ndarray]:
-    """The same orbit, beginning right after a hard transition."""
-    legs = problem.word.legs
-    last = max(
-        i for i, leg in enumerate(legs) if leg.transition is not None and leg.transition.role != "soft"
-    )
-    first = (last + 1) % len(legs)
+def begun(problem: HybridOrbit, z: np.ndarray) -> tuple[HybridOrbit, np.ndarray]:
+    """The same orbit, not beginning with a soft transition: right after a hard one, or between events."""
+    hard = [i for i, leg in enumerate(problem.word.legs) if not leg.soft]
+    if not hard:
+        return _between(problem, z)
+    first = (hard[-1] + 1) % len(problem.word)
     return (problem, z) if first == 0 else rotated(problem, z, first)
+
+
+def _between(problem: HybridOrbit, z: np.ndarray) -> tuple[HybridOrbit, np.ndarray]:
+    """An orbit of soft transitions, beginning in its longest leg; a forced one where the force does."""
+    times, at = problem.starting_times(z), 0.0
+    if problem.forced:
+        period = problem.duration(z) / problem.forcings
+        at = float(np.ceil(times[0] / period)) * period
+        if at > times[-1]:  # the force begins its period in the other half
+            problem, z = rotated(problem, z, len(problem.word))
+            times = problem.starting_times(z)
+        first = min(int(np.searchsorted(times, at, "right")), len(problem.word)) - 1
+        share = (at - times[first]) / (times[first + 1] - times[first])
+    else:
+        first, share = int(np.argmax(np.diff(times))), 0.5
+    return _cut(*(rotated(problem, z, first) if first else (discretized(problem, z), z)), share)
+
+
+def _cut(problem: HybridOrbit, z: np.ndarray, share: float) -> tuple[HybridOrbit, np.ndarray]:
+    """The same orbit, beginning at an instant of its first leg: what came before is the last one."""
+    layout, word, system = problem.layout, problem.word, problem.system
+    states = [passage.full(z[place]) for passage, place in zip(problem.passages, layout.states, strict=True)]
+    lasting, first = z[layout.durations], word.legs[0]
+    legs, last = (*word.legs, Leg(first.mode)), states[0] + problem.turns
+    if word.image:
+        symmetry = system.symmetry(word.image)
+        last = imaged(symmetry, last, ParameterValues(**problem.values_of(z)))
+        legs = (*word.legs, Leg(symmetry.modes.get(first.mode, first.mode)))
+    view = problem.view(z)[0]
+    cut = view.full(view.stepped(share)) if share > 0.0 else states[0]
+    other = problem.of_word(replace(word, legs=legs))
+    durations = [(1.0 - share) * lasting[0], *lasting[1:], share * lasting[0]]
+    result = other.assembled([cut, *states[1:], last], durations, z[layout.drifts], float(z[-1]))
+    other.reference = other.first_state(result)
+    there = discretized(other, result)
+    return there, shifted(there, result)
 
 
 def passed(
@@ -85,12 +122,14 @@ def passed(
         mode = settled(machine, leg.mode, float(begin), x)
         pieces, last = _pieces(machine, mode, float(begin), x, float(end), magnitudes)
         least = NO_TIME * problem.duration(z)
-        pieces = _switched(problem.system, leg.name, _lasting(pieces, least), last, least)
-        assert leg.transition is not None
-        final = problem.system.transition(leg.name, pieces[-1][0].mode)
+        pieces = _lasting(pieces, least)
+        if leg.transition is not None:
+            pieces = _switched(problem.system, leg.name, pieces, last, least)
+            final = problem.system.transition(leg.name, pieces[-1][0].mode)
+            pieces[-1] = (Leg(final.source, final, leg.falls), *pieces[-1][1:])
         own = [piece[2] for piece in pieces]
         since = np.concatenate([[0.0], np.cumsum(own)[:-1]])
-        found += [piece[0] for piece in pieces[:-1]] + [Leg(final.source, final, leg.falls)]
+        found += [piece[0] for piece in pieces]
         states += [*_held(problem, z, np.array([piece[1] for piece in pieces]), since)]
         lasting += own
     return Word(tuple(found), problem.word.image), states, lasting
@@ -125,6 +164,21 @@ def _switched(system: System, name: str, pieces: list[Piece], last: np.ndarray, 
             between = Leg(leg.mode, soft, soft.direction != "rising")
             return [*pieces[:-1], (between, state, lasts), (Leg(soft.target), last, 0.0)]
     raise NotFinite(f"'{name}' does not lead out of mode '{leg.mode}', in which the leg before it ends.", "")
+
+
+def holds(explicit: HybridOrbit, unknowns: np.ndarray) -> bool:
+    """Whether the soft transitions of an orbit are those that the machine meets: no guard is past zero."""
+    for view in explicit.view(unknowns):
+        for transition in view.piece.passage.leaving:
+            sign = {"falling": 1.0, "rising": -1.0}.get(transition.direction, 0.0)
+            if transition.role != "soft" or sign == 0.0:
+                continue
+            _, values, rates = view.guard(transition)
+            turns = [value for _, _, value in view.turning(transition)]
+            past = -float(np.min(sign * np.append(values, turns)))
+            if past > ZERO * largest(values, rates, view.duration, explicit.mesh.total):
+                return False
+    return True
 
 
 def settled(machine: HybridMachine, mode: str, t: float, x: np.ndarray) -> str:
@@ -188,6 +242,5 @@ def limits_of(system: System, word: Word) -> tuple[Limit, ...]:
         for mode in modes_around(system, leg.mode):
             own = next((t for t in system.leaving(mode) if t.name == leg.name), None)
             for limit in limits_of_leg(system, mode, own, before, i):
-                if limit.label != SOFT:
-                    found[limit] = None
+                found[limit] = None
     return tuple(found)

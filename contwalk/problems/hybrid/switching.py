@@ -130,11 +130,14 @@ def _alternating(
     still = np.zeros(layout.size - lasting.stop)
     if layout.start is not None:
         still[0] = v[layout.start]
-    second = [image(i, z[place]) for i, place in enumerate(layout.states)]
-    turned = [-image(i, v[place]) for i, place in enumerate(layout.states)]
+    # A leg that no event ends is one with the first leg of the second round.
+    places = list(enumerate(layout.states))[0 if problem.word.eventful else 1 :]
+    second = [image(i, z[place]) for i, place in places]
+    turned = [-image(i, v[place]) for i, place in places]
     states = slice(0, lasting.start)
-    start = np.concatenate([z[states], *second, z[lasting], z[lasting], z[rest], z[-1:]])
-    tangent = np.concatenate([v[states], *turned, v[lasting], -v[lasting], still, [0.0]])
+    twice, alternating = _joined(problem, z[lasting], 1.0), _joined(problem, v[lasting], -1.0)
+    start = np.concatenate([z[states], *second, twice, z[rest], z[-1:]])
+    tangent = np.concatenate([v[states], *turned, alternating, still, [0.0]])
     there = discretized(other, start)
     weights = np.concatenate([there.cycle_scales[1], [1.0]])
     if problem.pins:
@@ -142,6 +145,14 @@ def _alternating(
     tangent = tangent / float(np.linalg.norm(tangent / weights))
     walking = there.adapted_to(start, filled_magnitudes(there, start))
     return (Seed(label, start, tangent, amplitude(tangent), walking, one_sided=label == "PD"),)
+
+
+def _joined(problem: HybridOrbit, lasting: np.ndarray, sign: float) -> np.ndarray:
+    """Durations of all legs over two rounds, or changes of them; those of the second have a sign."""
+    second = sign * lasting
+    if problem.word.eventful:
+        return np.concatenate([lasting, second])
+    return np.concatenate([lasting[:-1], lasting[-1:] + second[:1], second[1:]])
 
 
 def _held(

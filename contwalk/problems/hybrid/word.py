@@ -2,7 +2,8 @@
 
 An orbit is a cycle of *legs*: a leg is a smooth piece in one mode, ended by a transition. The signature that
 a user sees lists the transitions, beginning with the one that leads into the first leg. An orbit that meets
-no event is one leg without a transition.
+no event is one leg without a transition; one that is looked at from an instant between events ends with such
+a leg, which the first one continues.
 
 An orbit that is its own mirror image half a period later is half a cycle: after the last transition the state
 is the image of the first one.
@@ -24,7 +25,7 @@ class Leg:
     ----------
     mode : str
     transition : Transition, optional
-        What ends it; None for an orbit without events.
+        What ends it; None where only the closure ends there.
     falls : bool
         Whether the guard falls through zero at its end; else it rises.
     """
@@ -37,6 +38,11 @@ class Leg:
     def name(self) -> str:
         """Name of the transition."""
         return "" if self.transition is None else self.transition.name
+
+    @property
+    def soft(self) -> bool:
+        """Whether a soft transition ends it."""
+        return self.transition is not None and self.transition.role == "soft"
 
 
 @dataclass(frozen=True)
@@ -51,8 +57,8 @@ class Word:
 
     @property
     def eventful(self) -> bool:
-        """Whether there are events at all."""
-        return self.legs[0].transition is not None
+        """Whether the closure ends with an event; otherwise its phase is fixed by another equation."""
+        return self.legs[-1].transition is not None
 
     def leading_in(self, system: System, i: int) -> str:
         """Name of the transition that leads into leg i; empty if there is none."""
@@ -75,13 +81,13 @@ class Word:
 
     def repeated(self, times: int) -> Word:
         """The word run through several times."""
-        return Word(self.legs * times)
+        return Word(continued(self.legs * times))
 
     def unfolded(self, system: System) -> Word:
         """The word of the whole period, where this one closes up to a symmetry."""
         if not self.image:
             return self
-        return Word((*self.legs, *(imaged_leg(system, self.image, leg) for leg in self.legs)))
+        return Word(continued((*self.legs, *(imaged_leg(system, self.image, leg) for leg in self.legs))))
 
     def rotated(self, system: System, first: int) -> Word:
         """The same cycle, beginning with another leg."""
@@ -144,6 +150,17 @@ class Word:
         legs[following] = replace(legs[following], mode=legs[i].mode)
         del legs[i]
         return replace(self, legs=tuple(legs))
+
+
+def continued(legs: Sequence[Leg]) -> tuple[Leg, ...]:
+    """Legs of which each that no event ends, but for the last one, is one with its follower."""
+    found: list[Leg] = []
+    for leg in legs:
+        if found and found[-1].transition is None:
+            found[-1] = replace(leg, mode=found[-1].mode)
+        else:
+            found.append(leg)
+    return tuple(found)
 
 
 def imaged_leg(system: System, image: str, leg: Leg) -> Leg:

@@ -21,6 +21,7 @@ from contwalk.problems.orbit.closure import Closure
 from contwalk.problems.orbit.discretization import FINEST, Discretization
 from contwalk.problems.orbit.extrema import extremes
 from contwalk.problems.orbit.homoclinic import SlowPlace
+from contwalk.problems.orbit.meeting import distance
 from contwalk.problems.orbit.motion import MIXED, PLAIN, TANGENT, Motion, motion_of
 from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers, multipliers
 from contwalk.problems.orbit.normal_forms import ReturnMap
@@ -920,20 +921,4 @@ class PeriodicOrbit:
         _, curve = self.motion_of(z, 4 * SAMPLES)
         periods = np.array([s.period or 0.0 for s in self.system.states])
         scale = self.mesh.variation
-        for x in points:
-            apart = x - curve
-            turned = periods > 0.0
-            apart[:, turned] -= np.round(apart[:, turned] / periods[turned]) * periods[turned]
-            distance = np.linalg.norm(apart / scale, axis=1)
-            k = int(np.argmin(distance))
-            a, b = curve[max(k - 1, 0)] / scale, curve[min(k + 1, len(curve) - 1)] / scale
-            if _off_chord(apart[k] / scale, b - a) < 30.0 * ALIKE:
-                return True
-        return False
-
-
-def _off_chord(vector: np.ndarray, chord: np.ndarray) -> float:
-    """Length of a vector's part at a right angle to a chord."""
-    size = float(chord @ chord)
-    along = vector @ chord / size if size > 0.0 else 0.0
-    return float(np.linalg.norm(vector - along * chord))
+        return any(distance(curve, x, periods, scale) < 30.0 * ALIKE for x in points)

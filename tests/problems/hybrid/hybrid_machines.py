@@ -18,6 +18,7 @@ from hybrid_runs import ACCURACY, machine, solution
 from scipy.integrate import solve_ivp
 
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
+from contwalk.problems.hybrid.soft_orbit import SoftOrbit
 from contwalk.problems.hybrid.word import Leg
 from contwalk.system import Mode, State, Symmetry, System, Transition
 
@@ -229,9 +230,10 @@ CASES = {
 
 @cache
 def orbit(name: str, accuracy: float = ACCURACY) -> tuple[HybridOrbit, np.ndarray]:
-    """The problem of a case and a solution of it."""
+    """The problem of a case and a solution of it; of soft transitions, the one with a leg for each."""
     case = CASES[name]
-    return solution(case.system, case.free, case.state, case.parameters, accuracy=accuracy, **case.options)
+    found = solution(case.system, case.free, case.state, case.parameters, accuracy=accuracy, **case.options)
+    return found[0].explicit(found[1]) if isinstance(found[0], SoftOrbit) else found
 
 
 def simulated(
@@ -242,19 +244,18 @@ def simulated(
     `x` holds the states of that leg. Guards count after a twentieth of the legs' durations: a displaced start
     may be on the other side of the guard that it comes from.
     """
-    system, legs = problem.system, problem.word.legs
+    system, legs, end = problem.system, problem.word.legs, t + float(durations.sum())
     for k in range(len(legs)):
         i = (first + k) % len(legs)
-        x, t = through(system, legs[i], p, x, t, float(durations[i]))
+        x, t = through(system, legs[i], p, x, t, float(durations[i]), end)
     return x, t
 
 
 def through(
-    system: System, leg: Leg, p: SimpleNamespace, x: np.ndarray, t: float, lasting: float
+    system: System, leg: Leg, p: SimpleNamespace, x: np.ndarray, t: float, lasting: float, closes: float
 ) -> tuple[np.ndarray, float]:
-    """State and time after a leg that lasts about so long, and its event."""
+    """State and time after a leg that lasts about so long, and its event; without one, when all closes."""
     place, event, field = list(system.states_of(leg.mode)), leg.transition, system.mode(leg.mode).field
-    assert event is not None
     sign = 1.0 if leg.falls else -1.0
 
     def full(y: np.ndarray) -> np.ndarray:
@@ -262,13 +263,20 @@ def through(
         result[place] = y
         return result
 
+    def rate(time: float, y: np.ndarray) -> np.ndarray:
+        return written(field, time, full(y), p)[place]
+
+    if event is None:
+        run = solve_ivp(rate, (t, closes), x, "DOP853", rtol=1e-13, atol=1e-15)
+        return run.y[:, -1], closes
+
     def guard(time: float, y: np.ndarray) -> float:
         return 1.0 if time < t + 0.05 * lasting else sign * event.guard(time, full(y), p)
 
     guard.terminal = True
     guard.direction = -1.0
     solved = solve_ivp(
-        lambda time, y: written(field, time, full(y), p)[place],
+        rate,
         (t, t + 3.0 * lasting),
         x,
         "DOP853",

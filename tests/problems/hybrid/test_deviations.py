@@ -54,7 +54,7 @@ def neighbour(problem: HybridOrbit, z: np.ndarray, start: np.ndarray) -> np.ndar
 
         # scipy's dense output is of lower order: a run up to each instant is not.
         found.append([full(_until(system, leg.mode, p, full, place, x, t, time)) for time in instants[i]])
-        x, t = through(system, leg, p, x, t, float(lasting))
+        x, t = through(system, leg, p, x, t, float(lasting), begin + float(durations[: i + 1].sum()))
     return np.array(found)
 
 

@@ -43,16 +43,17 @@ def image(problem: HybridOrbit, z: np.ndarray, first: int, start: np.ndarray, la
     x, scalars = problem.layout.inputs(first, z)
     width = len(x)
     x = x + start[:width]
-    timed = problem.forced and problem.word.eventful
+    timed = problem.timed(first)
     begin = (float(scalars[1]) if problem.forced else 0.0) + (float(start[width]) if timed else 0.0)
     whole = problem.subharmonic * float(_period(problem, z)) if problem.forced else 0.0
+    spent = 0.0
     for k in range(problem.layout.legs):
         i = (first + k) % problem.layout.legs
         piece, lasting = problem.pieces[i], float(z[problem.layout.durations][i])
         own = problem.layout.inputs(i, z)[1].copy()
         if problem.forced:
             own[1] = begin
-        if problem.word.eventful:
+        if problem.word.legs[i].transition is not None:
             for _ in range(20):
                 own[0] = lasting
                 end, moved = piece.differentiated(PLAIN, x, own)
@@ -62,10 +63,11 @@ def image(problem: HybridOrbit, z: np.ndarray, first: int, start: np.ndarray, la
                 if abs(step) < 1e-15 * abs(lasting):
                     break
         else:
-            lasting = whole
+            lasting = whole - spent
         own[0] = lasting
         x = piece.end(PLAIN, x, own)[: len(piece.passage.following)]
         begin += lasting
+        spent += lasting
     if not timed:
         return x
     return np.append(x, begin - whole)
@@ -116,7 +118,8 @@ def differenced(name: str) -> tuple[np.ndarray, np.ndarray, int]:
     Central differences of sixth order with 1e-2 of the variation: truncation and rounding are some 1e-11.
     """
     problem, z = orbit(name, ACCURACY)
-    first = int(np.argmin(problem.layout.sizes))
+    first = problem.smallest
+    timed = problem.timed(first)
     x, _ = problem.layout.inputs(first, z)
     t = float(problem.starting_times(z)[first]) if problem.forced else 0.0
     durations = z[problem.layout.durations]
@@ -124,14 +127,14 @@ def differenced(name: str) -> tuple[np.ndarray, np.ndarray, int]:
 
     def at(start: np.ndarray) -> np.ndarray:
         end, time = simulated(
-            problem, p, first, start[: len(x)], t + (start[-1] if problem.forced else 0.0), durations
+            problem, p, first, start[: len(x)], t + (start[-1] if timed else 0.0), durations
         )
-        return np.append(end, time - t) if problem.forced else end
+        return np.append(end, time - t) if timed else end
 
-    base, columns = np.append(x, 0.0) if problem.forced else x, []
+    base, columns = np.append(x, 0.0) if timed else x, []
     for j in range(len(base)):
         h = np.zeros(len(base))
-        h[j] = 1e-2 * size[j] * (0.1 if problem.forced and j == len(x) else 1.0)
+        h[j] = 1e-2 * size[j] * (0.1 if timed and j == len(x) else 1.0)
         values = [at(base + k * h) for k in (-3, -2, -1, 1, 2, 3)]
         weights = (-1.0, 9.0, -45.0, 45.0, -9.0, 1.0)
         columns.append(sum(w * v for w, v in zip(weights, values, strict=True)) / (60.0 * h[j]))

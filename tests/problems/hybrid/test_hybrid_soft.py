@@ -1,5 +1,4 @@
-"""Soft transitions: the field switches continuously, and nothing is special where one joins or leaves a
-word.
+"""Soft transitions only: the field switches continuously, and nothing is special where they come and go.
 
 A linear oscillator that meets a second spring at a gap. The same machine is one smooth field but for a
 bend, with `max`; of its orbits the ones with and without contact are compared.
@@ -12,7 +11,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from hybrid_invariants import check_hybrid_branch
 from hybrid_runs import ACCURACY, diagram, machine
 
 import contwalk as cw
@@ -97,61 +95,46 @@ def study(force: float) -> tuple[Branch, ...]:
     )
 
 
-def with_contact(force: float) -> Branch:
-    (found,) = [b for b in study(force) if b.info.signature]
-    return found
+def orbits(force: float) -> Branch:
+    """All of them, from a start with this force."""
+    (branch,) = study(force)
+    return branch
 
 
-class TestWithContact:
-    def test_orbits_are_those_of_the_bent_field(self):
-        for force in MARKS:
-            (own,) = [
-                p
-                for p in with_contact(4.0 * TOUCH).special_points
-                if p.label == "UZ" and p.parameters["force"] == force
-            ]
-            (other,) = [
-                p for p in whole().special_points if p.label == "UZ" and p.parameters["force"] == force
-            ]
+STARTS = pytest.mark.parametrize("force", [0.7 * TOUCH, 4.0 * TOUCH], ids=["without", "with contact"])
+
+
+@STARTS
+class TestThroughTheFirstContact:
+    def test_nothing_is_special(self, force):
+        branch = orbits(force)
+        assert branch.info.signature == ()
+        assert branch.outcome.reason == "bound"
+        assert [branch["force"].min(), branch["force"].max()] == [0.5 * TOUCH, 6.0 * TOUCH]
+        assert {p.label for p in branch.special_points} == {"EP", "UZ"}
+        assert np.all(branch["unstable"] == 0)
+
+    def test_orbits_are_those_of_the_bent_field(self, force):
+        branch = orbits(force)
+        for value in MARKS:
+            own, other = (
+                next(p for p in b.special_points if p.label == "UZ" and p.parameters["force"] == value)
+                for b in (branch, whole())
+            )
             assert own.period == pytest.approx(other.period, rel=1e-14)
             # The bend costs the smooth integrator some digits.
             np.testing.assert_allclose(np.poly(own.spectrum), np.poly(other.spectrum), rtol=0, atol=1e-5)
-            branch = with_contact(4.0 * TOUCH)
             assert branch["q_max"][own.index] == pytest.approx(whole()["q_max"][other.index], abs=1e-5)
 
-    def test_determinant(self):
+    def test_determinant(self, force):
         """Springs take nothing: exp(-2 zeta T)."""
-        products = np.prod(with_contact(4.0 * TOUCH).points["spectrum"], axis=1)
+        products = np.prod(orbits(force).points["spectrum"], axis=1)
         expected = math.exp(-2.0 * ZETA * 2.0 * math.pi / OMEGA)
-        large = with_contact(4.0 * TOUCH)["force"] > 1.01 * TOUCH
-        np.testing.assert_allclose(products[large], expected, rtol=0, atol=10.0 * WALKED)
+        np.testing.assert_allclose(products, expected, rtol=0, atol=10.0 * WALKED)
 
-    def test_nothing_is_special(self):
-        for branch in study(4.0 * TOUCH):
-            assert {p.label for p in branch.special_points} <= {"EP", "UZ"}
-            assert np.all(branch["unstable"] == 0)
-
-
-class TestJoining:
-    def test_from_the_quiet_side(self):
-        """The branch without contact ends where it touches, and one with contact begins there."""
-        quiet, other = study(0.7 * TOUCH)[:2]
-        assert quiet.info.signature == ()
-        (end,) = [p for p in quiet.special_points if p.kind == "order_change"]
-        assert end.parameters["force"] == pytest.approx(TOUCH, rel=ACCURACY)
-        assert other.info.signature == ("touch", "leave")
-        assert other["force"].max() == pytest.approx(6.0 * TOUCH, rel=1e-12)
-        assert {p.label for b in (quiet, other) for p in b.special_points} <= {"EP", "UZ"}
-
-    @pytest.mark.xfail(strict=True, reason="the end where a soft transition joins has no row")
-    def test_every_end_has_a_row(self):
-        quiet = study(0.7 * TOUCH)[0]
-        check_hybrid_branch(quiet, system())
-
-    @pytest.mark.xfail(strict=True, reason="a branch creeps to where a soft transition leaves its word")
-    def test_from_the_side_with_contact(self):
-        found = study(4.0 * TOUCH)
-        assert [b.info.signature for b in found] == [("touch", "leave"), ()]
-        (end,) = [p for p in found[0].special_points if p.kind == "order_change"]
-        assert end.parameters["force"] == pytest.approx(TOUCH, rel=ACCURACY)
-        assert found[1]["force"].min() == 0.5 * TOUCH
+    def test_without_contact_the_amplitude_is_that_of_the_linear_oscillator(self, force):
+        branch = orbits(force)
+        quiet = branch["force"] < TOUCH
+        expected = GAP * branch["force"][quiet] / TOUCH
+        np.testing.assert_allclose(branch["q_max"][quiet], expected, rtol=0, atol=WALKED)
+        assert np.all(branch["q_max"][~quiet] >= GAP)
