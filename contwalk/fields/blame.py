@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import bisect
 import math
 import operator
 import sys
@@ -11,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.errors import plugin_line
+from contwalk.fields.complex_numbers import applied, is_complex
 from contwalk.fields.elimination import Factored, eliminated, solved
 from contwalk.fields.functions import FUNCTIONS, Number
 from contwalk.fields.rebind import rebound
@@ -37,8 +39,10 @@ class Probe(Number):
     def __init__(self, value: float) -> None:
         self.value = value
 
-    def apply(self, name: str, arguments: tuple[Any, ...]) -> Probe:
+    def apply(self, name: str, arguments: tuple[Any, ...]) -> Any:
         """The operation in floats, checked."""
+        if any(is_complex(a) for a in arguments):
+            return applied(name, arguments)
         values = [_value(a) for a in arguments]
         function: Callable[..., float]
         if name in ("add", "sub", "mul", "neg"):
@@ -69,6 +73,14 @@ class Probe(Number):
                 f"the matrix of {len(matrix)} rows is singular, as far as rounding can tell"
             )
         return [[Probe(v) for v in solved(factor, [_value(b) for b in column])] for column in columns]
+
+    def piece(self, breaks: tuple[float, ...]) -> Probe:
+        """How many of these rising numbers it has reached."""
+        return Probe(float(bisect.bisect_right(breaks, self.value)))
+
+    def entry(self, values: tuple[float, ...]) -> Probe:
+        """The value at this place."""
+        return Probe(values[int(self.value)])
 
     def determinant_of(self, matrix: list[list[Any]]) -> Probe:
         """The determinant in floats."""

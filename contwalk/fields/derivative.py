@@ -8,7 +8,7 @@ from contwalk.fields.expression import CONDITIONS, FACTORS, Graph
 from contwalk.fields.functions import FUNCTIONS
 from contwalk.fields.linear_rates import determinant_slopes, solution_rate
 
-_LEAVES = ("const", "input", *CONDITIONS, *FACTORS)
+_LEAVES = ("const", "input", "piece", "entry", *CONDITIONS, *FACTORS)
 
 
 def arguments_of(graph: Graph, node: int) -> tuple[int, ...]:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.errors import UnsupportedOperation
+from contwalk.fields.complex_numbers import applied
 from contwalk.fields.functions import FUNCTIONS, Number
 
 
@@ -15,6 +16,8 @@ def dispatch(name: str, arguments: tuple[Any, ...]) -> Any:
     for argument in arguments:
         if isinstance(argument, Number):
             return argument.apply(name, arguments)
+        if isinstance(argument, complex):
+            return applied(name, arguments)
     if any(isinstance(a, np.ndarray | list | tuple) for a in arguments):
         arrays = np.broadcast_arrays(*[np.asarray(a, dtype=object) for a in arguments])
         result = np.empty(arrays[0].shape, dtype=object)

@@ -14,6 +14,7 @@ from fractions import Fraction
 from typing import Any
 
 from contwalk.errors import UnsupportedOperation
+from contwalk.fields.complex_numbers import REMEDY, applied, is_complex
 from contwalk.fields.elimination import FEW_ROWS
 from contwalk.fields.functions import FUNCTIONS, Number
 
@@ -42,6 +43,7 @@ class Graph:
     def __init__(self) -> None:
         self.nodes: list[Key] = []
         self._numbers: dict[Key, int] = {}
+        self.tables: list[tuple[float, ...]] = []
         self.zero: int = self.constant(0.0)
         self.one: int = self.constant(1.0)
 
@@ -171,6 +173,20 @@ class Graph:
             return self.constant(FUNCTIONS[name].of_float(*values))
         return self._intern((name, *arguments))
 
+    def piece(self, a: int, breaks: tuple[float, ...]) -> int:
+        """How many of these rising numbers `a` has reached."""
+        return self._intern(("piece", a, self._table(breaks)))
+
+    def entry(self, place: int, values: tuple[float, ...]) -> int:
+        """The value at a place that `piece` has found."""
+        return self._intern(("entry", place, self._table(values)))
+
+    def _table(self, values: tuple[float, ...]) -> int:
+        """Node of the number of a table among `tables`."""
+        if values not in self.tables:
+            self.tables.append(values)
+        return self.constant(float(self.tables.index(values)))
+
     def factor(self, entries: Sequence[int]) -> int:
         """A square matrix, given row by row, made ready to solve equations (`elimination`)."""
         n = math.isqrt(len(entries))
@@ -242,6 +258,8 @@ class Expression(Number):
         if isinstance(other, Expression):
             graph, node = other.graph, other.node
             return graph.select(node, graph.one, graph.zero) if graph.is_condition(node) else node
+        if is_complex(other):
+            raise UnsupportedOperation("A complex number stands where a real one is needed.", REMEDY)
         try:
             return self.graph.constant(float(other))
         except (TypeError, ValueError):
@@ -249,8 +267,10 @@ class Expression(Number):
                 f"A number is needed here, and this is {_words(other)}.", "Use real numbers only."
             ) from None
 
-    def apply(self, name: str, arguments: tuple[Any, ...]) -> Expression:
+    def apply(self, name: str, arguments: tuple[Any, ...]) -> Any:
         """A function of `functions.FUNCTIONS` applied to numbers of which at least one is symbolic."""
+        if any(is_complex(a) for a in arguments):
+            return applied(name, arguments)
         nodes = [self.lift(a) for a in arguments]
         if name in ("add", "sub", "mul", "div"):
             return self.wrap(getattr(self.graph, name)(*nodes))
@@ -269,6 +289,14 @@ class Expression(Number):
         factor = self._factor(matrix)
         solutions = [self.graph.solved(factor, [self.lift(b) for b in column]) for column in columns]
         return [[self.wrap(item) for item in self.graph.items(each)] for each in solutions]
+
+    def piece(self, breaks: tuple[float, ...]) -> Expression:
+        """How many of these rising numbers it has reached."""
+        return self.wrap(self.graph.piece(self.node, breaks))
+
+    def entry(self, values: tuple[float, ...]) -> Expression:
+        """The value at this place."""
+        return self.wrap(self.graph.entry(self.node, values))
 
     def is_zero(self) -> bool:
         """Whether it is the constant zero."""

@@ -155,6 +155,10 @@ FUNCTIONS: dict[str, Function] = {
 }
 
 
+# What rebound functions call `imag`: NumPy's arrays of objects have none by this name.
+IMAGINARY_PART = "contwalk_imag"
+
+
 class Number:
     """A stand-in for a number. Subclasses say what an operation means: `apply`, `compare`."""
 
@@ -171,6 +175,35 @@ class Number:
     def solution(self, matrix: list[list[Any]], columns: list[list[Any]]) -> list[list[Any]]:
         """Solutions of one linear system, regular or not, for several right-hand sides."""
         raise NotImplementedError
+
+    def piece(self, breaks: tuple[float, ...]) -> Any:
+        """How many of these rising numbers it has reached."""
+        raise NotImplementedError
+
+    def entry(self, values: tuple[float, ...]) -> Any:
+        """The value at this place, a whole number."""
+        raise NotImplementedError
+
+    @property
+    def real(self) -> Any:
+        """The number itself."""
+        return self
+
+    @property
+    def imag(self) -> Any:
+        """Of a real number, zero."""
+        return 0.0
+
+    @property
+    def contwalk_imag(self) -> Any:
+        """The same, as rebound functions ask for it; see `IMAGINARY_PART`."""
+        return self.imag
+
+    def __round__(self, digits: Any = None) -> Any:
+        raise UnsupportedOperation(
+            "A number that depends on the state or a parameter is rounded here.",
+            "A step at the halves is math.floor(x + 0.5).",
+        )
 
     def is_zero(self) -> bool:
         """Whether it is zero whatever the state and the parameters are."""
@@ -210,11 +243,7 @@ class Number:
     def __rpow__(self, other: Any) -> Any:
         return self.apply("pow", (other, self)) if _is_scalar(other) else NotImplemented
 
-    # NumPy's own functions of arrays ask their entries for these.
-
-    def sqrt(self) -> Any:
-        """The square root."""
-        return self.apply("sqrt", (self,))
+    # NumPy's own functions of arrays ask their entries for `conjugate`, `sqrt` and the like; see below.
 
     def conjugate(self) -> Any:
         """The same number: it is real."""
@@ -266,6 +295,15 @@ class Number:
         return not same if isinstance(same, bool) else ~same
 
     __hash__ = object.__hash__
+
+
+def _method(name: str) -> Callable[..., Any]:
+    return lambda *arguments: arguments[0].apply(name, arguments)
+
+
+# By NumPy's names: its functions of arrays ask the entries.
+for _name in sorted(set(FUNCTIONS) - {"min", "max"}):
+    setattr(Number, f"arc{_name[1:]}" if _name.startswith("a") and _name != "abs" else _name, _method(_name))
 
 
 def _is_scalar(other: Any) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import bisect
 import math
 import operator
 from collections.abc import Callable, Sequence
@@ -80,6 +81,14 @@ def _mp_names() -> dict[str, Any]:
     return {**_with_quiet(functions | elimination.names(lambda: mpmath.mp.eps)), "number_": mpmath.mpf}
 
 
+def _of_tables(tables: Sequence[tuple[float, ...]]) -> dict[str, Callable[..., Any]]:
+    """What looks up numbers: `tables` of the program's graph, by their place among them."""
+    return {
+        "piece": lambda x, table: bisect.bisect_right(tables[int(table)], x),
+        "entry": lambda place, table: tables[int(table)][place],
+    }
+
+
 class Kernel:
     """A program made callable.
 
@@ -104,12 +113,13 @@ class Kernel:
         self.text = source(program, groups)
         self.shape = shape
         self.where = None if where is None else np.asarray(where, dtype=int)
+        self._tables = program.graph.tables
         self._functions: dict[str, Callable[..., list[Any]]] = {}
 
     def _function(self, arithmetic: str) -> Callable[..., list[Any]]:
         if arithmetic not in self._functions:
             names = _float_names() if arithmetic == "float" else _mp_names()
-            names["PluginRaised"] = PluginRaised
+            names |= {"PluginRaised": PluginRaised, **_with_quiet(_of_tables(self._tables))}
             exec(compile(self.text, "<traced plugin>", "exec"), names)
             self._functions[arithmetic] = names["evaluate"]
         return self._functions[arithmetic]

@@ -35,6 +35,11 @@ def solve(a: Any, b: Any) -> np.ndarray:
     return solution
 
 
+def solve_by_scipy(a: Any, b: Any, *, transposed: bool = False, **_: Any) -> np.ndarray:
+    """`scipy.linalg.solve`, whatever it is told of the matrix."""
+    return solve(np.asarray(a, dtype=object).T if transposed else a, b)
+
+
 def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     if len(matrix) == 1:
         return right / matrix[0, 0]

@@ -10,6 +10,7 @@ operation traps. So operations may be executed whether or not their results will
 
 from __future__ import annotations
 
+import hashlib
 import math
 import struct
 from collections.abc import Iterable, Mapping, Sequence
@@ -99,6 +100,15 @@ class _Body:
         """Write an entry of an array."""
         address = self.address(array, position)
         self.lines.append(f"  store double {value}, ptr {address}")
+
+    def table(self, values: tuple[float, ...]) -> tuple[str, int]:
+        """A constant array, and its length, which is 2^k - 1: filled up with NaN, which no number reaches."""
+        length = 2 ** len(values).bit_length() - 1
+        entries = [_literal(v) for v in (*values, *[math.nan] * (length - len(values)))]
+        name = f"@table_{hashlib.sha256(' '.join(entries).encode()).hexdigest()[:20]}"
+        text = ", ".join(f"double {entry}" for entry in entries)
+        self.called.add(f"{name} = private unnamed_addr constant [{length} x double] [{text}]")
+        return name, length
 
     def array(self, values: Sequence[str], length: int) -> str:
         """A new array that begins with these values."""
@@ -272,10 +282,30 @@ def _bundle(body: _Body, node: int, names: _Names) -> str:
     return array
 
 
+def _looked_up(body: _Body, name: str, x: str, table: str, length: int) -> str:
+    """A number of a table; or how many of its rising numbers x has reached, by halving."""
+    if name == "entry":
+        place = body.statement(f"fptosi double {x} to i64")
+        address = body.statement(f"getelementptr double, ptr {table}, i64 {place}")
+        return body.statement(f"load double, ptr {address}")
+    count, step = "0", (length + 1) // 2
+    while step:
+        last = body.statement(f"add i64 {count}, {step - 1}")
+        address = body.statement(f"getelementptr double, ptr {table}, i64 {last}")
+        value = body.statement(f"load double, ptr {address}")
+        reached = body.statement(f"fcmp ole double {value}, {x}")
+        more = body.statement(f"add i64 {count}, {step}")
+        count = body.statement(f"select i1 {reached}, i64 {more}, i64 {count}")
+        step //= 2
+    return body.statement(f"sitofp i64 {count} to double")
+
+
 def _operand(body: _Body, node: int, names: _Names) -> str:
     value = body.graph.value(node)
-    if value is None:
-        return names[node]
+    return names[node] if value is None else _literal(value)
+
+
+def _literal(value: float) -> str:
     return f"0x{struct.unpack('<Q', struct.pack('<d', value))[0]:016X}"
 
 
@@ -311,6 +341,9 @@ def _operation(body: _Body, node: int, names: _Names) -> str:
         return body.choose(names.undefined[condition], _NAN, chosen)
     if name == "item":
         return body.load(names[arguments[0]], int(body.graph.nodes[arguments[1]][1]))
+    if name in ("piece", "entry"):
+        table = body.table(body.graph.tables[int(body.graph.nodes[arguments[1]][1])])
+        return _looked_up(body, name, _operand(body, arguments[0], names), *table)
     if name == "determinant":
         n = math.isqrt(len(body.graph.nodes[arguments[0]]) - 1)
         return body.load(names[arguments[0]], factor_width(n) - 1)

@@ -11,6 +11,7 @@ import builtins
 import functools
 import math
 import operator
+import sys
 import types
 from collections.abc import Callable
 from typing import Any
@@ -18,11 +19,25 @@ from typing import Any
 import numpy as np
 
 from contwalk.errors import UnsupportedOperation
+from contwalk.fields.array_functions import (
+    angles,
+    clip,
+    conjugate,
+    expit,
+    heaviside,
+    imag,
+    logaddexp,
+    real,
+    rounded_up,
+    sinc,
+)
+from contwalk.fields.complex_numbers import made
 from contwalk.fields.dispatch import dispatch, where
-from contwalk.fields.functions import FUNCTIONS, Number
-from contwalk.fields.linear_algebra import det, inv, solve
-from contwalk.fields.tables import interp
-from contwalk.python_functions import PlainModule, copied, original
+from contwalk.fields.functions import FUNCTIONS, IMAGINARY_PART, Number
+from contwalk.fields.linear_algebra import det, inv, solve, solve_by_scipy
+from contwalk.fields.refusals import LINEAR_ALGEBRA, ROUNDED, refusal, refusals
+from contwalk.fields.tables import Spline, interp, is_spline
+from contwalk.python_functions import PlainModule, copied, names_used, original
 
 
 def _function(name: str) -> Callable[..., Any]:
@@ -64,23 +79,6 @@ def _copysign(x: Any, y: Any) -> Any:
     return dispatch("abs", (x,)) * dispatch("sign", (y,))
 
 
-def _heaviside(x: Any, middle: Any) -> Any:
-    return where(x < 0.0, 0.0, where(x == 0.0, middle, 1.0))
-
-
-def _clip(x: Any, low: Any = None, high: Any = None) -> Any:
-    x = x if low is None else dispatch("max", (x, low))
-    return x if high is None else dispatch("min", (x, high))
-
-
-def _ceil(x: Any) -> Any:
-    return -dispatch("floor", (-x,))
-
-
-def _expit(x: Any) -> Any:
-    return 0.5 + 0.5 * dispatch("tanh", (0.5 * x,))
-
-
 def _filled(value: float) -> Callable[..., np.ndarray]:
     def filled(shape: Any, *_: Any, **__: Any) -> np.ndarray:
         return np.full(shape, value, dtype=object)
@@ -104,7 +102,7 @@ _MATH |= {
     "degrees": _degrees,
     "radians": _radians,
     "copysign": _copysign,
-    "ceil": _ceil,
+    "ceil": rounded_up,
 }
 _NUMPY = {name: _function(name) for name in FUNCTIONS if isinstance(getattr(np, name, None), np.ufunc)}
 _NUMPY |= {
@@ -116,6 +114,10 @@ _NUMPY |= {
     "arccosh": _function("acosh"),
     "arctanh": _function("atanh"),
     "power": _function("pow"),
+    "exp2": lambda x: dispatch("pow", (2.0, x)),
+    "logaddexp": logaddexp,
+    "fmax": _function("max"),
+    "fmin": _function("min"),
     "abs": _function("abs"),
     "absolute": _function("abs"),
     "fabs": _function("abs"),
@@ -128,9 +130,15 @@ _NUMPY |= {
     "deg2rad": _radians,
     "where": where,
     "interp": interp,
-    "heaviside": _heaviside,
-    "clip": _clip,
-    "ceil": _ceil,
+    "sinc": sinc,
+    "real": real,
+    "imag": imag,
+    "angle": angles,
+    "conj": conjugate,
+    "conjugate": conjugate,
+    "heaviside": heaviside,
+    "clip": clip,
+    "ceil": rounded_up,
     "square": lambda x: x * x,
     "reciprocal": lambda x: 1.0 / x,
     "negative": operator.neg,
@@ -156,15 +164,31 @@ _NUMPY |= {
     "array": _array,
     "asarray": _array,
 }
+_CMATH = {name: _MATH[name] for name in ("exp", "sin", "cos", "tan", "sinh", "cosh", "tanh", "sqrt", "log")}
+_CMATH |= {
+    "phase": angles,
+    "polar": lambda z: (dispatch("abs", (z,)), angles(z)),
+    "rect": lambda size, turned: size * dispatch("exp", (turned * 1j,)),
+}
 _LINALG = {"solve": solve, "inv": inv, "det": det}
+_SCIPY_LINALG = {"solve": solve_by_scipy, "inv": lambda a, **_: inv(a), "det": lambda a, **_: det(a)}
+_LINALG |= refusals(np.linalg, LINEAR_ALGEBRA)
+_NUMPY |= refusals(np, ROUNDED)
 # Functions of SciPy, by the names of its ufuncs.
 _SCIPY = {name: _function(name) for name in ("erf", "erfc", "gamma", "cbrt", "expm1", "log1p")}
 _SCIPY |= {
     "gammaln": _function("lgamma"),
     "psi": lambda x: dispatch("polygamma", (0.0, x)),
-    "expit": _expit,
+    "expit": expit,
 }
-_BUILTINS = {"min": _extreme("min"), "max": _extreme("max"), "float": _float}
+_BUILTINS = {"min": _extreme("min"), "max": _extreme("max"), "float": _float, "complex": made}
+_MODULES: dict[str, dict[str, Any]] = {
+    "math": _MATH,
+    "cmath": _CMATH,
+    "numpy": _NUMPY,
+    "numpy.linalg": _LINALG,
+    "scipy.linalg": _SCIPY_LINALG,
+}
 
 
 class _Module(PlainModule):
@@ -175,7 +199,24 @@ class _Module(PlainModule):
         self._replaced = replaced
 
     def __getattr__(self, name: str) -> Any:
+        name = "imag" if name == IMAGINARY_PART else name
         return self._replaced[name] if name in self._replaced else super().__getattr__(name)
+
+
+class _Object:
+    """A plugin's object as its own methods see it: with stand-ins for functions and splines that it keeps."""
+
+    def __init__(self, own: Any, memo: dict[int, Any]) -> None:
+        vars(self).update(_own=own, _memo=memo)
+
+    def __getattr__(self, name: str) -> Any:
+        return _stand_in(getattr(self._own, name), self._memo)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        setattr(self._own, name, value)
+
+    def __call__(self, *arguments: Any, **options: Any) -> Any:
+        return _stand_in(self._own.__call__.__func__, self._memo)(self, *arguments, **options)
 
 
 def _unsupported_ufunc(ufunc: np.ufunc) -> Callable[..., Any]:
@@ -193,14 +234,24 @@ def _unsupported_ufunc(ufunc: np.ufunc) -> Callable[..., Any]:
 def _stand_in(value: Any, memo: dict[int, Any]) -> Any:
     """What a name of the plugin means in the copy."""
     if isinstance(value, types.ModuleType):
-        if value is math:
-            return _Module(value, _MATH, memo)
-        if value is np:
-            return _Module(value, _NUMPY, memo)
-        if value is np.linalg:
-            return _Module(value, _LINALG, memo)
+        if value.__name__ in _MODULES:
+            return _Module(value, _MODULES[value.__name__], memo)
         return _Module(value, {}, memo) if hasattr(value, "__file__") else value
     value = original(value)
+    name = str(getattr(value, "__name__", None))
+    for module, replaced in _MODULES.items():  # from numpy import where
+        if name in replaced and getattr(sys.modules.get(module), name, None) is value:
+            return replaced[name]
+    if value is complex:
+        return made
+    if is_spline(value):
+        return Spline(value)
+    if type(value).__module__.startswith("scipy.interpolate") and not isinstance(value, type):
+        return refusal(
+            f"scipy.interpolate.{type(value).__name__}",
+            value,
+            "Use CubicSpline(x, y), or make_interp_spline(x, y, k=1) for straight lines.",
+        )
     if isinstance(value, types.FunctionType):
         return _symbolic(value, memo)
     if isinstance(value, dict | list | tuple) and _holds_functions(value):
@@ -209,15 +260,15 @@ def _stand_in(value: Any, memo: dict[int, Any]) -> Any:
         return functools.partial(_stand_in(value.func, memo), *value.args, **value.keywords)
     method = _method_of(value)
     if method is not None:
-        return functools.partial(_stand_in(method.__func__, memo), method.__self__)
-    name = getattr(value, "__name__", None)
+        seen = _seen(method, memo)
+        called = not isinstance(value, types.MethodType)
+        return (
+            seen
+            if called and isinstance(seen, _Object)
+            else functools.partial(_stand_in(method.__func__, memo), seen)
+        )
     if isinstance(value, np.ufunc):
-        return _NUMPY.get(str(name)) or _SCIPY.get(str(name)) or _unsupported_ufunc(value)
-    for module, replaced in ((np, _NUMPY), (np.linalg, _LINALG)):  # from numpy import where
-        if str(name) in replaced and getattr(module, str(name), None) is value:
-            return replaced[str(name)]
-    if isinstance(value, types.BuiltinFunctionType) and getattr(value, "__module__", "") == "math":
-        return _MATH.get(str(name), value)
+        return _NUMPY.get(name) or _SCIPY.get(name) or _unsupported_ufunc(value)
     return value
 
 
@@ -226,7 +277,9 @@ def _holds_functions(value: Any) -> bool:
     if type(value) not in (dict, list, tuple):
         return False
     entries = value.values() if isinstance(value, dict) else value
-    return any(isinstance(original(e), types.FunctionType) or _holds_functions(e) for e in entries)
+    return any(
+        isinstance(original(e), types.FunctionType) or is_spline(e) or _holds_functions(e) for e in entries
+    )
 
 
 def _container(value: Any, memo: dict[int, Any]) -> Any:
@@ -247,6 +300,28 @@ def _method_of(value: Any) -> types.MethodType | None:
     return value if value is not None and isinstance(value.__func__, types.FunctionType) else None
 
 
+# What Python looks up in the class: an object that has it is handed over as it is.
+_OF_CLASS = (
+    "__getitem__",
+    "__len__",
+    "__iter__",
+    "__contains__",
+    "__add__",
+    "__mul__",
+    "__sub__",
+    "__getattr__",
+)
+
+
+def _seen(method: types.MethodType, memo: dict[int, Any]) -> Any:
+    """The object of a method: with stand-ins for what it keeps, where nothing depends on what it is."""
+    owner, names = method.__self__, names_used(method.__func__.__code__)
+    by_class = any(hasattr(type(owner), name) for name in _OF_CLASS)
+    if by_class or isinstance(owner, type) or names & {"super", "isinstance", "type", "__class__"}:
+        return owner
+    return _Object(owner, memo)
+
+
 def rebound(function: Callable[..., Any]) -> Callable[..., Any]:
     """A copy of `function` that understands stand-ins for numbers.
 
@@ -261,7 +336,16 @@ def rebound(function: Callable[..., Any]) -> Callable[..., Any]:
 
     def call(*arguments: Any) -> Any:
         own = [a.copy() if isinstance(a, np.ndarray) else a for a in arguments[:2]]
-        return copy(*own, *arguments[2:])
+        try:
+            return copy(*own, *arguments[2:])
+        except AttributeError as error:
+            if error.name != IMAGINARY_PART:
+                raise
+            refusal = UnsupportedOperation(
+                "The imaginary part of something that is no single number is taken here.",
+                "Write numpy.imag(...), which is for arrays and plain numbers, too.",
+            )
+            raise refusal.with_traceback(error.__traceback__) from error
 
     return call
 
@@ -270,4 +354,18 @@ def _symbolic(function: types.FunctionType, memo: dict[int, Any]) -> Callable[..
     module = getattr(function, "__module__", None) or ""
     if module.split(".")[0] == "numpy" or module.startswith(__package__):
         return function  # these work on stand-ins, and on arrays of them, as they are
-    return copied(function, _stand_in, memo, _BUILTINS)
+    known = id(function) in memo
+    copy = copied(function, _stand_in, memo, _BUILTINS)
+    if not known and "imag" not in copy.__globals__:
+        copy.__code__ = _with_own_imaginary_part(copy.__code__)
+    return copy
+
+
+def _with_own_imaginary_part(code: types.CodeType) -> types.CodeType:
+    """Code that asks for `IMAGINARY_PART` where it says `imag`.
+
+    NumPy says that an array of objects has an imaginary part of zero, whatever is in it.
+    """
+    names = tuple(IMAGINARY_PART if name == "imag" else name for name in code.co_names)
+    inner = tuple(_with_own_imaginary_part(c) if isinstance(c, types.CodeType) else c for c in code.co_consts)
+    return code.replace(co_names=names, co_consts=inner)

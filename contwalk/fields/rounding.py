@@ -20,7 +20,7 @@ def error_bounds(graph: Graph, outputs: Sequence[int]) -> list[int]:
     solutions: dict[int, list[int]] = {}
     for node in ancestors(graph, outputs):
         name = graph.nodes[node][0]
-        if name in ("const", "input", *CONDITIONS):
+        if name in ("const", "input", "piece", "entry", *CONDITIONS):
             bounds[node] = graph.zero
             continue
         if name == "select":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import itertools
 import math
 
@@ -9,11 +10,55 @@ import mpmath
 import numpy as np
 import pytest
 from numpy.linalg import inv, solve
-from scipy import special
+from scipy import linalg, special
+from scipy.interpolate import (
+    Akima1DInterpolator,
+    CubicSpline,
+    PchipInterpolator,
+    UnivariateSpline,
+    make_interp_spline,
+)
 from traced_kernels import derivative_of, kernel_of, program_of
 
 from contwalk.flow.field import Field
 
+SPLINE = CubicSpline([-1.5, 0.0, 0.5, 2.0, 3.0], [0.0, 1.0, -1.0, 0.25, 5.0])
+PERIODIC = CubicSpline([0.0, 0.4, 1.0, 1.6], [1.0, 2.0, -1.0, 1.0], bc_type="periodic")
+PCHIP = PchipInterpolator([-1.0, 0.0, 1.0, 2.0], [0.0, 1.0, 1.5, 4.0])
+AKIMA = Akima1DInterpolator([-1.0, 0.0, 0.2, 0.9, 2.0], [0.0, 1.0, 1.5, 4.0, 2.0])
+B_SPLINE = make_interp_spline([-1.0, 0.0, 1.0, 2.0], [0.0, 1.0, 1.5, 4.0])
+SMOOTHED = UnivariateSpline(np.linspace(-1.0, 3.0, 9), np.linspace(-1.0, 3.0, 9) ** 3, s=0.1)
+SEVERAL = CubicSpline([0.0, 1.0, 2.0, 3.0], np.arange(12.0).reshape(4, 3) ** 2)
+SPLINES = {"one": SPLINE}
+
+
+class Curve:
+    """A plugin's object that keeps a spline."""
+
+    def __init__(self):
+        self.spline = SPLINE
+
+    def force(self, x):
+        return self.spline(x[0]) * x[1]
+
+    def __call__(self, x):
+        return self.force(x) + self.power(x[2])
+
+    def power(self, v):
+        return np.cosh(v) + np.arctan2(v, 2.0)
+
+
+class Steeper(Curve):
+    """Its method calls that of its parent class, which knows nothing of stand-ins."""
+
+    def power(self, v):
+        return 2.0 * super().power(v) + np.arcsinh(v)
+
+    def force(self, x):
+        return self.power(x[0])
+
+
+CURVE = Curve()
 TABLE = ([-1.0, 0.0, 0.5, 2.0, 3.0], [0.0, 1.0, -1.0, 0.25, 5.0])
 
 
@@ -51,6 +96,47 @@ FUNCTIONS = {
     "ufuncs of arithmetic": lambda x: np.multiply(np.add(x[0], x[1]), np.square(np.subtract(x[2], x[0]))),
     "remainder": lambda x: np.mod(x[0], 0.41) + np.floor_divide(x[1], 0.37),
     "from numpy": lambda x: float(np.float64(x[0])) + np.vdot(x, x) + np.std(x),
+    "sinc": lambda x: np.sinc([x[0], x[1] * x[2], 0.01 * x[0]]),
+    "complex": lambda x: (
+        abs(np.exp(1j * x[0]) * x[1] + 2.0) + (x[0] + 1j * x[1]).real * complex(x[2], x[0]).imag
+    ),
+    "complex arrays": lambda x: np.imag(np.exp(1j * x[:3]) / (1.0 + 2j)) + np.angle(1.0 + 1j * x),
+    "complex functions": lambda x: [
+        v
+        for f in (
+            np.sin,
+            np.cos,
+            np.tan,
+            np.sinh,
+            np.cosh,
+            np.tanh,
+            np.exp,
+            np.log,
+            np.sqrt,
+            cmath.exp,
+            cmath.phase,
+        )
+        for v in (f(x[0] + 1j * x[1] + 0.3).real, f(x[0] - 1j * x[1] + 0.3).imag)
+    ],
+    "complex powers": lambda x: [
+        ((x[0] + 1j * x[1]) ** 3).real + ((1.0 + 1j * x[1]) ** x[0]).imag,
+        ((x[0] + 1j * x[1]) ** -2).imag + cmath.polar(x[0] + 1j * x[1])[0],
+        (cmath.rect(x[0], x[1]) * np.conj(x[2] + 1j)).imag + 0.0 * ((x[0] + 0j) == 1j),
+    ],
+    "a quotient of impedances": lambda x: abs((1.0 + 1j * x[0]) / (x[1] - x[0] ** 2 + 0.1j * x[0])),
+    "solve, as SciPy calls it": lambda x: (
+        linalg.solve(matrix(x), x, assume_a="gen") + linalg.inv(matrix(x)) @ x
+    ),
+    "cubic spline": lambda x: SPLINE(x[0] + x[1]) + SPLINE(x[0], 1) * SPLINE.derivative(2)(x[2]),
+    "periodic spline": lambda x: PERIODIC([x[0], 3.0 * x[1]]),
+    "splines of other kinds": lambda x: PCHIP(x[0]) + B_SPLINE(x[1]) + SMOOTHED(x[2]) + AKIMA(x[1]),
+    "spline of several values": lambda x: SEVERAL(x[0]) * SPLINES["one"](x[1]),
+    "from an object": CURVE.force,
+    "from an object that is called": CURVE,
+    "from a class's parent": Steeper().force,
+    "exponentials": lambda x: (
+        np.exp2(x[0]) + np.logaddexp(x[0], x[1]) + np.fmax(x[1], x[2]) * np.fmin(x[0], x[2])
+    ),
     "scipy": lambda x: (
         special.erf(x[0]) + special.expit(x[1]) + special.gamma(x[2] + 3.0) + special.psi(x[0] + 4.0)
     ),

@@ -7,6 +7,7 @@ import inspect
 import numpy as np
 import pytest
 from scipy import special
+from scipy.interpolate import interp1d
 from traced_kernels import kernel_of
 
 from contwalk.errors import PluginError, UnsupportedOperation
@@ -70,8 +71,35 @@ def rounded(x):
     return round(x[0])
 
 
-def complex_number(x):
-    return (x[0] + 1j * x[1]).real
+def complex_number_in_a_function(x):
+    return np.arctan2(1j * x[0], x[1])
+
+
+def complex_numbers_in_order(x):
+    return 1.0 if 1j * x[0] < x[1] else 2.0
+
+
+def imaginary_part_of_an_array(x):
+    return (np.array([1j, 2.0]) * x).imag[0]
+
+
+def least_squares(x):
+    return np.linalg.lstsq(np.array([[1.0, x[0]], [1.0, 2.0]]), np.ones(2))[0]
+
+
+def singular_values(x):
+    return np.linalg.svd(x[:2].reshape(1, 2))[1]
+
+
+LINES = interp1d([0.0, 1.0], [0.0, 2.0])
+
+
+def straight_lines(x):
+    return LINES(x[0])
+
+
+def rounded_by_numpy(x):
+    return np.round(x[0])
 
 
 def missing_name(x):
@@ -95,7 +123,13 @@ REFUSED = (
     positions,
     text,
     rounded,
-    complex_number,
+    complex_number_in_a_function,
+    complex_numbers_in_order,
+    imaginary_part_of_an_array,
+    least_squares,
+    singular_values,
+    straight_lines,
+    rounded_by_numpy,
 )
 RAISES = (table_lookup, missing_name, undefined_state)
 
@@ -125,6 +159,11 @@ def test_exception_names_the_plugins_line(function):
     file, line = caught.value.sentence.split(" at ", 1)[1].split(", line ")
     assert file == __file__
     assert int(line.split(":")[0]) in lines_of(function)
+
+
+def test_a_complex_result_is_refused():
+    with pytest.raises(UnsupportedOperation, match="complex number stands where a real one"):
+        kernel_of(lambda x: x[0] + 1j * x[1], 2)
 
 
 def test_endless_loop_says_what_to_do():
