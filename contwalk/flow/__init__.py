@@ -13,7 +13,17 @@ from contwalk.flow.compiled_field import CompiledField
 from contwalk.flow.field import Field
 from contwalk.flow.path import Path
 from contwalk.flow.restricted import Restricted
-from contwalk.flow.verbs import METHODS, adaptive, along, dense, errors_on, interpolation, tangents, warmup
+from contwalk.flow.verbs import (
+    METHODS,
+    adaptive,
+    along,
+    along_with_tangents,
+    dense,
+    errors_on,
+    interpolation,
+    tangents,
+    warmup,
+)
 
 __all__ = [
     "METHODS",
@@ -23,6 +33,7 @@ __all__ = [
     "Restricted",
     "adaptive",
     "along",
+    "along_with_tangents",
     "dense",
     "errors_on",
     "interpolation",

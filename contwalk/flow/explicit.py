@@ -24,6 +24,7 @@ _DRIVERS = "contwalk.flow.explicit_drivers"
 _PARTS = ("contwalk.flow.plan", "contwalk.flow.stages")
 ADAPTIVE = Entry(_DRIVERS, "adaptive", "q", "qdddd", _PARTS)
 MARCH = Entry(_DRIVERS, "march", "q", "q", _PARTS)
+MARCH_EACH = Entry(_DRIVERS, "march_each", "q", "q", _PARTS)
 LEAP = Entry(_DRIVERS, "leap", "q", "qq", _PARTS)
 STAGES_OF = Entry(_DRIVERS, "stages_of", "q", "q", _PARTS)
 
@@ -39,7 +40,7 @@ _MOST_KEPT = 4_000_000
 
 def warmup() -> None:
     """Compile everything that does not depend on the field, or find it compiled."""
-    for entry in (ADAPTIVE, MARCH, LEAP, STAGES_OF, EACH):
+    for entry in (ADAPTIVE, MARCH, MARCH_EACH, LEAP, STAGES_OF, EACH):
         _ = entry.address
     for name in stages.TABLEAUS:
         stages.code(name)
@@ -89,10 +90,14 @@ class Call:
 
     def tangents(self, x: np.ndarray, sources: Sequence[int] | np.ndarray) -> None:
         """Begin with these tangents, each driven by its parameter column."""
-        field, q = self.field, x.shape[1]
+        self.drive(x.shape[1], sources)
+        self.split(self.vectors[stages.Y])[1][:, : x.shape[1]] = x
+
+    def drive(self, q: int, sources: Sequence[int] | np.ndarray) -> None:
+        """Tell the driver of so many tangents, each driven by its parameter column."""
+        field = self.field
         if len(sources) != q:
             raise ValueError(f"{q} tangents of a field with {field.k} columns are driven by {list(sources)}")
-        self.split(self.vectors[stages.Y])[1][:, :q] = x
         driving = _driving(field.k, self.width, np.asarray(sources, dtype=np.int64).tobytes())
         buffer = np.empty(field.n + len(field.col))
         self._kept += [driving, buffer]
@@ -217,9 +222,7 @@ def tangents(
     states : ndarray, shape (n,), or (s + 1, n)
     tangents : ndarray, shape (n, q), or (s + 1, n, q)
     """
-    start = np.asarray(X0, dtype=float)
-    if start.ndim != 2 or start.shape[0] != field.n:
-        raise ValueError(f"tangents of shape {start.shape} for {field.n} states")
+    start = _tangents(field, X0)
     q = start.shape[1]
     if q == 0:
         states = along(field, c, times, x0, method)
@@ -229,6 +232,53 @@ def tangents(
     x, derivatives = call.split(call.march(times, every))
     x, derivatives = x.copy(), derivatives[..., :q].copy()
     return (x, derivatives) if every else (x[0], derivatives[0])
+
+
+def along_with_tangents(
+    field: CompiledField,
+    c: np.ndarray,
+    times: Vector,
+    x0: np.ndarray,
+    X0: np.ndarray,
+    sources: Sequence[int] | np.ndarray,
+    method: str = "dop853",
+) -> tuple[np.ndarray, np.ndarray]:
+    """Several paths, one after the other: the states at all times, and the derivatives of their ends.
+
+    Parameters
+    ----------
+    times : array of float, shape (s,)
+        Where one is repeated the next path begins.
+    x0 : ndarray, shape (m, n)
+        Their starts.
+    X0 : ndarray, shape (n, q)
+        Derivatives of each start.
+
+    Returns
+    -------
+    states : ndarray, shape (s, n)
+    tangents : ndarray, shape (m, n, q)
+    """
+    start, grid = _tangents(field, X0), _grid(times)
+    q, paths = start.shape[1], 1 + int(np.count_nonzero(grid[1:] == grid[:-1]))
+    call = Call(field, c, method, None, q)
+    if q:
+        call.drive(q, sources)
+    vectors = call.give(plan.STARTS, _aligned(paths, call.length))
+    x, derivatives = call.split(vectors)
+    x[:], derivatives[..., :q] = _checked(x0, (paths, field.n), "starts"), start
+    states = call.give(plan.STATES, np.empty((len(grid), field.n)))
+    call.give(plan.TIMES, grid)
+    call.plan[plan.ROOM] = len(grid) - 1
+    MARCH_EACH(address(call.plan))
+    return states, derivatives[..., :q].copy()
+
+
+def _tangents(field: CompiledField, given: np.ndarray) -> np.ndarray:
+    start = np.asarray(given, dtype=float)
+    if start.ndim != 2 or start.shape[0] != field.n:
+        raise ValueError(f"tangents of shape {start.shape} for {field.n} states")
+    return start
 
 
 def errors_on(
@@ -342,14 +392,15 @@ class Interpolation:
         self._grid = _grid(times)
         self._nodes = _checked(states, (len(self._grid), field.n), "nodes")
         self._coefficients: np.ndarray | None = None
-        steps = len(self._grid) - 1
-        if steps and _method(method).dense and self._grid[-1] > self._grid[0]:
+        moves = self._grid[1:] > self._grid[:-1]
+        self._polynomials = np.cumsum(moves) - 1  # which is whose: where a path begins anew there is none
+        if _method(method).dense and moves.any():
             call = Call(field, c, method, None)
             call.give(plan.TIMES, self._grid)
             call.give(plan.NODES, self._nodes)
-            chosen = call.give(plan.WHICH, np.arange(steps, dtype=np.int64))
-            out = call.give(plan.OUT, np.empty((steps, len(call.vectors) - stages.FIRST, call.length)))
-            call.plan[plan.ROOM] = steps
+            chosen = call.give(plan.WHICH, np.flatnonzero(moves))
+            out = call.give(plan.OUT, np.empty((len(chosen), len(call.vectors) - stages.FIRST, call.length)))
+            call.plan[plan.ROOM] = len(chosen)
             STAGES_OF(address(call.plan))
             self._coefficients = _coefficients(call, self._grid, self._nodes, chosen, out[:, :, : field.n])
 
@@ -359,7 +410,8 @@ class Interpolation:
         if self._coefficients is None:
             return dense(*self._given, at, self._method)
         which = np.clip(np.searchsorted(self._grid, at, side="right") - 1, 0, len(self._grid) - 2)
-        found = _polynomial(self._nodes[which], self._coefficients[:, which], self._grid, which, at)
+        own = self._coefficients[:, self._polynomials[which]]
+        found = _polynomial(self._nodes[which], own, self._grid, which, at)
         last = at == self._grid[-1]
         found[last] = self._nodes[-1]
         return found

@@ -232,6 +232,31 @@ def march(address: int) -> int:
     return plan.DONE
 
 
+def march_each(address: int) -> int:
+    """Several paths one after the other, in steps as `march`: where a time is repeated the next one begins.
+
+    Their ends take the places of their starts.
+    """
+    p = integers(address, plan.PLAN_LENGTH)
+    n, length, start = p[plan.N], p[plan.LENGTH], p[plan.STARTS]
+    times = doubles(p[plan.TIMES], p[plan.ROOM] + 1)
+    copy(start, place(p, Y), length)
+    copy(start, p[plan.STATES], n)
+    for i in range(p[plan.ROOM]):
+        t, h = times[i], times[i + 1] - times[i]
+        if h == 0.0:
+            copy(place(p, Y), start, length)
+            start += 8 * length
+            copy(start, place(p, Y), length)
+        else:
+            first_stage(p, t, Y)
+            step(p, t, h)
+            copy(place(p, NEXT), place(p, Y), length)
+        copy(place(p, Y), p[plan.STATES] + 8 * (i + 1) * n, n)
+    copy(place(p, Y), start, length)
+    return plan.DONE
+
+
 def leap(address: int, targets: int) -> int:
     """For each target a step from a node to it: `plan.WHICH` says from which one."""
     p = integers(address, plan.PLAN_LENGTH)

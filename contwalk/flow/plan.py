@@ -14,7 +14,9 @@ INVERSE_WEIGHTS, ERRORS = range(14, 16)
 MOST_STEPS, MEMORY, COUNTS = range(16, 19)
 # For interpolation: addresses of the positions of nodes, and of the results.
 WHICH, OUT = range(19, 21)
-PLAN_LENGTH = 21
+# Of several paths: addresses of their first vectors, and of the states at all times.
+STARTS, STATES = range(21, 23)
+PLAN_LENGTH = 23
 
 MEMORY_LENGTH = 4
 STEPS, REJECTED, EVALUATIONS, STIFF = range(4)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -219,23 +220,73 @@ def tangents(
     states : ndarray, shape (n,), or (s + 1, n)
     tangents : ndarray, shape (n, q), or (s + 1, n, q)
     """
-    n, stages, q, entries = field.n, TABLEAUS[method].stages, np.shape(X0)[1], len(field.col)
+    x, X = np.array(x0, dtype=float), np.array(X0, dtype=float, order="C")
+    count = len(times) if every else 0
+    states, nodes = np.full((count, *x.shape), np.nan), np.full((count, *X.shape), np.nan)
+    _march_tangents(field, c, times, x, X, sources, method, states, nodes)
+    return (states, nodes) if every else (x, X)
+
+
+def along_with_tangents(
+    field: CompiledField,
+    c: np.ndarray,
+    times: np.ndarray,
+    x0: np.ndarray,
+    X0: np.ndarray,
+    sources: Sequence[int],
+    method: str = "radau9",
+) -> tuple[np.ndarray, np.ndarray]:
+    """Several paths, one after the other: the states at all times, and the derivatives of their ends.
+
+    Parameters
+    ----------
+    times : array of float, shape (s,)
+        Where one is repeated the next path begins.
+    x0 : ndarray, shape (m, n)
+        Their starts.
+    X0 : ndarray, shape (n, q)
+        Derivatives of each start.
+
+    Returns
+    -------
+    states : ndarray, shape (s, n)
+    tangents : ndarray, shape (m, n, q)
+    """
+    grid, starts = np.asarray(times, dtype=float), np.asarray(x0, dtype=float)
+    states = np.full((len(grid), field.n), np.nan)
+    ends = np.array([X0] * len(starts), dtype=float)
+    for part, x, X in zip(_paths(grid), starts, ends, strict=True):
+        _march_tangents(field, c, grid[part], x.copy(), X, sources, method, states[part], np.empty(0))
+    return states, ends
+
+
+def _march_tangents(
+    field: CompiledField,
+    c: np.ndarray,
+    times: np.ndarray,
+    x: np.ndarray,
+    X: np.ndarray,
+    sources: Sequence[int],
+    method: str,
+    states: np.ndarray,
+    nodes: np.ndarray,
+) -> None:
+    """Carry x, shape (n,), and X, shape (n, q), over a grid; NaN where a step fails.
+
+    What they are at all its times is written to `states` and `nodes`, where these are not empty.
+    """
+    n, stages, q, entries = field.n, TABLEAUS[method].stages, X.shape[1], len(field.col)
     sn = stages * n
     more = sn * sn + sn + n + entries + sn * q
     call = _Call(field, c, TABLEAUS[method], more, sn)
-    grid, x = np.ascontiguousarray(times, dtype=float), np.array(x0, dtype=float)
-    X, driving = np.array(X0, dtype=float, order="C"), np.asarray(sources, dtype=np.int64)
-    count = len(grid) if every else 0
-    states, nodes = np.full((count, n), np.nan), np.full((count, n, q), np.nan)
+    grid, driving = np.ascontiguousarray(times, dtype=float), np.asarray(sources, dtype=np.int64)
     done = _TANGENTS(
         *(*call.first, address(grid), len(grid) - 1, address(x), address(X), q, address(driving)),
-        *(address(states) if every else 0, address(nodes) if every else 0, *call.last),
+        *(address(array) if array.size else 0 for array in (states, nodes)),
+        *call.last,
     )
-    if every:
-        return states, nodes
     if done < len(grid) - 1:
         x[:], X[:] = np.nan, np.nan
-    return x, X
 
 
 class Interpolation:
@@ -258,12 +309,18 @@ class Interpolation:
         self._increments = np.full((steps, self._tableau.stages, field.n), np.nan)
         if not steps:
             return
-        again = _march(field, c, self._grid, self._nodes[0], method, increments=self._increments)
+        for part in _paths(self._grid):
+            self._made(field, c, method, part)
+
+    def _made(self, field: CompiledField, c: np.ndarray, method: str, part: slice) -> None:
+        """Fill in the increments of one path."""
+        grid, nodes, found = self._grid[part], self._nodes[part], self._increments[part]
+        again = _march(field, c, grid, nodes[0], method, increments=found)
         # Nodes that this march does not meet, of a part of a path for example, are gone on from one by one.
-        for step in np.flatnonzero(np.any(again != self._nodes, axis=1)[:-1]):
-            alone = np.full((1, *self._increments.shape[1:]), np.nan)
-            _march(field, c, self._grid[step : step + 2], self._nodes[step], method, increments=alone)
-            self._increments[step] = alone[0]
+        for step in np.flatnonzero(np.any(again != nodes, axis=1)[:-1]):
+            alone = np.full((1, *found.shape[1:]), np.nan)
+            _march(field, c, grid[step : step + 2], nodes[step], method, increments=alone)
+            found[step] = alone[0]
 
     def __call__(self, times: Sequence[float] | np.ndarray) -> np.ndarray:
         """States at times; NaN at those outside the path."""
@@ -279,6 +336,12 @@ class Interpolation:
             found[part == 0.0] = nodes[step[part == 0.0]]
         found[at == grid[-1]] = nodes[-1]
         return found
+
+
+def _paths(grid: np.ndarray) -> list[slice]:
+    """The paths in a grid: where a time is repeated the next one begins."""
+    begins = np.flatnonzero(grid[1:] == grid[:-1]) + 1
+    return [slice(low, high) for low, high in pairwise([0, *begins.tolist(), len(grid)])]
 
 
 def _steps(grid: np.ndarray, at: np.ndarray) -> np.ndarray:

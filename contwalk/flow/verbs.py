@@ -104,6 +104,37 @@ def tangents(
     return _family(method).tangents(field, c, times, x0, X0, sources, method, every)
 
 
+def along_with_tangents(
+    field: CompiledField,
+    c: np.ndarray,
+    times: Vector,
+    x0: np.ndarray,
+    X0: np.ndarray,
+    sources: Sequence[int] | np.ndarray,
+    method: str = "dop853",
+) -> tuple[np.ndarray, np.ndarray]:
+    """Several paths in one pass: the states of `along` at all their times, bitwise, and the derivatives of
+    their ends.
+
+    Parameters
+    ----------
+    times : array of float, shape (s,)
+        Those of the paths, one after the other: where a time is repeated the next path begins.
+    x0 : ndarray, shape (m, n)
+        Start of each path.
+    X0 : array of float, shape (n, q)
+        Derivatives of each start.
+    sources : sequence of int, length q
+        For each of them the parameter column of the field that drives it, or -1.
+
+    Returns
+    -------
+    states : ndarray, shape (s, n)
+    tangents : ndarray, shape (m, n, q)
+    """
+    return _family(method).along_with_tangents(field, c, times, x0, X0, sources, method)
+
+
 def errors_on(
     field: CompiledField, c: np.ndarray, times: Vector, x0: Vector, method: str, weights: Vector
 ) -> np.ndarray:
@@ -114,7 +145,10 @@ def errors_on(
 def interpolation(
     field: CompiledField, c: np.ndarray, times: Vector, states: np.ndarray, method: str = "dop853"
 ) -> Callable[[Vector], np.ndarray]:
-    """As `dense`, of a path that is asked for its states many times: a function of the times."""
+    """As `dense`, of a path that is asked for its states many times: a function of the times.
+
+    Where a time is repeated another path begins, at a state of its own; it is what there is at that time.
+    """
     return _family(method).Interpolation(field, c, times, states, method)
 
 

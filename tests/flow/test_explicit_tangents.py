@@ -11,6 +11,7 @@ from contwalk.problems.equations import Equations
 from contwalk.system import load_system
 
 METHODS = ("dop853", "verner98")
+EVERY_METHOD = (*METHODS, "radau5", "radau9")
 PARAMETERS = [10.0, 28.0, 8.0 / 3.0]
 START = np.array([1.0, 2.0, 20.0])
 
@@ -127,3 +128,35 @@ def test_a_machine():
 
     found = x @ [*v, dm]
     np.testing.assert_allclose(found, differences(at, 1e-3), rtol=1e-8, atol=1e-8 * np.abs(found).max())
+
+
+@pytest.mark.parametrize("method", EVERY_METHOD)
+def test_several_paths_at_once(field, method):
+    """Each is the path alone, bitwise: its states, and the derivatives of its end."""
+    times = [np.linspace(0.0, 0.2, 6), np.linspace(0.2, 0.3, 11), np.linspace(0.3, 0.31, 2)]
+    starts = np.array([START, START + 1.0, 0.5 * START])
+    c, columns, sources = field.constants(PARAMETERS), np.eye(3, 5), [-1, -1, -1, 0, 1]
+    states, ends = flow.along_with_tangents(field, c, np.concatenate(times), starts, columns, sources, method)
+    for t, x, own, end in zip(times, starts, np.split(states, [6, 17]), ends, strict=True):
+        assert np.array_equal(own, flow.along(field, c, t, x, method))
+        last, moved = flow.tangents(field, c, t, x, columns, sources, method)
+        assert np.array_equal(own[-1], last)
+        assert np.array_equal(end, moved)
+
+
+def test_several_paths_need_a_start_each(field):
+    times, c = np.array([0.0, 0.1, 0.1, 0.2]), field.constants(PARAMETERS)
+    with pytest.raises(ValueError, match="starts"):
+        flow.along_with_tangents(field, c, times, START[None], np.eye(3), [-1] * 3)
+
+
+@pytest.mark.parametrize("method", EVERY_METHOD)
+def test_several_paths_are_interpolated_at_once(field, method):
+    """As each alone, bitwise; where two meet it is the later one's start."""
+    times, c = [np.linspace(0.0, 0.2, 6), np.linspace(0.2, 0.3, 11)], field.constants(PARAMETERS)
+    nodes = [flow.along(field, c, t, x, method) for t, x in zip(times, (START, 0.5 * START), strict=True)]
+    found = flow.interpolation(field, c, np.concatenate(times), np.concatenate(nodes), method)
+    for t, x in zip(times, nodes, strict=True):
+        inside = np.linspace(t[0], t[-1], 50, endpoint=False)
+        assert np.array_equal(found(inside), flow.interpolation(field, c, t, x, method)(inside))
+    assert np.array_equal(found([0.2, 0.3]), [0.5 * START, nodes[1][-1]])

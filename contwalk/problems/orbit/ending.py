@@ -83,12 +83,11 @@ def slow_place(problem: PeriodicOrbit, z: np.ndarray) -> SlowPlace:
 
 def speeds_of(problem: PeriodicOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Times 0..1 in the middle of the steps, and mean speeds over each, in units of the states' variation."""
-    times, speeds = [], []
-    states = problem.shooting.states(problem.starts(z), problem.scalars(z))
-    for t, x in zip(problem.mesh.steps, states, strict=True):
-        times.append(0.5 * (t[1:] + t[:-1]))
-        speeds.append(np.linalg.norm(np.diff(x, axis=0) / problem.mesh.variation, axis=1) / np.diff(t))
-    return np.concatenate(times), np.concatenate(speeds)
+    times, states = problem.mesh.times, problem.solution(z).nodes
+    lengths = np.diff(times)
+    moves = lengths > 0.0  # at the end of a segment the next one begins
+    passed = np.linalg.norm(np.diff(states, axis=0)[moves] / problem.mesh.variation, axis=1)
+    return 0.5 * (times[1:] + times[:-1])[moves], passed / lengths[moves]
 
 
 def fallen_back(problem: PeriodicOrbit, z: np.ndarray, tangent: np.ndarray) -> bool:

@@ -13,7 +13,6 @@ from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
-    from contwalk.problems.orbit.shooting import Curve
 
 # Samples of each step.
 PARTS = 4
@@ -30,7 +29,7 @@ class Smooth:
     Parameters
     ----------
     times : ndarray, shape (k,)
-        In growing order.
+        In growing order; one may be repeated, where states or rates miss by the error of the steps.
     states, rates : ndarray, shape (k, n)
     at : callable
         States at any times in growing order, exact as the integrator's own interpolation is.
@@ -68,7 +67,7 @@ class Smooth:
         """Least and largest value of each state, shapes (n,)."""
         t, x, r = self.times, self.states, self.rates
         low, high = x.min(axis=0), x.max(axis=0)
-        k, j = np.nonzero(np.sign(r[:-1]) * np.sign(r[1:]) < 0.0)
+        k, j = np.nonzero((np.sign(r[:-1]) * np.sign(r[1:]) < 0.0) & (t[1:] > t[:-1])[:, None])
         a, b, va, vb, ra, rb = t[k], t[k + 1], x[k, j], x[k + 1, j], r[k, j], r[k + 1, j]
         near = turns(a, b, va, vb, ra, rb)
         cubic = _cubic((near - a) / (b - a), b - a, va, vb, ra, rb)
@@ -87,16 +86,14 @@ class Smooth:
         return low, high
 
 
-def extremes(problem: PeriodicOrbit, z: np.ndarray, curve: Curve) -> tuple[np.ndarray, np.ndarray]:
+def extremes(problem: PeriodicOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Least and largest value of each state over the whole orbit, shapes (n,), from its integrated part.
 
     NaN of an angle that goes round: it has neither.
     """
-    pieces = []
-    for steps, at in zip(curve.steps, curve.pieces, strict=True):
-        times = sampled(steps)
-        states = at(times)
-        pieces.append(Smooth(times, states, curve.rates(times, states), at, curve.rates))
+    curve = problem.curve(z)
+    times, states = curve.divided(PARTS)
+    motion = Smooth(times, states, curve.rates(times, states), curve.at, curve.rates)
     p, closure = ParameterValues(**problem.values_of(z)), problem.closure
     found = []
     for j in range(closure.fold):
@@ -105,7 +102,7 @@ def extremes(problem: PeriodicOrbit, z: np.ndarray, curve: Curve) -> tuple[np.nd
         def shown(_: np.ndarray, states: np.ndarray, power: int = power) -> np.ndarray:
             return images_of(closure.symmetry, states, p, power)
 
-        found += [piece.mapped(shown).extremes() for piece in pieces]
+        found.append(motion.mapped(shown).extremes())
     low, high = np.min([f[0] for f in found], axis=0), np.max([f[1] for f in found], axis=0)
     round_ = closure.turns != 0.0
     low[round_] = high[round_] = np.nan

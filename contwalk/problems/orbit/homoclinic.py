@@ -130,6 +130,10 @@ class Limit:
     swing: float
 
 
+# Whether the orbit before, by its slowest place, obeys the law by which a limit was found.
+Obeyed = Callable[[SlowPlace], bool]
+
+
 def homoclinic(problem: Orbit, a: Sample, b: Sample) -> Outcome | None:
     """The end at a homoclinic or heteroclinic orbit, where two neighbouring orbits show that it is near."""
     if problem.forced or not b.period > a.period:
@@ -145,8 +149,8 @@ def homoclinic(problem: Orbit, a: Sample, b: Sample) -> Outcome | None:
     after = problem.slow_place(b.z)
     if after.slowness > CREEPING:
         return None
-    limit = _limit(problem.slow_place(a.z), after, (a, b), slopes)
-    if limit is None or limit.swing > wanted:
+    limit, obeyed = _limit(after, (a, b), slopes)
+    if limit is None or limit.swing > wanted or not obeyed(problem.slow_place(a.z)):
         return None
     error = limit.error + problem.parameter_error(b)
     return Outcome(
@@ -168,24 +172,37 @@ def _doubt(sample: Sample) -> str:
 
 
 def _limit(
-    before: SlowPlace, after: SlowPlace, samples: tuple[Sample, Sample], slopes: np.ndarray
-) -> Limit | None:
-    """The limit by the law of the equilibrium that is passed; None where it is not obeyed."""
+    after: SlowPlace, samples: tuple[Sample, Sample], slopes: np.ndarray
+) -> tuple[Limit | None, Obeyed]:
+    """The limit by the law of the equilibrium that is passed, None where it is not obeyed; what else has
+    to be true of the orbit before, at which nobody needs to look until then.
+    """
     rest = after.equilibrium()
     if rest is None or after.distance(rest) > PASSED:
-        return _gone(before, after, samples, slopes)
-    values = np.linalg.eigvals(after.jacobian(rest))
+        return _gone(after, samples, slopes)
+    distance = after.distance(rest)
+
+    def nearer(before: SlowPlace) -> bool:
+        old = before.equilibrium()
+        return old is not None and distance < before.distance(old)
+
+    return _passing(after.jacobian(rest), distance, samples, slopes), nearer
+
+
+def _passing(
+    jacobian: np.ndarray, distance: float, samples: tuple[Sample, Sample], slopes: np.ndarray
+) -> Limit | None:
+    """The limit of orbits that pass an equilibrium, by its leading eigenvalue."""
+    values = np.linalg.eigvals(jacobian)
     growing, falling = values[values.real > 0.0], values[values.real < 0.0]
-    old = before.equilibrium()
-    nearer = old is not None and after.distance(rest) < before.distance(old)
-    if not (len(growing) and len(falling) and nearer):
+    if not (len(growing) and len(falling)):
         return None
     leading = min(
         growing[np.argmin(growing.real)], falling[np.argmax(falling.real)], key=lambda v: abs(v.real)
     )
     if abs(leading.imag) > 1e-9 * abs(leading):
         return _swinging(complex(-abs(leading.real), abs(leading.imag)), samples, slopes)
-    return _falling(float(abs(leading.real)), samples, slopes, after.distance(rest) < AT_REST)
+    return _falling(float(abs(leading.real)), samples, slopes, distance < AT_REST)
 
 
 def _falling(rate: float, samples: tuple[Sample, Sample], slopes: np.ndarray, at_rest: bool) -> Limit | None:
@@ -219,17 +236,19 @@ def _swinging(exponent: complex, samples: tuple[Sample, Sample], slopes: np.ndar
 
 
 def _gone(
-    before: SlowPlace, after: SlowPlace, samples: tuple[Sample, Sample], slopes: np.ndarray
-) -> Limit | None:
+    after: SlowPlace, samples: tuple[Sample, Sample], slopes: np.ndarray
+) -> tuple[Limit | None, Obeyed]:
     """A saddle-node that has gone: lambda - lambda_h and the least speed fall like 1 / (T - T_0)^2."""
     ratio = float(slopes[0] / slopes[1]) if slopes[1] else 0.0
     if not ratio > 1.0:
-        return None
+        return None, lambda _: False
     a, b = (s.period for s in samples)
     longer = ratio ** (1.0 / 3.0)  # (b - T_0) / (a - T_0)
     since = (b - a) * longer / (longer - 1.0)  # b - T_0
-    slower = before.speed / max(after.speed, 1e-300)
-    if since > 2.0 * b or slower <= 1.0 or abs(np.log(slower) / np.log(longer) - 2.0) > 0.5:
-        return None
+
+    def slower(before: SlowPlace) -> bool:
+        times = before.speed / max(after.speed, 1e-300)
+        return times > 1.0 and bool(abs(np.log(times) / np.log(longer) - 2.0) <= 0.5)
+
     rest = 0.5 * float(slopes[1]) * since
-    return Limit(rest, 0.5 * abs(rest), abs(rest))
+    return (None if since > 2.0 * b else Limit(rest, 0.5 * abs(rest), abs(rest))), slower

@@ -22,12 +22,13 @@ from contwalk.problems.orbit.discretization import FINEST, Discretization
 from contwalk.problems.orbit.extrema import extremes
 from contwalk.problems.orbit.homoclinic import SlowPlace
 from contwalk.problems.orbit.meeting import distance
-from contwalk.problems.orbit.motion import MIXED, PLAIN, TANGENT, Motion, motion_of
+from contwalk.problems.orbit.motion import MIXED, TANGENT, Motion, motion_of
 from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers, multipliers
 from contwalk.problems.orbit.normal_forms import ReturnMap
 from contwalk.problems.orbit.sampling import crossing, with_extrema
 from contwalk.problems.orbit.section import Reference, Section, better_phase, reference_of, section_at
 from contwalk.problems.orbit.shooting import Curve, Mesh, Shooting, meshed, velocity
+from contwalk.problems.orbit.solution import Solution
 from contwalk.problems.orbit.transport import moved, recut
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed
@@ -57,7 +58,7 @@ UNCLOSED = 1e-4
 # Growth of deviations over a segment beyond which an orbit is cut into twice as many; what the flow may miss
 # its own velocity by.
 TOO_MUCH, MISSED = 1e6, 1e-3
-# Linearizations that are kept: a step asks for the same ones several times.
+# Linearizations and motions that are kept: a step asks for the same ones several times.
 MOST_KEPT = 12
 # Two orbits whose periods and places differ by less than this part are one.
 ALIKE = 1e-6
@@ -127,6 +128,7 @@ class PeriodicOrbit:
         self._mesh: Mesh | None = None
         self._tally = [0]
         self._kept: dict[bytes, Linearization] = {}
+        self._solutions: dict[bytes, Solution] = {}
 
     def _motion(self, fold: int) -> Motion:
         moving = tuple(np.flatnonzero(self._direction).tolist())
@@ -140,7 +142,7 @@ class PeriodicOrbit:
 
     def _varied(self, **changes: Any) -> PeriodicOrbit:
         other = copy.copy(self)
-        other._kept = {}
+        other._kept, other._solutions = {}, {}
         for name, value in changes.items():
             setattr(other, name, value)
         return other
@@ -242,6 +244,15 @@ class PeriodicOrbit:
         levels, magnitudes = unowned(self._levels), unowned(self.magnitudes_near)
         return Linearization(residual, jacobian, lambda: (levels(z, jacobian), None), lambda: magnitudes(z))
 
+    def solution(self, z: np.ndarray) -> Solution:
+        """The motion of z on these steps, of which every part is integrated once."""
+
+        def made() -> Solution:
+            own = z.copy()
+            return Solution(self.shooting, self.starts(own), self.scalars(own))
+
+        return remembered(self._solutions, z.tobytes(), MOST_KEPT, made)
+
     def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factored:
         """A matrix of these equations and unknowns, and of borders that come last, factored."""
         return Factored(matrix, weights)
@@ -252,17 +263,16 @@ class PeriodicOrbit:
 
     def _equations(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         n, m, k = self.states, self.segments, len(self.motion.columns)
-        starts, scalars, shooting = self.starts(z), self.scalars(z), self.shooting
-        residual, jacobian = np.zeros(self.size), np.zeros((self.size, self.size + 1))
-        columns = np.hstack([np.eye(n), np.zeros((n, k))])
-        sources = np.array([-1] * n + list(range(k)))
+        starts, scalars, solution = self.starts(z), self.scalars(z), self.solution(z)
+        residual, jacobian, identity = np.zeros(self.size), np.zeros((self.size, self.size + 1)), np.eye(n)
+        columns, sources = np.hstack([identity, np.zeros((n, k))]), np.array([-1] * n + list(range(k)))
+        solution.nodes, ends, moved = self.shooting.passed(starts, columns, sources, scalars)
+        residual[: m * n] = (ends - np.concatenate([starts[1:], starts[:1]])).ravel()
+        jacobian[: m * n, m * n :] = moved[:, :, n:].reshape(m * n, -1)
         for i in range(m):
-            end, moved = shooting.differentiated(PLAIN, i, starts[i], columns, sources, scalars)
             rows, following = slice(i * n, (i + 1) * n), (i + 1) % m * n
-            residual[rows] = end - starts[(i + 1) % m]
-            jacobian[rows, i * n : (i + 1) * n] += moved[:, :n]
-            jacobian[rows, m * n :] = moved[:, n:]
-            jacobian[rows, following : following + n] -= np.eye(n)
+            jacobian[rows, i * n : (i + 1) * n] += moved[i, :, :n]
+            jacobian[rows, following : following + n] -= identity
         self._tally[0] += self._cost
         row = m * n
         if not self.forced:
@@ -299,14 +309,9 @@ class PeriodicOrbit:
 
     def _own_reference(self, z: np.ndarray) -> Reference:
         """The orbit of z as the reference of the integral phase condition."""
-        values = np.concatenate([self.scalars(z), self.fixed])
-        points = self.shooting.states(self.starts(z), self.scalars(z))
-        times = self.mesh.steps
-        velocities = [
-            np.array([velocity(self.motion, x, t, values) for t, x in zip(ts, xs, strict=True)])
-            for ts, xs in zip(times, points, strict=True)
-        ]
-        return reference_of(times, points, velocities, self.mesh.variation)
+        curve, begins = self.curve(z), self.mesh.ends[:-1] + 1
+        points, rates = (np.split(x, begins) for x in (curve.nodes, curve.rates(curve.times, curve.nodes)))
+        return reference_of(self.mesh.steps, points, rates, self.mesh.variation)
 
     def _pinned(self, pin: Neutral, z: np.ndarray, row: np.ndarray) -> float:
         """Residual of a pinned direction; its gradient is written into `row`."""
@@ -350,7 +355,7 @@ class PeriodicOrbit:
     def magnitudes_near(self, z: np.ndarray) -> np.ndarray:
         """Half the range of each state over the orbit; declared scales where there are any."""
         m = self.segments
-        nodes = np.concatenate(self.shooting.states(self.starts(z), self.scalars(z)))
+        nodes = self.solution(z).nodes
         half = 0.5 * np.ptp(nodes, axis=0)
         shares = half / np.maximum(np.abs(nodes).max(axis=0), self.mesh.variation)
         moves = np.any(
@@ -465,18 +470,18 @@ class PeriodicOrbit:
     def neutral_directions(self, z: np.ndarray, factors: Sequence[np.ndarray]) -> list[np.ndarray]:
         """At the start of each segment, the directions whose multipliers are left out, shape (n, k)."""
         starts = self.starts(z)
-        flow = [] if self.forced else [self._flow_direction(z, i, factors) for i in range(self.segments)]
-        return self._with_pins(z, starts, flow)
+        return self._with_pins(z, starts, [] if self.forced else self._flow_directions(z, factors))
 
     def arriving_directions(self, z: np.ndarray, residual: np.ndarray) -> list[np.ndarray] | None:
         """The same at the end of each segment, by the gaps of F(z); None for an orbit that is a point."""
         if not self.moves(z):
             return None
-        n, m = self.states, self.segments
-        values, after = np.concatenate([self.scalars(z), self.fixed]), np.roll(np.arange(m), -1)
-        ends = self.starts(z)[after] + residual[: m * n].reshape(m, n)
-        flow = [velocity(self.motion, ends[i], after[i] / m, values) for i in range(m)]
-        return self._with_pins(z, ends, [] if self.forced else flow)
+        starts = self.starts(z)
+        gaps = residual[: starts.size].reshape(starts.shape)
+        arriving = starts + np.roll(gaps, 1, axis=0)  # where each segment starts
+        flow = self.shooting.velocities(arriving, self.scalars(z))
+        ends, flow = np.roll(arriving, -1, axis=0), np.roll(flow, -1, axis=0)
+        return self._with_pins(z, ends, [] if self.forced else list(flow))
 
     def _with_pins(self, z: np.ndarray, states: np.ndarray, flow: Sequence[np.ndarray]) -> list[np.ndarray]:
         """The flow's directions and those that pins hold at some states, each of shape (n, k)."""
@@ -491,22 +496,20 @@ class PeriodicOrbit:
             result.append(np.array(directions).reshape(len(directions), self.states).T)
         return result
 
-    def _flow_direction(self, z: np.ndarray, segment: int, factors: Sequence[np.ndarray]) -> np.ndarray:
-        """Velocity at a segment's start; of an orbit that is a point still, what it is about to become."""
+    def _flow_directions(self, z: np.ndarray, factors: Sequence[np.ndarray]) -> list[np.ndarray]:
+        """Velocities at the starts of segments; of an orbit that is a point still, what it is to become."""
         assert self.section is not None
-        magnitudes = self.mesh.variation
-        own = self.velocity(z, segment)
-        if np.linalg.norm(own / magnitudes) > 1e-9:
-            return own
-        direction = self.section.normal * magnitudes**2
-        for i in range(segment):
-            direction = factors[i] @ direction
-        return direction
+        found, magnitudes = list(self.solution(z).velocities), self.mesh.variation
+        for segment, own in enumerate(found):
+            if not np.linalg.norm(own / magnitudes) > 1e-9:
+                found[segment] = self.section.normal * magnitudes**2
+                for i in range(segment):
+                    found[segment] = factors[i] @ found[segment]
+        return found
 
-    def velocity(self, z: np.ndarray, segment: int = 0) -> np.ndarray:
-        """dx/dt at a segment's start, in units of the closure's duration."""
-        values = np.concatenate([self.scalars(z), self.fixed])
-        return velocity(self.motion, self.starts(z)[segment], segment / self.segments, values)
+    def velocity(self, z: np.ndarray) -> np.ndarray:
+        """dx/dt at the start, in units of the closure's duration."""
+        return self.solution(z).velocities[0]
 
     def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
         """Multipliers of the closure without the flow's own and the pinned ones."""
@@ -523,14 +526,13 @@ class PeriodicOrbit:
         if self.forced or not self.moves(z):
             return float("nan")
         m, variation = self.segments, self.mesh.variation
-        own = [self.velocity(z, i) / variation for i in range(m)]
-        worst = 0.0
+        own = self.solution(z).velocities / variation
+        sizes, worst = [float(np.linalg.norm(v)) for v in own], 0.0
+        if 0.0 in sizes:
+            return float("nan")
         for i, factor in enumerate(self.factors(jacobian)):
-            size = float(np.linalg.norm(own[(i + 1) % m]))
-            if size == 0.0:
-                return float("nan")
-            carried = factor @ (own[i] * variation) / variation
-            worst = max(worst, float(np.linalg.norm(carried - own[(i + 1) % m])) / size)
+            missed = factor @ (own[i] * variation) / variation - own[(i + 1) % m]
+            worst = max(worst, float(np.linalg.norm(missed)) / sizes[(i + 1) % m])
         return worst
 
     def _known(self, found: Multipliers, trivial: float, jacobian: np.ndarray) -> Multipliers:
@@ -545,13 +547,11 @@ class PeriodicOrbit:
 
     def curve(self, z: np.ndarray) -> Curve:
         """The integrated part of the motion, in 0..1."""
-        return self.shooting.curve(self.starts(z), self.scalars(z))
+        return self.solution(z).curve
 
-    def motion_of(
-        self, z: np.ndarray, number: int = SAMPLES, curve: Curve | None = None
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def motion_of(self, z: np.ndarray, number: int = SAMPLES) -> tuple[np.ndarray, np.ndarray]:
         """The whole motion: times in seconds, shape (k,), and states, shape (k, n)."""
-        curve = self.curve(z) if curve is None else curve
+        curve = self.curve(z)
         times, states = curve.sampled(number)
         if self.system.observables:
             times, states = with_extrema(curve, times, states)
@@ -562,21 +562,21 @@ class PeriodicOrbit:
 
     def observables(self, z: np.ndarray, found: Multipliers) -> np.ndarray:
         """Values of `observable_names`, shape (o,)."""
-        values, curve = [], self.curve(z)
+        values = []
         if self.system.observables:
-            t, x = self.motion_of(z, curve=curve)
+            t, x = self.motion_of(z)
             p = ParameterValues(**self.values_of(z))
             values = [
                 measured(f"observable '{o.name}'", o.function, t, x, p) for o in self.system.observables
             ]
         largest = float(np.abs(found.values[0])) if len(found.values) else float("nan")
-        low, high = extremes(self, z, curve)
+        low, high = extremes(self, z)
         return np.array([*values, *high, *low, largest**self.rounds])
 
     def observable(self, name: str, z: np.ndarray) -> float:
         """The value of one observable that is not `max_abs`."""
         if quantities.of_orbit(name):
-            low, high = extremes(self, z, self.curve(z))
+            low, high = extremes(self, z)
             names = quantities.extreme_names(self.system.state_names)
             value = quantities.column(name, names, np.concatenate([high, low]))
             assert value is not None, name
@@ -608,6 +608,7 @@ class PeriodicOrbit:
         The tangent moves along the flow into the new section; the branch stays where it is.
         """
         problem = self.adapted_to(sample.z, sample.weights)
+        problem.linearize(sample.z)  # is needed unless the orbit is cut anew, and passes all its states
         if not self.forced and problem.moves(sample.z):
             times, speeds = ending.speeds_of(problem, sample.z)
             lengths = np.concatenate([np.diff(steps) for steps in problem.mesh.steps])
@@ -638,11 +639,10 @@ class PeriodicOrbit:
         if not self.forced and self.moves(z) and linearization.finite:
             variation = self.mesh.variation
             gaps = np.linalg.norm(linearization.residual[: m * n].reshape(m, n) / variation, axis=1)
-            growth = [
-                np.linalg.norm(f / variation[:, None] * variation)
-                for f in self.factors(linearization.jacobian)
-            ]
-            speeds = [np.linalg.norm(self.velocity(z, (i + 1) % m) / variation) for i in range(m)]
+            factors = np.array(self.factors(linearization.jacobian))
+            growth = np.linalg.norm(factors / variation[:, None] * variation, axis=(1, 2))
+            ahead = np.roll(self.solution(z).velocities, -1, axis=0)
+            speeds = np.linalg.norm(ahead / variation, axis=1)
             if float(np.max(gaps * growth / speeds)) > UNCLOSED:
                 with contextlib.suppress(np.linalg.LinAlgError):
                     bordered = linearization.bordered(tangent / weights**2, weights)
@@ -667,19 +667,15 @@ class PeriodicOrbit:
         if self.forced or not self.moves(z):
             return tangent
         assert self.section is not None
-        tangent, n = tangent.copy(), self.states
+        tangent, n, own = tangent.copy(), self.states, self.solution(z).velocities.ravel()
         if self._reference is None:
             normal = self.section.normal
-            shift = -float(normal @ tangent[:n]) / float(normal @ self.velocity(z))
+            shift = -float(normal @ tangent[:n]) / float(normal @ own[:n])
         else:
             row = np.zeros(len(z))
             self._phase(self.starts(z), self.scalars(z), row)
-            own = np.concatenate(
-                [*[self.velocity(z, i) for i in range(self.segments)], np.zeros(len(self.scalars(z)))]
-            )
-            shift = -float(row @ tangent) / float(row @ own)
-        for i in range(self.segments):
-            tangent[i * n : (i + 1) * n] += shift * self.velocity(z, i)
+            shift = -float(row @ tangent) / float(row[: len(own)] @ own)
+        tangent[: len(own)] += shift * own
         return tangent
 
     def at_stored(self, z: np.ndarray, weights: np.ndarray) -> PeriodicOrbit:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -66,6 +67,16 @@ class Mesh:
         """Number of segments."""
         return len(self.steps)
 
+    @cached_property
+    def times(self) -> np.ndarray:
+        """Times of all segments' steps, one segment after the other: where two meet, a time is repeated."""
+        return np.concatenate(self.steps)
+
+    @cached_property
+    def ends(self) -> np.ndarray:
+        """Where in `times` the segments end, shape (m,)."""
+        return np.cumsum([len(steps) for steps in self.steps]) - 1
+
 
 @dataclass(frozen=True, eq=False)
 class Shooting:
@@ -93,6 +104,27 @@ class Shooting:
         steps, method = self.mesh.steps[segment], self.mesh.method
         end = flow.along(field, field.constants(values), steps, y, method)[-1]
         return self.closure.end(lift, end, values) if segment == self.mesh.segments - 1 else end
+
+    def passed(
+        self, starts: np.ndarray, columns: np.ndarray, sources: np.ndarray, scalars: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """All segments at once, with their derivatives `columns`, each driven by the scalar in `sources`.
+
+        Returns
+        -------
+        nodes : ndarray, shape (s, n)
+            States at `Mesh.times`.
+        ends : ndarray, shape (m, n)
+            The closure is applied to the last one.
+        moved : ndarray, shape (m, n, q)
+        """
+        field, values, mesh = self.motion.field(PLAIN), self.values(scalars, ()), self.mesh
+        c = field.constants(values)
+        nodes, moved = flow.along_with_tangents(field, c, mesh.times, starts, columns, sources, mesh.method)
+        ends = nodes[mesh.ends]
+        last = self.closure.end_with_columns(PLAIN, ends[-1], moved[-1], sources, values)
+        ends[-1], moved[-1] = last
+        return nodes, ends, moved
 
     def differentiated(
         self,
@@ -122,25 +154,29 @@ class Shooting:
         steps, method = self.mesh.steps[segment], self.mesh.method
         return flow.tangents(field, c, steps, x, columns, sources, method, every=True)
 
-    def states(self, starts: np.ndarray, scalars: np.ndarray) -> list[np.ndarray]:
-        """States at the steps of each segment, shape (s + 1, n)."""
-        field = self.motion.field(PLAIN)
+    def states(self, starts: np.ndarray, scalars: np.ndarray) -> np.ndarray:
+        """States at `Mesh.times`, shape (s, n)."""
+        field, mesh = self.motion.field(PLAIN), self.mesh
         c = field.constants(self.values(scalars, ()))
-        return [
-            flow.along(field, c, steps, x, self.mesh.method)
-            for steps, x in zip(self.mesh.steps, starts, strict=True)
-        ]
+        return np.concatenate(
+            [flow.along(field, c, steps, x, mesh.method) for steps, x in zip(mesh.steps, starts, strict=True)]
+        )
 
-    def curve(self, starts: np.ndarray, scalars: np.ndarray) -> Curve:
-        """The motion, integrated once to be looked at anywhere."""
-        field = self.motion.field(PLAIN)
+    def curve(self, nodes: np.ndarray, scalars: np.ndarray) -> Curve:
+        """The motion through the states at `Mesh.times`, to be looked at anywhere."""
+        field, mesh = self.motion.field(PLAIN), self.mesh
         c = field.constants(self.values(scalars, ()))
-        nodes, method = self.states(starts, scalars), self.mesh.method
-        pieces = [
-            flow.interpolation(field, c, steps, x, method)
-            for steps, x in zip(self.mesh.steps, nodes, strict=True)
-        ]
-        return Curve(self.mesh.steps, tuple(pieces), lambda t, x: field.along(t, x, c))
+        at = flow.interpolation(field, c, mesh.times, nodes, mesh.method)
+        return Curve(mesh.times, nodes, at, lambda t, x: field.along(t, x, c))
+
+    def velocities(self, starts: np.ndarray, scalars: np.ndarray) -> np.ndarray:
+        """dx/dt at the segments' starts in units of the closure's duration, shape (m, n); NaN in a row of
+        which one entry does not exist.
+        """
+        field, m = self.motion.field(PLAIN), self.mesh.segments
+        found = field.along(np.arange(m) / m, starts, field.constants(self.values(scalars, ())))
+        found[~np.isfinite(found).all(axis=1)] = np.nan
+        return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,37 +185,37 @@ class Curve:
 
     Parameters
     ----------
-    steps : tuple of ndarray
-        Times of each segment's steps.
-    pieces : tuple of callable
-        States (k, n) at times (k,) of each segment, exact as the integrator's own interpolation is.
+    times : ndarray, shape (s,)
+        As `Mesh.times`.
+    nodes : ndarray, shape (s, n)
+        The states there.
+    at : callable
+        States (k, n) at times (k,) in growing order, exact as the integrator's own interpolation is. Where
+        two segments meet, that of the later one.
     rates : callable
         Rates at times (k,) and states (k, n) there.
     """
 
-    steps: tuple[np.ndarray, ...]
-    pieces: tuple[Callable[[np.ndarray], np.ndarray], ...]
+    times: np.ndarray
+    nodes: np.ndarray
+    at: Callable[[np.ndarray], np.ndarray]
     rates: Callable[[np.ndarray, np.ndarray], np.ndarray]
-
-    def at(self, times: np.ndarray) -> np.ndarray:
-        """States at times in growing order, shape (k, n)."""
-        found = []
-        for i, (steps, piece) in enumerate(zip(self.steps, self.pieces, strict=True)):
-            last = i == len(self.steps) - 1
-            inside = (times >= steps[0]) & ((times < steps[-1]) | (last & (times == steps[-1])))
-            found.append(piece(times[inside]))
-        return np.concatenate(found)
 
     def sampled(self, number: int) -> tuple[np.ndarray, np.ndarray]:
         """Times and states, shape (k, n), at least `number` of them evenly spread, and the steps' own."""
-        times, states = [], []
         even = np.linspace(0.0, 1.0, number + 1)
-        for steps, piece in zip(self.steps, self.pieces, strict=True):
-            inside = even[(even > steps[0]) & (even < steps[-1])]
-            wanted = np.unique(np.concatenate([steps, inside]))
-            times.append(wanted)
-            states.append(piece(wanted))
-        return np.concatenate(times), np.concatenate(states)
+        return self._with(even[even != self.times[np.searchsorted(self.times, even)]])
+
+    def divided(self, parts: int) -> tuple[np.ndarray, np.ndarray]:
+        """Times and states, shape (k, n): the steps' own, and instants that part each step evenly."""
+        lengths = np.diff(self.times)
+        inner = self.times[:-1, None] + lengths[:, None] * (np.arange(1, parts) / parts)
+        return self._with(inner[lengths > 0.0].ravel())
+
+    def _with(self, inner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The steps' own times and states, and those at further times, in growing order."""
+        places = np.searchsorted(self.times, inner)
+        return np.insert(self.times, places, inner), np.insert(self.nodes, places, self.at(inner), axis=0)
 
 
 def velocity(motion: Motion, x: np.ndarray, time: float, values: np.ndarray) -> np.ndarray:

@@ -115,10 +115,11 @@ def place(speed):
 def test_the_law_of_a_saddle_node_that_has_gone():
     law = lambda t: 2.0 + 5.0 / (t - 3.0) ** 2  # noqa: E731
     pair, slopes = samples(law, 300.0, 310.0)
-    limit = _gone(place(1.0 / 297.0**2), place(1.0 / 307.0**2), pair, slopes)
+    limit, obeyed = _gone(place(1.0 / 307.0**2), pair, slopes)
     assert limit.rest == pytest.approx(2.0 - law(310.0), rel=1e-2)
     assert abs(limit.rest - (2.0 - law(310.0))) <= limit.error
-    assert _gone(place(1e-5), place(0.99e-5), pair, slopes) is None  # the least speed stays: no equilibrium
+    assert obeyed(place(1.0 / 297.0**2))
+    assert not obeyed(place(1.01 / 307.0**2))  # the least speed stays: no equilibrium has gone
 
 
 def test_only_an_orbit_that_creeps_is_compared_with_the_one_before():
@@ -134,3 +135,19 @@ def test_only_an_orbit_that_creeps_is_compared_with_the_one_before():
     assert homoclinic(problem, *orbits) is None
     assert len(asked) == 1
     assert asked[0] is orbits[1].z
+
+
+def test_the_orbit_before_is_not_looked_at_while_the_limit_is_far():
+    """It would have to be integrated once more, on the present steps, at every point of a long approach."""
+    asked = []
+    # The slope falls by a third while the period grows by a tenth: a limit 2e-5 away, far beyond 1e-7.
+    pair = zip((9.0, 10.0), (3e-6, 2e-6), strict=True)
+    orbits = [SimpleNamespace(z=np.array([2.0]), tangent=np.array([slope]), period=t) for t, slope in pair]
+    problem = SimpleNamespace(
+        forced=False,
+        discretization=SimpleNamespace(accuracy=1e-8),
+        lengthening=lambda tangent: 1.0,
+        slow_place=lambda z: asked.append(z) or place(1e-3),
+    )
+    assert homoclinic(problem, *orbits) is None
+    assert [z is orbits[1].z for z in asked] == [True]
