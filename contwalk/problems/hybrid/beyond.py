@@ -73,7 +73,8 @@ def _simulated(problem: HybridOrbit, guess: np.ndarray, outward: np.ndarray, lab
         after=word.leading_in(problem.system, 0) or None,
         least=SHORTEST * problem.duration(guess),
     )
-    if _alike(word, lap.word):
+    lasted = sum(stretch.duration for stretch in lap.stretches)
+    if _alike(word, lap.word, round(lasted / problem.duration(guess))):
         raise ContwalkError("the motion has the same signature still")
     at = None if problem.path is None else float(guess[-1])
     rough, start = orbit_of(
@@ -106,11 +107,9 @@ def _simulated(problem: HybridOrbit, guess: np.ndarray, outward: np.ndarray, lab
     return Seed(label, start, tangent, amplitude(tangent), walking)
 
 
-def _alike(word: Word, lap: Word) -> bool:
-    """Whether a lap is a word, or is it some times over: soft transitions do not count."""
-    own, other = (tuple(leg for leg in each.legs if not leg.soft) for each in (word, lap))
-    times, rest = divmod(len(other), len(own)) if own else (1, len(other))
-    if word.legs == own and lap.legs == other:
-        return not rest and other == own * times
-    names = [[leg.name for leg in each if leg.name] for each in (own, other)]
-    return not rest and names[1] == names[0] * times
+def _alike(word: Word, lap: Word, times: int) -> bool:
+    """Whether a lap that lasts so many times as long is the word so many times, soft transitions aside."""
+    if not any(leg.soft for leg in (*word.legs, *lap.legs)):
+        return lap.legs == word.legs * times
+    own, other = ([leg.name for leg in each.legs if leg.name and not leg.soft] for each in (word, lap))
+    return other == own * times

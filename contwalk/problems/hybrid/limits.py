@@ -349,6 +349,8 @@ def located(problem: HybridOrbit, which: int, sample: Sample) -> Located | None:
 
 def _system(problem: HybridOrbit, which: int, limit: Limit, sample: Sample) -> augmented.Augmented | None:
     """The orbit's equations with those of the limit."""
+    if limit.test in ("rate", "duration") and _vanishes(problem, limit, sample.z):
+        return _vanishing(problem, which, limit, sample)
     i, size = limit.leg, problem.size
     start, scale = sample.z, sample.weights
     share = 1.0
@@ -373,6 +375,45 @@ def _system(problem: HybridOrbit, which: int, limit: Limit, sample: Sample) -> a
         return {"limit": which, "seconds": 0.0 if limit.test in ("start", "leaving") else seconds}
 
     return augmented.Augmented(evaluate, start, scale, vectors)
+
+
+def _vanishes(problem: HybridOrbit, limit: Limit, z: np.ndarray) -> bool:
+    """Whether a leg that its own guard has begun, too, is nearly none.
+
+    Then guard and rate at its end are zero wherever it lasts no time: its equation says nothing there.
+    """
+    i, view = limit.leg, problem.view(z)[limit.leg]
+    transition = problem.word.legs[i].transition
+    if transition is None or abs(view.duration) > LITTLE * problem.mesh.total:
+        return False
+    _, values, rates = view.guard(transition)
+    return abs(float(values[0])) <= BELOW * largest(values, rates, view.duration, problem.mesh.total)
+
+
+def _vanishing(problem: HybridOrbit, which: int, limit: Limit, sample: Sample) -> augmented.Augmented:
+    """The equations of an orbit one of whose legs lasts no time, between zeros of a guard that turns there.
+
+    In place of the guard at its end stands its duration; the guard's rate at its start is zero.
+    """
+    i, size = limit.leg, problem.size
+
+    def evaluate(there: Any, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        own, guard, duration = there.linearize(z), there.layout.guards + i, there.layout.durations.start + i
+        residual, jacobian = own.residual.copy(), own.jacobian.copy()
+        jacobian[guard], residual[guard] = np.eye(size + 1)[duration], z[duration]
+        piece, (x, scalars) = there.pieces[i], there.layout.inputs(i, z)
+        # Over the leg's own time the rate would be zero with it.
+        scalars = np.append(1.0, scalars[1:])
+        transition = problem.transition_of(limit)
+        watched = piece.passage.watched(transition.name, transition.guard)
+        n = len(x)
+        found, slopes = watched.differentiated(0.0, x, np.eye(n, n + len(scalars)), piece.values(scalars))
+        slopes[:, n] = 0.0
+        return np.append(residual, found[1]), np.vstack([jacobian, there.layout.spread(i, slopes[1:2])])
+
+    return augmented.Augmented(
+        evaluate, sample.z, sample.weights, lambda there, z: {"limit": which, "seconds": 0.0}
+    )
 
 
 def _rows(problem: HybridOrbit, limit: Limit, y: np.ndarray, share: float) -> tuple[np.ndarray, np.ndarray]:

@@ -40,6 +40,8 @@ if TYPE_CHECKING:
 # A transition at no speed that moves the state by more than this part of its variation changes something.
 CHANGES = 1e-6
 SECANTS = 12
+# A leg that lasts less, in parts of the closure, is one of no time where its ends are limits.
+VISITED = 1e-5
 # Directions of a branch before and after an exchange that differ by more make a corner.
 CORNER = 1e-5
 # How far along the new branch its orbits are looked at, in the metric: the first that is admissible counts.
@@ -317,6 +319,9 @@ def _removed(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, transitio
     following = (i + 1) % m
     target = transition.target if m == 1 else problem.word.legs[following].mode
     if target != problem.word.legs[i].mode:
+        first = _visit(problem, z, i)
+        if first is not None:
+            return _without_visit(problem, z, first)
         raise _None(
             f"without '{transition.name}' the machine stays in mode '{problem.word.legs[i].mode}', from "
             "where the rest of the word does not follow."
@@ -337,6 +342,32 @@ def _removed(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, transitio
         place = i
     other, unknowns = _of_legs(there, word, kept, times, start, z)
     return Neighbour(other, unknowns, _dip(other, place, transition))
+
+
+def _visit(problem: HybridOrbit, z: np.ndarray, i: int) -> int | None:
+    """The leg, i or the one before, whose event leads into a mode that is left again at once, back again."""
+    word, lasting, m = problem.word, z[problem.layout.durations], problem.layout.legs
+    for first in (i, (i - 1) % m):
+        visited = (first + 1) % m
+        back = word.target(visited) == word.legs[first].mode and not word.image
+        if m > 1 and back and abs(float(lasting[visited])) < VISITED * problem.duration(z):
+            return first
+    return None
+
+
+def _without_visit(problem: HybridOrbit, z: np.ndarray, first: int) -> Neighbour:
+    """A mode is not entered in which the orbit is for no time: the events at both its ends do not happen."""
+    there, z = rotated(problem, z, first) if first else (discretized(problem, z), z)
+    legs, transition = there.word.legs, there.word.legs[0].transition
+    assert transition is not None
+    states, lasting, start = _whole(there, z)
+    _unchanged(there, transition, _at(there, z, 0, 1.0), states[2 % len(legs)])
+    if len(legs) == 2:
+        return _quiet(there, z, transition, start)
+    word = replace(there.word, legs=(replace(legs[2], mode=legs[0].mode), *legs[3:]))
+    given = [states[0], *states[3:]], [sum(lasting[:3]), *lasting[3:]]
+    other, unknowns = _of_legs(there, word, *given, start, z)
+    return Neighbour(other, unknowns, _dip(other, 0, transition))
 
 
 def _quiet(problem: HybridOrbit, z: np.ndarray, transition: Transition, start: float) -> Neighbour:

@@ -11,7 +11,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from hybrid_runs import ACCURACY, diagram, machine
+from hybrid_runs import ACCURACY, assert_met, diagram, machine
 
 import contwalk as cw
 from contwalk.branch import Branch
@@ -44,14 +44,14 @@ def period(p):
     return 2.0 * math.pi / OMEGA
 
 
-def system() -> System:
+def system(role: str = "soft") -> System:
     return machine(
         ["q", "v"],
         {"force": 1.0},
         {"free": spring, "contact": two_springs},
         [
-            Transition("touch", "free", "contact", lambda t, x, p: GAP - x[0], role="soft"),
-            Transition("leave", "contact", "free", lambda t, x, p: x[0] - GAP, role="soft"),
+            Transition("touch", "free", "contact", lambda t, x, p: GAP - x[0], role=role),
+            Transition("leave", "contact", "free", lambda t, x, p: x[0] - GAP, role=role),
         ],
         period=period,
         observables=(LARGEST,),
@@ -74,6 +74,22 @@ def whole() -> Branch:
     )
     return cw.continue_branch(
         problem, [0.0, 0.0], (0.5 * TOUCH, 6.0 * TOUCH), until="settled", marks={"force": list(MARKS)}
+    )
+
+
+@cache
+def declared_hard(force: float) -> tuple[Branch, ...]:
+    return tuple(
+        diagram(
+            system("hard"),
+            "force",
+            (0.5 * TOUCH, 2.0 * TOUCH),
+            [0.0, 0.0],
+            {"force": force},
+            until="settled",
+            events={"GR": "switch", "OC": "switch"},
+            depth=1,
+        )
     )
 
 
@@ -138,3 +154,30 @@ class TestThroughTheFirstContact:
         expected = GAP * branch["force"][quiet] / TOUCH
         np.testing.assert_allclose(branch["q_max"][quiet], expected, rtol=0, atol=WALKED)
         assert np.all(branch["q_max"][~quiet] >= GAP)
+
+
+@pytest.mark.parametrize(
+    ("force", "signatures", "kind"),
+    [
+        (0.7 * TOUCH, [(), ("touch", "leave")], "interior"),
+        (1.5 * TOUCH, [("touch", "leave"), ()], "terminal"),
+    ],
+    ids=["without", "with contact"],
+)
+class TestDeclaredHard:
+    """The first contact is a grazing then, and nothing else; beyond it the other orbits follow."""
+
+    def test_the_contact_is_grazed_where_it_begins(self, force, signatures, kind):
+        first, second = declared_hard(force)
+        assert [first.info.signature, second.info.signature] == signatures
+        (point,) = (p for p in first.special_points if p.label == "GR")
+        assert point.kind == kind
+        assert_met(point, "force", TOUCH)
+        for branch in (first, second):
+            assert {p.label for p in branch.special_points} <= {"EP", "GR"}
+            assert all(p.status == "located" for p in branch.special_points)
+            assert np.all(branch["unstable"] == 0)
+
+    def test_together_they_reach_both_ends(self, force, signatures, kind):
+        forces = np.concatenate([branch["force"] for branch in declared_hard(force)])
+        assert [forces.min(), forces.max()] == [0.5 * TOUCH, 2.0 * TOUCH]

@@ -161,14 +161,14 @@ def spring(stiffness: float) -> Callable[..., None]:
     return field
 
 
-def bilinear() -> System:
+def bilinear(role: str = "soft") -> System:
     return machine(
         ["q", "v"],
         {"omega": 2.0},
         {"pulled": spring(1.0), "pushed": spring(STIFF)},
         [
-            Transition("press", "pulled", "pushed", lambda t, x, p: x[0], "rising", role="soft"),
-            Transition("release", "pushed", "pulled", lambda t, x, p: x[0], "falling", role="soft"),
+            Transition("press", "pulled", "pushed", lambda t, x, p: x[0], "rising", role=role),
+            Transition("release", "pushed", "pulled", lambda t, x, p: x[0], "falling", role=role),
         ],
         period=lambda p: 2.0 * math.pi / p.omega,
     )
@@ -222,6 +222,24 @@ class TestBilinear:
             assert np.max(np.abs(missed)) < WALKED
             if point.label == "PD":
                 assert values[0] == pytest.approx(-1.0, abs=10.0 * ACCURACY)
+
+    def test_declared_hard_it_grazes_where_a_contact_begins_and_goes_on(self):
+        """The same period doublings, on both sides of the grazing."""
+        found = diagram(
+            bilinear("hard"),
+            "omega",
+            (0.6, 0.9),
+            [0.0, 0.0],
+            {"omega": 0.8},
+            until="settled",
+            events={"GR": "switch"},
+        )
+        assert [branch.info.signature for branch in found] == [("press", "release"), ("press", "release") * 2]
+        doublings = sorted(p.parameters["omega"] for b in found for p in b.special_points if p.label == "PD")
+        soft = [p.parameters["omega"] for p in bilinear_branch().special_points if p.label == "PD"]
+        assert doublings == pytest.approx(sorted(soft)[:2], abs=10.0 * ACCURACY)
+        grazings = [p.parameters["omega"] for b in found for p in b.special_points if p.label == "GR"]
+        assert grazings == pytest.approx([grazings[0]] * 2, abs=ACCURACY)
 
 
 # -- a spring, and a wall behind the other side --------------------------------------------------------------
