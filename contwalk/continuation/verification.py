@@ -266,25 +266,29 @@ def _found(
         if point.label in LIMITS:
             label, which = point.label, problem.limit_of(point)
         else:
-            label, which = _search(point, sample)
+            label, which = _search(branch, point, sample)
         located = problem.locate(label, sample, which)
     return None if located is None else located.settled()
 
 
-def _search(point: SpecialPoint, sample: Sample) -> tuple[str, int]:
+def _defining(branch: Branch, point: SpecialPoint) -> str:
+    """Label of the defining system of a point."""
+    # Half an orbit flips where it loses its symmetry; an eigenvalue of equilibria is zero there, as ever.
+    if point.kind == "symmetry-breaking" and branch.info.problem in ORBITS:
+        return "SB"
+    return "MULTIPLE" if "multiplicity" in point.coefficients else point.label
+
+
+def _search(branch: Branch, point: SpecialPoint, sample: Sample) -> tuple[str, int]:
     """Label of the defining system, and the number of the eigenvalue that is critical."""
-    values = sample.eigenvalues
-    if point.label == "HB":
-        target: complex = 1j * float(point.coefficients["omega"])
-    elif point.label == "NS":
+    label, target = _defining(branch, point), complex(sample.critical)
+    if label == "HB":
+        target = 1j * float(point.coefficients["omega"])
+    elif label == "NS":
         target = np.exp(1j * float(point.coefficients["theta"]))
-    elif point.label == "PD" or point.kind == "symmetry-breaking":
-        label = "PD" if point.label == "PD" else "SB"
-        return label, int(np.argmin(np.abs(values + 1.0)))
-    else:
-        multiple = "multiplicity" in point.coefficients
-        return ("MULTIPLE" if multiple else point.label), int(np.argmin(np.abs(values - sample.critical)))
-    return point.label, int(np.argmin(np.abs(values - target)))
+    elif label in ("PD", "SB"):
+        target = -1.0 + 0.0j
+    return label, int(np.argmin(np.abs(sample.eigenvalues - target)))
 
 
 def _mark(
@@ -368,7 +372,7 @@ def _judged(
     claim = begun.stored_error if np.isfinite(begun.stored_error) else accuracy * abs(begun.stored)
     within = SLACK * (claim + found.error)
     asked = accuracy * abs(begun.stored)
-    spectral, uncertain = _from_spectrum(problem, sample, point, found)
+    spectral, uncertain = _from_spectrum(problem, sample, branch, point, found)
     result = replace(
         begun,
         recomputed=value,
@@ -388,15 +392,15 @@ def _judged(
 
 
 def _from_spectrum(
-    problem: Problem, sample: Sample, point: SpecialPoint, found: Located
+    problem: Problem, sample: Sample, branch: Branch, point: SpecialPoint, found: Located
 ) -> tuple[float, float]:
     """Distance of the parameter from where the critical measure is zero, and how uncertain that is."""
-    if point.label not in ("HB", "PD", "NS") and point.kind != "symmetry-breaking":
+    if _defining(branch, point) not in ("HB", "PD", "NS", "SB"):
         return float("nan"), 0.0
     there = problem if found.problem is None else found.problem
     tangent = np.array(point.tangent)
     at = there.examine(found.z, tangent, sample.weights, there.linearize(found.z), sample.unstable)
-    _, which = _search(point, at)
+    _, which = _search(branch, point, at)
     rate = abs(at.rates[which])
     if not rate > 0.0:
         return float("nan"), 0.0

@@ -224,6 +224,30 @@ def test_equilibria_and_their_marks():
         assert checked(system, branch, point, marks=marks).verdict == AGREES, point
 
 
+@pytest.mark.parametrize("role", ["spatial", "relabel"])
+def test_equilibria_that_lose_a_declared_symmetry(role):
+    def pitchfork(t, x, p, dx):
+        dx[0] = (p.a - 2.0) * x[0] - x[0] ** 3 - x[1]
+        dx[1] = x[0] - 2.0 * x[1]
+
+    mirror = Symmetry("mirror", role, mirrored)
+    system = small_system(pitchfork, ("x", "y"), {"a": 1.0}, symmetries=(mirror,))
+    problem = cw.Equilibrium(system, system.defaults(), "a")
+    middle = cw.continue_branch(problem, [0.0, 0.0], range=(1.0, 3.0))
+    (point,) = labelled(middle, "BP")
+    assert point.kind == ("symmetry-breaking" if role == "spatial" else "pitchfork")
+    found = checked(system, middle, point)
+    assert found.verdict == AGREES, found.reason
+    assert found.recomputed == pytest.approx(2.5, rel=1e-15)  # (a - 2) y - y / 4 = 0 of y = x / 2, to an ulp
+    # Seen from the branch that lost it, the eigenvalue touches zero and does not cross.
+    seed = [np.sqrt(0.4), np.sqrt(0.4) / 2.0]
+    aside = cw.continue_branch(
+        cw.Equilibrium(system, {"a": 2.9}, "a"), seed, range=(1.0, 3.0), direction="backward"
+    )
+    (same,) = labelled(aside, "BP")
+    assert checked(system, aside, same).verdict == AGREES
+
+
 def test_branch_points_on_a_path():
     def fork(t, x, p, dx):
         dx[0] = (p.a + p.b - 1.0) * x[0] - x[0] ** 3
