@@ -97,15 +97,25 @@ def compiled(text: str) -> bytes:
     """Object code of a module of LLVM IR, optimized."""
     with _LOCK:
         target = _target()
-        module = binding.parse_assembly(text)
-        module.verify()
-        options = binding.create_pipeline_tuning_options(speed_level=2)
-        options.loop_vectorization = True
-        options.slp_vectorization = True
-        binding.create_pass_builder(target, options).getModulePassManager().run(
-            module, binding.create_pass_builder(target, options)
-        )
-        return bytes(target.emit_object(module))
+        return bytes(target.emit_object(_optimized(text, target)))
+
+
+def optimized(text: str) -> str:
+    """What LLVM makes of a module before it is machine code."""
+    with _LOCK:
+        return str(_optimized(text, _target()))
+
+
+def _optimized(text: str, target: binding.TargetMachine) -> binding.ModuleRef:
+    module = binding.parse_assembly(text)
+    module.verify()
+    options = binding.create_pipeline_tuning_options(speed_level=2)
+    options.loop_vectorization = True
+    options.slp_vectorization = True
+    binding.create_pass_builder(target, options).getModulePassManager().run(
+        module, binding.create_pass_builder(target, options)
+    )
+    return module
 
 
 def linked_code(text: str, symbols: Sequence[str], called: Mapping[str, int]) -> Code:

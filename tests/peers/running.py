@@ -13,7 +13,8 @@ from peers.form import Peer, Study
 import contwalk as cw
 from contwalk.branch import Branch
 
-PROBLEMS = Path(__file__).parent / "problems"
+# Problems, and machines with events as they stand in the literature.
+FOLDERS = ("problems", "machines")
 
 
 @dataclass(frozen=True)
@@ -26,14 +27,20 @@ class Ran:
 
 def peers() -> dict[str, Peer]:
     """All problems by the name of their file."""
-    names = sorted(path.stem for path in PROBLEMS.glob("*.py"))
-    return {name: import_module(f"peers.problems.{name}").PEER for name in names}
+    modules = {name: import_module(f"peers.{path.parent.name}.{name}") for name, path in _files().items()}
+    return {name: module.PEER for name, module in modules.items() if hasattr(module, "PEER")}
+
+
+def _files() -> dict[str, Path]:
+    """Files by their names: with problems, and what they use; not with tests."""
+    found = [path for folder in FOLDERS for path in sorted((Path(__file__).parent / folder).glob("*.py"))]
+    return {path.stem: path for path in found if not path.stem.startswith("test_")}
 
 
 def run_study(problem: str, study: Study, folder: Path) -> Ran:
     """Run a study in `folder`; `seconds` are of processor time."""
     path = folder / "study.yaml"
-    text = {"contwalk": 1, "system": str(PROBLEMS / f"{problem}.py"), **study.run}
+    text = {"contwalk": 1, "system": str(_files()[problem]), **study.run}
     path.write_text(json.dumps(text), encoding="utf-8")  # JSON is YAML
     began = time.process_time()
     result = cw.run(cw.read_run_file(path, output=folder / "study.h5"), figures=False)
