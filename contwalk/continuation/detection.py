@@ -27,7 +27,7 @@ from contwalk.continuation.locating import (
 from contwalk.continuation.rootfinding import narrow
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.problems.linear import Factored, critical_pair, deficiency, solution_plane
-from contwalk.problems.problem import Located, Sample
+from contwalk.problems.problem import FLAT_FOLD, Located, Sample
 
 # How far from a point its two sides are looked at, in parts of the segment.
 BESIDE = 1e-3
@@ -280,8 +280,8 @@ def _multiple(segment: Segment, crossings: list[tuple[float, int]]) -> Found | N
 def _flat_fold(segment: Segment, low: float, high: float, crossings: list[tuple[float, int]]) -> Found:
     """The fold at which an eigenvalue passes zero while the parameter hardly moves.
 
-    In an explosion of cycles the parameter may turn by less than it is known to: then the fold is seen, and
-    only where its defining system has a solution there it is located.
+    In an explosion of cycles the parameter may turn by less than it is known to: then the fold is where the
+    eigenvalue passes, and known along the branch as well as that is.
     """
     ends = [segment.at(theta) for theta in (low, high)]
     share = max(abs(float(end.tangent[-1] / end.weights[-1])) for end in ends)
@@ -294,8 +294,9 @@ def _flat_fold(segment: Segment, low: float, high: float, crossings: list[tuple[
         known = max(width, float(np.spacing(abs(sample.parameter))))
         located = Located(sample.z, known, {"note": SECOND}, refined=False)
         return Found(theta, "LP", located, sample, kind="unlocated")
-    if (fold := accepted(segment, "LP", sample, which, low, high)) is not None:
-        return fold
+    for equations in (FLAT_FOLD, "LP") if segment.problem.discretized else ("LP",):
+        if (fold := accepted(segment, equations, sample, which, low, high)) is not None:
+            return replace(fold, label="LP")
     note = "A real eigenvalue passes zero, and the parameter turns by less than it is known to."
     return Found(
         theta, "LP", Located(sample.z, width, {"note": note}, refined=False), sample, kind="unlocated"

@@ -16,12 +16,13 @@ import numpy as np
 from contwalk import quantities
 from contwalk.branch import ORBITS, Branch, SpecialPoint
 from contwalk.continuation import outcomes
+from contwalk.continuation.detection import NO_SHARE
 from contwalk.continuation.limits import LABELS as LIMITS
 from contwalk.continuation.newton import correct
 from contwalk.continuation.reopening import problem_of, reopened, stored_place
 from contwalk.errors import ContwalkError
 from contwalk.problems.orbit.discretization import TIGHTEST, Discretization
-from contwalk.problems.problem import Linearization, Located, Problem, Sample
+from contwalk.problems.problem import FLAT_FOLD, Linearization, Located, Problem, Sample
 from contwalk.system import System
 
 # A point may differ by so many times what the two error estimates together allow: estimates are estimates.
@@ -266,22 +267,25 @@ def _found(
         if point.label in LIMITS:
             label, which = point.label, problem.limit_of(point)
         else:
-            label, which = _search(branch, point, sample)
+            label, which = _search(problem, branch, point, sample)
         located = problem.locate(label, sample, which)
     return None if located is None else located.settled()
 
 
-def _defining(branch: Branch, point: SpecialPoint) -> str:
+def _defining(problem: Problem, branch: Branch, point: SpecialPoint, sample: Sample) -> str:
     """Label of the defining system of a point."""
     # Half an orbit flips where it loses its symmetry; an eigenvalue of equilibria is zero there, as ever.
     if point.kind == "symmetry-breaking" and branch.info.problem in ORBITS:
         return "SB"
+    still = problem.discretized and abs(sample.tangent[-1] / sample.weights[-1]) < NO_SHARE
+    if point.label == "LP" and still:
+        return FLAT_FOLD
     return "MULTIPLE" if "multiplicity" in point.coefficients else point.label
 
 
-def _search(branch: Branch, point: SpecialPoint, sample: Sample) -> tuple[str, int]:
+def _search(problem: Problem, branch: Branch, point: SpecialPoint, sample: Sample) -> tuple[str, int]:
     """Label of the defining system, and the number of the eigenvalue that is critical."""
-    label, target = _defining(branch, point), complex(sample.critical)
+    label, target = _defining(problem, branch, point, sample), complex(sample.critical)
     if label == "HB":
         target = 1j * float(point.coefficients["omega"])
     elif label == "NS":
@@ -400,7 +404,7 @@ def _from_spectrum(
     there = problem if found.problem is None else found.problem
     tangent = np.array(point.tangent)
     at = there.examine(found.z, tangent, sample.weights, there.linearize(found.z), sample.unstable)
-    _, which = _search(branch, point, at)
+    _, which = _search(there, branch, point, at)
     rate = abs(at.rates[which])
     if not rate > 0.0:
         return float("nan"), 0.0

@@ -27,6 +27,8 @@ from contwalk.problems.linear import EPSILON, Factored, Factorization
 # Observables that every problem has: the largest real part of an equilibrium, the largest modulus of an
 # orbit.
 MAX_RE, MAX_ABS = "max_re", "max_abs"
+# `locate` is asked for a fold by this name where the parameter stands still to the errors of the equations.
+FLAT_FOLD = "FLAT"
 # A relative margin this far below zero is zero still: on the steps of a branch it is not known better.
 NO_MARGIN = 1e-7
 

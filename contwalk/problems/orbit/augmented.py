@@ -11,6 +11,10 @@ system (W. Govaerts, Numerical Methods for Bifurcations of Dynamical Equilibria,
 | NS | segments' derivatives, closed by exp(i theta) | theta |
 | BP | [F_u F_lambda], bordered by two rows | an unfolding mu b of F, zero where the point is one |
 
+In an explosion of cycles the parameter stands still to the errors of the steps, and F_u is singular all
+along to the same errors. A multiplier that passes one tells the fold from its neighbours (`FLAT_FOLD`): the
+point is then the solution of F = 0 and that multiplier = 1, along the branch.
+
 L' v is a second derivative of the flow. It is integrated as the derivative of the tangent lift, on the same
 steps; nothing is differenced. What is left is the error of the steps themselves: a point is solved for again
 on steps of a hundredth of the tolerance, and on still finer ones, whose correction is the error estimate.
@@ -28,7 +32,7 @@ from contwalk.errors import NotFinite
 from contwalk.problems.linear import EPSILON
 from contwalk.problems.orbit.discretization import TIGHTEST
 from contwalk.problems.orbit.null_vectors import bordered, critical_vectors
-from contwalk.problems.problem import Located, Sample
+from contwalk.problems.problem import FLAT_FOLD, Located, Sample
 
 if TYPE_CHECKING:
     from contwalk.problems.orbit.protocol import Orbit
@@ -40,6 +44,8 @@ SMALL, ROUNDED = 1e-13, 1e-6
 # Steps of the check that gives the error, in units of the tolerance before.
 CHECK = 0.03
 MOST_REFINEMENTS = 4
+# Displacement along the branch, in the metric, for the rate of a multiplier.
+BESIDE = 1e-4
 
 # residual (N + r,) and Jacobian (N + r, N + 1 + r') of an augmented system at its unknowns
 Evaluate = Callable[["Orbit", np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -57,7 +63,7 @@ class Augmented:
 
 def located(problem: Orbit, label: str, sample: Sample, which: int) -> Located | None:
     """The point near a sample, found on its own steps; `refine` finds it on finer ones."""
-    builders = {"LP": _fold, "PD": _flip, "SB": _flip, "NS": _torus, "BP": _crossing}
+    builders = {"LP": _fold, "PD": _flip, "SB": _flip, "NS": _torus, "BP": _crossing, FLAT_FOLD: _flat_fold}
     if label not in builders:
         return None
     try:
@@ -290,24 +296,40 @@ def observed(problem: Orbit, name: str, level: float, sample: Sample) -> Located
 
     def value(there: Orbit, z: np.ndarray) -> float:
         if name != there.observable_names[-1]:
-            return there.observable(name, z)
+            return there.observable(name, z) - level
         found = there.multipliers(z, there.linearize(z).jacobian)
-        return float(there.observables(z, found)[-1])
+        return float(there.observables(z, found)[-1]) - level
 
-    slope = rates.of_observable(problem, name, sample)
+    try:
+        system = _along(sample, value, rates.of_observable(problem, name, sample))
+        found = None if system is None else solved(problem, system, sample)
+    except (np.linalg.LinAlgError, NotFinite):
+        return None
+    return found if found is not None and np.all(np.isfinite(found.z[: problem.size + 1])) else None
+
+
+def _flat_fold(problem: Orbit, sample: Sample, which: int) -> Augmented | None:
+    """A real multiplier at one, where the parameter stands still."""
+
+    def value(there: Orbit, z: np.ndarray) -> float:
+        found = there.multipliers(z, there.linearize(z).jacobian).values
+        nearest = complex(found[int(np.argmin(np.abs(found - 1.0)))])
+        return float(np.log(nearest.real)) if nearest.imag == 0.0 < nearest.real else float("nan")
+
+    aside = BESIDE * sample.tangent
+    slope = (value(problem, sample.z + aside) - value(problem, sample.z - aside)) / (2.0 * BESIDE)
+    return _along(sample, value, slope)
+
+
+def _along(sample: Sample, value: Callable[[Orbit, np.ndarray], float], slope: float) -> Augmented | None:
+    """F = 0 and a function that vanishes at a point of the branch; `slope` is its rate along it there."""
     if not np.isfinite(slope) or slope == 0.0:
         return None
-    size = problem.size
     gradient = slope * sample.tangent / sample.weights**2
 
     def evaluate(there: Orbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         linearization = there.linearize(z)
-        residual = np.append(linearization.residual, value(there, z) - level)
+        residual = np.append(linearization.residual, value(there, z))
         return residual, np.vstack([linearization.jacobian, gradient])
 
-    system = Augmented(evaluate, sample.z, sample.weights, lambda there, z: {})
-    try:
-        found = solved(problem, system, sample)
-    except (np.linalg.LinAlgError, NotFinite):
-        return None
-    return found if found is not None and np.all(np.isfinite(found.z[: size + 1])) else None
+    return Augmented(evaluate, sample.z, sample.weights, lambda there, z: {})

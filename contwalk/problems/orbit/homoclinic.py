@@ -166,7 +166,8 @@ def homoclinic(problem: Orbit, a: Sample, b: Sample) -> Outcome | None:
 def _doubt(sample: Sample) -> str:
     """A sentence where the multipliers of an orbit are not known to their size."""
     largest = float(np.abs(sample.eigenvalues).max(initial=1.0))
-    if (sample.spectrum_error or 0.0) < largest:
+    lost = np.any((sample.errors >= np.abs(sample.measures)) & (sample.measures > 0.0))
+    if (sample.spectrum_error or 0.0) < largest and not lost:
         return ""
     return " Its last multipliers are not known to their size, and are not counted as unstable."
 

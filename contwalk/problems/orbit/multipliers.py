@@ -16,6 +16,10 @@ REAL = 1e-11
 # How much of the local errors reaches the monodromy matrix, in units of the tolerance: step control is on
 # the safe side.
 GLOBAL = 0.3
+# An error that is a larger part of a multiplier than this leaves it unknown.
+UNKNOWN = 0.3
+# Two ways to leave the flow out that differ by less in all segments are one.
+LITTLE = 1e-6
 # No size is smaller.
 LEAST = 1e-300
 
@@ -82,26 +86,35 @@ def multipliers(
     """
     scaled = [factor / magnitudes[:, None] * magnitudes for factor in factors]
     sizes = [max(float(np.linalg.norm(factor, 2)), LEAST) for factor in scaled]
-    if neutral[0].shape[1]:
-        begin = [directions / magnitudes[:, None] for directions in neutral]
-        end = [*begin[1:], begin[0]]
-        if arriving is not None:
-            end = [directions / magnitudes[:, None] for directions in arriving]
-        scaled = _quotients(scaled, begin, end)
-    if not len(scaled[0]):
+    begin = [directions / magnitudes[:, None] for directions in neutral]
+    end = begin[1:] + begin[:1] if arriving is None else [ends / magnitudes[:, None] for ends in arriving]
+    quotients = _quotients(scaled, begin, end)
+    if not len(quotients[0]):
         return Multipliers(np.zeros(0, dtype=complex), np.zeros(0), 0.0)
-    values, errors = _single(scaled[0], sizes[0]) if len(scaled) == 1 else _product(scaled, sizes)
-    order = np.lexsort((-values.imag, -np.abs(values)))
-    first = int(order[0])
+    values, errors = _eigenvalues(quotients, sizes)
+    accuracy = float(errors[0] * (1.0 + GLOBAL * tolerance / ROUNDING))
+    leak = np.zeros(len(values))
+    if arriving is not None and neutral[0].shape[1]:
+        leak = _leak(scaled, begin, quotients, values)
+    lost = leak > UNKNOWN * np.abs(values)
     return Multipliers(
-        values[order], errors[order], float(errors[first] * (1.0 + GLOBAL * tolerance / ROUNDING))
+        values, np.where(lost, np.maximum(errors, leak / UNKNOWN), errors), max(accuracy, float(leak[0]))
     )
+
+
+def _eigenvalues(quotients: Sequence[np.ndarray], sizes: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
+    """Eigenvalues of the product by descending modulus, and what rounding does to them."""
+    values, errors = _single(quotients[0], sizes[0]) if len(quotients) == 1 else _product(quotients, sizes)
+    order = np.lexsort((-values.imag, -np.abs(values)))
+    return values[order], errors[order]
 
 
 def _quotients(
     factors: Sequence[np.ndarray], begin: Sequence[np.ndarray], end: Sequence[np.ndarray]
 ) -> list[np.ndarray]:
     """Each factor between the quotient spaces at its ends, in the orthonormal bases of the starts."""
+    if not begin[0].shape[1]:
+        return list(factors)
     bases, m = [complement(directions) for directions in begin], len(factors)
     result = []
     for i, factor in enumerate(factors):
@@ -109,6 +122,31 @@ def _quotients(
         directions, _ = np.linalg.qr(end[i])
         result.append(bases[(i + 1) % m].T @ (moved - directions @ (directions.T @ moved)))
     return result
+
+
+def _leak(
+    factors: Sequence[np.ndarray],
+    begin: Sequence[np.ndarray],
+    quotients: Sequence[np.ndarray],
+    values: np.ndarray,
+) -> np.ndarray:
+    """By how much moduli change if the directions that the factors carry along are left out instead.
+
+    Both are the same but for the errors of the steps. What has grown comes to lie along these directions;
+    where far more has decayed beside them, what is left there is these errors.
+    """
+    carried = [factor @ directions for factor, directions in zip(factors, begin, strict=True)]
+    if not all(np.all(np.any(directions, axis=0)) for directions in carried):
+        return np.zeros(len(values))
+    others = _quotients(factors, begin, carried)
+    changes = [
+        float(np.linalg.norm(a - b)) / max(float(np.linalg.norm(a)), LEAST)
+        for a, b in zip(quotients, others, strict=True)
+    ]
+    if len(factors) > 1 and sum(changes) < LITTLE:
+        return sum(changes) * np.abs(values)
+    found, _ = _eigenvalues(others, [1.0] * len(others))
+    return np.abs(np.abs(values) - np.abs(found))
 
 
 def _single(matrix: np.ndarray, size: float) -> tuple[np.ndarray, np.ndarray]:

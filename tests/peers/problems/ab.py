@@ -89,7 +89,6 @@ PEER = Peer(
                 Ending("homoclinic", "AUTO-07p to period 500 at two meshes", 0.11945482404, 2e-11),
             ),
             slow=True,
-            lost="a fold of cycles beside the homoclinic end is seen and not located",
         ),
         Study(
             "p2=18.0",

@@ -39,7 +39,6 @@ PEER = Peer(
                 Value("LP", 0.3241785225, 3e-10, "AUTO-07p at two meshes", of="orbit"),
                 Value("LP", 1.4258214775, 3e-10, "AUTO-07p at two meshes", of="orbit"),
             ),
-            lost="folds of cycles, canards', are seen and not located, or missed",
         ),
     ),
 )

@@ -99,3 +99,34 @@ def test_what_grows_along_the_flow_is_left_out_at_the_state_that_it_arrives_at(s
     assert rounding <= found.errors[0] <= 1e-6
     seen_from_the_start = multipliers([factor] * segments, [start] * segments, np.ones(2), 1e-6)
     assert seen_from_the_start.values[0].real > 99.0**segments
+
+
+def one_that_forgets(own, error):
+    """Two segments: deviations grow a millionfold beside the flow, which is an axis; then everything comes to
+    lie along the flow, but for `own` of what is beside it, and for an error of the direction."""
+    grows = np.diag([1.0, 1e6])
+    along, aside = np.array([1.0, error]), np.array([0.0, 1.0])
+    return [grows, np.outer(along, [1.0, 1e3]) + own * np.outer(aside, [0.0, 1.0])]
+
+
+def flow_of(factors):
+    axis = np.array([[1.0], [0.0]])
+    return multipliers(factors, [axis, axis], np.ones(2), 1e-6, [axis, axis])
+
+
+def test_a_multiplier_that_is_nothing_but_errors_is_not_known_to_its_size():
+    """An orbit that passes a saddle for long after it has forgotten where it came from: the product is 1e-24,
+    and an error of 2.5e-9 in the direction that a thousandfold growth has makes it 2.5."""
+    found = flow_of(one_that_forgets(1e-30, 2.5e-9))
+    assert found.values[0].real == pytest.approx(2.5, rel=1e-6)
+    assert found.accuracy >= 2.4
+    assert (found.unstable(0), found.unstable(1), found.unstable(None)) == (0, 1, 0)
+
+
+def test_a_multiplier_with_a_small_error_is_known_with_it():
+    found = flow_of(one_that_forgets(2e-6, 1e-12))
+    assert found.values[0].real == pytest.approx(2.0, rel=1e-3)
+    # 1e6 1e3 1e-12 at least; the tolerance itself may do thirty times that.
+    assert 0.99e-3 <= found.accuracy <= 0.1
+    assert found.errors[0] <= 1e-9
+    assert found.unstable(0) == 1
