@@ -258,9 +258,9 @@ def _claimed(row: np.void, turn: Round) -> float:
 
     A state that moves by a millionth of its weight is a constant to the steps of a branch.
     """
-    weights = row["weights"][: len(turn.least)]
-    error = np.nan_to_num(row["error"], nan=0.0, posinf=np.inf)
-    return float(error * np.max(weights / np.maximum((turn.most - turn.least) / 2, 1e-300)))
+    weights, half = row["weights"][: len(turn.least)], (turn.most - turn.least) / 2
+    units = np.where(half > 1e-12 * weights, half, weights)  # what stands still has its weight for a unit
+    return float(np.nan_to_num(row["error"], nan=0.0, posinf=np.inf) * np.max(weights / units))
 
 
 def _without_own(branch: Branch, values: np.ndarray) -> tuple[np.ndarray, float]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -53,8 +52,6 @@ CONSTANT = 1e-5
 MOVES = 1e-2
 # The flow's own multiplier, one, missed by more than this tells nothing of the others.
 UNTOLD = 0.3
-# A gap that makes an error of the multipliers larger than this is closed before they are told.
-UNCLOSED = 1e-4
 # Growth of deviations over a segment beyond which an orbit is cut into twice as many; what the flow may miss
 # its own velocity by.
 TOO_MUCH, MISSED = 1e6, 1e-3
@@ -622,35 +619,10 @@ class PeriodicOrbit:
             problem, sample = recut(problem, sample)
         tangent = problem.into_section(sample.z, sample.tangent)
         # Both ends of the next step are seen on the same steps: what they tell differs by the branch alone.
-        z = problem.closed_on(sample.z, tangent, sample.weights)
-        again = problem.examine(
-            z, tangent, sample.weights, problem.linearize(z), sample.unstable, sample.observables
-        )
+        there = problem.linearize(sample.z)
+        again = problem.examine(sample.z, tangent, sample.weights, there, sample.unstable, sample.observables)
         orientation = 0.0 if sample.orientation == 0.0 else again.orientation
-        return problem, replace(again, z=sample.z, orientation=orientation)
-
-    def closed_on(self, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray) -> np.ndarray:
-        """z, or where it is not closed enough on these steps for its multipliers, the orbit here that is.
-
-        New steps leave a gap of their error between end and start. What the flow carries into itself is seen
-        at an angle to the flow then, which growing deviations make the multipliers' error.
-        """
-        linearization, n, m = self.linearize(z), self.states, self.segments
-        if not self.forced and self.moves(z) and linearization.finite:
-            variation = self.mesh.variation
-            gaps = np.linalg.norm(linearization.residual[: m * n].reshape(m, n) / variation, axis=1)
-            factors = np.array(self.factors(linearization.jacobian))
-            growth = np.linalg.norm(factors / variation[:, None] * variation, axis=(1, 2))
-            ahead = np.roll(self.solution(z).velocities, -1, axis=0)
-            speeds = np.linalg.norm(ahead / variation, axis=1)
-            if float(np.max(gaps * growth / speeds)) > UNCLOSED:
-                with contextlib.suppress(np.linalg.LinAlgError):
-                    bordered = linearization.bordered(tangent / weights**2, weights)
-                    closed = z - bordered.solve(np.append(linearization.residual, 0.0))
-                    there = self.linearize(closed)
-                    if there.finite and there.excess < linearization.excess:
-                        return closed
-        return z
+        return problem, replace(again, orientation=orientation)
 
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
         """Why the branch ends between two neighbouring orbits, if it does."""
