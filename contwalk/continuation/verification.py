@@ -399,7 +399,7 @@ def _from_spectrum(
     problem: Problem, sample: Sample, branch: Branch, point: SpecialPoint, found: Located
 ) -> tuple[float, float]:
     """Distance of the parameter from where the critical measure is zero, and how uncertain that is."""
-    if _defining(branch, point) not in ("HB", "PD", "NS", "SB"):
+    if _defining(problem, branch, point, sample) not in ("HB", "PD", "NS", "SB"):
         return float("nan"), 0.0
     there = problem if found.problem is None else found.problem
     tangent = np.array(point.tangent)
