@@ -125,7 +125,8 @@ def _changes(segment: Segment, found: Found) -> tuple[int, ...]:
         return (-1, 1) if found.label == "LP" else (-1, 0, 1)
     if found.label == "LP" and not _has_zero(found.sample):
         return (0,)
-    low, high = max(found.theta - BESIDE, 0.0), min(found.theta + BESIDE, 1.0)
+    apart = segment.beside(BESIDE)
+    low, high = max(found.theta - apart, 0.0), min(found.theta + apart, 1.0)
     seen = segment.at(high).unstable - segment.at(low).unstable
     if abs(seen) <= 1:
         return (seen,)
@@ -321,7 +322,8 @@ def _locate_crossing(segment: Segment, low: float, high: float, which: int) -> F
         if label is not None:
             return accepted(segment, label, sample, which, left, right)
         # A real eigenvalue: its place is enough, and nearer to it the corrector may be singular.
-        return theta if right - left < NEAR_REAL else None
+        met = abs(sample.measures[which]) <= sample.errors[which]
+        return theta if met or right - left < NEAR_REAL else None
 
     v0, v1 = value(low), value(high)
     found: Found | float | None

@@ -8,6 +8,10 @@ from contwalk.continuation.arc import Arc
 from contwalk.continuation.newton import correct
 from contwalk.problems.problem import Linearization, Problem, Sample
 
+# Near a branch point solutions are known to rounding over their distance from it, and along a branch that
+# turns there eigenvalues move by its square: at this distance, in the metric, that is far more.
+APART = 1e-4
+
 
 class LostBranch(Exception):
     """A point inside the segment could not be computed."""
@@ -20,6 +24,10 @@ class Segment(Arc):
         super().__init__((a.z, b.z), (a.tangent, b.tangent), a.weights)
         self.problem, self.a, self.b = problem, a, b
         self._known: dict[float, Sample] = {0.0: a, 1.0: b}
+
+    def beside(self, share: float) -> float:
+        """How far from a branch point its sides are looked at, in parts of the segment: `share`, or APART."""
+        return min(max(share, APART / self.length), 1.0)
 
     @property
     def vertical(self) -> bool:

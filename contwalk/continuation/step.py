@@ -214,7 +214,7 @@ def _onto_crossing(problem: Problem, a: Sample, z: np.ndarray, linearization: Li
 
 def _beside(segment: Segment) -> Sample:
     """The branch point that a walk begins at, with orientation and stability as they are right beside it."""
-    near = segment.at(segment.problem.beside)
+    near = segment.at(segment.beside(segment.problem.beside))
     return replace(
         segment.a,
         tangent=at_branch_point(segment.a.tangent, segment.a.weights),
