@@ -39,6 +39,8 @@ NO_SHARE = 1e-9
 FAINT_SHARE = 1e-6
 # With a smaller share of the parameter than the first a branch goes straight up; than the second, it turns.
 FLAT, NEARLY_FLAT = 1e-7, 1e-3
+# What an eigenvalue that is critical at a point is there, against what it is beside it.
+CRITICAL = 1e-2
 # What is said where an eigenvalue passes zero along a branch on which the parameter stands still.
 SECOND = (
     "A second real eigenvalue passes zero on a branch along which the parameter stands still: the branch "
@@ -240,7 +242,42 @@ def _folds(segment: Segment, low: float, high: float, branch_points: list[Found]
             if fold is None:
                 raise Disagreement("LP", "The parameter turns, but no fold is found.")
             found.append(fold)
+    if not found and ends[0][1] * ends[-1][1] < 0.0:
+        found = _folds_at(segment, low, high, branch_points)
     return found
+
+
+def _folds_at(segment: Segment, low: float, high: float, branch_points: list[Found]) -> list[Found]:
+    """The fold that lies so near to a branch point that the parameter's share there is noise.
+
+    A branch that turns at the branch point itself has one critical eigenvalue there; beside a fold of its own
+    there are two, the other one that of the fold.
+    """
+    for bp in branch_points:
+        sides = _sides(segment, bp)
+        if not _twice_critical(bp.sample, sides):
+            continue
+        # At the branch point itself the equations of the fold are singular.
+        for side in sides:
+            if (fold := accepted(segment, "LP", side, 0, low, high)) is not None:
+                return [fold]
+    return []
+
+
+def _sides(segment: Segment, point: Found) -> list[Sample]:
+    """Solutions beside a branch point."""
+    apart = segment.beside(BESIDE)
+    return [segment.at(t) for t in (point.theta - apart, point.theta + apart) if 0.0 <= t <= 1.0]
+
+
+def _twice_critical(here: Sample, sides: list[Sample]) -> bool:
+    """Whether two eigenvalues are critical at a branch point, against what they are beside it."""
+
+    def second(sample: Sample) -> float:
+        sizes = np.sort(np.abs(sample.eigenvalues - sample.critical))
+        return float(sizes[1]) if len(sizes) > 1 else np.inf
+
+    return any(second(here) <= CRITICAL * second(side) for side in sides)
 
 
 def _measure_crossings(segment: Segment, low: float, high: float, known: list[Found]) -> list[Found]:

@@ -29,6 +29,10 @@ if TYPE_CHECKING:
     from contwalk.problems.equilibrium import Equilibrium
 
 
+# With this share of the parameter in it, in the metric, or less, the tangent is that of the fold nearby.
+TURNING = 1e-2
+
+
 def _solve(
     system: DefiningSystem, start: np.ndarray, described: Callable[[Solution], Located | None]
 ) -> Located | None:
@@ -97,8 +101,10 @@ def _real_eigenvalue(
     size = problem.size
     m = size if shift is None else problem.states
     sigma = 0.0 if shift is None else shift
-    matrix = problem.jacobian(sample.z)[:m, :m] - sigma * np.eye(m)
-    start = critical_pair(matrix).right.real
+    if shift is None and not deficient and abs(sample.tangent[-1]) <= TURNING * sample.weights[-1]:
+        start = sample.tangent[:m] / np.linalg.norm(sample.tangent[:m])  # the null vector at a fold
+    else:
+        start = critical_pair(problem.jacobian(sample.z)[:m, :m] - sigma * np.eye(m)).right.real
     c = start / np.dot(start, start)
 
     def split(u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -141,14 +147,17 @@ def _real_eigenvalue(
 
 def branch_point(problem: Equilibrium, sample: Sample) -> Located | None:
     """The simple branch point near a sample; None where the nearest one is unfolded (mu is not zero)."""
+    there = problem.jacobian(sample.z)
+    left = critical_pair(there[:, : problem.size]).left.real
+    # Along a vertical branch F_u is singular everywhere, and beside a fold for another reason: DF tells.
+    located = None if sample.still else _branch_point_from(problem, sample, left)
+    return _branch_point_from(problem, sample, deficiency(there).left) if located is None else located
+
+
+def _branch_point_from(problem: Equilibrium, sample: Sample, left: np.ndarray) -> Located | None:
+    """The branch point near a sample whose left critical vector is near a given one."""
     size = problem.size
-    jacobian_there = problem.jacobian(sample.z)
-    # Along a vertical branch F_u is singular everywhere, and only DF tells.
-    start = (
-        deficiency(jacobian_there).left if sample.still else critical_pair(jacobian_there[:, :size]).left.real
-    )
-    start = start / np.linalg.norm(start)
-    b = start
+    b = start = left / np.linalg.norm(left)
 
     def residual(u: np.ndarray) -> np.ndarray:
         z, psi, mu = u[: size + 1], u[size + 1 : -1], u[-1]
