@@ -92,7 +92,7 @@ def _crossings(segment: Segment, low: float, high: float, known: list[Found]) ->
     """Bifurcations between two positions at whose ends the counts are to be trusted."""
     jump = segment.at(high).unstable - segment.at(low).unstable
     found = _branch_points(segment, low, high, known)
-    found += _folds(segment, low, high, found)
+    found = _with_folds(segment, low, high, found)
     if jump in _reachable(segment, found):
         return found
     found += _measure_crossings(segment, low, high, found)
@@ -198,7 +198,7 @@ def _nearer(segment: Segment, p: Sample, q: Sample) -> tuple[Sample, np.ndarray,
     """
     jacobians = [segment.problem.jacobian(sample.z) for sample in (p, q)]
     if segment.vertical:
-        found = [deficiency(jacobian) for jacobian in jacobians]
+        found = [deficiency(jacobian, segment.weights) for jacobian in jacobians]
         nearer = int(found[1].value < found[0].value)
         return (p, q)[nearer], found[nearer].left, found[nearer].plane
     pairs = [critical_pair(jacobian[:, :-1]) for jacobian in jacobians]
@@ -228,8 +228,8 @@ def at_branch_point(tangent: np.ndarray, weights: np.ndarray) -> np.ndarray:
     return np.append(tangent[:-1], 0.0)
 
 
-def _folds(segment: Segment, low: float, high: float, branch_points: list[Found]) -> list[Found]:
-    """Folds on the pieces between branch points, at which the tangent is known exactly."""
+def _with_folds(segment: Segment, low: float, high: float, branch_points: list[Found]) -> list[Found]:
+    """Branch points, and folds on the pieces between them; at them the tangent is known exactly."""
     ends = [(low, _share(segment.at(low)))]
     for bp in branch_points:
         tangent = segment.problem.tangent_at("BP", bp.located, bp.sample)
@@ -242,26 +242,34 @@ def _folds(segment: Segment, low: float, high: float, branch_points: list[Found]
             if fold is None:
                 raise Disagreement("LP", "The parameter turns, but no fold is found.")
             found.append(fold)
-    if not found and ends[0][1] * ends[-1][1] < 0.0:
-        found = _folds_at(segment, low, high, branch_points)
-    return found
+    if found or not ends[0][1] * ends[-1][1] < 0.0:
+        return branch_points + found
+    return [piece for bp in branch_points for piece in _with_its_fold(segment, low, high, bp)]
 
 
-def _folds_at(segment: Segment, low: float, high: float, branch_points: list[Found]) -> list[Found]:
-    """The fold that lies so near to a branch point that the parameter's share there is noise.
+def _with_its_fold(segment: Segment, low: float, high: float, point: Found) -> list[Found]:
+    """A branch point, and the fold that lies so near to it that the parameter's share there is noise.
 
     A branch that turns at the branch point itself has one critical eigenvalue there; beside a fold of its own
     there are two, the other one that of the fold.
     """
-    for bp in branch_points:
-        sides = _sides(segment, bp)
-        if not _twice_critical(bp.sample, sides):
-            continue
-        # At the branch point itself the equations of the fold are singular.
-        for side in sides:
-            if (fold := accepted(segment, "LP", side, 0, low, high)) is not None:
-                return [fold]
-    return []
+    sides = _sides(segment, point)
+    if not _twice_critical(point.sample, sides):
+        return [point]
+    for side in sides:  # at the branch point itself the equations of the fold are singular
+        fold = accepted(segment, "LP", side, 0, low, high)
+        if fold is not None and _turns_along(fold, side):
+            return [point, fold]
+    return [replace(point, located=_with(point.located, turns=True))]
+
+
+def _turns_along(fold: Found, near: Sample) -> bool:
+    """Whether a fold's critical vector is the tangent; that of the branch point solves its equations too."""
+    vector = fold.located.vectors.get("right")
+    if vector is None:
+        return True
+    along = near.tangent[: len(vector)]
+    return bool(abs(along @ vector) > 0.99 * np.linalg.norm(along) * np.linalg.norm(vector))
 
 
 def _sides(segment: Segment, point: Found) -> list[Sample]:

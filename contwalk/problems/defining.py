@@ -151,7 +151,9 @@ def branch_point(problem: Equilibrium, sample: Sample) -> Located | None:
     left = critical_pair(there[:, : problem.size]).left.real
     # Along a vertical branch F_u is singular everywhere, and beside a fold for another reason: DF tells.
     located = None if sample.still else _branch_point_from(problem, sample, left)
-    return _branch_point_from(problem, sample, deficiency(there).left) if located is None else located
+    if located is not None:
+        return located
+    return _branch_point_from(problem, sample, deficiency(there, sample.weights).left)
 
 
 def _branch_point_from(problem: Equilibrium, sample: Sample, left: np.ndarray) -> Located | None:

@@ -68,6 +68,9 @@ def _normal_form(
         )
     elif label == "BP":
         kind, criticality, coefficients, note = _branch_point(problem, located, sample.weights)
+    if located.vectors.get("turns"):
+        turns = "the parameter turns here as well: a fold that is not told apart"
+        note = f"{note}; {turns}" if note else turns
     return kind, criticality, coefficients, note
 
 

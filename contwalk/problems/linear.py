@@ -238,9 +238,15 @@ class Deficiency:
     plane: np.ndarray
 
 
-def deficiency(jacobian: np.ndarray) -> Deficiency:
-    """The nearest loss of rank of DF."""
-    rows, columns = equilibration(jacobian)
+def deficiency(jacobian: np.ndarray, weights: np.ndarray) -> Deficiency:
+    """The nearest loss of rank of DF, balanced as for critical vectors, the parameter in units of its weight.
+
+    Rows are not scaled each by itself: one that is zero but for rounding would count like any other.
+    """
+    size = len(jacobian)
+    d = balanced(jacobian[:, :size])[1]
+    d = d * np.max(weights[:size] / d)
+    rows, columns = 1.0 / d, np.append(d, weights[-1])
     u, values, vh = np.linalg.svd(jacobian * rows[:, None] * columns)
     v, w = (np.where(np.abs(x) < 1e-13, 0.0, x) for x in (vh[-2:].T, u[:, -1]))
     least = values[-2] if len(values) > 1 else values[0]

@@ -10,7 +10,6 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.problems.linear import (
     EPSILON,
-    EigenPair,
     Factored,
     bordered_by,
     critical_pair,
@@ -44,17 +43,13 @@ def second_direction(problem: Equilibrium, z: np.ndarray) -> np.ndarray | None:
     error = pair.error + float(np.abs(pair.left) @ entries @ np.abs(pair.right))
     if abs(pair.value) > 10.0 * error:
         return None
-    return pair.right.real if _in_range(jacobian[:, -1], pair) else None
-
-
-def _in_range(column: np.ndarray, pair: EigenPair) -> bool:
-    """Whether F_lambda lies in the range of F_u, to rounding."""
+    column = jacobian[:, -1]
     seen, terms = abs(pair.left @ column), np.abs(pair.left) @ np.abs(column)
     noise = 1e-12 * np.linalg.norm(pair.left) * np.linalg.norm(column)
-    return bool(seen <= IN_RANGE * terms + noise)
+    return None if seen > IN_RANGE * terms + noise else pair.right.real
 
 
-def crossing(jacobian: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def crossing(jacobian: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """At a branch point, the left null vector of DF and the two directions of solutions.
 
     Shapes (N,) and (N + 1, 2). Where both branches keep the parameter F_u alone has two null vectors, and
@@ -68,8 +63,10 @@ def crossing(jacobian: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     size = len(jacobian)
     pair = critical_pair(jacobian[:, :size])
     simple = bordered_by(jacobian[:, :size], pair).condition() < SINGULAR
-    if not (simple and _in_range(jacobian[:, -1], pair)):
-        found = deficiency(jacobian)
+    seen = abs(float(pair.left.real @ jacobian[:, -1])) * weights[-1]
+    in_range = seen <= IN_RANGE * float(np.abs(pair.left) @ (np.abs(jacobian) @ weights))
+    if not (simple and in_range):
+        found = deficiency(jacobian, weights)
         if found.next * SINGULAR > 1.0:
             return found.left, found.plane
     if not simple:
@@ -79,7 +76,7 @@ def crossing(jacobian: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def keep_parameter(problem: Equilibrium, z: np.ndarray, weights: np.ndarray) -> bool:
     """Whether both branches through a branch point keep the parameter, so that nothing is told against it."""
-    plane = crossing(problem.jacobian(z))[1] / weights[:, None]
+    plane = crossing(problem.jacobian(z), weights)[1] / weights[:, None]
     return bool(np.all(np.abs(plane[-1]) <= IN_RANGE * np.linalg.norm(plane, axis=0)))
 
 
@@ -92,7 +89,7 @@ def directions(problem: Equilibrium, z: np.ndarray, weights: np.ndarray) -> list
     """
     inputs = problem.inputs(z)
     try:
-        psi, basis = crossing(problem.jacobian(z))
+        psi, basis = crossing(problem.jacobian(z), weights)
     except np.linalg.LinAlgError:  # more than two branches meet here
         return []
     # An orthonormal basis in the metric of the weights keeps the quadratic well scaled.
@@ -124,7 +121,7 @@ def tangent_through(
         return None
     products = [float((t / weights) @ (near / weights)) for t in found]
     best = int(np.argmax(np.abs(products)))
-    return found[best] * np.sign(products[best])
+    return found[best] * np.sign(products[best]) if products[best] != 0.0 else None
 
 
 def branch_point_seeds(problem: Equilibrium, point: SpecialPoint) -> Sequence[Seed]:

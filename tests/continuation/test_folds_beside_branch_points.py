@@ -22,7 +22,7 @@ def fold_and_pitchfork(apart, sign, mixed):
 
 @pytest.mark.parametrize("mixed", [False, True], ids=["plain", "turned"])
 @pytest.mark.parametrize("sign", [1.0, -1.0], ids=["one each way", "both"])
-@pytest.mark.parametrize("apart", [1e-6, 1e-8, 1e-9])
+@pytest.mark.parametrize("apart", [1e-6, 1e-7, 1e-8])
 def test_both_are_located(apart, sign, mixed):
     """At the branch point the parameter's share of the tangent is noise: both its sides had the same sign."""
     problem = small_problem(fold_and_pitchfork(apart, sign, mixed), "xy", {"lam": 0.1}, "lam")
@@ -41,3 +41,14 @@ def test_both_are_located(apart, sign, mixed):
     assert between == between_too
     assert {before, after} == ({1} if sign > 0.0 else {0, 2})
     assert abs(between - before) == abs(between - after) == 1
+
+
+@pytest.mark.parametrize("mixed", [False, True], ids=["plain", "turned"])
+def test_where_they_are_one_point_it_says_so(mixed):
+    problem = small_problem(fold_and_pitchfork(0.0, 1.0, mixed), "xy", {"lam": 0.1}, "lam")
+    a = -np.sqrt(0.1)
+    start = [a / 1.125, 0.25 * a / 1.125] if mixed else [a, 0.0]
+    branch = cw.continue_branch(problem, start, (-1.0, 0.2))
+    (point,) = labelled(branch, "LP", "BP", "HB")
+    assert point.label == "BP"
+    assert "the parameter turns here as well" in point.note
