@@ -282,10 +282,9 @@ def _twice_critical(here: Sample, sides: list[Sample]) -> bool:
     """Whether two eigenvalues are critical at a branch point, against what they are beside it."""
 
     def second(sample: Sample) -> float:
-        sizes = np.sort(np.abs(sample.eigenvalues - sample.critical))
-        return float(sizes[1]) if len(sizes) > 1 else np.inf
+        return float(np.sort(np.abs(sample.eigenvalues - sample.critical))[1])
 
-    return any(second(here) <= CRITICAL * second(side) for side in sides)
+    return len(here.eigenvalues) > 1 and any(second(here) <= CRITICAL * second(side) for side in sides)
 
 
 def _measure_crossings(segment: Segment, low: float, high: float, known: list[Found]) -> list[Found]:
