@@ -30,21 +30,40 @@ TOLERANCE = 1e-9
 SETTLED, NEARLY = 1e-5, 0.2
 # A part of a lap that misses by less than so many times as much is the lap.
 ROUND = 100.0
-# Laps that each last so much less than the one before accumulate.
-SHRINKS = 0.95
+# The durations of laps that accumulate tend to less than this part of the last of them: to zero, but for
+# rounding (a geometric series), or seemingly to half of it where they fall as 1/n.
+SHRINKS = 0.75
+# Two laps that are all there is last alike: the second is not shorter by more than this part.
+ALIKE = 0.05
 ROUNDING = 1e-9
-# Events that are looked back; events and steps that are simulated at most.
-LOOK_BACK, MOST_EVENTS, MOST_STEPS = 64, 1000, 500_000
+# Events that are looked back.
+LOOK_BACK = 64
+# Steps within which a return is found or given up, and those that an event costs beside its own: it is
+# located, happens, and is compared with earlier ones. A time that is to pass first may cost so much more.
+MOST_STEPS, EVENT, BEFORE = 500_000, 25, 20
 # Periods of the forcing without an event before an orbit without events is looked for.
 QUIET = 4
 # How long to simulate at once, in units of what the fastest state needs to change by its own size; steps
 # without an event after which there will be none, for a start that is said to be on an orbit and otherwise.
 STRETCH, FIRST_PATIENCE, PATIENCE = 300.0, 2_000, 20_000
 LEAST = 1e-3
+FIRST_RETURN = " Where it is near an orbit that may be unstable, until: 0 takes its first near return."
 # A return that is as good as this times the best one so far is as good.
 AS_GOOD = 0.5
 
 Path = tuple[Mapping[str, float], Mapping[str, float]]
+
+
+@dataclass(frozen=True, eq=False)
+class _Arrival:
+    """Where an event leads, or its image under a mirror: earlier stretches are compared with it."""
+
+    time: float
+    mode: str
+    event: str
+    after: np.ndarray
+    scale: np.ndarray
+    image: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,11 +184,15 @@ class _Search:
         self.low = np.full(len(system.states), np.inf)
         self.high = -self.low
         self.best: Lap | None = None
+        self.shrinking = 0.0  # duration of the first lap of those that accumulate
+        self.settled: dict[tuple[int, str], set[int]] = {}  # when laps of a kind have come back
         self.patience = 0  # events until the best lap is taken, if it is one up to an image
         self.begun: tuple[float, np.ndarray] | None = (
             None  # time and state at the start of a leg that goes on
         )
-        self.steps = 0
+        self.work = 0  # steps since a return has been looked for
+        self.events = 0
+        self.looking = not isinstance(until, int | float)
         self.first = True
         self.origin: np.ndarray | None = None
         self.ended: Arc | None = None
@@ -207,12 +230,20 @@ class _Search:
 
     @property
     def exhausted(self) -> bool:
-        """Whether so many events, or steps, have passed that there will be no return."""
-        return len(self.stretches) > MOST_EVENTS or self.steps > MOST_STEPS
+        """Whether a return, or the time from which on it is looked for, has cost what it may."""
+        return self.work > MOST_STEPS * (1 if self.looking else BEFORE)
+
+    def _spend(self, arc: Arc) -> None:
+        """Count an arc's work; anew, once the time has passed that was asked for."""
+        if not self.looking and float(arc.times[-1]) >= float(self.until or 0.0):
+            self.looking, self.work, self.events = True, 0, 0
+        happens = int(arc.transition is not None)
+        self.events += happens
+        self.work += len(arc.times) + EVENT * happens
 
     def add(self, arc: Arc) -> Lap | None:
         """Take an arc in; the lap that it closes, if it does."""
-        self.steps += len(arc.times)
+        self._spend(arc)
         self.low = np.minimum(self.low, arc.states.min(axis=0))
         self.high = np.maximum(self.high, arc.states.max(axis=0))
         self.last_state = float(arc.times[-1]), arc.states[-1], arc.mode
@@ -236,22 +267,40 @@ class _Search:
 
     def _closed(self, arc: Arc) -> Lap | None:
         """The shortest lap that ends with this arc's event."""
-        if isinstance(self.until, int | float) and float(arc.times[-1]) < float(self.until):
+        if not self.looking:
             return None
         shorter: list[Lap] = []
-        for back in range(1, min(LOOK_BACK, len(self.stretches)) + 1):
-            for image in self.images:
-                lap = self._returned(arc, back, image)
+        arrivals = [self._arrival(arc, image) for image in self.images]
+        misses = np.array([self._misses(arrival) for arrival in arrivals])
+        for back in np.flatnonzero((misses < NEARLY).any(axis=0)):
+            for arrival, missed in zip(arrivals, misses[:, back], strict=True):
+                if not (missed < ROUND * SETTLED or self._better(missed)):
+                    continue
+                lap = self._lap(arrival, self.stretches[-1 - back :], float(missed))
                 if lap is None:
                     continue
-                if lap.missed < SETTLED and not self._accumulates(back):
-                    return self._shortest(lap, shorter)
-                shorter.append(lap)
-                if lap.missed < NEARLY and (self.best is None or lap.missed < AS_GOOD * self.best.missed):
+                if self._better(missed):
                     self.best = lap
+                if lap.missed < SETTLED:
+                    if self._accumulates(len(lap.stretches)):
+                        return self._first_image()  # so do longer laps, of which less is known
+                    if self._again(lap):
+                        return self._shortest(lap, shorter)
+                shorter.append(lap)
                 if self.until is None and self.best is not None and not self.best.image:
                     return self.best
         return self._first_image()
+
+    def _again(self, lap: Lap) -> bool:
+        """Whether the lap before came back as well: irregular motions come near by chance."""
+        now, back = len(self.stretches), len(lap.stretches)
+        times = self.settled.setdefault((back, lap.image), set())
+        times.add(now)
+        return self.until is None or now - back in times
+
+    def _better(self, missed: float) -> bool:
+        """Whether a lap is nearly one, and the best so far."""
+        return missed < (NEARLY if self.best is None else AS_GOOD * self.best.missed)
 
     def _first_image(self) -> Lap | None:
         """Where the first return is wanted, one up to an image, after a whole lap was looked at too."""
@@ -267,37 +316,51 @@ class _Search:
         p, x = ParameterValues(**self.parameters), np.zeros(len(self.system.states))
         return ("", *(s.name for s in mirrors if order_of(s, x, p) == 2))
 
-    def _returned(self, arc: Arc, back: int, image: str) -> Lap | None:
-        """The lap over the last stretches, if the same event happened before them, or its image."""
+    def _arrival(self, arc: Arc, image: str) -> _Arrival:
+        """The event that ends an arc, or its image."""
         assert arc.after is not None
-        count = len(self.stretches)
-        first, scale = self.stretches[count - back], self.weights(arc.after)
-        mode, event, after = (
-            self.system.transition(str(arc.transition), arc.mode).target,
-            arc.transition,
-            arc.after,
-        )
+        event, after = str(arc.transition), arc.after
+        mode, scale = self.system.transition(event, arc.mode).target, self.weights(after)
         if image:
             symmetry = self.system.symmetry(image)
-            mode, event = symmetry.modes.get(mode, mode), symmetry.events.get(str(event), event)
+            mode, event = symmetry.modes.get(mode, mode), symmetry.events.get(event, event)
             after = imaged(symmetry, after, ParameterValues(**self.parameters))
-        if first.leg.mode != mode or self._led_in(count - back) not in (None, event):
-            return None
-        if float(arc.times[-1]) - first.start < self.least:
-            return None
-        apart = after - first.state
+        return _Arrival(float(arc.times[-1]), mode, event, after, scale, image)
+
+    def _misses(self, arrival: _Arrival) -> np.ndarray:
+        """By what each of the last stretches misses to begin where an event leads, the last one first.
+
+        Infinite where it began with another event.
+        """
+        count = len(self.stretches)
+        recent = self.stretches[: -LOOK_BACK - 1 : -1]
+        alike = np.array(
+            [
+                first.leg.mode == arrival.mode and self._led_in(count - back) in (None, arrival.event)
+                for back, first in enumerate(recent, 1)
+            ]
+        )
+        apart = arrival.after - np.array([first.state for first in recent])
         turned = self.turns > 0.0
-        apart[turned] -= np.round(apart[turned] / self.turns[turned]) * self.turns[turned]
-        along = families.directions(self.system, self.neutral, first.state, self.parameters)
-        missed = float(np.linalg.norm(families.across(apart, along, scale) / scale))
-        lasted = float(arc.times[-1]) - first.start
+        apart[:, turned] -= np.round(apart[:, turned] / self.turns[turned]) * self.turns[turned]
+        if self.neutral:
+            for k in np.flatnonzero(alike):
+                along = families.directions(self.system, self.neutral, recent[k].state, self.parameters)
+                apart[k] = families.across(apart[k], along, arrival.scale)
+        missed = np.linalg.norm(apart / arrival.scale, axis=1)
+        lasted = arrival.time - np.array([first.start for first in recent])
         if self.period:
-            laps = lasted / self.period * (2 if image else 1)  # of half a cycle: half periods
-            missed = max(missed, abs(laps - round(laps)) / 0.05) if round(laps) > 0 else np.inf
-        stretches = tuple(self.stretches[count - back :])
-        if image and missed < NEARLY and not self._carries(image, stretches, lasted, scale):
+            laps = lasted / self.period * (2 if arrival.image else 1)  # of half a cycle: half periods
+            missed = np.maximum(missed, np.abs(laps - np.round(laps)) / 0.05)
+            alike &= np.round(laps) > 0
+        return np.where(alike & (lasted >= self.least), missed, np.inf)
+
+    def _lap(self, arrival: _Arrival, stretches: Sequence[Span], missed: float) -> Lap | None:
+        """The lap over some stretches that end where they began, or, if the machine has one, at its image."""
+        lasted = arrival.time - stretches[0].start
+        if arrival.image and not self._carries(arrival.image, stretches, lasted, arrival.scale):
             return None
-        return Lap(stretches, scale, missed, after, image, self.origin)
+        return Lap(tuple(stretches), arrival.scale, missed, arrival.after, arrival.image, self.origin)
 
     def _carries(self, image: str, stretches: Sequence[Span], lasted: float, scale: np.ndarray) -> bool:
         """Whether the machine is its own image after half a cycle: there the forcing is at another phase."""
@@ -316,12 +379,22 @@ class _Search:
         return [neutral for neutral in self.system.neutral if families.commutes(machine, neutral, *given)]
 
     def _accumulates(self, back: int) -> bool:
-        """Whether the last events came in ever shorter time: they return to a point, not to an orbit."""
-        durations = [stretch.duration for stretch in self.stretches[-3 * back :]]
-        if len(durations) < 3 * back:
-            return False
-        first, second, third = (sum(durations[k * back : (k + 1) * back]) for k in range(3))
-        return third < SHRINKS * second and second < SHRINKS * first
+        """Whether the last laps last ever shorter, down to nothing: they return to a point, not to an orbit.
+
+        What the durations tend to follows from three of them, whose differences are a geometric series. Later
+        the differences are nothing but rounding.
+        """
+        recent = self.stretches[-3 * back :]
+        lasting = [stretch.duration for stretch in recent[len(recent) % back :]]
+        laps = [sum(lasting[k : k + back]) for k in range(0, len(lasting), back)]
+        changes = np.diff(laps)
+        if len(laps) < 3:
+            return bool(np.any(changes < -ALIKE * laps[-1]))
+        before, last = changes
+        if before < last < 0.0 and laps[2] - last**2 / (last - before) < SHRINKS * laps[2]:
+            self.shrinking = max(self.shrinking, laps[2])
+            return True
+        return laps[2] < 0.5 * self.shrinking
 
     def _shortest(self, lap: Lap, shorter: list[Lap]) -> Lap:
         """The shortest lap that a longer one repeats: one that alternates looks settled there later."""
@@ -343,7 +416,7 @@ class _Search:
         """An orbit without events: of a forced system, the motion is the same again after some periods."""
         if not self.period:
             return None
-        if isinstance(self.until, int | float) and float(arc.times[-1]) < float(self.until):
+        if not self.looking:
             return None
         from contwalk.problems.hybrid.quiet import strobes
 
@@ -357,25 +430,48 @@ class _Search:
         ------
         NotFinite, StartError
         """
-        if self.best is not None and self.ended is not None:
-            return self.best
-        where = "" if self.last_state is None else f" at t = {self.system.lasting(self.last_state[0])}"
         if self.ended is not None:
-            error = NotFinite if self.ended.status == "not_finite" else StartError
-            raise error(
-                f"The simulation ends{where}: {self.ended.reason or self.ended.status}",
-                "Start elsewhere, or mend the plugin.",
-            )
+            return self._cut_short(self.ended)
         if not self.period and self.last_state is not None and not self.stretches:
             return self._smooth()
-        remedy = "Simulate for longer with until: SECONDS, or start from another state."
-        if self.until is not None:  # else it is the first near return that was looked for
-            remedy += " Where it is near an orbit that may be unstable, until: 0 takes its first near return."
-        raise StartError(
-            f"The simulation did not come back to where it was{where}: it has not settled, settles on a "
-            "motion that is not periodic, or meets no more events.",
-            remedy,
+        raise StartError(f"{self._found_nothing()}{self._nearest()}", self._remedy())
+
+    def _cut_short(self, arc: Arc) -> Lap:
+        """The best return of a motion that has ended, if it was not to settle, or to last for longer."""
+        if self.best is not None and self.until is None:
+            return self.best
+        error = NotFinite if arc.status == "not_finite" else StartError
+        remedy = "Start elsewhere, or mend the plugin."
+        if self.best is not None:
+            remedy += FIRST_RETURN
+        raise error(f"The simulation ends{self._where()}: {arc.reason or arc.status}", remedy)
+
+    def _where(self) -> str:
+        return "" if self.last_state is None else f" at t = {self.system.lasting(self.last_state[0])}"
+
+    def _found_nothing(self) -> str:
+        """Why there is no return, of a motion that goes on."""
+        if not self.exhausted:
+            return f"The simulation meets no more events{self._where()}, and has not come back before."
+        work = f"after {self.events} events and {self.work - EVENT * self.events} steps{self._where()}"
+        if not self.looking:
+            return f"The simulation was given up {work}: that is more than may pass before until."
+        return (
+            f"The search for a return was given up {work}: it settles slower than that, or on one that "
+            f"is not periodic, or comes back after more than {LOOK_BACK} events."
         )
+
+    def _nearest(self) -> str:
+        if self.best is None:
+            return ""
+        return f" Its nearest return missed by {self.best.missed:.2g} of the motion's size."
+
+    def _remedy(self) -> str:
+        remedy = "Start from another state"
+        if self.looking:
+            remedy += ", or look for a return later with until: SECONDS"
+        # Else it is the first near return that was looked for.
+        return remedy + "." + (FIRST_RETURN if self.until is not None else "")
 
     def _smooth(self) -> Lap:
         """An orbit of an autonomous system that meets no event."""
