@@ -19,7 +19,8 @@ def found_record(problem: Problem, found: Found, s: float, sign: float) -> Speci
     if found.kind == "unlocated":
         record = problem.special_point("UZ", found.located, found.sample, s)
         note = str(found.located.vectors["note"])
-        record = replace(record, label=found.label, status="unlocated", note=note)
+        # Nothing tells how far it is from the sample that stands for it: the parameter may have turned.
+        record = replace(record, label=found.label, status="unlocated", error=None, note=note)
     else:
         record = _described(problem, found, s)
         if found.kind is not None:

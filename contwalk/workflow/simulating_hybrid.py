@@ -11,6 +11,7 @@ from contwalk.flow import dense
 from contwalk.flow.events import Event
 from contwalk.flow.hybrid import Arc, HybridMachine, applied, hybrid_machine, parts
 from contwalk.flow.hybrid_scales import magnitudes
+from contwalk.flow.on_guard import check_on_guard
 from contwalk.flow.settling import Settling
 from contwalk.problems.hybrid.layout import Layout
 from contwalk.problems.stored_word import StoredWord
@@ -86,6 +87,9 @@ def simulated(
     last = beginning.at or beginning.last
     scales = [s.scale for s in system.states]
     weights = magnitudes(machine, start, state, mode, end, scales, method, last)
+    if beginning.at is not None:
+        given = machine.existing(beginning.mode, beginning.state)
+        check_on_guard(machine, machine.transition(beginning.at, beginning.mode), start, given, weights)
     settling, settled = Settling([s.period for s in system.states]), False
     steps = 0
     for part in parts(machine, start, state, mode, end, tolerance, weights, method, last):

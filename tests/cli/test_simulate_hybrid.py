@@ -203,6 +203,7 @@ def test_sticking_is_told(contwalk, ball):
         ("b.yaml", "start={state: {y: 1.0, v: 0.0}, mode: fligt}", "Did you mean 'flight'"),
         ("b.yaml", "start={state: {y: 1.0, v: 0.0}, at: top}", "watched and changes nothing"),
         ("b.yaml", "start={state: {y: 1.0, v: 0.0}, at: impct}", "Did you mean 'impact'"),
+        ("b.yaml", "start={state: {y: 1.0, v: -1.0}, at: impact}", "is 1 there, and not zero"),
         ("b.yaml", "start={equilibrium: rest, mode: flight}", "without a state of its own"),
         ("t.yaml", "start={state: {z: 1.0}, mode: flying}", "'z' does not exist in mode 'flying'"),
         ("t.yaml", "start={state: {z: 1.0}, mode: flying}", "no value for y, v"),

@@ -72,6 +72,7 @@ def test_a_vertical_branch_goes_on_where_a_second_eigenvalue_passes_zero(field):
     assert [(p.label, p.status) for p in passed] == crossed + turned + turned + crossed
     for point in passed[1:3]:
         assert "second real eigenvalue" in point.note
+        assert point.error is None  # nothing tells how far it is
         # A real eigenvalue is bracketed to 1e-5 of a step of at most 0.1.
         assert abs(b_of(list(point.state.values()))) == pytest.approx(1.0 / math.sqrt(3.0), abs=2e-6)
     counts_agree(branch, lambda state: int(3.0 * b_of(state) ** 2 > 1.0))

@@ -14,6 +14,9 @@ import numpy as np
 
 from contwalk.errors import NotFinite, StartError, called
 from contwalk.flow.hybrid import Arc, HybridMachine, applied, arcs, hybrid_machine
+from contwalk.flow.hybrid_scales import magnitudes
+from contwalk.flow.on_guard import check_on_guard
+from contwalk.flow.walk import METHOD
 from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.mirrors import Span, carries
@@ -124,7 +127,11 @@ def lap_from(
     x = np.array(state, dtype=float)
     if at is not None:
         happening = machine.transition(at, None if len(system.sources(at)) == 1 else mode)
+        before = x
         x, mode, after = applied(machine, happening, time, x), happening.target, at
+        scales = [each.scale for each in system.states]
+        typical = magnitudes(machine, time, x, mode, np.inf, scales, METHOD, at)
+        check_on_guard(machine, happening, time, before, typical)
     search = _Search(system, parameters, None if until == 0 else until, least)
     if after is not None:
         search.first = False  # the first arc is a whole leg
@@ -285,6 +292,7 @@ class _Search:
                     if self._accumulates(len(lap.stretches)):
                         return self._first_image()  # so do longer laps, of which less is known
                     if self._again(lap):
+                        self._refuse_chatter(lap)
                         return self._shortest(lap, shorter)
                 shorter.append(lap)
                 if self.until is None and self.best is not None and not self.best.image:
@@ -297,6 +305,26 @@ class _Search:
         times = self.settled.setdefault((back, lap.image), set())
         times.add(now)
         return self.until is None or now - back in times
+
+    def _refuse_chatter(self, lap: Lap) -> None:
+        """A lap may pass through transitions that accumulate, where rounding ends them.
+
+        Raises
+        ------
+        StartError
+            If one in it follows itself ever sooner, down to rounding.
+        """
+        whole = sum(stretch.duration for stretch in lap.stretches)
+        for three in zip(lap.stretches, lap.stretches[1:], lap.stretches[2:], strict=False):
+            first, second, third = (stretch.duration for stretch in three)
+            same = len({stretch.leg.name for stretch in three}) == 1
+            if same and first > second > third and third < ROUNDING * whole:
+                lasts, ends = (self.system.lasting(time) for time in (third, three[-1].start))
+                raise StartError(
+                    f"Transition '{three[0].leg.name}' accumulates: it follows itself ever sooner, "
+                    f"{lasts} later at t = {ends}, and only rounding ends that.",
+                    "The plugin must declare a mode for what comes after.",
+                )
 
     def _better(self, missed: float) -> bool:
         """Whether a lap is nearly one, and the best so far."""
