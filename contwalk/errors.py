@@ -11,7 +11,7 @@ import sysconfig
 import traceback
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from contwalk.python_functions import plain
 
@@ -113,15 +113,20 @@ def called(what: str, function: Callable[..., Any], *arguments: Any) -> Any:
     """
     try:
         return plain(function)(*arguments)
-    except UnsupportedOperation as error:
-        raise UnsupportedOperation(f"{plugin_line(error)}: {error.sentence}", error.remedy) from error
-    except ContwalkError:
-        raise
     except (Exception, SystemExit) as error:
-        raise PluginError(
-            f"The {what} raised an exception at {plugin_line(error)}: {type(error).__name__}: {error}.",
-            "Mend the plugin.",
-        ) from error
+        _raise_told(what, error)
+
+
+def _raise_told(what: str, error: BaseException) -> NoReturn:
+    """Raise an exception of a plugin's function in words."""
+    if isinstance(error, UnsupportedOperation):
+        raise UnsupportedOperation(f"{plugin_line(error)}: {error.sentence}", error.remedy) from error
+    if isinstance(error, ContwalkError):
+        raise error
+    raise PluginError(
+        f"The {what} raised an exception at {plugin_line(error)}: {type(error).__name__}: {error}.",
+        "Mend the plugin.",
+    ) from error
 
 
 def measured(what: str, function: Callable[..., Any], t: Any, x: Any, p: Any) -> float:
@@ -133,5 +138,8 @@ def measured(what: str, function: Callable[..., Any], t: Any, x: Any, p: Any) ->
     import numpy as np  # here, since every command imports this module, and not all of them need it
 
     times = t.copy() if hasattr(t, "copy") else t
-    with np.errstate(all="ignore"):
-        return called(what, lambda: float(plain(function)(times, x.copy(), p)))
+    try:
+        with np.errstate(all="ignore"):
+            return float(plain(function)(times, x.copy(), p))
+    except (Exception, SystemExit) as error:
+        _raise_told(what, error)

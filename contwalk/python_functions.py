@@ -96,6 +96,7 @@ def values_used(function: types.FunctionType) -> Iterator[tuple[str, Any]]:
 
 
 _KNOWN: weakref.WeakKeyDictionary[Any, Any] = weakref.WeakKeyDictionary()
+_UNKNOWN = object()
 
 
 def plain(function: Any) -> Any:
@@ -108,11 +109,14 @@ def plain(function: Any) -> Any:
         same = inner is function.func
         return function if same else functools.partial(inner, *function.args, **function.keywords)
     python = original(function)
-    if not isinstance(python, types.FunctionType) or is_own(python):
+    if not isinstance(python, types.FunctionType):
         return function
-    if python not in _KNOWN:
-        _KNOWN[python] = copied(python, _plain_value, {}) if _meets_numba(python, set()) else None
-    return _KNOWN[python] or python
+    known = _KNOWN.get(python, _UNKNOWN)
+    if known is _UNKNOWN:
+        if is_own(python):
+            return function
+        known = _KNOWN[python] = copied(python, _plain_value, {}) if _meets_numba(python, set()) else None
+    return known or python
 
 
 def is_own(function: types.FunctionType) -> bool:

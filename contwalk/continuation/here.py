@@ -102,8 +102,9 @@ def grown(problem: Problem, sample: Sample, here: Here, settings: Settings) -> S
     """A new sample in the metric that its own size adds to."""
     known, magnitudes = here.sample.weights, sample.magnitudes
     sizes = crowded(problem, np.abs(sample.z) if sample.sizes is None else sample.sizes)
-    # What nothing tells yet, as drifts never, need not be asked for again.
-    if not problem.discretized and np.any((known == UNKNOWN)[:-1] & np.isfinite(magnitudes[:-1])):
+    # What nothing tells yet, as drifts never, need not be asked for again, nor a declared scale of one.
+    new = (known == UNKNOWN) & np.isfinite(magnitudes) & (magnitudes != UNKNOWN)
+    if not problem.discretized and np.any(new[:-1]):
         magnitudes = later_magnitudes(problem, sample, known)
     weights = updated(known, crowded(problem, magnitudes), settings, sizes, float(sample.z[-1]))
     factor = float(np.linalg.norm(sample.tangent / weights))

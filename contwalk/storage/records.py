@@ -84,7 +84,8 @@ class RecordLog:
         # The file's own type in memory as well spares HDF5 a conversion, most of the time of an append.
         self._type = dataset.id.get_type()
         self._one = h5py.h5s.create_simple((1,))
-        self._capacity = INDEX_ENTRIES * int(dataset.chunks[0])
+        self._chunk = int(dataset.chunks[0])
+        self._capacity = INDEX_ENTRIES * self._chunk
         # Kept here, not read from the dataset: after a Ctrl-C between growing and writing, the dataset has a
         # row that was never written, and the next append must fill it.
         self.count = int(dataset.shape[0])
@@ -108,7 +109,7 @@ class RecordLog:
 
     def room(self, more: int) -> int:
         """Bytes by which the file may grow where `more` records are appended: chunks are written whole."""
-        chunk = int(self.dataset.chunks[0])
+        chunk = self._chunk
         chunks = -(-(self.count + more) // chunk) - -(-self.count // chunk)
         return (max(chunks * chunk, more)) * self._stored.itemsize
 

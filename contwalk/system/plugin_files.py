@@ -11,12 +11,15 @@ import ast
 import hashlib
 import os
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from importlib.metadata import EntryPoint
 from importlib.util import find_spec
 from pathlib import Path
 
 # What `ast.parse` raises for text that is no Python, or is nested beyond its means.
 _UNREADABLE = (SyntaxError, ValueError, RecursionError, MemoryError)
+# Where statements have others in them.
+_BLOCKS = ("body", "orelse", "finalbody", "handlers", "cases")
 
 
 def hashes_of_file(path: Path) -> dict[str, str]:
@@ -66,11 +69,7 @@ def _closure(folder: Path, package: str, first: list[Path]) -> dict[Path, bytes]
 
 def _imports(content: bytes, path: Path, folder: Path, package: str) -> Iterator[list[str]]:
     """Names that a file imports, split at their dots, as seen from `folder`."""
-    try:
-        nodes = list(ast.walk(ast.parse(content)))
-    except _UNREADABLE:
-        return
-    for node in nodes:
+    for node in _import_statements(content):
         if isinstance(node, ast.Import):
             absolute = [alias.name.split(".") for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
@@ -85,6 +84,23 @@ def _imports(content: bytes, path: Path, folder: Path, package: str) -> Iterator
             yield from absolute
         else:
             yield from (parts[1:] for parts in absolute if parts[:1] == [package])
+
+
+@lru_cache(maxsize=256)
+def _import_statements(content: bytes) -> tuple[ast.Import | ast.ImportFrom, ...]:
+    """Import statements of a text wherever they stand; none of one that is no Python."""
+    try:
+        waiting: list[ast.AST] = [ast.parse(content)]
+        found = []
+        while waiting:
+            node = waiting.pop()
+            if isinstance(node, ast.Import | ast.ImportFrom):
+                found.append(node)
+            # Statements stand in statements only: expressions, most of a text, need not be looked at.
+            waiting += [child for name in _BLOCKS for child in getattr(node, name, ())]
+        return tuple(found)
+    except _UNREADABLE:
+        return ()
 
 
 def _relative(names: list[list[str]], level: int, path: Path, folder: Path) -> Iterator[list[str]]:

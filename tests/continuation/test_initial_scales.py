@@ -5,6 +5,7 @@ import pytest
 from small_systems import labelled, small_problem
 
 import contwalk as cw
+from contwalk.continuation import here
 from contwalk.continuation.initial_scales import initial_magnitudes
 from contwalk.system import State
 
@@ -89,3 +90,19 @@ def test_a_declared_scale_of_one_is_kept():
     branch = cw.continue_branch(small_problem(small, states, {"lam": 0.5}, "lam"), [5e-4, 5e-4], (0.0, 1.0))
     assert np.all(branch.points["weights"][:, 0] == 1.0)
     assert branch.points["weights"][:, 1].max() < 2e-3  # by its equation, whose terms add up to 1.5e-3
+
+
+def test_a_declared_scale_of_one_is_no_reason_to_look_again(monkeypatch):
+    """One also stands for what nothing tells yet, which is asked for anew at each point."""
+    asked = []
+    later = here.later_magnitudes
+    monkeypatch.setattr(here, "later_magnitudes", lambda *given: asked.append(1) or later(*given))
+    problem = small_problem(field_of_a_line, [State("x", scale=1.0), "y"], {"lam": 0.1}, "lam")
+    branch = cw.continue_branch(problem, [0.1, 2.1], (0.1, 0.5))
+    assert len(branch) > 3
+    assert not asked
+
+
+def field_of_a_line(t, x, p, dx):
+    dx[0] = p.lam - x[0]
+    dx[1] = 2.0 + p.lam - x[1]

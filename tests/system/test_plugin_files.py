@@ -31,6 +31,23 @@ def test_files_that_are_imported_count(tmp_path):
     assert list(found) == ["late.py", "machine.py", "masses.py", "outside.py", *package]
 
 
+def test_imports_are_found_wherever_statements_stand(tmp_path):
+    blocks = {
+        "if 0:\n    pass\nelse:\n    import {}": "in_else",
+        "try:\n    import {}\nexcept ValueError:\n    pass": "in_try",
+        "try:\n    pass\nexcept ValueError:\n    import {}": "in_except",
+        "try:\n    pass\nfinally:\n    import {}": "in_finally",
+        "with open('x'):\n    import {}": "in_with",
+        "for i in ():\n    while i:\n        import {}": "in_loops",
+        "match 1:\n    case 2:\n        import {}": "in_match",
+        "class A:\n    async def f(self):\n        import {}": "in_method",
+    }
+    text = "\n".join(block.format(name) for block, name in blocks.items())
+    write(tmp_path, machine=text, **dict.fromkeys(blocks.values(), ""))
+    found = hashes_of_file(tmp_path / "machine.py")
+    assert sorted(found) == sorted(["machine.py", *(f"{name}.py" for name in blocks.values())])
+
+
 def test_the_hash_depends_on_each_of_them(tmp_path):
     write(tmp_path, machine="import masses\n", masses="m = 1.0\n")
     before = hash_of(hashes_of_file(tmp_path / "machine.py"))
