@@ -3,9 +3,10 @@
 A *section* is a hyperplane through a point of the orbit, at a right angle to the flow in the metric. It is
 anchored anew at every point of a branch, so that the flow always crosses it well. Where the orbit has become
 slow there it moves to where the orbit is fast: near an equilibrium the flow hardly crosses anything. An orbit
-that jumps has its section where it is slow: in a jump the state depends on the instant by far too much. The
-*integral* condition asks for the phase nearest to that of the last orbit, over the whole period (Doedel,
-1981).
+that jumps has its section right before the largest jump. In the jump the state would depend on the instant by
+far too much; long before it, the jump would come at another part of the period where the period has grown, on
+steps that were made for rest. The *integral* condition asks for the phase nearest to that of the last orbit,
+over the whole period (Doedel, 1981).
 """
 
 from __future__ import annotations
@@ -18,6 +19,9 @@ import numpy as np
 # Parts of the mean speed of an orbit, in the metric. One that is faster than the second somewhere, and for
 # half its time not slower than the first, has jumps; of others the fastest speed counts.
 SLOW, JUMPING = 0.05, 20.0
+# Where it jumps, its section lies where it is as fast as this before the largest jump; and is well where it
+# is up to this part of the period before that.
+RISING, BEFORE = 10.0, 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,8 +54,23 @@ def better_phase(times: np.ndarray, speeds: np.ndarray, lengths: np.ndarray) -> 
     order = np.argsort(speeds)
     median = order[int(np.searchsorted(np.cumsum(lengths[order]), 0.5 * lengths.sum()))]
     if speeds.max() > JUMPING * mean and speeds[median] > SLOW * mean:
-        return float(times[median]) if not SLOW * mean <= speeds[0] <= JUMPING * mean else None
+        return _before_the_jump(times, speeds / mean)
     return float(times[int(np.argmax(speeds))]) if speeds[0] < SLOW * speeds.max() else None
+
+
+def _before_the_jump(times: np.ndarray, speeds: np.ndarray) -> float | None:
+    """The instant right before an orbit is fastest, None if the section is not far from it; `speeds` are
+    relative to the mean.
+    """
+    fastest = int(np.argmax(speeds))
+    slower = np.flatnonzero(np.roll(speeds, -fastest) <= RISING)[
+        -1
+    ]  # the last one of the round that ends there
+    before = (int(slower) + fastest) % len(speeds)
+    ahead = float((times[fastest] - times[before]) % 1.0)
+    if SLOW <= speeds[0] <= JUMPING and times[fastest] <= 2.0 * ahead + BEFORE:
+        return None
+    return float(times[before])
 
 
 @dataclass(frozen=True, eq=False)

@@ -107,7 +107,6 @@ PEER = Peer(
                 Ending("homoclinic", "AUTO-07p to period 500 at two meshes", 0.11082863913, 2e-11),
                 Ending("homoclinic", "AUTO-07p to period 500 at two meshes", 0.11011357816, 2e-11),
             ),
-            lost="steps of 1e-3 along a smooth stable family: 1000 points do not reach its end",
             slow=True,
         ),
     ),
