@@ -13,7 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NoReturn
 
-from contwalk.python_functions import plain
+from contwalk.python_functions import line_of, plain
 
 
 class ContwalkError(Exception):
@@ -138,8 +138,15 @@ def measured(what: str, function: Callable[..., Any], t: Any, x: Any, p: Any) ->
     import numpy as np  # here, since every command imports this module, and not all of them need it
 
     times = t.copy() if hasattr(t, "copy") else t
-    try:
-        with np.errstate(all="ignore"):
-            return float(plain(function)(times, x.copy(), p))
-    except (Exception, SystemExit) as error:
-        _raise_told(what, error)
+    with np.errstate(all="ignore"):
+        try:
+            value = plain(function)(times, x.copy(), p)
+        except (Exception, SystemExit) as error:
+            _raise_told(what, error)
+        try:
+            return float(value)
+        except (TypeError, ValueError) as error:
+            raise PluginError(
+                f"The {what} gives no number: {line_of(function)}{type(error).__name__}: {error}.",
+                "Mend the plugin.",
+            ) from error

@@ -27,14 +27,16 @@ def _value(argument: Any) -> float:
     return argument.value if isinstance(argument, Probe) else float(argument)
 
 
-def _factored(matrix: list[list[Any]]) -> Factored:
-    return eliminated([_value(entry) for row in matrix for entry in row], sys.float_info.epsilon)
+# What counts as rounding where a matrix is asked whether it is nearly singular.
+NEARLY = 1e-4
 
 
 class Probe(Number):
     """A float that raises as soon as an operation gives NaN or infinity."""
 
     __slots__ = ("value",)
+    resolution = sys.float_info.epsilon
+    singular = "the matrix of {} rows is singular, as far as rounding can tell"
 
     def __init__(self, value: float) -> None:
         self.value = value
@@ -57,7 +59,7 @@ class Probe(Number):
             raise _FoundNotFinite(f"{name} of {', '.join(f'{v:g}' for v in values)}") from error
         if not math.isfinite(result):
             raise _FoundNotFinite(f"{name} of {', '.join(f'{v:g}' for v in values)} is {result}")
-        return Probe(result)
+        return type(self)(result)
 
     def compare(self, relation: str, a: Any, b: Any) -> bool:
         """The comparison in floats."""
@@ -67,24 +69,25 @@ class Probe(Number):
 
     def solution(self, matrix: list[list[Any]], columns: list[list[Any]]) -> list[list[Any]]:
         """Solutions in floats; a singular matrix is told of."""
-        factor = _factored(matrix)
+        factor = self._factored(matrix)
         if factor.singular:
-            raise _FoundNotFinite(
-                f"the matrix of {len(matrix)} rows is singular, as far as rounding can tell"
-            )
-        return [[Probe(v) for v in solved(factor, [_value(b) for b in column])] for column in columns]
+            raise _FoundNotFinite(self.singular.format(len(matrix)))
+        return [[type(self)(v) for v in solved(factor, [_value(b) for b in column])] for column in columns]
 
-    def piece(self, breaks: tuple[float, ...]) -> Probe:
+    def _factored(self, matrix: list[list[Any]]) -> Factored:
+        return eliminated([_value(entry) for row in matrix for entry in row], self.resolution)
+
+    def piece(self, breaks: tuple[float, ...]) -> Any:
         """How many of these rising numbers it has reached."""
-        return Probe(float(bisect.bisect_right(breaks, self.value)))
+        return type(self)(float(bisect.bisect_right(breaks, self.value)))
 
-    def entry(self, values: tuple[float, ...]) -> Probe:
+    def entry(self, values: tuple[float, ...]) -> Any:
         """The value at this place."""
-        return Probe(values[int(self.value)])
+        return type(self)(values[int(self.value)])
 
-    def determinant_of(self, matrix: list[list[Any]]) -> Probe:
+    def determinant_of(self, matrix: list[list[Any]]) -> Any:
         """The determinant in floats."""
-        return Probe(_factored(matrix).determinant)
+        return type(self)(self._factored(matrix).determinant)
 
     def select(self, a: Any, b: Any) -> Any:
         """`a` where this is not zero, else `b`."""
@@ -97,8 +100,27 @@ class Probe(Number):
         return float(self.value)
 
 
-def first_not_finite(
+class _Near(Probe):
+    """A float to which a matrix is singular long before it is."""
+
+    __slots__ = ()
+    resolution = NEARLY
+    singular = "the matrix of {} rows is nearly singular"
+
+
+def first_nearly_singular(
     function: Callable[..., Any], t: float, x: Sequence[float], parameters: dict[str, float]
+) -> str | None:
+    """As `first_not_finite`, of a function that has a value: where a matrix is about to become singular."""
+    return first_not_finite(function, t, x, parameters, _Near)
+
+
+def first_not_finite(
+    function: Callable[..., Any],
+    t: float,
+    x: Sequence[float],
+    parameters: dict[str, float],
+    number: type[Probe] = Probe,
 ) -> str | None:
     """Where the function first gives something that is not finite: `file, line n: what`; None if nowhere.
 
@@ -111,11 +133,13 @@ def first_not_finite(
     x : sequence of float, length n
     parameters : dict
         Values by name.
+    number : type
+        What stands in for numbers.
     """
-    states = np.array([Probe(float(v)) for v in x], dtype=object)
-    p = ParameterValues(**{name: Probe(float(value)) for name, value in parameters.items()})
+    states = np.array([number(float(v)) for v in x], dtype=object)
+    p = ParameterValues(**{name: number(float(value)) for name, value in parameters.items()})
     try:
-        rebound(function)(Probe(t), states, p, np.empty(len(states), dtype=object))
+        rebound(function)(number(t), states, p, np.empty(len(states), dtype=object))
     except _FoundNotFinite as error:
         return f"{plugin_line(error)}: {error}"
     except (Exception, SystemExit) as error:

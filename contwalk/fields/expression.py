@@ -357,4 +357,11 @@ class Expression(Number):
             "Use arithmetic, the functions of math, and numpy's functions of single numbers.",
         )
 
-    __int__ = __index__ = __float__
+    def __int__(self) -> int:
+        raise UnsupportedOperation(
+            "A number that depends on the state or a parameter is made a whole number here, as NumPy does in "
+            "arrays of whole numbers.",
+            "Steps are math.floor(x); arrays are np.zeros(n) or np.array([0.0, 1.0]), of floats.",
+        )
+
+    __index__ = __int__

@@ -32,7 +32,7 @@ from contwalk.fields.array_functions import (
     sinc,
 )
 from contwalk.fields.complex_numbers import made
-from contwalk.fields.dispatch import dispatch, where
+from contwalk.fields.dispatch import dispatch, symbolic, where
 from contwalk.fields.functions import FUNCTIONS, IMAGINARY_PART, Number
 from contwalk.fields.linear_algebra import det, inv, solve, solve_by_scipy
 from contwalk.fields.refusals import LINEAR_ALGEBRA, ROUNDED, refusal, refusals
@@ -79,18 +79,29 @@ def _copysign(x: Any, y: Any) -> Any:
     return dispatch("abs", (x,)) * dispatch("sign", (y,))
 
 
+def _whole(dtype: Any) -> bool:
+    """Whether an array of this type cuts what is written into it."""
+    return dtype is not None and np.dtype(dtype).kind in "iub"
+
+
 def _filled(value: float) -> Callable[..., np.ndarray]:
-    def filled(shape: Any, *_: Any, **__: Any) -> np.ndarray:
-        return np.full(shape, value, dtype=object)
+    def filled(shape: Any, dtype: Any = None, *_: Any, **__: Any) -> np.ndarray:
+        return np.full(shape, value, dtype=dtype if _whole(dtype) else object)
 
     return filled
 
 
 def _like(value: float) -> Callable[..., np.ndarray]:
-    return lambda array, *_, **__: np.full(np.shape(array), value, dtype=object)
+    def filled(array: Any, dtype: Any = None, *_: Any, **__: Any) -> np.ndarray:
+        own = dtype if dtype is not None else getattr(array, "dtype", np.asarray(array).dtype)
+        return np.full(np.shape(array), value, dtype=own if _whole(own) else object)
+
+    return filled
 
 
-def _array(values: Any, *_: Any, **__: Any) -> np.ndarray:
+def _array(values: Any, dtype: Any = None, *_: Any, **__: Any) -> np.ndarray:
+    if _whole(dtype) or (dtype is None and not symbolic(values) and np.asarray(values).dtype.kind in "iub"):
+        return np.array(values, dtype=dtype)
     return np.array(values, dtype=object)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.fields.blame import first_not_finite
+from contwalk.fields.blame import first_nearly_singular, first_not_finite
 from contwalk.flow.hybrid_machine import HybridMachine, ModeFlow
 from contwalk.flow.verbs import along
 from contwalk.flow.walk import METHOD
@@ -69,6 +69,14 @@ def why_not_finite(
     for each in system.leaving(mode):
         functions[f"guard of transition '{each.name}'"] = _as_field(each.guard)
     return told(system, mode, functions, t, x, machine.parameters) if np.isfinite(x).all() else ""
+
+
+def nearly_singular(machine: HybridMachine, mode: str, t: float, x: np.ndarray) -> str:
+    """As `told`, of a matrix of the field that is about to become singular: steps become ever smaller."""
+    known = {**machine.parameters, **machine.system.mode(mode).constants}
+    function = machine.system.mode(mode).field
+    found = first_nearly_singular(function, t, np.asarray(x, dtype=float).tolist(), known)
+    return "" if found is None else f" The field of mode '{mode}': {found}."
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ from contwalk.errors import StartError
 from contwalk.flow.arc import FAR, Arc, Control, far
 from contwalk.flow.arc_paths import by_paths
 from contwalk.flow.arc_walks import ByWalk
-from contwalk.flow.blaming import just_beyond, why_not_finite
+from contwalk.flow.blaming import just_beyond, nearly_singular, why_not_finite
 from contwalk.flow.chatter import Pace, Verdict
 from contwalk.flow.departure import BEYOND, ENTERING, RESTING, UNDEFINED, Departure, departures
 from contwalk.flow.guard import EPSILON
@@ -81,6 +81,7 @@ def arcs(
         ends = part.transition is not None or part.status != "ok" or not part.times[-1] < t1
         if not ends and steps >= most_steps:
             reason = f"An arc in mode '{part.mode}' has taken {steps} steps and met no transition."
+            reason += nearly_singular(machine, part.mode, float(part.times[-1]), part.states[-1])
             yield replace(_joined(collected), status="too_many_steps", reason=reason)
             return
         if ends:
@@ -252,7 +253,7 @@ def _told(machine: HybridMachine, flow: ModeFlow, part: Arc, weights: np.ndarray
     t, x = float(part.times[-1]), part.states[-1]
     found = just_beyond(machine, flow, t, x, far(flow, t, x[flow.states], weights[flow.states]) / FAR)
     if found is None:
-        return part
+        return replace(part, reason=part.reason + nearly_singular(machine, flow.name, t, x))
     blame = why_not_finite(machine, flow.name, *found.at)
     if found.guard is None:
         return replace(part, reason=part.reason + blame)

@@ -543,6 +543,11 @@ class System:
         for symmetry in self.symmetries:
             self._check_images(symmetry)
         for mode in self.modes:
+            twice = [name for name, count in Counter(mode.states or ()).items() if count > 1]
+            if twice:
+                raise SystemDefinitionError(
+                    f"Mode '{mode.name}' has the state '{twice[0]}' twice.", "Name each state once."
+                )
             for name in mode.states or ():
                 if name not in state_names:
                     raise SystemDefinitionError(

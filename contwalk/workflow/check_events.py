@@ -18,6 +18,8 @@ from contwalk.workflow.check_traced import Form, Traced, traced, vector_form
 
 TRIES = 40
 ITERATIONS = 30
+# How far beyond an event a guard is asked for its sign, as a part of the states' scales.
+BEYOND = 1e-3
 # Rounding leaves a guard this far from zero, in units of the rounding of its terms.
 FACTOR = 1e3
 _SEED = 21
@@ -41,7 +43,7 @@ def check_transition(
 ) -> Happening | None:
     """Check the guard and the reset of a transition, and both together; None where they cannot be used."""
     guard = check_guard(report, f"guard of transition '{transition.name}'", transition, system, samples)
-    sound = _check_reset(report, transition, system, samples)
+    sound = _check_reset(report, transition, system, samples) and check_states(report, transition, system)
     if guard is None or not sound or not {transition.source, transition.target} <= set(fields):
         return None
     reset = traced_reset(report, transition, system)
@@ -53,9 +55,58 @@ def check_transition(
     happening = Happening(transition, _states_at_event(transition, guard, fields[transition.source], samples))
     if transition.role == "soft":
         _check_continuous(report, happening, system, fields, samples)
-    if transition.role != "watched" and transition.reset is not None:
+    _check_passing(report, happening, guard, samples)
+    again = transition.role == "hard" and transition.source == transition.target
+    if transition.role != "watched" and (transition.reset is not None or again):
         _check_leaving(report, happening, system, samples)
+    if transition.role == "watched" and transition.reset is not None:
+        report.warning(
+            f"reset of transition '{transition.name}'",
+            "A watched transition does not act: its reset is never used. Leave it out, or declare "
+            "role='hard'.",
+            place_of(transition.reset),
+        )
     return happening
+
+
+def _check_passing(report: Report, happening: Happening, guard: Traced, samples: Samples) -> None:
+    """The guard must have another sign beyond its zeros, and zeros at all."""
+    transition, what = happening.transition, f"guard of transition '{happening.transition.name}'"
+    place = place_of(transition.guard)
+    beyond = [_just_beyond(transition, guard, t, x, samples) for t, x in happening.before]
+    if beyond and not any(value > 0.0 for value in beyond):
+        how = "has no value" if np.isnan(beyond).all() else "stays zero, or turns back"
+        report.error(
+            what,
+            f"It comes to zero and does not pass it: beyond, it {how}. Return a number that has the other "
+            "sign there, such as a distance that becomes negative.",
+            place,
+        )
+    elif not beyond and guard.depends() - {0}:
+        values = [samples.evaluate(guard, row)[0] for row in range(len(samples.states))]
+        sign = "positive" if min(values) > 0.0 else "negative" if max(values) < 0.0 else "finite"
+        report.warning(
+            what,
+            f"No state was found at which it passes zero ({transition.direction}): it is {sign} at all "
+            f"{len(values)} states that were tried, and no way leads to a zero from them. A number that only "
+            "touches zero, such as a square or an absolute value, is no guard.",
+            place,
+        )
+
+
+def _just_beyond(transition: Transition, guard: Traced, t: float, x: np.ndarray, samples: Samples) -> float:
+    """The guard a little beyond its zero, positive where it has the sign that it passes to."""
+    scaled = guard.slopes(t, x, samples.values)[0, 1:] * samples.scales
+    size = float(np.linalg.norm(scaled))
+    if not size > 0.0:  # a guard of time alone
+        return 1.0
+    way = 1.0 if transition.direction == "rising" else -1.0
+    steps = (way,) if transition.direction != "both" else (1.0, -1.0)
+    values = []
+    for step in steps:
+        there = x + step * BEYOND * samples.scales * scaled / size
+        values.append(step * guard.values(t, there, samples.values)[0])
+    return float(min(values))
 
 
 def _check_reset(report: Report, transition: Transition, system: System, samples: Samples) -> bool:
@@ -90,6 +141,30 @@ def reset_form(transition: Transition, system: System) -> Form | None:
         needed = _read(relabel, system.states_of(transition.target))
     every = len(needed) == len(system.states)
     return vector_form(system, "reset", "x_plus", None if every else needed)
+
+
+def check_states(report: Report, transition: Transition, system: System) -> bool:
+    """Whether the modes of a transition have the states that its role and its lack of a reset ask for."""
+    source, target = (set(system.states_of(mode)) for mode in (transition.source, transition.target))
+    what, place = f"transition '{transition.name}'", place_of(transition.guard)
+    between = f"mode '{transition.source}' and mode '{transition.target}'"
+    if transition.role == "soft" and source != target:
+        names = ", ".join(system.state_names[i] for i in sorted(source ^ target))
+        report.error(
+            what,
+            f"It is soft, but {between} do not have the same states ({names}). Declare role='hard': "
+            "multipliers would be wrong.",
+            place,
+        )
+        return False
+    if transition.role == "hard" and transition.reset is None and target and not source & target:
+        report.warning(
+            what,
+            f"It has no reset, and {between} have no state in common: what is after it begins with zeros. "
+            "Write a reset.",
+            place,
+        )
+    return True
 
 
 def check_soft(
@@ -159,7 +234,8 @@ def _read(relabel: Traced, into: Sequence[int]) -> set[int]:
 def _check_leaving(report: Report, happening: Happening, system: System, samples: Samples) -> None:
     """After its own reset a guard that is armed again must be off zero on the right side, or leaving it."""
     transition = happening.transition
-    what, place = f"reset of transition '{transition.name}'", place_of(transition.reset)
+    named = "reset of transition" if transition.reset is not None else "transition"
+    what, place = f"{named} '{transition.name}'", place_of(transition.reset or transition.guard)
     if not any(t.source == transition.target and t.guard is transition.guard for t in system.transitions):
         report.ok(what, "leads to a mode in which its guard is not armed.", place)
         return

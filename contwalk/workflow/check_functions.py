@@ -11,7 +11,7 @@ from contwalk.errors import PluginError
 from contwalk.system import Mode, System, Transition
 from contwalk.workflow.check_findings import Report, place_of, place_of_error
 from contwalk.workflow.check_samples import Samples, where_not_finite
-from contwalk.workflow.check_traced import AGAIN, Form, Traced, number_form, traced, vector_form
+from contwalk.workflow.check_traced import AGAIN, OTHERWISE, Form, Traced, number_form, traced, vector_form
 
 EPSILON = float(np.finfo(float).eps)
 # A trace may sum in another order than the plugin does; both are within their rounding bounds.
@@ -128,11 +128,28 @@ def check_values(report: Report, what: str, found: Traced, samples: Samples) -> 
         if not (np.abs(own - values[row]) <= bound).all():
             report.error(
                 what,
-                f"{AGAIN} Seen at the state {_shown(found.system, x)}.",
+                f"{_otherwise(found, own, values[row], bound, t, x, samples)} Seen at the state "
+                f"{_shown(found.system, x)}.",
                 place_of(found.function),
             )
             return False
     return True
+
+
+def _otherwise(
+    found: Traced,
+    own: np.ndarray,
+    values: np.ndarray,
+    bound: np.ndarray,
+    t: float,
+    x: np.ndarray,
+    samples: Samples,
+) -> str:
+    """Why its own values are not those of its trace: it does not even repeat itself, or it does."""
+    if not np.array_equal(own, found.plainly(t, x, samples.parameters), equal_nan=True):
+        return AGAIN
+    i = int(np.argmax(~(np.abs(own - values) <= bound)))
+    return OTHERWISE.format(own=own[i], value=values[i])
 
 
 def check_derivatives(report: Report, what: str, found: Traced, samples: Samples) -> None:

@@ -15,6 +15,7 @@ from contwalk.errors import ContwalkError
 from contwalk.system import Condition, Family, Observable, System, list_systems
 from contwalk.system.loading import is_path, load_declaration
 from contwalk.workflow import check_declarations as declarations
+from contwalk.workflow.check_absent import check_absent
 from contwalk.workflow.check_at_events import check_at_event
 from contwalk.workflow.check_events import Happening, check_transition
 from contwalk.workflow.check_findings import Finding, Report, place_of, place_of_error, split_place
@@ -97,6 +98,7 @@ def check_system(system: System, sources: Sequence[Path] = (), model: str = "") 
     seen = None
     if system.acting and len(happenings) == len(distinct):
         seen = _seen(report, system, list(fields), happenings, samples)
+    check_absent(report, system)
     for symmetry in system.symmetries:
         check_symmetry(report, symmetry, system, fields, samples, period)
     for neutral in system.neutral:

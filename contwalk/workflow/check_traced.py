@@ -25,6 +25,11 @@ AGAIN = (
     "Called again it gives other values: it depends on something besides t, x and p, such as a random "
     "number, a clock, or a variable that changes. What it needs must be constant, a state or a parameter."
 )
+OTHERWISE = (
+    "Called with plain numbers it gives {own:.10g}, and with symbols, as it is used, {value:.10g}. Does it "
+    "keep something from call to call, ask for the type of its arguments, or cut numbers to whole ones? What "
+    "it needs must be constant, a state or a parameter."
+)
 
 
 @dataclass(frozen=True)
@@ -74,6 +79,8 @@ class Traced:
         For an observable, the number of instants of the motion it is given; 0 for all other functions.
     mode : str, optional
         States that do not exist in it are zero, and its constants are there; without it all states exist.
+    every : bool
+        Whether the mode gives its constants only, and all states exist.
     """
 
     def __init__(
@@ -83,12 +90,13 @@ class Traced:
         form: Form,
         instants: int = 0,
         mode: str | None = None,
+        every: bool = False,
     ) -> None:
         self.function = function
         self.system = system
         self.form = form
         self.instants = instants
-        self.existing = range(len(system.states)) if mode is None else system.states_of(mode)
+        self.existing = range(len(system.states)) if mode is None or every else system.states_of(mode)
         self._constants = {} if mode is None else dict(system.mode(mode).constants)
         self.unwritten: set[int] = set()
         self._copy, self._plain = rebound(function), plain(function)

@@ -342,7 +342,8 @@ def why(status: str, t: float, reason: str = "") -> ContwalkError | None:
         "not_finite": "the field is not finite beyond",
         "step_too_small": "steps became too small to go on at",
     }.get(status, f"{status} at")
+    told = f". {reason}" if reason else f": {words} t = {t:.10g}."
     return NotFinite(
-        f"The motion ended early: {words} t = {t:.10g}. What came before is stored.",
+        f"The motion ended early{told} What came before is stored.",
         "Look at the states there, or choose simulate.method: radau5 for a stiff machine.",
     )

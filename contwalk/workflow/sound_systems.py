@@ -16,7 +16,7 @@ from contwalk.system import System
 from contwalk.system import load_system as load_declared
 from contwalk.workflow.check_at_events import traced_at_event
 from contwalk.workflow.check_declarations import check_period, check_repeats
-from contwalk.workflow.check_events import check_soft, traced_reset
+from contwalk.workflow.check_events import check_soft, check_states, traced_reset
 from contwalk.workflow.check_findings import Finding, Report
 from contwalk.workflow.check_functions import traced_guard
 from contwalk.workflow.check_modes import CheckedFields, distinct_transitions
@@ -73,7 +73,8 @@ def _findings(system: System) -> list[Finding]:
         for name, function in ((what, guard), (f"reset of transition '{transition.name}'", reset)):
             if period is not None and function is not None:
                 check_repeats(report, name, function, samples, period)
-        if transition.role == "soft" and guard is not None and reset is not None:
+        apart = not check_states(report, transition, system)
+        if transition.role == "soft" and not apart and guard is not None and reset is not None:
             check_soft(report, transition, guard, reset, fields, samples)
     for entry in system.conditions:
         traced_at_event(report, entry, system)

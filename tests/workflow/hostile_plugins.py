@@ -243,6 +243,21 @@ HOSTILE: dict[str, tuple[str, str, str]] = {
     ),
     "guard with another period": _hybrid("return 1.0 - x[0]", "return 1.0 + 0.1 * math.sin(1.5 * t) - x[0]"),
     "reset with another period": _hybrid("-0.8 * x[1]", "-(0.8 + 0.1 * math.sin(1.5 * t)) * x[1]"),
+    "array of whole numbers": _hybrid(
+        "    x_plus[0] = x[0]\n", "    kept = np.array([0, 0])\n    kept[0] = x[0]\n    x_plus[0] = kept[0]\n"
+    ),
+    "state of a mode twice": _hybrid('Mode("only", field)', 'Mode("only", field, states=("x", "x"))'),
+    "no reset and no other mode": _hybrid("guard=gap, reset=rebound", "guard=gap"),
+    "guard that stays zero": _hybrid("return 1.0 - x[0]", "return max(1.0 - x[0], 0.0)"),
+    "complex guard": _hybrid("return 1.0 - x[0]", "return 1.0 - x[0] + 1j * x[1]"),
+    "matrix of the wrong shape": _hybrid(
+        "    x_plus[0] = x[0]\n", "    x_plus[0] = np.linalg.solve(np.ones((2, 3)) * x[0], x)[0]\n"
+    ),
+    "singular matrix": _hybrid(
+        "    x_plus[0] = x[0]\n",
+        "    x_plus[0] = x[0] + np.linalg.solve(np.array([[p.k, 4.0], [1.0, 2.0]]), x)[0]\n",
+    ),
+    "eigenvalues": _hybrid("-0.8 * x[1]", "np.linalg.eigvals(np.diag(x))[0] * x[1]"),
     "constant guard": _hybrid("return 1.0 - x[0]", "return 1.0"),
     "guard gives nothing": _hybrid("return 1.0 - x[0]", "1.0 - x[0]"),
     "guard gives True or False": _hybrid("return 1.0 - x[0]", "return x[0] < 1.0"),

@@ -131,6 +131,45 @@ MISTAKES = {
         "error",
         "guard of transition 'touch_down'", "does not pass zero, it only comes to it", "def height",
     ),
+    "field that reads a state which does not exist": (
+        "    dx[RIGHT] = -x[RIGHT]", "    dx[RIGHT] = x[F] - x[RIGHT]", "warning",
+        "field of mode 'flight'", "reads x[2] (state f), which does not exist in mode 'flight'", "def fly",
+    ),
+    "field that writes a state which does not exist": (
+        "    dx[RIGHT] = -x[RIGHT]", "    dx[RIGHT] = -x[RIGHT]\n    dx[F] = 1.0", "warning",
+        "field of mode 'flight'", "writes dx[2] (state f), which does not exist in mode 'flight'", "def fly",
+    ),
+    "reset that reads a state which does not exist": (
+        "    x_plus[F] = 0.0\n", "    x_plus[F] = 0.5 * x[F]\n", "warning",
+        "reset of transition 'touch_down'", "reads x[2] (state f)", "def touch",
+    ),
+    "guard that reads a state which does not exist": (
+        "def height(t, x, p):\n    return x[Y] - 1.0", "def height(t, x, p):\n    return x[Y] - 1.0 + x[F]",
+        "warning", "guard of transition 'touch_down'", "reads x[2] (state f)", "def height",
+    ),
+    "guard that turns back": (
+        "def height(t, x, p):\n    return x[Y] - 1.0", "def height(t, x, p):\n    return abs(x[Y] - 1.0)",
+        "error", "guard of transition 'touch_down'", "stays zero, or turns back", "def height",
+    ),
+    "guard that is never zero": (
+        "def height(t, x, p):\n    return x[Y] - 1.0", "def height(t, x, p):\n    return x[Y] ** 2 + 1.0",
+        "warning", "guard of transition 'touch_down'", "it is positive at all 8 states", "def height",
+    ),
+    "guard that stays zero": (
+        "def height(t, x, p):\n    return x[Y] - 1.0",
+        "def height(t, x, p):\n    return max(x[Y] - 1.0, 0.0)",
+        "error", "guard of transition 'touch_down'", "beyond, it stays zero", "def height",
+    ),
+    "soft transition between modes of other states": (
+        "height, reset=touch", "height, reset=touch, role='soft'", "error",
+        "transition 'touch_down'", "do not have the same states (f)", "def height",
+    ),
+    "watched transition with a reset": (
+        "    transitions=(\n",
+        "    transitions=(\n"
+        "        Transition('peak', 'flight', 'flight', fast, reset=touch, role='watched'),\n",
+        "warning", "reset of transition 'peak'", "its reset is never used", "def touch",
+    ),
     "condition that raises": (
         "return -x[V]", "return -x[7]", "error", "condition 'falls'", "IndexError", "return -x[7]",
     ),
@@ -193,6 +232,33 @@ def test_a_ball_that_stays_on_the_floor_is_told(tmp_path):
     assert found["sample motions"].level == "warning"
     assert "The plugin must declare a mode" in found["sample motions"].sentence
     assert found["sample motions"].line == line_of(BALL, "def lands")
+
+
+def test_an_event_that_changes_nothing_is_told(tmp_path):
+    """In its own mode and without a reset the ball goes on falling, below its floor."""
+    source = broken(BALL, "height, reset=lands", "height")
+    found = {f.what: f for f in troubles(checked(tmp_path, source))}
+    assert found["transition 'impact'"].level == "error"
+    assert found["transition 'impact'"].line == line_of(source, "def height")
+
+
+def test_a_mode_that_begins_with_zeros_is_told(tmp_path):
+    """A ball that lies in a box with states of its own, and no reset that says what they are."""
+    source = broken(
+        BALL,
+        'modes=(Mode("flight", fall),)',
+        """modes=(
+        Mode("flight", fall, states=("y", "v")), Mode("lying", lie, states=("rolled",)),
+    )""",
+    )
+    source = broken(source, '"flight", height, reset=lands', '"lying", height')
+    source = broken(source, "def height", "def lie(t, x, p, dx):\n    dx[2] = p.e - x[2]\n\ndef height")
+    source = broken(
+        source, 'about="velocity"))', 'about="velocity"), State("rolled", unit="m", about="way"))'
+    )
+    found = {f.what: f for f in troubles(checked(tmp_path, source))}
+    assert "have no state in common" in found["transition 'impact'"].sentence
+    assert found["transition 'impact'"].level == "warning"
 
 
 def test_a_ball_without_restitution_that_is_pulled_off_is_fine(tmp_path):

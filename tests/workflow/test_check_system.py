@@ -101,7 +101,7 @@ MISTAKES = {
     ),
     "whole number of a state": (
         PENDULUMS, "dx[0] = x[1]", "dx[0] = math.cos(int(x[0]))", "error",
-        "field of mode 'free'", "turned into a plain float", "int(x[0])",
+        "field of mode 'free'", "made a whole number", "int(x[0])",
     ),
     "loop that depends on the state": (
         PENDULUMS, "    dx[0] = x[1]\n",
@@ -213,7 +213,7 @@ MISTAKES = {
     ),
     "period in whole numbers": (
         IMPACT, "2.0 * math.pi / p.omega", "2.0 * math.pi / int(p.omega)", "error",
-        "period", "turned into a plain float", "int(p.omega)",
+        "period", "made a whole number", "int(p.omega)",
     ),
 }  # fmt: skip
 
@@ -256,7 +256,9 @@ def test_start_that_does_not_exist_is_no_mistake(tmp_path):
 def test_guard_out_of_reach_is_said(tmp_path):
     source = broken(IMPACT, "return p.gap - x[0]", "return 1.0 + x[0] ** 2")
     findings = checked(tmp_path, source)
-    assert troubles(findings) == []
+    (found,) = troubles(findings)
+    assert found.level == "warning"
+    assert "No state was found at which it passes zero (falling): it is positive" in found.sentence
     assert any("no state at the event was found" in f.sentence for f in findings)
 
 

@@ -51,6 +51,9 @@ OTHERS = {
     "reset gives NaN": (2, 1, 0),
     "reset divides by zero": (2, 1, 0),
     "guard not left behind": (2, 1, 0),
+    "no reset and no other mode": (2, 1, 0),
+    "guard that stays zero": (2, 1, 0),
+    "singular matrix": (2, 1, 0),
     "observable and state of one name": (0, 0, 0),  # its measure of the state
     "asserts what holds": (0, 0, 0),
     "NaN on a side that is not taken": (0, 0, 0),
@@ -88,6 +91,20 @@ def test_wrong_plugin_is_told_with_its_line(name, tmp_path, monkeypatch, capsys)
     assert tuple(codes) == OTHERS.get(name, (2, 2, 2))
     if codes[1] == 2:
         assert not (tmp_path / "wrong.h5").exists()
+
+
+def test_a_matrix_that_becomes_singular_is_named(tmp_path, monkeypatch, capsys):
+    """The mass is drawn to where 0.6 - x^2 is zero: there the motion ends, and its line is told."""
+    monkeypatch.chdir(tmp_path)
+    told = "    dx[1] = np.linalg.solve([[1.0, 1.0], [1.0, 1.6 - x[0] ** 2]], np.array([-1.0, 1.0]) * x)[1]\n"
+    old = "    dx[1] = p.r * math.cos(t) - 0.2 * x[1] - x[0]\n"
+    source = HYBRID.replace(old, told).replace("1.0 - x[0]\n", "9.0 - x[0]\n")
+    (tmp_path / "wrong.py").write_text(source, encoding="utf-8")
+    line = source[: source.index(told)].count("\n") + 1
+    (tmp_path / "motion.yaml").write_text(SIMULATE.replace("until: 1.0", "until: 9.0"), encoding="utf-8")
+    assert run(("simulate", "motion.yaml", "--no-figures")) == 1
+    said = "".join(capsys.readouterr())
+    assert f"wrong.py, line {line}: the matrix of 2 rows is" in said
 
 
 def test_functions_that_write_into_what_they_read_do_no_harm(tmp_path, monkeypatch, capsys):
