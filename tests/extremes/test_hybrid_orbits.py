@@ -112,7 +112,8 @@ class TestRestitution:
             0.05,
             0.01,
             1e-4,
-            pytest.param(1e-6, marks=pytest.mark.xfail(strict=True, reason="too shallow a dip to be seen")),
+            1e-5,
+            1e-6,
         ],
     )
     def test_the_ball_touches_the_table_again(self, e):
@@ -120,7 +121,10 @@ class TestRestitution:
         amplitude, seconds = self.touched(e)
         branch = self.branch(e)
         (point,) = [p for p in branch.special_points if p.label == "GR"]
-        assert_met(point, "A", amplitude)
+        # Of the height only the table's curvature, A omega^2 t^2 sin(phase) / 2, says what A is. It is known
+        # to a rounding for each of some 30 steps, of terms (speed times time) of six amplitudes each.
+        share = 0.5 * (self.OMEGA * seconds) ** 2 / math.hypot(1.0, math.pi)
+        assert_met(point, "A", amplitude, max(ACCURACY, 600.0 * 2.0**-52 / share))
         told = float(point.note.split("touched ")[1].split(" s ")[0])
         assert told == pytest.approx(seconds, rel=1e-5)
         assert branch.outcome.reason == "grazing"

@@ -7,7 +7,7 @@ tells, and the state there is that of the integrator's own interpolation.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -24,6 +24,11 @@ from contwalk.system import Transition
 if TYPE_CHECKING:
     from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 
+# A guard that leaves zero slowly may turn twice before the first sample: it is looked at earlier too, at
+# these parts of that sample's instant. Where it is about to touch zero again at s it is near to t (s - t)^2,
+# which turns at s / 3 and s: a factor of two does not pass over both.
+EARLY = 2.0 ** -np.arange(4.0, 0.0, -1.0)
+
 
 class LegView:
     """One leg of a solution.
@@ -35,11 +40,21 @@ class LegView:
     scalars : ndarray
     start : float
         Time at which it starts.
+    left : collection of str
+        Transitions whose guards are zero where it starts: those of the hard one that leads into it.
     """
 
-    def __init__(self, piece: Piece, x: np.ndarray, scalars: np.ndarray, start: float) -> None:
+    def __init__(
+        self,
+        piece: Piece,
+        x: np.ndarray,
+        scalars: np.ndarray,
+        start: float,
+        left: Collection[str] = (),
+    ) -> None:
         self.piece, self.x, self.scalars, self.start = piece, x, scalars, start
         self.duration = float(scalars[0])
+        self.left = [k for k, t in enumerate(piece.passage.leaving) if t.name in left]
 
     @cached_property
     def nodes(self) -> np.ndarray:
@@ -96,12 +111,21 @@ class LegView:
     def guard(self, transition: Transition) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Instants in 0..1, a transition's guard there, and its rate over the leg's own time."""
         k = self.piece.passage.leaving.index(transition)
-        return self.times, self._guards[:, 2 * k], self._guards[:, 2 * k + 1]
+        times, guards = self._early if k in self.left else (self.times, self._guards)
+        return times, guards[:, 2 * k], guards[:, 2 * k + 1]
 
     @cached_property
     def _guards(self) -> np.ndarray:
         """All guards out of the mode with their rates, at the samples."""
         return self._watched(self.times, self.states, self.rates)
+
+    @cached_property
+    def _early(self) -> tuple[np.ndarray, np.ndarray]:
+        """The samples with some before the first one, and all guards there."""
+        early = self.times[1] * EARLY
+        times = np.concatenate([self.times[:1], early, self.times[1:]])
+        added = self._watched(early, self.at(early))
+        return times, np.concatenate([self._guards[:1], added, self._guards[1:]])
 
     def _watched(self, times: np.ndarray, states: np.ndarray, rates: np.ndarray | None = None) -> np.ndarray:
         """All guards out of the mode, each with its rate, at some instants, shape (k, 2 g)."""
@@ -118,17 +142,26 @@ class LegView:
 
     @cached_property
     def _turning(self) -> list[list[tuple[int, float, float]]]:
-        """As `turning`, of all guards, evaluated together."""
+        """As `turning`, of all guards."""
         found: list[list[tuple[int, float, float]]] = [[] for _ in self.piece.passage.leaving]
-        t, v, r = self.times, self._guards[:, ::2], self._guards[:, 1::2]
+        self._turn(found, [k for k in range(len(found)) if k not in self.left], self.times, self._guards)
+        if self.left:
+            self._turn(found, self.left, *self._early)
+        return found
+
+    def _turn(
+        self, found: list[list[tuple[int, float, float]]], which: list[int], t: np.ndarray, guards: np.ndarray
+    ) -> None:
+        """Add where some guards turn, which are evaluated together."""
+        own = np.array(which, dtype=int)
+        v, r = guards[:, 2 * own], guards[:, 2 * own + 1]
         a, b = r[:-1], r[1:]
         k, g = np.nonzero(((a < 0.0) & (b >= 0.0)) | ((a > 0.0) & (b <= 0.0)))
         if len(k):
             at = turns(t[k], t[k + 1], v[k, g], v[k + 1, g], a[k, g], b[k, g])
-            values = self._watched(at, self.at(at))[np.arange(len(k)), 2 * g]
-            for which, *entry in zip(g.tolist(), k.tolist(), at.tolist(), values.tolist(), strict=True):
-                found[which].append((entry[0], entry[1], entry[2]))
-        return found
+            values = self._watched(at, self.at(at))[np.arange(len(k)), 2 * own[g]]
+            for number, *entry in zip(own[g].tolist(), k.tolist(), at.tolist(), values.tolist(), strict=True):
+                found[number].append((entry[0], entry[1], entry[2]))
 
     @cached_property
     def conditions(self) -> dict[str, float]:
@@ -186,6 +219,14 @@ def view_of(problem: HybridOrbit, z: np.ndarray) -> tuple[LegView, ...]:
     """The legs of a solution."""
     times = problem.starting_times(z)
     return tuple(
-        LegView(piece, *problem.layout.inputs(i, z), float(times[i]))
+        LegView(piece, *problem.layout.inputs(i, z), float(times[i]), _left(problem, i))
         for i, piece in enumerate(problem.pieces)
     )
+
+
+def _left(problem: HybridOrbit, i: int) -> Collection[str]:
+    """Transitions whose guards are zero where leg i starts, if what leads into it is hard."""
+    before, word = problem.word.legs[i - 1].transition, problem.word
+    if before is None or before.role != "hard":
+        return ()
+    return problem.system.left_at_zero(word.leading_in(problem.system, i), word.legs[i].mode)
