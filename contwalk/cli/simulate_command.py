@@ -67,6 +67,8 @@ def _print(out: Console, run: SimulationFile, result: SimulationResult) -> None:
     mode = f" in mode {motion.mode_names[motion.modes[-1]]}" if several else ""
     line(out, f"end{mode}: {ends}", indent=4)
     _print_events(out, motion)
+    if result.note:
+        line(out, f"note: {result.note}", indent=4)
     out.print()
     for path in result.files:
         line(out, f"file:   {path}")

@@ -41,6 +41,8 @@ class Arc:
         The instant at which transitions accumulate, where it is known.
     rising : bool
         Whether the guard of the transition rose through zero.
+    collapsed : bool
+        Whether it was past zero where the mode was entered.
     """
 
     mode: str
@@ -54,6 +56,7 @@ class Arc:
     reason: str = ""
     accumulation: float | None = None
     rising: bool = False
+    collapsed: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -160,10 +160,12 @@ def stands(k: Any, slopes_address: int, direction: int, t: float, factor: float,
     answer[BEND], uncertain = _bend(k)
     if abs(rate) > ROUNDINGS * _uncertain_rate(k):
         answer[SIDE] = 1.0 if rate > 0.0 else -1.0
-    elif abs(answer[BEND]) > ROUNDINGS * uncertain:
-        answer[SIDE] = 1.0 if answer[BEND] > 0.0 else -1.0
     else:
-        return RESTING
+        answer[RATE] = 0.0  # what rounding has left of it is no rate
+        if not abs(answer[BEND]) > ROUNDINGS * uncertain:
+            answer[BEND] = 0.0 if abs(answer[BEND]) < math.inf else math.nan
+            return RESTING
+        answer[SIDE] = 1.0 if answer[BEND] > 0.0 else -1.0
     return ENTERING if answer[SIDE] == direction else LEAVING
 
 

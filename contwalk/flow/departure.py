@@ -1,20 +1,21 @@
 """How guards stand where a motion begins or goes on after a transition: clear of zero, leaving it, or past
 it.
 
-A guard that is zero but for rounding has the sign that it takes next: that of its rate, and where that is
-zero too, as after an impact without restitution, that of its second derivative.
+A guard that is zero but for rounding has the sign that it takes next: that of its first derivative that is
+not zero but for rounding. After an impact without restitution that is the second one, and the third where a
+mass that sticks is released.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from contwalk.flow import course_plan as told
 from contwalk.flow.course import Course
-from contwalk.flow.guard import Guard
+from contwalk.flow.guard import EPSILON, Guard
 from contwalk.flow.hybrid_machine import ModeFlow
 
 CLEAR, LEAVING, ENTERING, BEYOND, RESTING, UNDEFINED = (
@@ -52,7 +53,8 @@ class Departure:
     side : int
         Its sign right after.
     value, rate, bend : float
-        Itself and its first two derivatives by time.
+        Itself and its first two derivatives by time; of a guard that is zero these are 0 where they are not
+        more than rounding.
     value_noise : float
         Uncertainty of the value.
     """
@@ -108,7 +110,10 @@ def departures(
     for number, (transition, guard) in enumerate(zip(flow.transitions, flow.guards, strict=True)):
         if flow.acting(number):
             factor = AFTER_RESET if transition.name in own else ROUNDINGS
-            found.append(_of(course, guard, factor, ROUNDINGS))
+            stands = _of(course, guard, factor, ROUNDINGS)
+            if stands.kind == RESTING:
+                stands = _of_higher_order(flow, number, t, x, noise, stands)
+            found.append(stands)
         else:
             found.append(_of_watched(course, guard, flow, t, x))
     return found
@@ -118,6 +123,25 @@ def _of(course: Course, guard: Guard, factor: float, beside: float) -> Departure
     kind, answer = course.standing(guard, factor, beside)
     value, value_noise, rate, bend, side = answer.tolist()
     return Departure(_KINDS[kind], int(side), value, rate, bend, value_noise)
+
+
+def _of_higher_order(
+    flow: ModeFlow, number: int, t: float, x: np.ndarray, noise: np.ndarray, resting: Departure
+) -> Departure:
+    """As its third derivative says, or the first after it that is not zero."""
+    full = np.zeros(len(flow.code.system.states))
+    full[flow.states] = x
+    uncertain = np.concatenate([[EPSILON * abs(t)], noise])
+    side = flow.code.derivatives(number).side_from_third(t, full, flow.p, uncertain, ROUNDINGS)
+    if side == 0:
+        return resting
+    return replace(resting, kind=ENTERING if side == flow.guards[number].direction else LEAVING, side=side)
+
+
+def happens_at_once(flow: ModeFlow, number: int, guard: Departure) -> bool:
+    """Whether a transition happens where its mode is entered with its guard like this."""
+    entered = guard.kind == ENTERING or (guard.kind == BEYOND and flow.transitions[number].at_entry)
+    return entered and flow.acting(number)
 
 
 def _of_watched(course: Course, guard: Guard, flow: ModeFlow, t: float, x: np.ndarray) -> Departure:

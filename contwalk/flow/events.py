@@ -22,6 +22,7 @@ from contwalk.flow.verbs import along, dense
 
 PARTS = 8  # of a step: a guard has at most one extremum in each
 MOST_TRIALS = 80
+LEFT = 2.0  # a guard has left zero where it is so many times what it began with of rounding
 EXTREMUM = 1e-8  # of a part: the guard is then off its extremum by the square of it, that is by rounding
 NONE_LEAVING: Mapping[int, int] = MappingProxyType({})
 
@@ -132,19 +133,41 @@ def crossings(
     found: list[Crossing] = []
     for number, guard in enumerate(guards):
         sampled = guard.along(*instants, p, velocities).reshape(*at.shape, 3)
-        side = leaving.get(number, 0)
-        if side:
-            sampled[0, 0, :2] = 0.0, side
+        zero = _Zero()
+        if number in leaving:
+            zero = _held(leaving[number], at, sampled)
         suspects = _suspects(sampled)
         for step in np.flatnonzero(suspects.any(axis=1)):
-            begins = side if step == 0 else 0
-            locator = _Locator(field, c, p, times, states, guard, method, int(step), begins)
+            locator = _Locator(field, c, p, times, states, guard, method, int(step), zero)
             found += [
                 Crossing(number, int(step), trial.time, trial.state, rising, trial.rate)
                 for trial, rising in locator.found(at[step], suspects[step])
                 if guard.direction in (0, 1 if rising else -1)
             ]
     return sorted(found, key=lambda crossing: (crossing.time, crossing.guard))
+
+
+@dataclass(frozen=True)
+class _Zero:
+    """What a guard that leaves zero begins with of rounding: its sign right after, how far that reaches, and
+    the instant until which it has not left it.
+    """
+
+    side: int = 0
+    band: float = 0.0
+    until: float = -np.inf
+
+    def holds(self, t: float, value: float) -> bool:
+        return t <= self.until and abs(value) <= self.band
+
+
+def _held(side: int, at: np.ndarray, sampled: np.ndarray) -> _Zero:
+    """It, of a guard's samples: those that have not left it become zero, on their way to the side."""
+    rows, band = sampled.reshape(-1, 3), LEFT * abs(float(sampled[0, 0, 0]))
+    left = np.flatnonzero(~(np.abs(rows[:, 0]) <= band))
+    count = max(int(left[0]), 1) if len(left) else len(rows)
+    rows[:count, 0], rows[:count, 1] = 0.0, side
+    return _Zero(side, band, float(at.ravel()[min(count, at.size - 1)]))
 
 
 def _suspects(sampled: np.ndarray) -> np.ndarray:
@@ -176,13 +199,13 @@ class _Locator:
         guard: Guard,
         method: str,
         step: int,
-        begins: int,
+        zero: _Zero,
     ) -> None:
         self._field, self._c, self._p = field, c, p
         self._guard, self._method = guard, method
         self._start, self._end = float(times[step]), float(times[step + 1])
         self._first, self._last = states[step], states[step + 1]
-        self._begins = begins  # the sign with which it leaves zero at the start; 0 if it is not zero there
+        self._held = zero
 
     def _trial(self, t: float) -> _Trial:
         if t == self._start:
@@ -194,8 +217,8 @@ class _Locator:
         here = np.array([t]), state[None]
         velocity = self._field.along(*here, self._c)
         value, rate, noise = self._guard.along(*here, self._p, velocity)[0].tolist()
-        if t == self._start and self._begins:
-            value, rate = 0.0, float(self._begins)
+        if self._held.holds(t, value):
+            value, rate = 0.0, float(self._held.side)
         return _Trial(t, state, value, rate, noise)
 
     def found(self, at: np.ndarray, suspects: np.ndarray) -> list[tuple[_Trial, bool]]:

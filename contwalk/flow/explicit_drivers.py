@@ -14,6 +14,7 @@ from contwalk.flow.calling import caller, doubles, inlined, integers
 from contwalk.flow.stages import FIRST, NEXT, STAGE, Y
 
 EPSILON = 2.0**-52
+LEAST_FIRST = 1e2  # roundings of the time in a first step
 TARGET = 0.4  # of the tolerance: at 1, every second step would be rejected
 MOST_GROWTH, MOST_SHRINKAGE = 6.0, 0.2
 SHRINKAGE_WHERE_UNDEFINED = 0.1
@@ -90,7 +91,7 @@ def _first_length(p: Any, t: float, t1: float, order: float, tolerance: float) -
     size, slope = _size(y, scale) / tolerance, _size(k0, scale) / tolerance
     span = abs(t1 - t)
     h = 0.01 * size / slope if size > 1e-5 and slope > 1e-5 else 1e-6 * span
-    h = min(h, span)
+    h = min(max(h, LEAST_FIRST * EPSILON * abs(t)), span)  # what is zero but for rounding has no size
     for i in range(m):
         stage[i] = y[i] + math.copysign(h, t1 - t) * k0[i]
     _evaluate(

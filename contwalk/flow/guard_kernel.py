@@ -22,6 +22,7 @@ from contwalk.flow.calling import caller, doubles, inlined, integers
 from contwalk.flow.explicit_drivers import EPSILON, copy, first_stage, place, step
 from contwalk.flow.hybrid_plan import (
     ADDRESSES,
+    BAND,
     BEGINS,
     BETWEEN,
     COEFFICIENTS,
@@ -29,6 +30,7 @@ from contwalk.flow.hybrid_plan import (
     DIRECTIONS,
     DRAWN,
     FASTEST,
+    LEFT_AT,
     MEASURED,
     MOVING,
     OF_GUARD,
@@ -53,6 +55,7 @@ LEAST_SLOPE, MOST_SLOPE = 0.3, 2.5  # at an end, in units of the mean slope: a c
 # By how much a sample and its slope may miss a cubic polynomial, in units of the guard's variation. Samples
 # at one phase of a fast oscillation agree with each other, but their slopes do not with their differences.
 MISSED, MISSED_SLOPE = 0.1, 0.3
+ROUNDED = 8.0  # in units of a sample's uncertainty
 MOST_TRIALS = 60
 NARROW = 1e-8  # of a part: the guard is then off its extremum by rounding
 
@@ -80,6 +83,13 @@ def side_of(value: float, rate: float) -> float:
 
 
 @inlined
+def sided(at: Any, t: float, value: float, rate: float) -> float:
+    """The sign just after an instant of the step; of a guard that has not left zero, that it leaves to."""
+    held = at[BEGINS] != 0.0 and t <= at[LEFT_AT] and abs(value) <= at[BAND]
+    return at[BEGINS] if held else side_of(value, rate)
+
+
+@inlined
 def standing(m: Any, guard: int) -> int:
     """Address of how a guard stands at the start of the step."""
     return m[STANDING] + 8 * guard * OF_GUARD
@@ -96,7 +106,8 @@ def looks(m: Any, guard: int, h: float, value: float, rate: float) -> int:
     """How a step of length h looks that ends with this value and rate of a guard."""
     at = doubles(standing(m, guard), OF_GUARD)
     at[FASTEST] = max(abs(at[RATE]), abs(rate), FORGOTTEN * at[FASTEST])
-    same = begins_on(at) == side_of(value, rate)
+    at[LEFT_AT] = math.inf
+    same = begins_on(at) == sided(at, 0.0, value, rate)
     change = value - at[VALUE]
     if h * at[FASTEST] < MOST_SLOPE * abs(change):
         first, last = h * at[RATE] / change, h * rate / change
@@ -195,6 +206,7 @@ def _located(m: Any, guard: int, t: float, low: float, high: float, guess: float
     `side` is that of the guard before it. `UNRESOLVED` where it has no value at a trial.
     """
     end, best, smallest = guess, guess, math.inf
+    at = doubles(standing(m, guard), OF_GUARD)
     for _ in range(MOST_TRIALS):
         if not low < end < high:
             end = low + 0.5 * (high - low)
@@ -206,7 +218,7 @@ def _located(m: Any, guard: int, t: float, low: float, high: float, guess: float
         if abs(value) <= noise:
             break
         rate = _retaken_rate(m, guard, end)
-        if side_of(value, rate) == side:
+        if sided(at, end, value, rate) == side:
             low = end
         else:
             high = end
@@ -249,10 +261,10 @@ def passes_once(m: Any, guard: int, t: float, h: float, value: float, rate: floa
 @inlined
 def _near(m: Any, guard: int, t: float, h: float, a: float, b: float, side: float) -> float:
     """Where the guard on the step's polynomial is zero between two shares."""
-    share = 0.5 * (a + b)
+    share, at = 0.5 * (a + b), doubles(standing(m, guard), OF_GUARD)
     for _ in range(MOST_TRIALS):
         value, rate = _between(m, guard, t, h, share)
-        if side_of(value, rate) == side:
+        if sided(at, t + share * h, value, rate) == side:
             a = share
         else:
             b = share
@@ -272,7 +284,7 @@ def _beyond(m: Any, guard: int, t: float, h: float, part: int, side: float) -> f
 
     `UNRESOLVED` where it has no value at a trial.
     """
-    samples = doubles(m[SAMPLES], 2 * (PARTS + 1))
+    samples, stands = doubles(m[SAMPLES], 2 * (PARTS + 1)), doubles(standing(m, guard), OF_GUARD)
     a, b = part / PARTS, (part + 1) / PARTS
     rate_a, rate_b = samples[2 * part + 1], samples[2 * part + 3]
     least = min(abs(samples[2 * part]), abs(samples[2 * part + 2]))
@@ -288,7 +300,7 @@ def _beyond(m: Any, guard: int, t: float, h: float, part: int, side: float) -> f
         if not abs(value) < math.inf:
             return UNRESOLVED
         rate = _retaken_rate(m, guard, t + at * h)
-        if side_of(value, rate) != side:
+        if sided(stands, t + at * h, value, rate) != side:
             return at
         least = min(least, abs(value))
         if value * rate < 0.0:
@@ -302,12 +314,15 @@ def _beyond(m: Any, guard: int, t: float, h: float, part: int, side: float) -> f
 def _sampled(m: Any, guard: int, t: float, h: float, value: float, rate: float) -> bool:
     """Fill the samples; whether they resolve the guard."""
     at, samples = doubles(standing(m, guard), OF_GUARD), doubles(m[SAMPLES], 2 * (PARTS + 1))
-    samples[0], samples[1] = at[VALUE], at[RATE]
+    samples[0], samples[1], rounded = at[VALUE], at[RATE], at[BAND]
     samples[2 * PARTS], samples[2 * PARTS + 1] = value, rate
     for part in range(1, PARTS):
         state, at_part = _sample(m, part), t + part / PARTS * h
-        value, rate, _ = measured(m, guard, at_part, state, state + 8 * m[SIZE])
+        value, rate, noise = measured(m, guard, at_part, state, state + 8 * m[SIZE])
         samples[2 * part], samples[2 * part + 1] = value, rate
+        rounded = max(rounded, ROUNDED * noise)
+        if at[LEFT_AT] == math.inf and abs(value) > at[BAND]:
+            at[LEFT_AT] = at_part
     d, resolved = 2.0 * h / PARTS, True
     for part in range(1, PARTS + 1):
         if not abs(samples[2 * part]) < math.inf:
@@ -320,7 +335,7 @@ def _sampled(m: Any, guard: int, t: float, h: float, value: float, rate: float) 
         off = abs(inside - 0.5 * (va + vb) - 0.125 * d * (ra - rb))
         off_slope = d * abs(sloping - 1.5 * (vb - va) / d + 0.25 * (ra + rb))
         near = min(abs(va), abs(vb), abs(inside)) <= REACH * variation
-        if near and (off > MISSED * variation or off_slope > MISSED_SLOPE * variation):
+        if near and (off > MISSED * variation + rounded or off_slope > MISSED_SLOPE * variation + rounded):
             resolved = False
     return resolved
 
@@ -339,12 +354,13 @@ def passes(m: Any, guard: int, t: float, h: float, value: float, rate: float) ->
     if not resolves(m, guard, t, h, value, rate):
         return UNRESOLVED
     samples, wanted = doubles(m[SAMPLES], 2 * (PARTS + 1)), integers(m[DIRECTIONS], guard + 1)[guard]
-    before = begins_on(doubles(standing(m, guard), OF_GUARD))
+    at = doubles(standing(m, guard), OF_GUARD)
+    before = begins_on(at)
     for part in range(PARTS):
         va, ra = samples[2 * part], samples[2 * part + 1]
         vb, rb = samples[2 * part + 2], samples[2 * part + 3]
-        after = side_of(vb, rb)
         a, b = part / PARTS, (part + 1) / PARTS
+        after = sided(at, t + b * h, vb, rb)
         # The interpolation errs: the zero may be a little outside of its part.
         low, high = t + h * max(0.0, a - 1.0 / PARTS), t + h * min(1.0, b + 1.0 / PARTS)
         if before != after:

@@ -2,8 +2,8 @@
 
 A transition happens where its guard passes zero in its direction. What acts ends an arc, at the instant that
 re-stepping finds to rounding; its reset and its relabelling give the state that the next arc begins with. Of
-transitions that coincide to rounding the one declared first happens. Those whose guards are past zero then,
-or pass it at once, follow in arcs without length.
+transitions that coincide to rounding the one declared first happens. Those whose guards pass zero just then
+follow in arcs without length; so do those whose guards are past zero, if they are declared to act at entry.
 """
 
 from __future__ import annotations
@@ -13,13 +13,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from contwalk.errors import StartError
 from contwalk.flow.arc import FAR, Arc, Control, far
 from contwalk.flow.arc_paths import by_paths
 from contwalk.flow.arc_walks import ByWalk
 from contwalk.flow.blaming import just_beyond, nearly_singular, why_not_finite
 from contwalk.flow.chatter import Pace, Verdict
-from contwalk.flow.departure import BEYOND, ENTERING, RESTING, UNDEFINED, Departure, departures
+from contwalk.flow.departure import (
+    BEYOND,
+    ENTERING,
+    RESTING,
+    UNDEFINED,
+    Departure,
+    departures,
+    happens_at_once,
+)
 from contwalk.flow.guard import EPSILON
 from contwalk.flow.hybrid_machine import HybridMachine, ModeFlow, applied, hybrid_machine, landed
 from contwalk.flow.walk import METHOD
@@ -68,11 +75,6 @@ def arcs(
     ------
     Arc
         The last one has no transition, or a status that is not `ok`.
-
-    Raises
-    ------
-    StartError
-        If a guard is past zero at the start.
     """
     collected: list[Arc] = []
     for part in parts(machine, t0, x0, mode, t1, tolerance, weights, method, just_after):
@@ -119,8 +121,6 @@ def parts(
     flow = machine.mode(mode)
     last, noise = just_after, EPSILON * np.abs(x)
     standing, verdict = _stands(flow, t, x, noise, control.weights, just_after)
-    if just_after is None:
-        _refuse_beyond(flow, standing)
     if verdict.status != "ok":
         reason = verdict.reason + _blame(verdict, machine, flow, t, x)
         yield replace(_instant(flow, t, x), status=verdict.status, reason=reason)
@@ -140,12 +140,18 @@ def parts(
             if arc is None or arc.transition is None:
                 return
         else:
-            rising = standing[number].side > 0
-            arc = replace(_instant(flow, t, x), transition=flow.transitions[number].name, rising=rising)
+            stands = standing[number]
+            arc = replace(
+                _instant(flow, t, x),
+                transition=flow.transitions[number].name,
+                rising=stands.side > 0,
+                collapsed=stands.kind == BEYOND,
+            )
         last = name = str(arc.transition)
         t, happening = float(arc.times[-1]), machine.transition(name, flow.name)
-        before = arc.states[-1]
+        before, earlier = arc.states[-1], noise
         x, noise = landed(machine, happening, t, before)
+        noise = np.where(_kept(flow, name, t, before, x), np.maximum(noise, earlier), noise)
         flow = machine.mode(happening.target)
         standing, verdict = _stands(flow, t, x, noise, control.weights, name)
         if verdict.status == "ok":
@@ -159,6 +165,15 @@ def parts(
         )
         if verdict.status != "ok":
             return
+
+
+def _kept(flow: ModeFlow, name: str, t: float, before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """The states that an event leaves as they were, and that its guard does not depend on; of full length."""
+    number = next(i for i, transition in enumerate(flow.transitions) if transition.name == name)
+    y, kept = before[flow.states], before == after
+    gradient = flow.guards[number].slopes(t, y, flow.p, np.zeros(len(y))).gradient[1:]
+    kept[flow.states] &= gradient == 0.0
+    return kept
 
 
 def _instant(flow: ModeFlow, t: float, x: np.ndarray) -> Arc:
@@ -181,12 +196,13 @@ def _stands(
             return [], Verdict("not_finite", reason)
     own, given = flow.left_at_zero(last), (noise[flow.states], weights[flow.states])
     standing = departures(flow, t, y, *given, own)
-    for transition, guard in zip(flow.transitions, standing, strict=True):
+    for number, (transition, guard) in enumerate(zip(flow.transitions, standing, strict=True)):
         if guard.kind == UNDEFINED and transition.role != "watched":
             return standing, Verdict(
                 "not_finite", f"The guard of transition '{transition.name}' is not finite at t = {t:.10g}."
             )
-        if transition.name == last and guard.kind in (ENTERING, BEYOND, RESTING):
+        again = guard.kind == RESTING or happens_at_once(flow, number, guard)
+        if transition.name == last and again:
             return standing, Verdict("sticking", _sticks(transition.name, t, guard))
     return standing, Verdict()
 
@@ -216,19 +232,6 @@ def _sticks(name: str, t: float, guard: Departure) -> str:
         "would happen again at once. The plugin must declare a mode for what happens there, or correct "
         "the reset."
     )
-
-
-def _refuse_beyond(flow: ModeFlow, standing: Sequence[Departure]) -> None:
-    for i, guard in enumerate(standing):
-        if guard.kind == BEYOND and flow.acting(i):
-            name = flow.transitions[i].name
-            side, passes = ("positive", "falls") if guard.value < 0.0 else ("negative", "rises")
-            raise StartError(
-                f"The guard of transition '{name}' is {guard.value:.6g} at the start, past zero already: the "
-                f"transition happens where it {passes} through zero.",
-                f"Start where it is {side}, or in another mode than '{flow.name}'. If the state is the one "
-                f"right before the transition, say so: at: {name}.",
-            )
 
 
 def _at_edge(flow: ModeFlow, part: Arc, weights: np.ndarray) -> Arc:
@@ -263,7 +266,4 @@ def _told(machine: HybridMachine, flow: ModeFlow, part: Arc, weights: np.ndarray
 
 def _at_once(flow: ModeFlow, standing: Sequence[Departure]) -> int | None:
     """The transition that happens without any time passing."""
-    for i, guard in enumerate(standing):
-        if guard.kind in (ENTERING, BEYOND) and flow.acting(i):
-            return i
-    return None
+    return next((i for i, guard in enumerate(standing) if happens_at_once(flow, i, guard)), None)

@@ -13,6 +13,7 @@ from contwalk.fields.derivative import ancestors
 from contwalk.fields.kernel import refuse_raising
 from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import Outputs, Program, Tracer, trace
+from contwalk.flow.derivatives import Derivatives
 from contwalk.flow.field import Field
 from contwalk.flow.guard import Guard
 from contwalk.flow.guard_code import GuardCode, GuardCodes
@@ -45,9 +46,17 @@ class ModeCode:
         self.transitions = system.leaving(name)
         self.field = field_of(system, name)
         self.guards = tuple(self._guard(t, codes(t.guard, name)) for t in self.transitions)
+        self._derivatives: dict[int, Derivatives] = {}
 
     def _guard(self, of: Transition, code: GuardCode) -> Guard:
         return Guard(self.system, of.name, of.guard, of.direction, self.name, code=code, field=self.field)
+
+    def derivatives(self, number: int) -> Derivatives:
+        """Higher derivatives of a guard by time, traced when they are first asked for."""
+        if number not in self._derivatives:
+            guard = self.transitions[number].guard
+            self._derivatives[number] = Derivatives(self.system, guard, self.name)
+        return self._derivatives[number]
 
     @cached_property
     def resolving(self) -> Resolving:

@@ -32,6 +32,7 @@ from contwalk.flow.guard_kernel import (
 from contwalk.flow.hybrid_plan import (
     ARRIVED,
     AWAY,
+    BAND,
     BEGINS,
     CLOCK,
     COLUMN,
@@ -52,6 +53,7 @@ from contwalk.flow.hybrid_plan import (
     JUMP,
     LEADS,
     LEAVES,
+    LEVELS,
     MARKS,
     MODE,
     MODE_LENGTH,
@@ -93,6 +95,7 @@ from contwalk.flow.stages import FIRST, NEXT, Y
 
 COINCIDE = 8.0
 ROUNDINGS, AFTER_RESET = 8.0, 1e3  # as in `departure`
+LEFT = 2.0  # a guard has left zero where it is so many times what it began with of rounding
 MOST_SHORTENED = 30  # times in a row, where a guard is not resolved
 _EVENT = 100  # and more: the guard's number is added
 
@@ -102,16 +105,19 @@ _EVENT = 100  # and more: the guard's number is added
 
 @inlined
 def _stands(m: Any, guard: int, own: bool, t: float) -> bool:
-    """Write down how a guard stands; whether it is clear of zero or leaves it."""
+    """Write down how a guard stands; whether nothing happens there."""
     k, at = integers(m[COURSE], course_plan.PLAN_LENGTH), doubles(standing(m, guard), OF_GUARD)
     sloping = integers(m[SLOPING], guard + 1)[guard]
     direction = integers(m[DIRECTIONS], guard + 1)[guard]
     kind = stands(k, sloping, direction, t, AFTER_RESET if own else ROUNDINGS, ROUNDINGS)
     answer = doubles(k[course_plan.ANSWER], course_plan.ANSWER_LENGTH)
     at[VALUE], at[RATE] = answer[course_plan.VALUE], answer[course_plan.RATE]
-    at[BEGINS], at[FASTEST] = 0.0, 0.0
+    at[BEGINS], at[FASTEST], at[BAND] = 0.0, 0.0, 0.0
     if kind == course_plan.LEAVING:
+        at[BAND] = LEFT * abs(at[VALUE])
         at[VALUE], at[BEGINS] = 0.0, answer[course_plan.SIDE]
+    if kind == course_plan.BEYOND:
+        return integers(m[LEVELS], guard + 1)[guard] == 0
     return kind == course_plan.CLEAR or kind == course_plan.LEAVING
 
 
@@ -133,7 +139,7 @@ def _begin(m: Any, own: int, t: float) -> int:
         if leads[guard] < 0:
             at = doubles(standing(m, guard), OF_GUARD)
             at[VALUE], at[RATE], _ = measured(m, guard, t, place(p, Y), place(p, FIRST))
-            at[BEGINS], at[FASTEST] = 0.0, 0.0
+            at[BEGINS], at[FASTEST], at[BAND] = 0.0, 0.0, 0.0
         elif not _stands(m, guard, guard < MOST_BITS and (own >> guard) & 1 == 1, t):
             return UNSURE
     return ARRIVED
@@ -184,7 +190,8 @@ def _go_on(m: Any) -> bool:
     for guard in range(m[GUARDS]):
         at = doubles(standing(m, guard), OF_GUARD)
         at[VALUE], at[RATE] = at[VALUE_AT_END], at[RATE_AT_END]
-        at[BEGINS] = 0.0
+        if not abs(at[VALUE]) <= at[BAND]:
+            at[BEGINS], at[BAND] = 0.0, 0.0
         sound = sound and abs(at[VALUE]) < math.inf
     copy(place(p, NEXT), place(p, Y), p[plan.LENGTH])
     return sound

@@ -145,19 +145,23 @@ def applied(machine: HybridMachine, transition: Transition, t: float, x: np.ndar
     return machine.full(transition.target, jump(0.0, np.concatenate([[t], before]), c)[:-1])
 
 
+def displaced(flow: ModeFlow, t: float, x: np.ndarray) -> np.ndarray:
+    """How far rounding of an event's time carries each state: as fast as it goes; of full length."""
+    own = np.asarray(x, dtype=float)[flow.states]
+    found = np.zeros(len(flow.code.system.states))
+    found[flow.states] = np.abs(flow.field(t, own, flow.c)) * EPSILON * abs(t)
+    return found
+
+
 def landed(
     machine: HybridMachine, transition: Transition, t: float, x: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """As `applied`, with how far rounding carries each state after it.
-
-    Before it the states are rounded, and so is the time, which moves them as fast as they go.
-    """
+    """As `applied`, with how far rounding carries each state after it."""
     jump, c = machine.jump(transition)
     source = machine.mode(transition.source)
     before = np.asarray(x, dtype=float)[source.states]
-    at, rounding = np.concatenate([[t], before]), EPSILON * abs(t)
-    moved = np.abs(source.field(t, before, source.c)) * rounding
-    given = np.concatenate([[rounding], EPSILON * np.abs(before) + moved])
+    at, moved = np.concatenate([[t], before]), displaced(source, t, x)[source.states]
+    given = np.concatenate([[EPSILON * abs(t)], EPSILON * np.abs(before) + moved])
     after = jump(0.0, at, c)[:-1]
     noise = EPSILON * np.abs(after) + np.abs(jump.jacobian(0.0, at, c)[:-1]) @ given
     return machine.full(transition.target, after), machine.full(transition.target, noise)

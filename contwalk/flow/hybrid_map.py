@@ -130,8 +130,6 @@ class StepMap:
         ------
         NotFinite
             If the motion ends before.
-        StartError
-            If a guard is past zero at the start.
         """
         walk = self._walk
         if walk is None or not self._walked(walk, t0, x0, tolerance):

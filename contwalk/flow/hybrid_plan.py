@@ -19,15 +19,15 @@ MODE, OWN, FIRST_OF_ALL, GOES_ON, COUNT, STEPS, OWN_STEPS, WORD = range(8)
 # number of states.
 MOVING, TRIAL, SIZE = range(3)
 # Its guards: their number; addresses of their addresses, of those of their slopes, of directions, of the
-# transitions' numbers, which are -1 for those that are only watched.
-GUARDS, ADDRESSES, SLOPING, DIRECTIONS, LEADS = range(3, 8)
+# transitions' numbers, which are -1 for those that are only watched; which of them act at entry.
+GUARDS, ADDRESSES, SLOPING, DIRECTIONS, LEADS, LEVELS = range(3, 9)
 # Address of the parameters; scratch: what a guard gives; how the guards stand; uncertainties of the states;
 # the interpolant; a state; a velocity; samples of a guard on a step.
-PARAMETERS, MEASURED, STANDING, NOISE, DENSE, SPARE, SPEED, SAMPLES = range(8, 16)
+PARAMETERS, MEASURED, STANDING, NOISE, DENSE, SPARE, SPEED, SAMPLES = range(9, 17)
 # The interpolant's coefficients, and the number of stages in memory; states and velocities between the ends
 # of a step, for all guards, and whether they are those of this step; plan of the instant of the start.
-COEFFICIENTS, STAGES, BETWEEN, DRAWN, COURSE = range(16, 21)
-MODE_LENGTH = 21
+COEFFICIENTS, STAGES, BETWEEN, DRAWN, COURSE = range(17, 22)
+MODE_LENGTH = 22
 
 # A transition: its map with the Jacobian, constants, rows and columns of the entries; scratch for what it
 # takes and gives; number of states it leads to; number of the mode, -1 if it is none of the walk's; scratch
@@ -38,9 +38,10 @@ TRANSITION_LENGTH = 11
 PARTS = 8  # of a step that is sampled: a guard has at most one extremum in each
 
 # How a guard stands: value, rate, its sign right after if it begins at zero, the largest rate of late; value
-# and rate at the end of the step.
-VALUE, RATE, BEGINS, FASTEST, VALUE_AT_END, RATE_AT_END = range(6)
-OF_GUARD = 6
+# and rate at the end of the step; as long as it has not left what it begins with of rounding, how far that
+# reaches, and when in the step it is left.
+VALUE, RATE, BEGINS, FASTEST, VALUE_AT_END, RATE_AT_END, BAND, LEFT_AT = range(8)
+OF_GUARD = 8
 
 # How it ended. `UNSURE`: there is something that only the careful way can tell, such as transitions at once.
 # `AWAY`: at a transition to a mode that the walk does not know, before its reset.

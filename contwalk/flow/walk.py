@@ -154,6 +154,7 @@ class Walk:
         numbers = self._numbers(flow)
         guards = [flow.guards[i] for i in numbers]
         leads = [self._number(flow.transitions[i]) for i in numbers]
+        at_entry = [flow.transitions[i].at_entry for i in numbers]
         sloping = [g.slopes_address if at >= 0 else 0 for g, at in zip(guards, leads, strict=True)]
         count, vectors = len(guards), stages.vectors(DOP853) - stages.FIRST
         coefficients = np.zeros((4, vectors))
@@ -171,6 +172,7 @@ class Walk:
             told.SLOPING: self._keep(np.array(sloping, dtype=np.int64)),
             told.DIRECTIONS: self._keep(np.array([g.direction for g in guards], dtype=np.int64)),
             told.LEADS: self._keep(np.array(leads, dtype=np.int64)),
+            told.LEVELS: self._keep(np.array(at_entry, dtype=np.int64)),
             told.PARAMETERS: self._keep(flow.p),
             told.MEASURED: self._keep(np.zeros(OUTPUTS)),
             told.STANDING: self._keep(np.zeros(max(count, 1) * told.OF_GUARD)),

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 
 @dataclass(frozen=True, eq=False)
 class StoredWord:
-    """The legs of a stored orbit, each with mode, transition and whether its guard falls, and its unknowns.
+    """The legs of a stored orbit, as `hybrid.word.stored_leg` has them, and its unknowns.
 
     `image` is the symmetry up to which it closes, `pins` are the names of the directions that are held.
     """
 
-    legs: Sequence[tuple[str, str, bool]]
+    legs: Sequence[Sequence[Any]]
     subharmonic: int
     unknowns: np.ndarray
     image: str = ""

@@ -245,6 +245,9 @@ class Transition:
     `reset(t, x, p, x_plus)` gives the state after it (without one the state is kept). `role` is `hard`,
     `soft` (the field switches continuously) or `watched` (reported, not acted on). `relabel` names a symmetry
     of role `relabel` that is applied after the reset: what was called leg 1 is called leg 2 from there on.
+
+    With `level` it happens as well, at once, where mode `source` is entered with the guard past zero: which
+    mode the machine is in then follows from where it is. Soft transitions always do.
     """
 
     name: str
@@ -256,6 +259,7 @@ class Transition:
     role: str = "hard"
     about: str = ""
     relabel: str | None = None
+    level: bool = False
 
     def __post_init__(self) -> None:
         _require_name("A transition", self.name)
@@ -272,6 +276,21 @@ class Transition:
                 f"Transition '{self.name}' has role {self.role!r}.",
                 f"Allowed: {', '.join(ROLES_OF_TRANSITIONS)}.",
             )
+        if self.level not in (True, False):
+            raise SystemDefinitionError(
+                f"Transition '{self.name}' has level {self.level!r}.", "Allowed: True, False."
+            )
+        if self.level and (self.direction == "both" or self.role == "watched"):
+            raise SystemDefinitionError(
+                f"Transition '{self.name}' has level=True, but "
+                + ("no side of its guard is past zero." if self.direction == "both" else "does not act."),
+                "Give it a direction, 'falling' or 'rising', and a role that acts, or leave level out.",
+            )
+
+    @property
+    def at_entry(self) -> bool:
+        """Whether it happens at once where its mode is entered with its guard past zero."""
+        return self.level or self.role == "soft"
 
 
 @dataclass(frozen=True)

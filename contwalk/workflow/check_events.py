@@ -296,7 +296,7 @@ def _onto(guard: Traced, t: float, x: np.ndarray, samples: Samples) -> np.ndarra
 
 def _left_behind(happening: Happening, system: System, samples: Samples) -> list[bool]:
     """For each state at the event whether a motion goes on after it, where that can be said."""
-    from contwalk.flow.departure import CLEAR, LEAVING, UNDEFINED, departures  # compiled flows
+    from contwalk.flow.departure import RESTING, UNDEFINED, departures, happens_at_once  # compiled flows
     from contwalk.flow.hybrid_machine import hybrid_machine, landed
 
     transition, machine = happening.transition, hybrid_machine(system, samples.parameters)
@@ -311,7 +311,8 @@ def _left_behind(happening: Happening, system: System, samples: Samples) -> list
         standing = departures(flow, t, *given, own)
         kinds = {standing[i].kind for i in numbers}
         if UNDEFINED not in kinds:
-            found.append(kinds <= {CLEAR, LEAVING})
+            again = any(happens_at_once(flow, i, standing[i]) for i in numbers)
+            found.append(not again and RESTING not in kinds)
     return found
 
 

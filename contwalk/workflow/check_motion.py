@@ -10,6 +10,7 @@ import numpy as np
 
 from contwalk.errors import StartError
 from contwalk.flow.hybrid import Arc, HybridMachine, applied, arcs, hybrid_machine
+from contwalk.flow.past_zero import past_zero
 from contwalk.system import System
 from contwalk.workflow.check_events import Happening
 from contwalk.workflow.check_findings import Report, place_of
@@ -79,14 +80,16 @@ def _follow(
 ) -> None:
     if not np.isfinite(x).all():
         return
+    try:
+        if last is None:
+            past_zero(machine, t, x, mode, samples.scales)
+    except StartError:  # a sampled state on the wrong side of a guard
+        return
     motion = arcs(
         machine, t, x, mode, np.inf, TOLERANCE, samples.scales, just_after=last, most_steps=MOST_STEPS
     )
-    try:
-        for arc in islice(motion, MOST_ARCS):
-            seen.add(machine, arc)
-    except StartError:  # a sampled state on the wrong side of a guard
-        return
+    for arc in islice(motion, MOST_ARCS):
+        seen.add(machine, arc)
     seen.motions += 1
 
 

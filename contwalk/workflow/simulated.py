@@ -28,6 +28,8 @@ class Simulated:
     settled : bool or None
         None where nobody asked.
     steps, evaluations : int
+    note : str
+        What to know of the start.
     """
 
     times: np.ndarray
@@ -39,3 +41,4 @@ class Simulated:
     settled: bool | None
     steps: int
     evaluations: int
+    note: str = ""

@@ -36,6 +36,8 @@ class SimulationResult:
     steps, evaluations : int
     reason : str
         Why the motion ended early, where more is known than the status says.
+    note : str
+        What to know of the start.
     """
 
     trajectory: Any
@@ -45,6 +47,7 @@ class SimulationResult:
     steps: int
     evaluations: int
     reason: str = ""
+    note: str = ""
 
 
 def simulate(
@@ -90,7 +93,7 @@ def simulate(
     _write_tables(trajectory, tables)
     drawn = [_drawn(run, spec, path, trajectory) for spec, path in names]
     counts = motion.settled, motion.steps, motion.evaluations
-    return SimulationResult(trajectory, [database, *tables], drawn, *counts, motion.reason)
+    return SimulationResult(trajectory, [database, *tables], drawn, *counts, motion.reason, motion.note)
 
 
 def start_of(

@@ -12,6 +12,7 @@ from contwalk.flow.events import Event
 from contwalk.flow.hybrid import Arc, HybridMachine, applied, hybrid_machine, parts
 from contwalk.flow.hybrid_scales import magnitudes
 from contwalk.flow.on_guard import check_on_guard
+from contwalk.flow.past_zero import past_zero
 from contwalk.flow.settling import Settling
 from contwalk.problems.hybrid.layout import Layout
 from contwalk.problems.stored_word import StoredWord
@@ -71,7 +72,7 @@ def simulated(
     Raises
     ------
     StartError
-        If a guard is past zero at the start.
+        If all guards are past zero at the start, and none comes back.
     """
     watching, names = _with_sections(system, place)
     machine = hybrid_machine(watching, parameters)
@@ -92,6 +93,7 @@ def simulated(
         check_on_guard(machine, machine.transition(beginning.at, beginning.mode), start, given, weights)
     settling, settled = Settling([s.period for s in system.states]), False
     steps = 0
+    note = "" if last else past_zero(machine, start, state, mode, weights)
     for part in parts(machine, start, state, mode, end, tolerance, weights, method, last):
         found.append(part)
         progress(float(part.times[-1]))
@@ -113,6 +115,7 @@ def simulated(
         settled=settled if settles else None,
         steps=steps,
         evaluations=sum(part.evaluations for part in found),
+        note=note,
     )
 
 

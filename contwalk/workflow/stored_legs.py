@@ -82,7 +82,7 @@ def facts_of(system: System, branch: Branch, point: SpecialPoint | int) -> Hybri
     z = sample.z
     legs = tuple(
         LegFact(mode, float(duration), event)
-        for (mode, event, _), duration in zip(
+        for (mode, event, *_), duration in zip(
             branch.info.settings["legs"],
             np.diff(problem.starting_times(z)),  # type: ignore[attr-defined]
             strict=True,

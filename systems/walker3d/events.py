@@ -91,6 +91,7 @@ def _of_toe(
                 functions.height[end],
                 reset=functions.landed[end],
                 about=f"toe {leg}{toe} touches down, and is held where it does",
+                level=True,
             )
         return
     if state == UNDAMPED:
@@ -120,6 +121,7 @@ def _of_toe(
             functions.height[end],
             direction="rising",
             about=f"toe {leg}{toe} lifts off",
+            level=True,
         )
 
 
@@ -129,9 +131,16 @@ def _of_knee(
     guard, target = functions.knee[leg], to(with_knee(contact, not contact.locked))
     if contact.locked:
         about = f"knee {leg} bends: its stop lets go"
-        return Transition(f"knee{leg}_unlocks", source, target, guard, direction="rising", about=about)
+        return Transition(
+            f"knee{leg}_unlocks", source, target, guard, direction="rising", about=about, level=True
+        )
     return Transition(
-        f"knee{leg}_locks", source, target, guard, about=f"knee {leg} straightens onto its stop"
+        f"knee{leg}_locks",
+        source,
+        target,
+        guard,
+        about=f"knee {leg} straightens onto its stop",
+        level=True,
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +13,8 @@ from hybrid_systems import BALL, CHANGING, COUNTERS, DAMPER, KICKS, STOP, SWAP
 from contwalk.errors import StartError, SystemDefinitionError
 from contwalk.flow import METHODS, along
 from contwalk.flow.hybrid import applied, arcs, hybrid_machine
-from contwalk.system import Mode, State, System, Transition
+from contwalk.flow.past_zero import past_zero
+from contwalk.system import Mode, Parameter, State, System, Transition
 
 EPSILON = np.finfo(float).eps
 
@@ -158,7 +160,8 @@ def test_of_two_events_at_once_the_one_declared_first_happens_first(apart):
     np.testing.assert_allclose(found[-1].states[-1], [0.8, 1.8, 1.0], atol=1e-14)
 
 
-def test_a_guard_that_a_reset_carries_past_zero_happens_at_once():
+@pytest.mark.parametrize(("level", "expected"), [(True, ["a", "b", None]), (False, ["a", None])])
+def test_a_guard_that_a_reset_carries_past_zero_happens_at_once_where_that_is_declared(level, expected):
     def steps_down(t, x, p, x_plus):
         x_plus[0] = 1.0
         x_plus[1] = x[1] - 5.0
@@ -170,11 +173,52 @@ def test_a_guard_that_a_reset_carries_past_zero_happens_at_once():
         COUNTERS.states,
         (),
         COUNTERS.modes,
-        (Transition("a", first.source, first.target, first.guard, reset=steps_down), second),
+        (
+            Transition("a", first.source, first.target, first.guard, reset=steps_down),
+            replace(second, level=level),
+        ),
     )
     found = run(machine(system), [0.5, 3.0, 0.0], 0.7)
-    assert [arc.transition for arc in found] == ["a", "b", None]
-    np.testing.assert_allclose(found[-1].states[-1][:2], [0.8, 1.8], atol=1e-14)
+    assert [arc.transition for arc in found] == expected
+    counted = 1.8 if level else 3.0 - 5.0 - 0.7
+    np.testing.assert_allclose(found[-1].states[-1][:2], [0.8, counted], atol=1e-14)
+
+
+@pytest.mark.parametrize("method", ["dop853", "radau5"])
+@pytest.mark.parametrize("height", [-3e-6, -0.1])
+def test_a_guard_below_zero_and_rising_falls_through_zero_later(height, method):
+    """A ball that its reset puts below the floor, going up with speed 1: it comes up, and down again."""
+
+    def throws(t, x, p, after):
+        after[0] = height
+        after[1] = math.sqrt(1.0 - 20.0 * height)  # 1 where it passes the floor
+
+    (bounce,) = BALL.transitions
+    system = replace(BALL, transitions=(replace(bounce, reset=throws),))
+    found = run(machine(system), [0.0, 1.0], 3.0, method=method, just_after="impact", tolerance=1e-12)
+    below = (math.sqrt(1.0 - 20.0 * height) - 1.0) / 10.0
+    exact = 0.2 + (0.2 + below) * np.arange(len(found) - 1)
+    assert len(found) > 5
+    np.testing.assert_allclose(times_of(found), exact, rtol=0, atol=1e-9)
+
+
+def test_a_kick_where_a_pendulum_passes_zero_needs_no_mode_of_its_own():
+    """The kick carries it past zero, and on: the guard has to come back before it can fall again."""
+
+    def kick(t, x, p, after):
+        after[0] = x[0] - 0.2
+        after[1] = x[1]
+
+    stop = STOP.transitions[0]
+    swings = replace(
+        STOP,
+        transitions=(Transition("kick", stop.source, stop.target, lambda t, x, p: x[0], reset=kick),),
+    )
+    found = run(machine(swings), [1.0, 0.0], 12.0)
+    assert times_of(found)[0] == pytest.approx(0.5 * math.pi, abs=1e-9)
+    # From (-0.2, -1) the circle is round again after the angle to (0, -r) of a whole turn.
+    turn = 2.0 * math.pi - math.atan2(0.2, 1.0)
+    assert times_of(found)[1] - times_of(found)[0] == pytest.approx(turn, abs=1e-9)
 
 
 def test_soft_transitions_of_a_one_sided_damper():
@@ -236,11 +280,19 @@ def test_applied_is_reset_and_relabelling():
 # -- where it begins -----------------------------------------------------------------------------------------
 
 
-def test_a_start_past_a_guard_is_refused():
+def test_a_start_past_a_guard_is_no_event():
+    (fall,) = run(machine(BALL), [-0.5, 0.0], 1.0)
+    assert (fall.transition, fall.status) == (None, "ok")
+
+
+def test_a_start_past_a_guard_that_does_not_come_back_is_refused():
+    ball = machine(BALL)
     with pytest.raises(StartError, match=r"'impact' is -0.5 at the start") as caught:
-        run(machine(BALL), [-0.5, 0.0], 1.0)
+        past_zero(ball, 0.0, np.array([-0.5, 0.0]), "flight", np.ones(2))
     assert "at: impact" in caught.value.remedy
     assert "positive" in caught.value.remedy
+    assert "falls through zero" in past_zero(ball, 0.0, np.array([-0.5, 4.0]), "flight", np.ones(2))
+    assert past_zero(ball, 0.0, np.array([0.0, 1.0]), "flight", np.ones(2)) == ""
 
 
 def test_a_start_on_a_guard_leaves_it_or_passes_it_at_once():
@@ -255,6 +307,74 @@ def test_a_start_on_a_guard_leaves_it_or_passes_it_at_once():
 def test_rounding_at_the_start_is_no_side():
     found = run(machine(BALL, floor=0.1 + 0.2), [0.3, 1.0], 0.1)  # 0.3 - (0.1 + 0.2) = -5.6e-17
     assert [arc.transition for arc in found] == [None]
+
+
+# -- release from rest ---------------------------------------------------------------------------------------
+
+
+def released(order: int, direction: str) -> System:
+    """A chain of integrators that is held at zero until sin t > f, which drives the last one.
+
+    When it is let go, the first state and so many of its derivatives are zero: sin t = f just then.
+    """
+
+    def slide(t, x, p, dx):
+        for i in range(order - 1):
+            dx[i] = x[i + 1]
+        dx[order - 1] = np.sin(t) - p.f
+
+    def stick(t, x, p, dx):
+        for i in range(order):
+            dx[i] = 0.0 * x[i]
+
+    def stop(t, x, p, after):
+        after[0] = x[0]  # zero but for rounding
+        for i in range(1, order):
+            after[i] = 0.0 * x[i]
+
+    return System(
+        "released",
+        tuple(State(f"x{i}") for i in range(order)),
+        (Parameter("f", 0.5),),
+        (Mode("slide", slide), Mode("stick", stick)),
+        transitions=(
+            Transition("stop", "slide", "stick", lambda t, x, p: x[0], direction, stop),
+            Transition("go", "stick", "slide", lambda t, x, p: np.sin(t) - p.f, "rising", level=True),
+        ),
+    )
+
+
+@pytest.mark.parametrize("direction", ["falling", "both"])
+@pytest.mark.parametrize("order", [1, 2, 3, 5])
+@pytest.mark.parametrize("f", np.linspace(0.15, 0.95, 5).tolist())
+def test_what_was_held_leaves_although_its_speed_and_acceleration_are_zero(order, f, direction):
+    """The first derivative that is not zero is that of order + 1, cos t > 0: rounding is no sign."""
+    start = math.asin(f)
+
+    def repeated(n: int, t: float) -> float:  # integral of the sine
+        return math.sin(t - 0.5 * n * math.pi)
+
+    def place(t: float) -> float:
+        """The first state: the force integrated as often as there are states."""
+        own = f * (t - start) ** order / math.factorial(order)
+        early = sum(repeated(order - k, start) * (t - start) ** k / math.factorial(k) for k in range(order))
+        return repeated(order, t) - early - own
+
+    found = run(machine(released(order, direction), f=f), [0.0] * order, 60.0, mode="stick")
+    assert {leg.status for leg in found} == {"ok"}
+    for held, leg in itertools.pairwise(found):
+        if held.transition != "go" or held.times[0] == held.times[-1]:
+            continue
+        turns = 2.0 * math.pi * round((held.times[-1] - start) / (2.0 * math.pi))
+        assert held.times[-1] - turns == pytest.approx(start, abs=1e-12)
+        last = float(leg.times[-1]) - turns
+        assert last > start + 0.5
+        # The tolerance is 1e-11 a step, in units of 1 for each state.
+        room = 1e-9 * last**order
+        assert leg.states[-1][0] == pytest.approx(place(last), abs=room)
+        assert leg.transition is None or abs(place(last)) <= room
+        between = np.linspace(start + 0.4, last - 0.01, 50)
+        assert min(place(float(t)) for t in between) > 0.0
 
 
 # -- what cannot go on ---------------------------------------------------------------------------------------

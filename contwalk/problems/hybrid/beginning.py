@@ -16,6 +16,7 @@ from contwalk.errors import NotFinite, StartError, called
 from contwalk.flow.hybrid import Arc, HybridMachine, applied, arcs, hybrid_machine
 from contwalk.flow.hybrid_scales import magnitudes
 from contwalk.flow.on_guard import check_on_guard
+from contwalk.flow.past_zero import past_zero
 from contwalk.flow.walk import METHOD
 from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
@@ -136,6 +137,8 @@ def lap_from(
     if after is not None:
         search.first = False  # the first arc is a whole leg
     search.origin = x
+    if after is None:
+        search.note = past_zero(machine, time, x, mode, search.weights(x))
     for arc in _motion(machine, time, x, mode, after, search):
         lap = search.add(arc)
         if lap is not None:
@@ -202,6 +205,7 @@ class _Search:
         self.looking = not isinstance(until, int | float)
         self.first = True
         self.origin: np.ndarray | None = None
+        self.note = ""  # on the start
         self.ended: Arc | None = None
         self.last_state: tuple[float, np.ndarray, str] | None = None
 
@@ -263,7 +267,7 @@ class _Search:
             return self._strobed(arc)
         transition = self.system.transition(arc.transition, arc.mode)
         if not self.first:
-            leg = Leg(arc.mode, transition, not arc.rising)
+            leg = Leg(arc.mode, transition, not arc.rising, arc.collapsed)
             start, x = self.begun or (float(arc.times[0]), arc.states[0])
             lasting = float(arc.times[-1]) - start
             self.stretches.append(Span(leg, start, x, lasting, arc.states[-1]))
@@ -462,7 +466,7 @@ class _Search:
             return self._cut_short(self.ended)
         if not self.period and self.last_state is not None and not self.stretches:
             return self._smooth()
-        raise StartError(f"{self._found_nothing()}{self._nearest()}", self._remedy())
+        raise StartError(f"{self._found_nothing()}{self._nearest()}{self._noted()}", self._remedy())
 
     def _cut_short(self, arc: Arc) -> Lap:
         """The best return of a motion that has ended, if it was not to settle, or to last for longer."""
@@ -472,7 +476,10 @@ class _Search:
         remedy = "Start elsewhere, or mend the plugin."
         if self.best is not None:
             remedy += FIRST_RETURN
-        raise error(f"The simulation ends{self._where()}: {arc.reason or arc.status}", remedy)
+        raise error(f"The simulation ends{self._where()}: {arc.reason or arc.status}{self._noted()}", remedy)
+
+    def _noted(self) -> str:
+        return f" {self.note}" if self.note else ""
 
     def _where(self) -> str:
         return "" if self.last_state is None else f" at t = {self.system.lasting(self.last_state[0])}"

@@ -33,7 +33,7 @@ from contwalk.problems.hybrid.return_map import EventMap
 from contwalk.problems.hybrid.shooting import LegMesh, Piece, meshed, most_steps
 from contwalk.problems.hybrid.solving import newton_on
 from contwalk.problems.hybrid.view import LegView, view_of
-from contwalk.problems.hybrid.word import Word
+from contwalk.problems.hybrid.word import Word, stored_leg
 from contwalk.problems.linear import EPSILON, Factored, Factorization
 from contwalk.problems.orbit import augmented, branching, describing, ending, rates
 from contwalk.problems.orbit.closure import imaged
@@ -575,7 +575,7 @@ class HybridOrbit:
             "subharmonic": self.subharmonic,
             "settings": {
                 **neutrals.kept(self.pins, self.parameters, self.states, self.path),
-                "legs": [[leg.mode, leg.name, leg.falls] for leg in self.word.legs],
+                "legs": [stored_leg(leg) for leg in self.word.legs],
                 "fold": self.whole[1],
                 "image": self.word.image,
                 "turns": self.turns.tolist(),
@@ -590,8 +590,14 @@ class HybridOrbit:
 
     @property
     def smallest(self) -> int:
-        """The leg whose start has fewest states; without an event only the first one is a section."""
-        return int(np.argmin(self.layout.sizes)) if self.word.eventful else 0
+        """The leg whose start has fewest states, of those that last: on a collapsed one there is no flow.
+
+        Without an event only the first one is a section.
+        """
+        if not self.word.eventful:
+            return 0
+        lasting = [i for i, leg in enumerate(self.word.legs) if not leg.collapsed]
+        return min(lasting, key=lambda i: self.layout.sizes[i])
 
     def timed(self, i: int) -> bool:
         """Whether the time is a coordinate of the start of leg i: it may begin earlier or later."""
@@ -708,6 +714,8 @@ class HybridOrbit:
             return float("nan")
         worst = 0.0
         for i, factor in enumerate(self.factors(jacobian)):
+            if self.word.legs[i].collapsed:
+                continue
             own, there = self.flow_direction(z, i), (i + 1) % self.layout.legs
             size = float(np.linalg.norm(own / self.extended(i)))
             left = factor @ own
@@ -795,7 +803,8 @@ class HybridOrbit:
         largest = max(float(np.max(np.abs(view.nodes))) for view in self.view(z))
         if self.word.eventful and moved <= STILL * largest:
             return self.word.legs[0].name
-        shortest = int(np.argmin(z[self.layout.durations]))
+        lasting = [i for i, leg in enumerate(self.word.legs) if not leg.collapsed]
+        shortest = min(lasting, key=lambda i: float(z[self.layout.durations][i]))
         lasts = float(z[self.layout.durations][shortest])
         if not self.word.eventful or lasts > COLLAPSED * self.duration(z):
             return ""
@@ -1040,7 +1049,8 @@ class HybridOrbit:
         if label in limits.LABELS:
             limit = self.limits[int(located.vectors["limit"])]
             kind = limit.kind
-            if limit.test == "duration" and neighbours.corners(there, located.z, limit, sample.tangent):
+            changes = limit.test in ("duration", "past")
+            if changes and neighbours.corners(there, located.z, limit, sample.tangent):
                 kind = "corner"
             record = replace(record, kind=kind, note=limits.place_of(there, limit, located))
         if label == "UZ" and abs(observing.split(sample.eigenvalues)) < MEET:

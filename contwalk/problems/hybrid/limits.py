@@ -7,6 +7,7 @@
 | `duration` | duration of a leg | OC |
 | `start`, `end` | a guard that is not the leg's own, at its ends | OC, of a watched one AZ |
 | `condition` | a declared condition at an event | AZ |
+| `past` | how far the guard of a leg that lasts no time is past zero | OC |
 
 Of a soft transition there are none: the field switches continuously there.
 
@@ -37,8 +38,9 @@ if TYPE_CHECKING:
     from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 
 LABELS = ("GR", "OC", "AZ")
+AT_START = ("start", "leaving", "past")
 # Limits whose numbers are not the guard's own: margins tell them under names of their own.
-DERIVED = ("rate", "duration", "leaving")
+DERIVED = ("rate", "duration", "leaving", "past")
 # Margins larger than this are not those that a special point is a zero of.
 HIDDEN = 1e-6
 # Parts of a guard's largest value: zero to rounding; below zero beyond doubt.
@@ -55,7 +57,8 @@ class Limit:
 
     `test` says what the number is: a guard's value where it is least inside the leg (`dip`), at its `start`
     or at its `end`; how fast the own guard arrives (`rate`); how a guard that its own event leaves without
-    rate goes on (`leaving`: its second derivative); the leg's `duration`; a `condition`.
+    rate goes on (`leaving`: its second derivative); the leg's `duration`; a `condition`; how
+    far past zero the guard of a collapsed leg is where it begins (`past`).
     """
 
     label: str
@@ -68,7 +71,7 @@ class Limit:
     @property
     def rank(self) -> int:
         """A duration that vanishes tells more than a guard that is zero at the leg's end."""
-        return {"duration": 0, "rate": 0, "start": 2, "end": 2}.get(self.test, 1)
+        return {"duration": 0, "rate": 0, "past": 0, "start": 2, "end": 2}.get(self.test, 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,8 +121,28 @@ def limits_of(problem: HybridOrbit) -> tuple[Limit, ...]:
     """All limits of a word's orbits, in a fixed order."""
     system, word, found = problem.system, problem.word, []
     for i, leg in enumerate(word.legs):
-        found += limits_of_leg(system, leg.mode, leg.transition, word.leading_in(system, i), i)
+        if leg.collapsed:
+            assert leg.transition is not None
+            found += _of_collapsed(system, leg.mode, leg.transition, i)
+        else:
+            found += limits_of_leg(system, leg.mode, leg.transition, word.leading_in(system, i), i)
     return tuple(found)
+
+
+def _of_collapsed(system: System, mode: str, own: Transition, i: int) -> list[Limit]:
+    """The limits of a collapsed leg: its own guard is past zero, and none that is declared before it is."""
+    found = [Limit("OC", "crossing", own.name, i, "past")]
+    for other in system.leaving(mode):
+        if other == own:
+            break
+        if other.level:
+            found.append(Limit("OC", "crossing", other.name, i, "start"))
+    return found + _conditions(system, own, i)
+
+
+def _conditions(system: System, own: Transition, i: int) -> list[Limit]:
+    names = [condition.name for condition in system.conditions if condition.at == own.name]
+    return [Limit("AZ", name, name, i, "condition", False) for name in names]
 
 
 def limits_of_leg(system: System, mode: str, own: Transition | None, before: str, i: int) -> list[Limit]:
@@ -141,10 +164,7 @@ def limits_of_leg(system: System, mode: str, own: Transition | None, before: str
     if own.role == "hard":
         found.append(Limit("GR", "terminal", own.name, i, "rate"))
         found.append(Limit("OC", "crossing", own.name, i, "duration"))
-    for condition in system.conditions:
-        if condition.at == own.name:
-            found.append(Limit("AZ", condition.name, condition.name, i, "condition", False))
-    return found
+    return found + _conditions(system, own, i)
 
 
 # -- values ------------------------------------------------------------------------------------------------
@@ -180,8 +200,7 @@ class _Watch:
         ends there has the turn. So has an orbit without events that begins where a guard turns. At a hard
         transition there is no turn, and the guard's value there is a limit of its own.
         """
-        found = self.view.turning(self.transition)
-        dips = [(k, time, self.sign * value) for k, time, value in found if self.rates[k] < 0.0]
+        dips = self.turns(-1.0)
         last, still = len(self.times) - 2, NO_RATE * float(np.abs(self.rates).max())
         if abs(self.rates[0]) <= still and not self.own:
             dips = [dip for dip in dips if dip[0] > 0]
@@ -192,6 +211,27 @@ class _Watch:
             if self.closes and self.rates[-2] < 0.0:
                 dips.append((last, 1.0, float(self.values[-1])))
         return dips
+
+    def turns(self, way: float) -> list[tuple[int, float, float]]:
+        """As `dips`, where it turns that goes down (-1) or up (1) before."""
+        found = self.view.turning(self.transition)
+        return [(k, time, self.sign * value) for k, time, value in found if self.rates[k] * way > 0.0]
+
+    @property
+    def edges(self) -> bool:
+        """Whether passing zero downwards is all that matters: it may be below zero where the leg begins."""
+        one_way = self.transition.direction != "both"
+        return self.transition.role == "hard" and not self.transition.at_entry and one_way
+
+    def before(self, k: int, time: float) -> tuple[float, float]:
+        """How high it was before it came down to a turn after sample k, or to its end, and at which instant.
+
+        One that has just been zero has left it upwards: that is above, however little.
+        """
+        if abs(float(self.values[0])) < ZERO * self.scale:
+            return np.inf, 0.0
+        tops = [(at, value) for j, at, value in self.turns(1.0) if (j, at) < (k, time)]
+        return (tops[-1][1], tops[-1][0]) if tops else (float(self.values[0]), 0.0)
 
 
 def margins(problem: HybridOrbit, z: np.ndarray) -> Margins:
@@ -206,6 +246,8 @@ def margins(problem: HybridOrbit, z: np.ndarray) -> Margins:
             found = view.duration, problem.mesh.total, 1.0
         elif limit.test == "condition":
             found = view.conditions[limit.name], 1.0, 1.0
+        elif problem.word.legs[i].collapsed:
+            found = _entered(problem, limit, view)
         else:
             if (i, limit.name) not in known:
                 known[i, limit.name] = _watch(problem, i, view, problem.transition_of(limit))
@@ -217,6 +259,32 @@ def margins(problem: HybridOrbit, z: np.ndarray) -> Margins:
         rows.append(found)
     values, scales, places = np.array(rows).reshape(len(rows), 3).T
     return Margins(problem.limits, values, scales, places)
+
+
+def _entered(problem: HybridOrbit, limit: Limit, view: LegView) -> tuple[float, float, float]:
+    """Value, scale and place of how a guard stands where a mode is entered that lasts no time.
+
+    There is no largest value to compare it with: what typical changes of the states make of it is.
+    """
+    transition = problem.transition_of(limit)
+    sign = 1.0 if transition.direction == "falling" else -1.0
+    value, slopes = _at_entry(view.piece, transition, view.x, view.scalars)
+    n = len(view.x)
+    scale = float(np.linalg.norm(slopes[:n] * problem.mesh.variation[list(view.piece.passage.states)]))
+    if problem.forced:
+        scale = float(np.hypot(scale, slopes[n + 1] * problem.mesh.total))
+    past = -1.0 if limit.test == "past" else 1.0
+    return past * sign * value, max(scale, 1e-300), 0.0
+
+
+def _at_entry(
+    piece: Piece, transition: Transition, x: np.ndarray, scalars: np.ndarray
+) -> tuple[float, np.ndarray]:
+    """A guard at the start of a leg, and its derivatives by the state and the scalars."""
+    watched = piece.passage.watched(transition.name, transition.guard)
+    own = np.eye(len(x), len(x) + len(scalars))
+    values, derivative = watched.differentiated(0.0, x, own, piece.values(scalars))
+    return float(values[0]), derivative[0]
 
 
 def _leaving(watch: _Watch) -> tuple[float, float, float]:
@@ -289,9 +357,12 @@ def _of_watch(test: str, watch: _Watch, duration: float) -> tuple[float, float, 
         # without length none can be told from that.
         if abs(duration) <= NO_TIME * watch.total:
             return np.inf, scale, float(t[k])
-        return (float(v[k]) if abs(v[k]) > ZERO * scale else np.inf), scale, float(t[k])
+        found = np.inf
+        if abs(v[k]) > ZERO * scale:
+            found = float(v[k]) if not watch.edges else _at_start(watch) if k == 0 else _at_end(watch)
+        return found, scale, float(t[k])
     least, place = np.inf, np.nan
-    for k, time, value in watch.dips:
+    for k, time, value in _fallen(watch) if watch.edges else watch.dips:
         first, last = k == 0, k == len(t) - 2
         if last and watch.own and abs(v[-1]) < ZERO * scale:
             continue  # what turns just before its own event is told by the rate there
@@ -302,11 +373,49 @@ def _of_watch(test: str, watch: _Watch, duration: float) -> tuple[float, float, 
     return least, scale, place
 
 
+def _fallen(watch: _Watch) -> list[tuple[int, float, float]]:
+    """As the dips of a guard, each with the way down to it.
+
+    It passes zero on this way where its top is above and its bottom is below: of both the one that is nearer
+    to the other side is the margin. Where the top is the start, this has a limit of its own.
+    """
+    end = len(watch.times) - 2, 1.0, float(watch.values[-1])
+    downs = watch.dips + ([end] if watch.rates[-1] < 0.0 else [])
+    found = []
+    for down in downs:
+        top, at = watch.before(*down[:2])
+        if down[2] >= -top:
+            found += [down] if down is not end else []
+        elif at > 0.0:
+            found.append((int(np.searchsorted(watch.times, at)) - 1, at, -top))
+    return found
+
+
+def _at_start(watch: _Watch) -> float:
+    """The margin of a guard where its mode is entered: it passes zero soon if it is above and comes down."""
+    start = float(watch.values[0])
+    if watch.rates[0] >= 0.0:
+        return start if start > 0.0 else np.inf
+    bottom = min([value for _, _, value in watch.dips[:1]] or [float(watch.values[-1])])
+    return -start if start < 0.0 or bottom < -start else start
+
+
+def _at_end(watch: _Watch) -> float:
+    """The margin of a guard where its mode is left: it has passed zero if it was above and is below."""
+    end = float(watch.values[-1])
+    if watch.rates[-1] >= 0.0:
+        return end if end > 0.0 else np.inf
+    return end if end >= -watch.before(len(watch.times), 1.0)[0] else np.inf
+
+
 def guard_scales(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
     """Largest value of each leg's own guard on it, shape (m,); 1 where there is none."""
     scales = np.ones(problem.layout.legs)
     for i, (leg, view) in enumerate(zip(problem.word.legs, problem.view(z), strict=True)):
         if leg.transition is None:
+            continue
+        if leg.collapsed:  # what is zero is its duration
+            scales[i] = problem.mesh.total
             continue
         found = view.guard_values(leg.transition)
         largest = float(np.abs(found).max())
@@ -372,7 +481,7 @@ def _system(problem: HybridOrbit, which: int, limit: Limit, sample: Sample) -> a
 
     def vectors(there: Any, y: np.ndarray) -> dict:
         seconds = float(y[-1]) if limit.test == "dip" else float(y[there.layout.durations][i])
-        return {"limit": which, "seconds": 0.0 if limit.test in ("start", "leaving") else seconds}
+        return {"limit": which, "seconds": 0.0 if limit.test in AT_START else seconds}
 
     return augmented.Augmented(evaluate, start, scale, vectors)
 
@@ -384,10 +493,22 @@ def _vanishes(problem: HybridOrbit, limit: Limit, z: np.ndarray) -> bool:
     """
     i, view = limit.leg, problem.view(z)[limit.leg]
     transition = problem.word.legs[i].transition
-    if transition is None or abs(view.duration) > LITTLE * problem.mesh.total:
+    if transition is None or abs(view.duration) > LITTLE * problem.mesh.total or collapses(problem, i):
         return False
     _, values, rates = view.guard(transition)
     return abs(float(values[0])) <= BELOW * largest(values, rates, view.duration, problem.mesh.total)
+
+
+def collapses(problem: HybridOrbit, i: int) -> bool:
+    """Whether leg i is passed in no time where it does not last: its guard acts at entry, and moves there.
+
+    One that has led into the leg as well is zero there, whatever the orbit.
+    """
+    leg = problem.word.legs[i]
+    if leg.transition is None or not leg.transition.level:
+        return False
+    before = problem.word.leading_in(problem.system, i)
+    return leg.name not in problem.system.left_at_zero(before, leg.mode)
 
 
 def _vanishing(problem: HybridOrbit, which: int, limit: Limit, sample: Sample) -> augmented.Augmented:
@@ -438,10 +559,9 @@ def _rows(problem: HybridOrbit, limit: Limit, y: np.ndarray, share: float) -> tu
         value, derivative = map_.linearized(0.0, x, c)
         return value, layout.spread(i, derivative)
     watched = piece.passage.watched(transition.name, transition.guard)
-    if limit.test == "start":
-        own = np.eye(n, n + len(scalars))
-        values, derivative = watched.differentiated(0.0, x, own, piece.values(scalars))
-        return values[:1], layout.spread(i, derivative[:1])
+    if limit.test in ("start", "past"):
+        there, slopes = _at_entry(piece, transition, x, scalars)
+        return np.array([there]), layout.spread(i, slopes[None])
     if limit.test == "dip":
         inside = piece.steps[1:][piece.steps[1:] < share - 1e-12] / max(share, 1e-12)
         piece = Piece(piece.passage, np.concatenate([[0.0], inside, [1.0]]), piece.method, piece.fixed)
@@ -454,6 +574,14 @@ def _rows(problem: HybridOrbit, limit: Limit, y: np.ndarray, share: float) -> tu
         return values, np.hstack([layout.spread(i, derivative), by_time[:, None]])
     k = 1 if limit.test == "rate" else 0
     return values[k : k + 1], layout.spread(i, derivative[k : k + 1])
+
+
+def growth(problem: HybridOrbit, z: np.ndarray, limit: Limit, direction: np.ndarray) -> float:
+    """How fast along a direction a leg's duration grows, or its guard goes past zero where it begins."""
+    row = float(_rows(problem, limit, z, 0.0)[1][0] @ direction)
+    if limit.test == "duration":
+        return row
+    return row if problem.transition_of(limit).direction == "rising" else -row
 
 
 # -- in words ----------------------------------------------------------------------------------------------
@@ -472,6 +600,11 @@ def place_of(problem: HybridOrbit, limit: Limit, located: Located) -> str:
         return (
             f"'{limit.name}' arrives with no rate, {after} after '{before}', in mode {leg.mode}: "
             "multipliers that grow beyond all bounds do so as the inverse of its rate"
+        )
+    if limit.test == "past":
+        return (
+            f"'{limit.name}' follows '{before}' at once up to here: its guard is zero where "
+            f"mode {leg.mode} begins"
         )
     if limit.test == "leaving":
         return f"'{limit.name}' is not left again: right after it, in mode {leg.mode}, its guard has no rate"

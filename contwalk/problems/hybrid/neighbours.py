@@ -93,14 +93,14 @@ def corners(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, tangent: n
     there = neighbour.problem
     weights = filled_magnitudes(there, neighbour.z)
     leaving = kernel_direction(there.linearize(neighbour.z).jacobian, weights)
-    own = there.layout.durations.start + limit.leg
-    leaving = leaving * np.sign(leaving[own])
-    arriving = tangent * -np.sign(tangent[problem.layout.durations.start + limit.leg])
+    leaving = leaving * np.sign(limits.growth(there, neighbour.z, neighbour.grows, leaving))
+    rough = discretized(problem, z)
+    arriving = tangent * -np.sign(limits.growth(rough, z, limit, tangent))
 
     if there.layout.sizes != problem.layout.sizes:
         return bool(np.sign(arriving[-1]) != np.sign(leaving[-1]))
     scales = [there.extended(i) for i in range(there.layout.legs)]
-    before = _direction_of_orbit(discretized(problem, z), z, arriving, limit.leg, scales, weights[-1])
+    before = _direction_of_orbit(rough, z, arriving, limit.leg, scales, weights[-1])
     after = _direction_of_orbit(there, neighbour.z, leaving, limit.leg, scales, weights[-1])
     return float(np.linalg.norm(before - after)) > CORNER
 
@@ -119,6 +119,8 @@ def _turned(
     # What is inserted may stand anywhere; what is removed or exchanged must not meet the image. The only
     # event that there is has no other place: `_removed` knows it.
     lowest, highest = {"duration": (1, m - 2), "rate": (0, max(m - 2, 0))}.get(limit.test, (0, m - 1))
+    if _collapses(problem, limit):
+        lowest, highest = 0, m - 1
     if not problem.word.image or lowest <= i <= highest:
         return problem, z, limit
     if lowest > highest:
@@ -199,6 +201,8 @@ def _built(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, place: floa
         return _inserted(problem, z, limit, place, transition)
     if limit.test == "rate":
         return _removed(problem, z, limit, transition)
+    if limit.test == "past" or _collapses(problem, limit):
+        return _collapsed(problem, z, limit)
     if limit.test == "duration":
         return _exchanged(problem, z, limit)
     if limit.test == "leaving":
@@ -389,6 +393,22 @@ def _image(problem: HybridOrbit, z: np.ndarray, x: np.ndarray, i: int) -> np.nda
     name = problem.word.image_at(i)
     symmetry = problem.system.symmetry(name) if name else None
     return imaged(symmetry, x, ParameterValues(**problem.values_of(z)))
+
+
+def _collapses(problem: HybridOrbit, limit: limits.Limit) -> bool:
+    """Whether a leg whose duration vanishes is passed in no time beyond."""
+    return limit.test == "duration" and limits.collapses(problem, limit.leg)
+
+
+def _collapsed(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> Neighbour:
+    """A leg lasts no time any more, its guard being past zero where it begins; or it does again."""
+    i, past = limit.leg, limit.test != "past"
+    legs = list(problem.word.legs)
+    legs[i] = replace(legs[i], collapsed=past)
+    states, lasting, start = _whole(problem, z)
+    lasting[i] = 0.0
+    other, unknowns = _of_legs(problem, replace(problem.word, legs=tuple(legs)), states, lasting, start, z)
+    return Neighbour(other, unknowns, _own(other, i, "past" if past else "duration"))
 
 
 def _exchanged(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> Neighbour:

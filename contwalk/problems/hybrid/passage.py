@@ -150,10 +150,12 @@ class Passage:
 
     @cached_property
     def end_program(self) -> Program:
-        """The state after the transition, then its guard."""
+        """The state after the transition, then its guard; of a collapsed leg the duration, which is zero."""
         transition = self.leg.transition
         if transition is None:
             return trace(self._after)
+        if self.leg.collapsed:
+            return trace(lambda tracer: [*self._after(tracer), tracer.symbol("T", 0)])
         guard = rebound(transition.guard)
         return trace(lambda tracer: [*self._after(tracer), guard(*self._arguments(tracer))])
 

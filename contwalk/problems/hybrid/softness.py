@@ -126,7 +126,7 @@ def passed(
         if leg.transition is not None:
             pieces = _switched(problem.system, leg.name, pieces, last, least)
             final = problem.system.transition(leg.name, pieces[-1][0].mode)
-            pieces[-1] = (Leg(final.source, final, leg.falls), *pieces[-1][1:])
+            pieces[-1] = (replace(leg, mode=final.source, transition=final), *pieces[-1][1:])
         own = [piece[2] for piece in pieces]
         since = np.concatenate([[0.0], np.cumsum(own)[:-1]])
         found += [piece[0] for piece in pieces]

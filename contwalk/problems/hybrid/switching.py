@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from contwalk import flow
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
 from contwalk.problems.hybrid.word import imaged_leg
 from contwalk.problems.orbit.branching import amplitude, crossing, filled_magnitudes
 from contwalk.problems.orbit.closure import imaged
+from contwalk.problems.orbit.motion import PLAIN
 from contwalk.problems.orbit.null_vectors import null_vectors
 from contwalk.problems.problem import Seed
 from contwalk.system import Symmetry
@@ -23,6 +25,9 @@ if TYPE_CHECKING:
 
 # Size of a state that starts show nothing of, against the largest; tolerance of steps for magnitudes only.
 UNSEEN, ROUGH = 1e-2, 1e-7
+# Even steps of a leg for magnitudes of states that are zero wherever one starts, but for rounding: below this
+# part of them.
+PILOT, NOTHING = (16, 32), 1e-9
 # Images that differ by less than this part of the variation are one.
 ALIKE = 1e-6
 # Shifts along pinned directions that are tried, and how little they leave of the residual.
@@ -52,11 +57,34 @@ def discretized(problem: HybridOrbit, z: np.ndarray) -> HybridOrbit:
     for place, passage in zip(layout.states, problem.passages, strict=True):
         own = list(passage.states)
         reached[own] = np.maximum(reached[own], np.abs(z[place]))
+    between = _between(problem, z)
+    if float(reached.max()) < NOTHING * float(between.max()):  # a mass that rests wherever a leg starts
+        reached = between
     largest = float(reached.max()) or 1.0
     # What is zero at the starts of legs is not zero on them.
     reached = np.maximum(reached, UNSEEN * largest)
     rough = problem.adapted_to(z, problem.weighted(reached), max(problem.discretization.walking, ROUGH))
     return rough.adapted_to(z, filled_magnitudes(rough, z), problem.discretization.locating)
+
+
+def _between(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
+    """How large each state becomes on the legs, roughly; zero where a few even steps do not tell."""
+    found = []
+    for count in PILOT:
+        reached, times = np.zeros(problem.states), np.linspace(0.0, 1.0, count + 1)
+        for i, passage in enumerate(problem.passages):
+            x, scalars = problem.layout.inputs(i, z)
+            field = passage.field(PLAIN)
+            c = field.constants(np.concatenate([scalars, problem.fixed]))
+            states = flow.along(field, c, times, x, "dop853")
+            if not np.isfinite(states).all():
+                return np.zeros(problem.states)
+            own = list(passage.states)
+            reached[own] = np.maximum(reached[own], np.abs(states).max(axis=0))
+        found.append(reached)
+    rough, finer = found
+    alike = np.all(np.abs(rough - finer) <= 0.1 * finer.max())
+    return finer if alike else np.zeros(problem.states)
 
 
 def _doubled(problem: HybridOrbit, z: np.ndarray) -> Sequence[Seed]:

@@ -5,6 +5,9 @@ a user sees lists the transitions, beginning with the one that leads into the fi
 no event is one leg without a transition; one that is looked at from an instant between events ends with such
 a leg, which the first one continues.
 
+A mode may be entered where the guard of a transition is past zero that acts at entry. It then lasts no time:
+a leg that is collapsed, of which the word tells as of any other.
+
 An orbit that is its own mirror image half a period later is half a cycle: after the last transition the state
 is the image of the first one.
 """
@@ -13,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from contwalk.system import System, Transition
 
@@ -28,11 +32,14 @@ class Leg:
         What ends it; None where only the closure ends there.
     falls : bool
         Whether the guard falls through zero at its end; else it rises.
+    collapsed : bool
+        Whether it lasts no time, because its guard is past zero where it begins.
     """
 
     mode: str
     transition: Transition | None = None
     falls: bool = True
+    collapsed: bool = False
 
     @property
     def name(self) -> str:
@@ -171,11 +178,16 @@ def imaged_leg(system: System, image: str, leg: Leg) -> Leg:
         return replace(leg, mode=mode)
     source = leg.transition.source  # not the leg's mode where soft transitions lead from one to the other
     name, out_of = symmetry.events.get(leg.name, leg.name), symmetry.modes.get(source, source)
-    return Leg(mode, system.transition(name, out_of), leg.falls)
+    return replace(leg, mode=mode, transition=system.transition(name, out_of))
 
 
-def named_word(system: System, legs: Sequence[tuple[str, str, bool]], image: str = "") -> Word:
-    """The word of stored legs: mode, transition (empty for none) and whether its guard falls."""
+def stored_leg(leg: Leg) -> list[str | bool]:
+    """What is kept of a leg: mode, transition, whether its guard falls, and True if it is collapsed."""
+    return [leg.mode, leg.name, leg.falls, *([True] if leg.collapsed else [])]
+
+
+def named_word(system: System, legs: Sequence[Sequence[Any]], image: str = "") -> Word:
+    """The word of stored legs; see `stored_leg`."""
 
     def out_of(mode: str, name: str) -> Transition | None:
         if not name:
@@ -184,7 +196,7 @@ def named_word(system: System, legs: Sequence[tuple[str, str, bool]], image: str
         around = modes_around(system, mode)  # soft transitions may lie before it
         return system.transition(name, next(source for source in around if source in sources))
 
-    named = [Leg(mode, out_of(mode, name), bool(falls)) for mode, name, falls in legs]
+    named = [Leg(mode, out_of(mode, name), *map(bool, rest)) for mode, name, *rest in legs]
     return Word(tuple(named), image)
 
 
