@@ -15,7 +15,7 @@ from contwalk.continuation.settings import Settings
 from contwalk.errors import NotFinite, PluginError, StartError
 from contwalk.problems.hybrid.beginning import at_start, lap_from, orbit_of
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
-from contwalk.problems.hybrid.least import least
+from contwalk.problems.hybrid.least import least, unused_symmetries
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit, applies, softened
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.hybrid.word import named_word
@@ -180,10 +180,10 @@ def _hybrid(problem: HybridOrbit, z: np.ndarray, settings: Settings) -> Opening 
         sample.z, sample.tangent, sample.weights, adapted.linearize(sample.z), sample.unstable
     )
     lost = [problem.limits[k].name for k in np.flatnonzero(sample.margins < -NO_MARGIN)]
-    message = ""
+    message = unused_symmetries(problem, here.sample.z)
     if lost:
         names = ", ".join(f"'{name}'" for name in dict.fromkeys(lost))
-        message = f"The first orbit is not admissible: {names}."
+        message = f"{message} The first orbit is not admissible: {names}.".strip()
     return Opening(adapted, Here(sample, here.s, here.step), message)
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from contwalk.errors import ContwalkError
-from contwalk.system import Condition, Family, Observable, System, list_systems
+from contwalk.system import Condition, Family, Observable, Symmetry, System, list_systems
 from contwalk.system.loading import is_path, load_declaration
 from contwalk.workflow import check_declarations as declarations
 from contwalk.workflow.check_absent import check_absent
@@ -101,6 +101,8 @@ def check_system(system: System, sources: Sequence[Path] = (), model: str = "") 
     check_absent(report, system)
     for symmetry in system.symmetries:
         check_symmetry(report, symmetry, system, fields, samples, period)
+        if symmetry.role == "spatial" and fields.complete and len(happenings) == len(distinct):
+            _check_mirrored(report, symmetry, system, samples, period)
     for neutral in system.neutral:
         what, form = f"neutral direction '{neutral.name}'", vector_form(system, "generator", "v")
         check_map(report, what, neutral.generator, system, samples, form)
@@ -127,6 +129,14 @@ def _seen(
     from contwalk.workflow.check_motion import check_motions  # compiled flows
 
     return check_motions(report, system, modes, happenings, samples)
+
+
+def _check_mirrored(
+    report: Report, symmetry: Symmetry, system: System, samples: Samples, period: float | None
+) -> None:
+    from contwalk.workflow.check_mirrored import check_mirrored  # compiled flows
+
+    check_mirrored(report, symmetry, system, samples, period)
 
 
 def _models(family: Family) -> Iterator[dict[str, Any]]:

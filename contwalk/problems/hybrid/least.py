@@ -12,11 +12,11 @@ import numpy as np
 
 from contwalk.flow.hybrid_machine import hybrid_machine
 from contwalk.problems.hybrid import families
-from contwalk.problems.hybrid.mirrors import Span, carries
+from contwalk.problems.hybrid.mirrors import Span, carries, why_not_carried
 from contwalk.problems.hybrid.switching import discretized, shifted
-from contwalk.problems.hybrid.word import Leg, Word, imaged_leg
+from contwalk.problems.hybrid.word import Leg, Word, has_image, imaged_leg
 from contwalk.problems.orbit.closure import imaged, order_of
-from contwalk.system import Symmetry
+from contwalk.system import Symmetry, System
 from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
@@ -125,8 +125,10 @@ def own_image(problem: HybridOrbit, z: np.ndarray) -> str:
         return ""
     first, second = problem.word.legs[:half], problem.word.legs[half:]
     system, p = problem.system, ParameterValues(**problem.values_of(z))
-    for symmetry in system.symmetries:
-        if symmetry.role != "spatial" or order_of(symmetry, _start(problem, z, 0), p) != 2:
+    for symmetry in _spatial(system):
+        if order_of(symmetry, _start(problem, z, 0), p) != 2:
+            continue
+        if not all(has_image(system, symmetry, leg) for leg in first):
             continue
         if second != tuple(imaged_leg(system, symmetry.name, leg) for leg in first):
             continue
@@ -152,13 +154,48 @@ def _halves_alike(problem: HybridOrbit, z: np.ndarray, symmetry: Symmetry) -> bo
     return True
 
 
+def _spatial(system: System) -> list[Symmetry]:
+    return [symmetry for symmetry in system.symmetries if symmetry.role == "spatial"]
+
+
 def _its_image(problem: HybridOrbit, z: np.ndarray, symmetry: Symmetry) -> bool:
     """Whether the machine is its own image half a cycle later."""
-    machine, later = hybrid_machine(problem.system, problem.values_of(z)), 0.0
-    if problem.forced:
-        later = 0.5 * problem.duration(z)
+    machine = hybrid_machine(problem.system, problem.values_of(z))
+    later = 0.5 * problem.duration(z) if problem.forced else 0.0
+    return carries(machine, symmetry, _spans(problem, z), later, problem.mesh.variation)
+
+
+def _spans(problem: HybridOrbit, z: np.ndarray) -> list[Span]:
     spans = []
     for stretch in problem.stretches(z):
         (begin, x), (end, y) = stretch.start, stretch.end
         spans.append(Span(stretch.view.piece.passage.leg, begin, x, end - begin, y))
-    return carries(machine, symmetry, spans, later, problem.mesh.variation)
+    return spans
+
+
+def unused_symmetries(problem: HybridOrbit, z: np.ndarray) -> str:
+    """Why no orbit of this word is closed up to a declared symmetry, a sentence each; empty if one may be.
+
+    That an orbit is not its own image is no reason: the machine is not, or orbits without events are followed
+    as they are.
+    """
+    if problem.word.image:
+        return ""
+    reasons = {symmetry.name: _unused(problem, z, symmetry) for symmetry in _spatial(problem.system)}
+    return " ".join(f"Symmetry '{name}' is not used: {why}." for name, why in reasons.items() if why)
+
+
+def _unused(problem: HybridOrbit, z: np.ndarray, symmetry: Symmetry) -> str:
+    if not problem.word.eventful:
+        return "an orbit without events is followed over its whole period"
+    if order_of(symmetry, _start(problem, z, 0), ParameterValues(**problem.values_of(z))) != 2:
+        return "its map is not its own inverse"
+    machine, reasons = hybrid_machine(problem.system, problem.values_of(z)), []
+    period = problem.duration(z) / problem.subharmonic if problem.forced else 0.0
+    for later in sorted({0.0, 0.5 * period}):
+        given = later, problem.mesh.variation
+        told = (why_not_carried(machine, symmetry, span, *given) for span in _spans(problem, z))
+        reasons.append(next((why for why in told if why), ""))
+    if not all(reasons):
+        return ""
+    return f"{reasons[-1]} is not taken to its image by it (see contwalk systems check)"

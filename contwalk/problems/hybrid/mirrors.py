@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contwalk.flow.hybrid_machine import HybridMachine
-from contwalk.problems.hybrid.word import Leg, imaged_leg
+from contwalk.problems.hybrid.word import Leg, has_image, image_of
 from contwalk.problems.orbit.closure import imaged
 from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
@@ -47,14 +47,22 @@ def carries(
     scale: np.ndarray,
 ) -> bool:
     """Whether fields, guards and resets along some legs are their own images `later` seconds on."""
-    return all(
-        _field_carried(machine, symmetry, span, later, scale)
-        and _transition_carried(machine, symmetry, span, later, scale)
-        for span in spans
-    )
+    return not any(why_not_carried(machine, symmetry, span, later, scale) for span in spans)
 
 
-def _beside(x: np.ndarray, scale: np.ndarray) -> np.ndarray:
+def why_not_carried(
+    machine: HybridMachine, symmetry: Symmetry, span: Span, later: float, scale: np.ndarray
+) -> str:
+    """What of a leg is not its own image `later` seconds on; empty where all is."""
+    if not field_carried(machine, symmetry, span, later, scale):
+        return f"the field of mode '{span.leg.mode}'"
+    if not transition_carried(machine, symmetry, span, later, scale):
+        return f"transition '{span.leg.name}'"
+    return ""
+
+
+def beside(x: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    """A state off a given one in all directions: where a leg begins or ends something may be zero."""
     return x + OFF * scale * np.cos(np.arange(1.0, len(x) + 1.0))
 
 
@@ -64,13 +72,14 @@ def _close(a: np.ndarray, b: np.ndarray) -> bool:
     return bool(np.linalg.norm(a - b) <= SAME * size) if np.isfinite(size) else False
 
 
-def _field_carried(
+def field_carried(
     machine: HybridMachine, symmetry: Symmetry, span: Span, later: float, scale: np.ndarray
 ) -> bool:
+    """Whether the field is carried, tried near the start of a leg."""
     mode = span.leg.mode
     here, there = machine.mode(mode), machine.mode(symmetry.modes.get(mode, mode))
     p, t = ParameterValues(**machine.parameters), span.start + INTO * span.duration
-    x = machine.existing(mode, _beside(span.state, scale))
+    x = machine.existing(mode, beside(span.state, scale))
     rate = machine.full(mode, here.field(t, x[here.states], here.c))
     size = float(np.linalg.norm(rate / scale)) or 1.0
     if not np.isfinite(size):
@@ -82,17 +91,19 @@ def _field_carried(
     return _close(moved[there.states] / scale[there.states], own / scale[there.states])
 
 
-def _transition_carried(
+def transition_carried(
     machine: HybridMachine, symmetry: Symmetry, span: Span, later: float, scale: np.ndarray
 ) -> bool:
     """Whether reset and guard are carried: a guard may be the other's negative, if it is passed that way."""
     if span.leg.transition is None:
         return True
-    one, other = span.leg.transition, imaged_leg(machine.system, symmetry.name, span.leg).transition
+    if not has_image(machine.system, symmetry, span.leg):
+        return False
+    one, other = span.leg.transition, image_of(machine.system, symmetry, span.leg).transition
     assert other is not None
     p, t = ParameterValues(**machine.parameters), span.start + span.duration
     before, after = machine.mode(one.source).states, machine.mode(one.target).states
-    x = machine.existing(one.source, _beside(span.end, scale))
+    x = machine.existing(one.source, beside(span.end, scale))
     jump, c = machine.jump(one)
     landed = jump(0.0, np.concatenate([[t], x[before]]), c)
     source, target = machine.mode(other.source).states, machine.mode(other.target).states

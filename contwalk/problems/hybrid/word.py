@@ -18,7 +18,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from contwalk.system import System, Transition
+from contwalk.system import Symmetry, System, Transition
 
 
 @dataclass(frozen=True)
@@ -170,9 +170,21 @@ def continued(legs: Sequence[Leg]) -> tuple[Leg, ...]:
     return tuple(found)
 
 
+def has_image(system: System, symmetry: Symmetry, leg: Leg) -> bool:
+    """Whether there is a transition that a leg's own one is taken to."""
+    if leg.transition is None:
+        return True
+    source = leg.transition.source
+    return symmetry.modes.get(source, source) in system.sources(symmetry.events.get(leg.name, leg.name))
+
+
 def imaged_leg(system: System, image: str, leg: Leg) -> Leg:
     """The leg that follows when a leg's image does."""
-    symmetry = system.symmetry(image)
+    return image_of(system, system.symmetry(image), leg)
+
+
+def image_of(system: System, symmetry: Symmetry, leg: Leg) -> Leg:
+    """What a symmetry takes a leg to."""
     mode = symmetry.modes.get(leg.mode, leg.mode)
     if leg.transition is None:
         return replace(leg, mode=mode)
