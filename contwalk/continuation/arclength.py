@@ -74,8 +74,12 @@ def walk(
             except (NotFinite, np.linalg.LinAlgError):
                 yield Point(here)
                 raise
-            # On new steps the solution may be another: then that one is the point.
-            yield Point(here if np.array_equal(sample.z, here.sample.z) else replace(here, sample=sample))
+            if np.array_equal(sample.z, here.sample.z):
+                yield Point(here)
+            else:  # on new steps the solution is another: that one is the point, and taken up as if stored
+                here = replace(here, sample=sample)
+                yield Point(here)
+                problem, sample = adapted(problem, sample)
             here = replace(here, sample=sample)
             number += 1
             if number > 3 and step.closes(origin):

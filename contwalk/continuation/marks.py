@@ -65,7 +65,11 @@ def observer_of(problem: Problem) -> Observer:
 def marked(
     segment: Segment, marks: tuple[Mark, ...], observer: Observer, turns: Sequence[float] = ()
 ) -> list[Found]:
-    """All marked points on a segment, in their order; `turns` are positions where the branch itself turns."""
+    """All marked points on a segment, in their order.
+
+    `turns` are positions at which the branch itself turns: its folds and crossings, and its birth, at which
+    what is on its two sides is alike.
+    """
     found: list[Found] = []
     for mark in marks:
         if np.isnan(observer.value(mark.name, segment.a)):
@@ -74,8 +78,8 @@ def marked(
             found += _levels(segment, mark.name, level, observer)
         if mark.extremum:
             # Where the branch turns, everything on it is extreme; it says nothing about the observable.
-            for low, high in pairwise((0.0, *sorted(turns), 1.0)):
-                margins = (TURN if low > 0.0 else 0.0), (TURN if high < 1.0 else 0.0)
+            for low, high in pairwise(sorted({0.0, *turns, 1.0})):
+                margins = (TURN if low in turns else 0.0), (TURN if high in turns else 0.0)
                 if high - low > sum(margins):
                     found += _extrema(segment, mark.name, low + margins[0], high - margins[1])
     return sorted(found, key=lambda f: f.theta)

@@ -202,4 +202,6 @@ def _closed(problem: PeriodicOrbit, here: Here, settings: Settings) -> Opening:
                 "only that part is integrated."
             )
     adapted, sample = problem.adapted(here.sample)
+    if np.array_equal(sample.z, here.sample.z):  # what was solved, not what the next steps see of it
+        sample = replace(sample, excess=here.sample.excess)
     return Opening(adapted, Here(sample, here.s, here.step), message)

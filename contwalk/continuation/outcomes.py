@@ -85,8 +85,8 @@ def goes_on(end: SpecialPoint, events: Mapping[str, str]) -> bool:
     return any(end.kind == reason and events.get(label) == "switch" for label, reason in AT_LIMITS.items())
 
 
-def stuck(reason: str, sentence: str, step: float, name: str, value: float) -> Outcome:
-    """No step of any length succeeded."""
+def stuck(reason: str, sentence: str, step: float, name: str, value: float, known: str = "") -> Outcome:
+    """No step of any length succeeded; `known` is what the problem knows to be in the way, and what helps."""
     where = f"at {name} = {value:.10g}"
     if reason == "not_finite":
         return Outcome(
@@ -94,11 +94,11 @@ def stuck(reason: str, sentence: str, step: float, name: str, value: float) -> O
         )
     if reason == "plugin_error":
         return Outcome("failed", "plugin_error", f"{sentence} The last good point is {where}.")
+    other = "The branch may end there, or the field may not be smooth; look at it with `contwalk show`."
     return Outcome(
         "failed",
         "step_too_small",
-        f"No step succeeds {where}, down to {step:.1e}: {sentence} "
-        "The branch may end there, or the field may not be smooth; look at it with `contwalk show`.",
+        f"No step succeeds {where}, down to {step:.1e}: {sentence} {known or other}",
     )
 
 

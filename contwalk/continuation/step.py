@@ -106,7 +106,7 @@ def take_step(problem: Problem, here: Here, settings: Settings, observer: Observ
                     if outcome.reason == "shrunk" and length > NEARLY_SHRUNK and not smallest:
                         raise Disagreement("EP", "The orbit shrinks to nothing within the step.")
                     return outcome
-                found = _special(segment, settings, observer, smallest, begins=here.s == 0.0)
+                found = _special(segment, settings, observer, smallest, here)
                 if not (smallest or prediction.to_bound) and _ends_at_a_limit(segment, found, settings):
                     raise Disagreement("GR", "The step ends at a limit, to within its errors.")
                 if prediction.to_bound and not any(f.theta > 1.0 - COINCIDE for f in found):
@@ -124,7 +124,8 @@ def take_step(problem: Problem, here: Here, settings: Settings, observer: Observ
             edge = reason, sentence
         if smallest or (edge is not None and length < EDGE):
             reason, sentence = edge or (reason, sentence)
-            return outcomes.stuck(reason, sentence, length, observer.parameter, here.sample.parameter)
+            known = problem.obstacle(here.sample.z)
+            return outcomes.stuck(reason, sentence, length, observer.parameter, here.sample.parameter, known)
         length = control.shrunk(length)
 
 
@@ -229,18 +230,19 @@ def _beside(segment: Segment) -> Sample:
 
 
 def _special(
-    segment: Segment, settings: Settings, observer: Observer, smallest: bool, begins: bool
+    segment: Segment, settings: Settings, observer: Observer, smallest: bool, here: Here
 ) -> list[Found]:
     """Everything special on a segment, in its order; at the smallest step, what cannot be located as well."""
+    born = here.sample.orientation == 0.0
     try:
-        reached = limits.passed(segment, begins)
+        reached = limits.passed(segment, begins=here.s == 0.0)
         end = limits.stopping(segment.problem, reached, settings.events)
         if end is None:
-            found = [*_smooth(segment, settings, observer), *reached]
+            found = [*_smooth(segment, settings, observer, born), *reached]
         else:  # what lies beyond is not the machine's motion, and its tests tell nothing
             share = end.theta * (1.0 - BEFORE_LIMIT)
             part = segment.until(share) if share > 0.0 else None
-            found = [] if part is None else _smooth(part, settings, observer)
+            found = [] if part is None else _smooth(part, settings, observer, born)
             found = [replace(f, theta=share * f.theta) for f in found]
             found += [f for f in reached if f.theta <= end.theta]
     except Disagreement as disagreement:
@@ -260,11 +262,11 @@ def _ends_at_a_limit(segment: Segment, found: list[Found], settings: Settings) -
     return goes_on and limits.in_doubt(segment)
 
 
-def _smooth(segment: Segment, settings: Settings, observer: Observer) -> list[Found]:
-    """Bifurcations and marks on a segment."""
+def _smooth(segment: Segment, settings: Settings, observer: Observer, born: bool) -> list[Found]:
+    """Bifurcations and marks on a segment; `born`: the branch leaves another one at its beginning."""
     found = bifurcations(segment)
     stops = tuple(Mark(name, values) for name, values in settings.stop_at.items())
-    turns = [f.theta for f in found if f.label in ("LP", "BP")]
+    turns = [*([0.0] if born else []), *(f.theta for f in found if f.label in ("LP", "BP"))]
     for mark in marked(segment, (*settings.marks, *stops), observer, turns):
         at = [f.theta for f in found if f.label != "UZ" and abs(f.theta - mark.theta) < COINCIDE]
         found.append(replace(mark, theta=at[0]) if at else mark)

@@ -175,6 +175,10 @@ class Equilibrium:
         level = level + EPSILON * (derivatives @ np.where(magnitudes > 0, magnitudes, 0.0))
         return level, magnitudes
 
+    def obstacle(self, z: np.ndarray) -> str:
+        """Nothing is known of that."""
+        return ""
+
     def explain(self, z: np.ndarray) -> str:
         """Where in the plugin a residual at z is not finite."""
         field = self.system.modes[0].field

@@ -434,6 +434,10 @@ class Problem(Protocol):
         """Where in the plugin a residual at z is not finite."""
         ...
 
+    def obstacle(self, z: np.ndarray) -> str:
+        """What makes solutions beside z hard to find, and what helps; empty if nothing is known of that."""
+        ...
+
     def locate(self, label: str, sample: Sample, which: int) -> Located | None:
         """The special point near a sample, by its defining system; `which` counts critical eigenvalues."""
         ...

@@ -315,7 +315,8 @@ class _Recorder:
         ):
             text = (
                 f"{info.name}: {point.label} at {info.free[0]} = {value:.10g} is known only to "
-                f"{point.error:.1e}, less well than the accuracy of {self.accuracy:g} that was asked for."
+                f"{point.error:.1e}, which is {point.error / value:.1e} of it: more than the "
+                f"{self.accuracy:g} that was asked for."
             )
             self.db.write_note(f"accuracy {info.name} {point.label} {point.s!r}", text)
             self.reporter.note(text)

@@ -113,6 +113,9 @@ class MadeUp:
     def label_of(self, sample: Sample, which: int) -> str | None:
         return "HB" if sample.eigenvalues[which].imag != 0.0 else None
 
+    def obstacle(self, z: np.ndarray) -> str:
+        return ""
+
     def explain(self, z: np.ndarray) -> str:
         return "the made-up equations"
 

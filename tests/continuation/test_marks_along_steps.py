@@ -40,6 +40,15 @@ def test_values_come_in_the_order_of_the_branch():
     assert places(marked(segment_of(straight(), 0.3, 0.0), marks, PARAMETER)) == [0.25, 0.1, 0.05]
 
 
+def test_a_birth_is_no_extremum():
+    """What is seen along a branch that is born is alike on both sides of its birth, but for rounding."""
+    problem = straight(size=lambda z: (z[1] - 1e-5) ** 2)
+    observer, marks = Observer("lam", ("size",)), (Mark("size", (), extremum=True),)
+    segment = segment_of(problem, 0.0, 0.3)
+    assert [f.kind for f in marked(segment, marks, observer)] == ["extremum"]
+    assert marked(segment, marks, observer, turns=[0.0]) == []
+
+
 def test_a_value_at_a_joint_of_two_segments_is_met_once():
     marks = (Mark("lam", (0.1,)),)
     before = marked(segment_of(straight(), 0.0, 0.1), marks, PARAMETER)

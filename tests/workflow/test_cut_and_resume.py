@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import contextlib
 
+import numpy as np
 import pytest
 from killed_runs import assert_same
 
+from contwalk.storage import open_database
 from contwalk.workflow.run_file import read_run_file
 from contwalk.workflow.runner import Reporter, run
 
@@ -103,3 +105,46 @@ def test_a_run_that_is_cut_again_and_again_goes_on_to_the_same_diagram(folder, w
         study(folder, "often.h5", 15, resume=True)
     study(folder, "often.h5", resume=True)
     assert_same(folder / "whole.h5", folder / "often.h5")
+
+
+GROWING = """
+from contwalk.system import Mode, Parameter, State, System
+
+def field(t, x, p, dx):
+    growth = 1.0 - x[0] ** 2 - x[1] ** 2
+    dx[0] = growth * x[0] - x[1]
+    dx[1] = growth * x[1] + x[0]
+    dx[2] = p.a * x[2] - x[2] ** 3 + x[0]
+
+SYSTEM = System(
+    name="growing",
+    states=(State("x"), State("y"), State("z")),
+    parameters=(Parameter("a", -0.5),),
+    modes=(Mode("smooth", field),),
+)
+"""
+# Deviations grow by exp(2 pi a), about, so that the orbit is cut into 2 and 4 segments on the way.
+STRETCHED = """
+contwalk: 1
+system: ./growing.py
+start: {simulate: {state: {x: 1.0, y: 0.0, z: 0.0}, until: settled}}
+continue: {parameter: a, range: [-0.5, 4.0], direction: forward}
+diagram: none
+"""
+
+
+def test_a_run_that_is_cut_where_its_orbit_is_cut_into_segments_goes_on_to_the_same_diagram(tmp_path):
+    (tmp_path / "growing.py").write_text(GROWING)
+    (tmp_path / "run.yaml").write_text(STRETCHED)
+    whole = study(tmp_path, "whole.h5")
+    with open_database(tmp_path / "whole.h5") as db:
+        (branch,) = db.branches()
+    unknowns = np.isfinite(branch.points["unknowns"]).sum(axis=1)
+    cuts = np.flatnonzero(np.diff(unknowns)) + 1
+    assert len(cuts) == 2
+    for row in cuts:
+        number = whole.index("point") + int(row) + 1  # the report of that row
+        output = f"cut{row}.h5"
+        assert study(tmp_path, output, number) == whole[:number]
+        study(tmp_path, output, resume=True)
+        assert_same(tmp_path / "whole.h5", tmp_path / output)

@@ -557,6 +557,10 @@ class HybridOrbit:
         result[-1] = max(abs(float(z[-1])), 1e-300)
         return result
 
+    def obstacle(self, z: np.ndarray) -> str:
+        """Nothing is known of that."""
+        return ""
+
     def explain(self, z: np.ndarray) -> str:
         """Where a residual at z is not finite."""
         return "the motion from there ends or grows without bound within one period"

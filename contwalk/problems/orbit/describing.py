@@ -34,8 +34,10 @@ def described(problem: Orbit, label: str, located: Located, sample: Sample, s: f
     except NotFinite as error:
         kind, criticality, coefficients = None, None, {}
         note = f"there is no normal form: {error.sentence}"
-    if located.refined and located.error > problem.discretization.accuracy * abs(float(z[-1])):
-        limit = f"known to {located.error:.1e} only: rounding does not allow the accuracy that was asked for"
+    value, asked = abs(float(z[-1])), problem.discretization.accuracy
+    if located.refined and located.error > asked * value:
+        share = f", {located.error / value:.1e} of the value" if value > 0.0 else ""
+        limit = f"known to {located.error:.1e}{share}, only: rounding does not allow the {asked:g} asked for"
         note = limit if note is None else f"{note}; {limit}"
     values = problem.values_of(z)
     duration, (_, fold) = problem.duration(z), problem.whole

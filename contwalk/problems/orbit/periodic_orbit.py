@@ -28,7 +28,7 @@ from contwalk.problems.orbit.sampling import crossing, with_extrema
 from contwalk.problems.orbit.section import Reference, Section, better_phase, reference_of, section_at
 from contwalk.problems.orbit.shooting import Curve, Mesh, Shooting, meshed, velocity
 from contwalk.problems.orbit.solution import Solution
-from contwalk.problems.orbit.transport import moved, recut
+from contwalk.problems.orbit.transport import MOST_GROWTH, closed, moved, recut
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed
 from contwalk.system import Neutral, System
@@ -414,6 +414,17 @@ class PeriodicOrbit:
         """Where a residual at z is not finite."""
         return "the motion from there ends or grows without bound within one period"
 
+    def obstacle(self, z: np.ndarray) -> str:
+        """How much deviations grow over a segment, where that is what Newton's method has to fight with."""
+        if not self.stretched(z):
+            return ""
+        m = self.segments
+        where = f"over one of {m} segments of the orbit" if m > 1 else "over the orbit"
+        return (
+            f"Deviations grow by {self.mesh.growth:.0e} {where}: begin the branch with more segments "
+            f"(`engine: {{segments: {2 * m}}}`)."
+        )
+
     # -- along a branch ----------------------------------------------------------------------------------
 
     def examine(
@@ -611,18 +622,24 @@ class PeriodicOrbit:
             lengths = np.concatenate([np.diff(steps) for steps in problem.mesh.steps])
             better = better_phase(times, speeds, lengths)
             if better is not None:
-                problem, sample = moved(problem, sample, better)
-        missed = problem.trivial_error(sample.z, problem.linearize(sample.z).jacobian)
-        if (problem.mesh.growth > TOO_MUCH or missed > MISSED) and 2 * problem.segments <= max(
-            ROOM, problem.segments
-        ):
-            problem, sample = recut(problem, sample)
+                problem, sample = closed(*moved(problem, sample, better)) or (problem, sample)
+        if 2 * problem.segments <= max(ROOM, problem.segments) and problem.stretched(sample.z):
+            problem, sample = closed(*recut(problem, sample)) or (problem, sample)
         tangent = problem.into_section(sample.z, sample.tangent)
         # Both ends of the next step are seen on the same steps: what they tell differs by the branch alone.
         there = problem.linearize(sample.z)
         again = problem.examine(sample.z, tangent, sample.weights, there, sample.unstable, sample.observables)
         orientation = 0.0 if sample.orientation == 0.0 else again.orientation
         return problem, replace(again, orientation=orientation)
+
+    def stretched(self, z: np.ndarray) -> bool:
+        """Whether a segment is too long for Newton's method to be at ease, or to tell multipliers."""
+        jacobian = self.linearize(z).jacobian
+        if self.mesh.growth > TOO_MUCH or self.trivial_error(z, jacobian) > MISSED:
+            return True
+        variation, factors = self.mesh.variation, np.array(self.factors(jacobian))
+        grown = np.linalg.norm(factors / variation[:, None] * variation, axis=(1, 2))
+        return float(np.max(grown)) > MOST_GROWTH
 
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
         """Why the branch ends between two neighbouring orbits, if it does."""

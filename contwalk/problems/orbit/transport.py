@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 MOST_GROWTH = 1e4
 PARTS = 16
 MOST_SEGMENTS = 24
+# Residuals this many times above their error still count as solved, as of any point; how many corrections.
+CLOSED, MOST_CORRECTIONS = 20.0, 8
 
 
 def carried_to(
@@ -130,6 +132,38 @@ def moved(problem: PeriodicOrbit, sample: Sample, time: float) -> tuple[Periodic
     tangent = begun.into_section(there, tangent)
     again = begun.examine(there, tangent, sample.weights, begun.linearize(there), sample.unstable)
     return begun, replace(again, iterations=sample.iterations)
+
+
+def closed(problem: PeriodicOrbit, rough: Sample) -> tuple[PeriodicOrbit, Sample] | None:
+    """The orbit corrected on the steps that it was cut or moved to; None where that does not converge.
+
+    Where deviations grow, what was a solution on other steps is none on these: its gap is the error of both,
+    times the growth.
+    """
+    linearization = problem.linearize(rough.z)
+    if linearization.finite and linearization.excess <= CLOSED:
+        return problem, rough
+    normal, z, before = rough.tangent / rough.weights**2, rough.z, np.inf
+    for _ in range(MOST_CORRECTIONS):
+        if not linearization.finite:
+            return None
+        try:
+            right = np.append(linearization.residual, normal @ (z - rough.z))
+            step = linearization.bordered(normal, rough.weights).solve(right)
+        except np.linalg.LinAlgError:
+            return None
+        size = float(np.linalg.norm(step / rough.weights))
+        if size > before:
+            return None
+        z, before = z - step, size
+        linearization = problem.linearize(z)
+        if linearization.finite and linearization.excess <= 2.0:
+            break
+    if not (linearization.finite and linearization.excess <= CLOSED):
+        return None
+    tangent = linearization.tangent(normal, rough.weights)
+    again = problem.examine(z, tangent, rough.weights, linearization, rough.unstable)
+    return problem, replace(again, iterations=rough.iterations)
 
 
 def following(

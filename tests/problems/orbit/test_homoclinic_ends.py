@@ -72,7 +72,8 @@ def test_folds_before_a_saddle_focus_are_no_end():
     value, error = claimed(cycle)
     assert min(places[-2:]) < value < max(places[-2:])
     assert abs(value - places[-1]) < widths[-1]
-    assert error < widths[-1]
+    # The walk ends where the limit is known to 1e-7 of itself, whatever turns that takes; steps add to it.
+    assert error < 2e-7 * abs(value)
 
 
 def samples(law, *periods):

@@ -1,0 +1,98 @@
+"""Branches along which deviations grow to a millionfold a round and more: the orbit is cut while they do."""
+
+from __future__ import annotations
+
+import numpy as np
+from small_systems import small_system
+
+import contwalk as cw
+from contwalk.branch import Branch
+from contwalk.continuation import outcomes
+
+# A point is a solution if its residual is at most so many times its own error (docs/theory.md).
+SOLVED = 20.0
+
+
+def segments(branch: Branch) -> list[int]:
+    """Into how many segments the orbit of each row is cut."""
+    states = len(branch.info.states)
+    return [(len(branch.unknowns(row)) - 2) // states for row in range(len(branch))]
+
+
+def beside_a_circle(t, x, p, dx):
+    """The unit circle, gone round in 2 pi, drives a third state that runs off: as exp(2 pi a) in a round."""
+    growth = 1.0 - x[0] ** 2 - x[1] ** 2
+    dx[0] = growth * x[0] - x[1]
+    dx[1] = growth * x[1] + x[0]
+    dx[2] = p.a * x[2] + x[0]
+
+
+def beside_two_circles(t, x, p, dx):
+    """The same between two others, so that only orbits nearby run off so fast."""
+    beside_a_circle(t, x, p, dx)
+    dx[2] = p.a * x[2] - x[2] ** 3 + x[0]
+
+
+def test_multipliers_keep_their_digits_while_they_grow():
+    system = small_system(beside_a_circle, ("x", "y", "z"), {"a": 0.5})
+    problem = cw.PeriodicOrbit(system, system.defaults(), "a")
+    branch = cw.continue_branch(
+        problem, [1.0, 0.0, 0.0], range=(0.5, 6.0), period=2.0 * np.pi, direction="forward"
+    )
+    assert branch.outcome.reason == "bound"
+    assert (segments(branch)[0], segments(branch)[-1]) == (1, 8)
+    off = np.abs(branch["max_abs"] / np.exp(2.0 * np.pi * branch["a"]) - 1.0)
+    # Local errors of 1e-6 at most, two digits on the safe side, at some fifty steps.
+    assert off.max() < 5e-5
+
+
+def test_an_orbit_is_a_solution_on_the_segments_that_it_was_cut_into():
+    system = small_system(beside_two_circles, ("x", "y", "z"), {"a": 0.5})
+    problem = cw.PeriodicOrbit(system, system.defaults(), "a")
+    branch = cw.continue_branch(
+        problem, [1.0, 0.0, 0.0], range=(0.5, 6.0), period=2.0 * np.pi, direction="forward"
+    )
+    assert branch.outcome.reason == "bound"
+    assert segments(branch)[-1] == 8
+    assert branch.points["residual"].max() < SOLVED
+    # Where Newton's method reaches is what limits a step: cut in time, they are limited by curvature.
+    assert len(branch) < 150
+
+
+def test_what_more_segments_would_mend_is_told_with_them():
+    system = small_system(beside_a_circle, ("x", "y", "z"), {"a": 0.0})
+
+    def known(a: float) -> str:
+        # z = -(a x - y) / (1 + a^2) goes round with the circle
+        orbit = np.array([1.0, 0.0, -a / (1.0 + a * a), 2.0 * np.pi, a])
+        problem = cw.PeriodicOrbit(system, system.defaults(), "a").adapted_to(orbit, np.ones(5))
+        return problem.obstacle(orbit)
+
+    assert known(1.0) == ""
+    assert "1 segments" not in known(3.0)
+    assert "engine: {segments: 2}" in known(3.0)  # exp(6 pi) is 2e8
+    told = outcomes.stuck("no_convergence", "It does not contract.", 1e-12, "a", 3.0, known(3.0))
+    assert told.reason == "step_too_small"
+    assert told.message.endswith(known(3.0))
+
+
+def laser(t, x, p, dx):
+    """Optical injection at detuning 0.3 (S. Wieczorek et al., Phys. Rep. 416 (2005) 1)."""
+    u, v, n = x[0], x[1], x[2]
+    dx[0] = p.K + 0.5 * n * u - (n - 0.3) * v
+    dx[1] = 0.5 * n * v + (n - 0.3) * u
+    dx[2] = -0.07 * n - (1.0 + 0.03 * n) * (u * u + v * v - 1.0)
+
+
+def test_a_long_orbit_goes_on_where_its_multiplier_passes_a_million():
+    system = small_system(laser, ("u", "v", "n"), {"K": 0.2932})
+    problem = cw.PeriodicOrbit(system, system.defaults(), "K")
+    # On the branch of period 106 behind three doublings of the cycle from HB1, found by following them.
+    start = [0.3184214813837366, -0.6305950227722237, -0.9344979115273251]
+    branch = cw.continue_branch(
+        problem, start, range=(0.2825, 0.2933), period=105.68377229599471, direction="backward"
+    )
+    assert branch.outcome.reason == "bound", branch.outcome.message
+    assert branch.points["residual"].max() < SOLVED
+    assert branch["max_abs"].max() > 1e6
+    assert branch["trivial_error"].max() < 1e-3  # where the flow misses its velocity by that, it is cut
