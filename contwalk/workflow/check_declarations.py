@@ -12,6 +12,7 @@ import numpy as np
 from contwalk.errors import ContwalkError, StartError
 from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import Tracer, trace
+from contwalk.problems.resting import resting
 from contwalk.python_functions import plain
 from contwalk.system import Observable, Start, System
 from contwalk.system.declarations import ParameterValues
@@ -239,7 +240,7 @@ def _instants(number: int) -> str:
 
 
 def check_start(report: Report, start: Start, system: System, field: Traced | None, samples: Samples) -> None:
-    """Are the named equilibria zeros of the field, at the default parameters?
+    """Are the named equilibria zeros of the field at the default parameters, or guesses that lead to some?
 
     A forced system's are constant solutions: zeros of the field at all times.
     """
@@ -265,12 +266,36 @@ def check_start(report: Report, start: Start, system: System, field: Traced | No
     for t in (0.0, *samples.times) if forced else (0.0,):
         for x in states:
             rates = _rates_left(field, t, x, samples)
-            if rates is not None:
+            if rates is None:
+                continue
+            near = None if forced else _corrected(system, x, samples)
+            if near is None:
                 kind, when = ("a constant solution", f" at t = {t:.4g}") if forced else ("an equilibrium", "")
                 report.error(what, f"It is not {kind} at the defaults: {rates} there{when}.", place)
-                return
+            else:
+                report.warning(
+                    what,
+                    f"It is a guess at the defaults: {rates} there. Newton's method corrects it wherever it "
+                    f"is used, here by {_farthest(system, x, near)}.",
+                    place,
+                )
+            return
     one, several = ("constant solution", "constant solutions") if forced else ("equilibrium", "equilibria")
     report.ok(what, f"gives {len(states)} {one if len(states) == 1 else several} at the defaults.", place)
+
+
+def _corrected(system: System, x: np.ndarray, samples: Samples) -> np.ndarray | None:
+    """The equilibrium that Newton's method finds from a start; None where it finds none."""
+    try:
+        return resting(system, x, samples.parameters)
+    except ContwalkError:  # what is wrong with the equations is another finding
+        return None
+
+
+def _farthest(system: System, x: np.ndarray, near: np.ndarray) -> str:
+    """The largest change of a state, in words."""
+    i = int(np.argmax(np.abs(near - x)))
+    return f"{abs(near[i] - x[i]):.2g} in {system.state_names[i]}"
 
 
 def _rates_left(field: Traced, t: float, x: np.ndarray, samples: Samples) -> str | None:

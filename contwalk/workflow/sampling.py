@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.errors import StartError
+from contwalk.problems.resting import named_equilibria
 from contwalk.storage.failures import failures_of
 from contwalk.system import System
 from contwalk.system.declarations import ParameterValues
@@ -233,7 +234,7 @@ def resting_places(system: System, name: str, parameters: Sequence[Mapping[str, 
     found: list[list[np.ndarray]] = []
     for row in parameters:
         try:
-            states = system.named_states(name, row)
+            states = named_equilibria(system, name, row)
         except StartError:
             states = []
         found.append(_images(system, states, ParameterValues(**row)))

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contwalk.errors import ContwalkError, NotFinite, StartError
+from contwalk.problems.resting import named_equilibria
 from contwalk.storage.failures import failures_of
 from contwalk.workflow.made_with import made_with
 from contwalk.workflow.quantities import listed, values_along
@@ -116,7 +117,7 @@ def start_of(
         found = stored_point(spec.file, str(spec.point), system)
         return found.state, {**found.parameters, **spec.given}, found.word
     with _placed(spec, where):
-        states = system.named_states(str(spec.name), parameters)
+        states = named_equilibria(system, str(spec.name), parameters)
     return np.array(states[0], dtype=float), parameters, None
 
 

@@ -56,6 +56,16 @@ def falling(folder):
     return folder
 
 
+def test_motions_settle_on_the_equilibrium_that_a_start_is_a_guess_of(contwalk, falling):
+    exact = contwalk("sample", "s.yaml", "--no-figures")
+    assert exact.code == 0
+    guess = PLUGIN.replace("[[0.0, p.place]]", "[[0.1, p.place + 0.2]]")
+    (falling / "falling.py").write_text(guess, encoding="utf-8")
+    guessed = contwalk("sample", "s.yaml", "--no-figures", "--force")
+    assert guessed.code == 0
+    assert guessed.out == exact.out  # the field is linear: corrected, the start is the same to rounding
+
+
 def test_samples_are_measured_stored_drawn_and_told(contwalk, falling):
     done = contwalk("sample", "s.yaml")
     assert (done.code, done.err) == (0, "")

@@ -117,8 +117,13 @@ MISTAKES = {
         "field of mode 'free'", "declares no period", "def field",
     ),
     "not an equilibrium": (
-        PENDULUMS, "return [[0.0, 0.0, 0.0]]", "return [[0.1, 0.0, 0.001]]", "error",
+        PENDULUMS.replace("-p.g * math.sin(x[0])", "-p.g * (2.0 + math.sin(x[0]))"),
+        "return [[0.0, 0.0, 0.0]]", "return [[0.1, 0.0, 0.001]]", "error",
         "start 'hanging'", "not an equilibrium", "def hanging",
+    ),
+    "a guess": (
+        PENDULUMS, "return [[0.0, 0.0, 0.0]]", "return [[0.1, 0.0, 0.001]]", "warning",
+        "start 'hanging'", "corrects it wherever it is used, here by 0.1 in angle", "def hanging",
     ),
     "start of another length": (
         PENDULUMS, "return [[0.0, 0.0, 0.0]]", "return [[0.0, 0.0]]", "error",
