@@ -80,7 +80,7 @@ def _branch_point(
     if keep_parameter(problem, located.z, weights):
         return None, None, {}, "both branches that cross here keep the parameter: there is no criticality"
     c = branch_point_coefficients(problem, located, weights)
-    numbers = {name: c[name] for name in ("c11", "c12", "c22", "c")}
+    numbers = {name: c[name] for name in ("c11", "c12", "c22", "c", "c_error")}
     numbers["convention"] = (
         "c11 s^2 + 2 c12 s t + c22 t^2 = 0 for the directions s q + t h; "
         "c = p.(C(q,q,q) - 3 B(q, A^-1 B(q,q)))/6, |q| = 1, p.q = 1"
@@ -90,6 +90,8 @@ def _branch_point(
     if c["c"] == 0.0:
         note = "the other branch keeps the parameter to third order: it may be vertical"
         return "pitchfork", None, numbers, note
+    if abs(c["c"]) <= SURE * c["c_error"]:
+        return "pitchfork", None, numbers, "degenerate: the cubic coefficient is zero to its error"
     critical = "supercritical" if c["c"] < 0 else "subcritical"
     symmetry = _breaks(problem, located.z, c["q"])
     if symmetry is None:

@@ -121,31 +121,43 @@ def branch_point_coefficients(problem: Equilibrium, located: Located, weights: n
 
     With q the null vector of F_u and h solving F_u h = -F_lambda, the branches leave along s q + t h, where
     c11 s^2 + 2 c12 s t + c22 t^2 = 0 (Keller 1977). c11 = 0: one branch has no component in the parameter,
-    a pitchfork, and the cubic coefficient c = p.(C(q,q,q) - 3 B(q, A^-1 B(q,q))) / 6 decides.
+    a pitchfork, and the cubic coefficient c = p.(C(q,q,q) - 3 B(q, A^-1 B(q,q))) / 6 decides. Its error is
+    how far it moves while the solution moves by roundings of its own and of its weights.
     """
     size, z = problem.size, located.z
     jacobian = problem.jacobian(z)
     q, p = critical_vectors(jacobian[:, :size])
-    bordered = Factored(np.block([[jacobian[:, :size], p[:, None]], [q[None, :], np.zeros((1, 1))]]))
-    h = bordered.solve(np.append(-jacobian[:, -1], 0.0))[:size]
+    h = _bordered(jacobian[:, :size], q, p).solve(np.append(-jacobian[:, -1], 0.0))[:size]
     forms = _Forms(problem, z)
     q1, h1 = np.append(q, 0.0), np.append(h, 1.0)
     c11 = float(p @ forms.second(q1, q1))
     c12 = float(p @ forms.second(q1, h1))
     c22 = float(p @ forms.second(h1, h1))
-    b2 = forms.second(q, q)
-    h2 = bordered.solve(np.append(b2, 0.0))[:size]
-    cubic, mixed = forms.third(q, q, q), 3.0 * forms.second(q, h2)
-    c = float(p @ (cubic - mixed)) / 6.0
-    if abs(6.0 * c) <= EQUAL * float(np.abs(p) @ (np.abs(cubic) + np.abs(mixed))):
-        c = 0.0
+    c = _cubic(problem, z)
+    c_error = max(abs(_cubic(problem, moved) - c) for moved in _rounded(z, weights))
     # How far the parameter moves while the unknowns move by their typical magnitudes along q, to second and
     # to third order, against its own magnitude.
     reach = 1.0 / float(np.linalg.norm(q / weights[:-1]))
     drive = abs(2.0 * c12 * weights[-1])
     if abs(c11) * reach <= EQUAL * drive or is_pitchfork(problem, located, q, p):
         c11 = 0.0
-    return {"c11": c11, "c12": c12, "c22": c22, "c": c, "q": q, "h": h, "p": p}
+    return {"c11": c11, "c12": c12, "c22": c22, "c": c, "c_error": c_error, "q": q}
+
+
+def _cubic(problem: Equilibrium, z: np.ndarray) -> float:
+    """c of the reduced equation along the critical vector, zero where it is nothing against its terms."""
+    size, forms = problem.size, _Forms(problem, z)
+    matrix = problem.jacobian(z)[:, :size]
+    q, p = critical_vectors(matrix)
+    h2 = _bordered(matrix, q, p).solve(np.append(forms.second(q, q), 0.0))[:size]
+    cubic, mixed = forms.third(q, q, q), 3.0 * forms.second(q, h2)
+    c = float(p @ (cubic - mixed)) / 6.0
+    return c if abs(6.0 * c) > EQUAL * float(np.abs(p) @ (np.abs(cubic) + np.abs(mixed))) else 0.0
+
+
+def _bordered(matrix: np.ndarray, q: np.ndarray, p: np.ndarray) -> Factored:
+    """A singular matrix bordered by its critical vectors."""
+    return Factored(np.block([[matrix, p[:, None]], [q[None, :], np.zeros((1, 1))]]))
 
 
 def is_pitchfork(problem: Equilibrium, located: Located, q: np.ndarray, p: np.ndarray) -> bool:

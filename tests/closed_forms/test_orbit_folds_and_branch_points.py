@@ -96,6 +96,7 @@ def test_the_pitchfork_of_cycles(sign, tilt, scale):
     assert point.coefficients["c11"] == 0.0
     if tilt == 0.0 and scale == 1.0:
         assert point.coefficients["c"] == pytest.approx(sign * period, rel=COEFFICIENT)
+        assert abs(point.coefficients["c"] - sign * period) <= point.coefficients["c_error"] + 1e-12
         # The critical multiplier is exp(T (lam - 1)): c12 = T.
         assert abs(point.coefficients["c12"]) == pytest.approx(period, rel=COEFFICIENT)
     other = cw.switch_branch(problem, branch, point, (0.5, 1.5))

@@ -40,6 +40,7 @@ def test_the_doubled_orbit_is_where_its_normal_form_says(sigma, beta, kappa):
     np.testing.assert_allclose(point.spectrum, exact, rtol=0, atol=3 * ACCURACY)
     total = sigma + beta * kappa
     assert point.coefficients["c"] == pytest.approx(-T * total, rel=COEFFICIENT)
+    assert abs(point.coefficients["c"] + T * total) <= point.coefficients["c_error"] + 1e-12
     assert point.criticality == ("supercritical" if total < 0 else "subcritical")
     doubled = cw.switch_branch(problem, branch, point, (0.6, 1.2))
     check_orbit_branch(doubled, problem)

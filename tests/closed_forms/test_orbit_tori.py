@@ -45,8 +45,28 @@ def test_rotation_number_and_criticality(turns, sigma, beta, kappa):
     total = sigma + beta * kappa  # the second pair of cases turns the sign of sigma
     d = 2.0 * period_of(omega) * total
     assert point.coefficients["d"] == pytest.approx(d, rel=COEFFICIENT)
+    assert abs(point.coefficients["d"] - d) <= point.coefficients["d_error"] + 1e-12
     assert point.criticality == ("supercritical" if total < 0 else "subcritical")
     assert point.period == pytest.approx(period_of(omega), rel=10 * ACCURACY)
+
+
+@pytest.mark.parametrize(("accuracy", "beta"), [(1e-6, 0.5), (1e-6, 20.0), (1e-7, 20.0)])
+def test_a_coefficient_that_is_zero_to_its_error_has_no_criticality(accuracy, beta):
+    """sigma + beta kappa = 0: the torus is neither above nor below, and d is what the steps leave of it."""
+    problem = orbits(torus(0.7, 0.5 * beta, beta, -0.5), "lam", accuracy)
+    branch = cw.continue_branch(problem, [1.0, 0.0, 0.0, 0.0], (0.5, 1.3), period=period_of(1.5))
+    (point,) = labelled(branch, "NS")
+    assert point.criticality is None
+    assert "zero to its error" in point.note
+    assert abs(point.coefficients["d"]) <= point.coefficients["d_error"] < accuracy
+
+
+@pytest.mark.parametrize("excess", [1e-6, -1e-6])
+def test_a_small_coefficient_that_is_known_has_one(excess):
+    problem = orbits(torus(0.7, 0.25 + excess, 0.5, -0.5), "lam", 1e-6)
+    branch = cw.continue_branch(problem, [1.0, 0.0, 0.0, 0.0], (0.5, 1.3), period=period_of(1.5))
+    (point,) = labelled(branch, "NS")
+    assert point.criticality == ("supercritical" if excess < 0 else "subcritical")
 
 
 @pytest.mark.parametrize(("q", "turns"), [(4, 0.25), (4, 0.75), (3, 1.0 / 3.0), (3, 5.0 / 3.0)])

@@ -18,7 +18,7 @@ from contwalk import flow
 from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.period import period_map
 from contwalk.problems.orbit.motion import JET, PLAIN, TANGENT
-from contwalk.problems.orbit.normal_forms import MOVES, SectionMap
+from contwalk.problems.orbit.normal_forms import SectionMap, units
 from contwalk.problems.spectrum import complement
 
 if TYPE_CHECKING:
@@ -195,8 +195,7 @@ class EventMap(SectionMap):
         factors = problem.factors(problem.linearize(self.z).jacobian)
         total, m = 0.0, layout.legs
         whole = abs(problem.duration(self.z))
-        half = 0.5 * np.ptp(problem.motion_of(self.z)[1], axis=0)
-        half = np.where(half > MOVES * problem.mesh.magnitudes, half, problem.mesh.magnitudes)
+        half = units(problem.system, problem.motion_of(self.z)[1], problem.mesh.magnitudes)
         for k in range(m):
             i = (self.first + k) % m
             piece, (x, scalars) = problem.pieces[i], self._inputs[i]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
 from contwalk.problems.orbit import normal_forms
+from contwalk.problems.orbit.normal_forms import SectionMap
 from contwalk.problems.problem import Located, Sample
 
 if TYPE_CHECKING:
@@ -18,6 +20,8 @@ if TYPE_CHECKING:
 RESONANT = 1e-6
 # A coefficient this small is zero: deviations as large as the orbit would do nothing.
 VANISHES = 1e-9
+# How well a coefficient is known is told by steps of this many times the tolerance: some ten times its error.
+COARSER = 10.0
 
 Form = tuple[str | None, str | None, dict[str, Any], str | None]
 
@@ -69,38 +73,57 @@ def _normal_form(problem: Orbit, label: str, located: Located, sample: Sample) -
     if label == "LP":
         return None, None, normal_forms.fold(problem.return_map(z)), None
     if label in ("PD", "SB"):
-        coefficients = normal_forms.flip(problem.return_map(z))
-        criticality, vanishes = _criticality(-coefficients["c"])
+        coefficients = _known(problem, located, sample, "c", normal_forms.flip)
+        criticality, vanishes = _criticality(-coefficients["c"], coefficients.get("c_error"))
         if label == "PD":
             return None, criticality, coefficients, vanishes
         name, _ = problem.whole
         note = vanishes or f"the orbits that leave have lost '{name}'"
         return "symmetry-breaking", criticality, coefficients, note
     if label == "NS":
-        return _torus(problem, z, located)
+        return _torus(problem, located, sample)
     if label == "BP":
-        return _branch_point(problem, z, located, sample)
+        return _branch_point(problem, located, sample)
     return None, None, {}, None
 
 
-def _criticality(coefficient: float) -> tuple[str | None, str | None]:
+def _known(
+    problem: Orbit, located: Located, sample: Sample, name: str, form: Callable[[SectionMap], dict[str, Any]]
+) -> dict[str, Any]:
+    """A normal form with the estimated error of one coefficient: what it is on coarser steps tells.
+
+    What the point itself is known to counts as well. Where there is no motion on these steps there is no
+    estimate.
+    """
+    z, found, tolerance = located.z, form(problem.return_map(located.z)), problem.mesh.tolerance
+    try:
+        coarse = problem.refined(z, sample.weights, COARSER * tolerance)
+        error = abs(form(coarse.return_map(z))[name] - found[name]) + tolerance * abs(found[name])
+    except (NotFinite, np.linalg.LinAlgError):
+        return found
+    return {**found, f"{name}_error": error} if np.isfinite(error) else found
+
+
+def _criticality(coefficient: float, error: float | None) -> tuple[str | None, str | None]:
     """Criticality by the sign of a coefficient, and a note where it vanishes."""
     if abs(coefficient) < VANISHES:
         return None, "degenerate: the cubic coefficient is zero, as of a linear system"
+    if error is not None and abs(coefficient) <= error:
+        return None, "degenerate: the cubic coefficient is zero to its error"
     return "supercritical" if coefficient < 0 else "subcritical", None
 
 
-def _torus(problem: Orbit, z: np.ndarray, located: Located) -> Form:
+def _torus(problem: Orbit, located: Located, sample: Sample) -> Form:
     theta = float(located.vectors["theta"])
     resonance = _resonance(theta)
     if resonance is not None:
         note = f"strong resonance {resonance}: the normal form is another one"
         return None, None, {"theta": theta, "rotation_number": theta / (2.0 * np.pi)}, note
-    coefficients = normal_forms.torus(problem.return_map(z), theta)
+    coefficients = _known(problem, located, sample, "d", lambda map_: normal_forms.torus(map_, theta))
     _, fold = problem.whole
     if fold > 1:
         coefficients["theta_full"] = float(abs(np.angle(np.exp(1j * fold * theta))))
-    criticality, vanishes = _criticality(coefficients["d"])
+    criticality, vanishes = _criticality(coefficients["d"], coefficients.get("d_error"))
     return None, criticality, coefficients, vanishes
 
 
@@ -113,11 +136,12 @@ def _resonance(theta: float) -> str | None:
     return None
 
 
-def _branch_point(problem: Orbit, z: np.ndarray, located: Located, sample: Sample) -> Form:
+def _branch_point(problem: Orbit, located: Located, sample: Sample) -> Form:
     if located.vectors.get("fallen_back"):
         return "pitchfork", None, {}, "the orbit is its parent again here: the branch ends on it"
-    c = normal_forms.branch_point(problem.return_map(z), float(sample.weights[-1]))
+    weight = float(sample.weights[-1])
+    c = _known(problem, located, sample, "c", lambda map_: normal_forms.branch_point(map_, weight))
     if c["c11"] != 0.0:
         return "transcritical", None, c, None
-    criticality, vanishes = _criticality(c["c"])
+    criticality, vanishes = _criticality(c["c"], c.get("c_error"))
     return "pitchfork", criticality, c, vanishes

@@ -220,12 +220,14 @@ class ReturnMap(SectionMap):
 def units(system: System, states: np.ndarray, magnitudes: np.ndarray) -> np.ndarray:
     """What deviations of each state are measured in: half its range on the orbit, shape (n,).
 
-    Of a state at rest its declared scale, or its magnitude; where it has none, what moves most stands in.
+    Of a state at rest its declared scale, or its magnitude; where it has none, what moves most stands in. One
+    that not every mode has (NaN elsewhere) has no range.
     """
     half = 0.5 * np.ptp(states, axis=0)
+    most = np.max(half, initial=0.0, where=np.isfinite(half))
     declared = np.array([state.scale is not None for state in system.states])
-    known = declared | (magnitudes > MOVES * half.max())
-    at_rest = np.where(known, magnitudes, half.max())
+    known = declared | (magnitudes > MOVES * most)
+    at_rest = np.where(known, magnitudes, most)
     return np.where(half > MOVES * magnitudes, half, at_rest)
 
 

@@ -71,6 +71,7 @@ class TestBubble:
         for point in bubble()[0].special_points:
             if point.label == "PD":
                 assert point.coefficients["c"] == pytest.approx(27.0 / 48.0, rel=1e-9)
+                assert abs(point.coefficients["c"] - 27.0 / 48.0) <= point.coefficients["c_error"] + 1e-12
                 assert point.criticality == "supercritical"
 
     def test_doubled_orbit_and_its_multiplier(self):
