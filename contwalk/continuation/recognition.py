@@ -142,6 +142,8 @@ def _middle(problem: Equilibrium, arc: Arc) -> tuple[np.ndarray, np.ndarray] | N
 
 # Relative change of the period between neighbouring points within which a piece of branch is looked at.
 NEAR_PERIOD = 0.05
+# How exactly an orbit is brought to the parameter of another one, against its weight; in how many steps.
+AT_PARAMETER, PARAMETER_STEPS = 1e-10, 8
 
 
 def known_orbit(problem: PeriodicOrbit | HybridOrbit, sample: Sample, branches: list[Branch]) -> str | None:
@@ -197,26 +199,53 @@ def _orbit_on(
             continue
         if not (1 - NEAR_PERIOD) * min(ta, tb) <= period <= (1 + NEAR_PERIOD) * max(ta, tb):
             continue
-        share = (value - a[-1]) / (b[-1] - a[-1])
-        guess = a + share * (b - a)
-        stored = branch.points["weights"][k]
-        weights = stored[np.isfinite(stored)]
-        normal = np.zeros(len(guess))
-        normal[-1] = 1.0 / weights[-1]
+        weights = branch.points["weights"][k][: len(a)]
+        before, after = (branch.points["tangent"][i][: len(a)] for i in (k, k + 1))
         try:
-            there = _stored_like(problem, branch, guess).at_stored(guess, weights)
-            correction = correct(there, guess, normal, weights)
-        except NotFinite:
+            found = _at_parameter(problem, branch, Arc((a, b), (before, after), weights), value)
+        except (NotFinite, np.linalg.LinAlgError):
             continue
-        if not correction.ok or abs(there.duration(correction.z) - period) > SAME * period:
+        if found is None:
+            continue
+        there, z = found
+        if abs(there.duration(z) - period) > SAME * period:
             continue
         from contwalk.problems.orbit.closure import imaged
 
         x, p = problem.first_state(sample.z), ParameterValues(**problem.values_of(sample.z))
         spatial = [s for s in problem.system.symmetries if s.role == "spatial"]
-        if there.passes(correction.z, [x, *[imaged(symmetry, x, p) for symmetry in spatial]]):
+        if there.passes(z, [x, *[imaged(symmetry, x, p) for symmetry in spatial]]):
             return True
     return False
+
+
+def _at_parameter(
+    problem: PeriodicOrbit | HybridOrbit, branch: Branch, arc: Arc, value: float
+) -> tuple[PeriodicOrbit | HybridOrbit, np.ndarray] | None:
+    """The orbit on an arc of a stored branch at a value of the parameter, with its problem.
+
+    It is corrected across the arc: at the parameter itself the equations are singular at a fold, and nearly
+    so where a doubled branch begins or ends, beside its parent.
+    """
+    low, high = 0.0, 1.0
+    rising = arc.chord[-1] > 0.0
+    for _ in range(60):  # of the interpolation
+        theta = 0.5 * (low + high)
+        low, high = (theta, high) if (arc.guess(theta)[-1] < value) == rising else (low, theta)
+    guess = arc.guess(theta)
+    there = _stored_like(problem, branch, guess).at_stored(guess, arc.weights)
+    for _ in range(PARAMETER_STEPS):
+        correction = correct(there, guess, arc.normal, arc.weights)
+        if not correction.ok or correction.linearization is None:
+            return None
+        left = value - correction.z[-1]
+        if abs(left) <= AT_PARAMETER * arc.weights[-1]:
+            return there, correction.z
+        tangent = correction.linearization.tangent(arc.normal, arc.weights)
+        if tangent[-1] == 0.0 or abs(left / tangent[-1]) > 1.0:  # the tangent is one arc long
+            return None
+        guess = correction.z + left / tangent[-1] * tangent
+    return None
 
 
 def _stored_like(

@@ -12,13 +12,23 @@ def distance(curve: np.ndarray, x: np.ndarray, periods: np.ndarray, scale: np.nd
     """
     apart, turned = x - curve, periods > 0.0
     apart[:, turned] -= np.round(apart[:, turned] / periods[turned]) * periods[turned]
-    k = int(np.argmin(np.linalg.norm(apart / scale, axis=1)))
-    a, b = curve[max(k - 1, 0)] / scale, curve[min(k + 1, len(curve) - 1)] / scale
-    return _off_chord(apart[k] / scale, b - a)
+    apart = apart / scale
+    k = int(np.argmin(np.linalg.norm(apart, axis=1)))
+    if len(curve) < 3:
+        return float(np.linalg.norm(apart[k]))
+    middle = min(max(k, 1), len(curve) - 2)
+    return _from_parabola(*apart[middle - 1 : middle + 2])
 
 
-def _off_chord(vector: np.ndarray, chord: np.ndarray) -> float:
-    """Length of a vector's part at a right angle to a chord."""
-    size = float(chord @ chord)
-    along = vector @ chord / size if size > 0.0 else 0.0
-    return float(np.linalg.norm(vector - along * chord))
+def _from_parabola(before: np.ndarray, here: np.ndarray, after: np.ndarray) -> float:
+    """Least length on the parabola through three vectors, and a little beyond them.
+
+    A chord would miss a curve that turns by the square of what lies between its samples.
+    """
+    slope, bend = 0.5 * (after - before), after - 2.0 * here + before
+    roots = np.roots(
+        [0.5 * bend @ bend, 1.5 * slope @ bend, slope @ slope + here @ bend, here @ slope]
+    )  # where its derivative is at a right angle to it
+    places = np.clip(np.append(roots.real, [-1.0, 0.0, 1.0]), -1.5, 1.5)[:, None]
+    vectors = here + places * slope + 0.5 * places**2 * bend
+    return float(np.linalg.norm(vectors, axis=1).min())
