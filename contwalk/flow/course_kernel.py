@@ -47,6 +47,7 @@ from contwalk.flow.course_plan import (
 )
 
 EPSILON = 2.0**-52
+JUST_AFTER = 4.0  # roundings of the time
 ROUNDINGS = 8.0  # a number counts as zero within so many of its uncertainties
 IN_A_ROW = 16.0  # roundings
 
@@ -126,22 +127,36 @@ def _bend(k: Any) -> tuple[float, float]:
 
 
 @inlined
+def _of_time_alone(slopes: Any, n: int) -> bool:
+    """Whether the guard in `SLOPED` moves with time only: no reset can keep it from going on.
+
+    Past zero it has happened; at zero right after its event it has been left behind.
+    """
+    moved = slopes[2] == 0.0
+    for i in range(n):
+        moved = moved or slopes[3 + i] != 0.0 or slopes[4 + n + i] != 0.0
+    return not moved
+
+
+@inlined
 def stands(k: Any, slopes_address: int, direction: int, t: float, factor: float, beside: float) -> int:
     """How a guard stands; the answer is in place. See `departure.departures`.
 
     Parameters
     ----------
     factor : float
-        It counts as zero within so many of its uncertainties.
+        It counts as zero within so many of its uncertainties: of more than `ROUNDINGS` right after its event.
     beside : float
         And within so many of those that rounding makes of the magnitudes of the states.
     """
     n = k[SIZE]
     slopes, f, noise = doubles(k[SLOPED], 4 + 2 * n), doubles(k[VELOCITY], n), doubles(k[NOISE], 1 + n)
     weights, answer = doubles(k[WEIGHTS], n), doubles(k[ANSWER], ANSWER_LENGTH)
-    _call_slopes(slopes_address, t, k[STATE], k[VELOCITY], k[PARAMETERS], k[SLOPED])
+    after = t + JUST_AFTER * EPSILON * abs(t)  # as in `guard.just_after`
+    _call_slopes(slopes_address, after, k[STATE], k[VELOCITY], k[PARAMETERS], k[SLOPED])
     value, rate, own = slopes[0], slopes[2], EPSILON * slopes[1]
     inherited = on_the_way = abs(slopes[2]) * noise[0]
+    clock = _of_time_alone(slopes, n)
     for i in range(n):
         slope = slopes[3 + i]
         if slope != 0.0:
@@ -154,7 +169,7 @@ def stands(k: Any, slopes_address: int, direction: int, t: float, factor: float,
         return UNDEFINED
     if abs(value) > factor * (own + inherited) and abs(value) > beside * (own + on_the_way):
         answer[SIDE] = 1.0 if value > 0.0 else -1.0
-        return BEYOND if answer[SIDE] == direction else CLEAR
+        return BEYOND if answer[SIDE] == direction and not clock else CLEAR
     if k[KNOWN] == 0:
         _know(k, t)
     answer[BEND], uncertain = _bend(k)
@@ -166,7 +181,8 @@ def stands(k: Any, slopes_address: int, direction: int, t: float, factor: float,
             answer[BEND] = 0.0 if abs(answer[BEND]) < math.inf else math.nan
             return RESTING
         answer[SIDE] = 1.0 if answer[BEND] > 0.0 else -1.0
-    return ENTERING if answer[SIDE] == direction else LEAVING
+    happened = clock and factor > ROUNDINGS
+    return ENTERING if answer[SIDE] == direction and not happened else LEAVING
 
 
 def standing(

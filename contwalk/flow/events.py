@@ -17,7 +17,7 @@ from types import MappingProxyType
 import numpy as np
 
 from contwalk.flow.compiled_field import CompiledField
-from contwalk.flow.guard import EPSILON, Guard
+from contwalk.flow.guard import EPSILON, Guard, just_after
 from contwalk.flow.verbs import along, dense
 
 PARTS = 8  # of a step: a guard has at most one extremum in each
@@ -128,8 +128,9 @@ def crossings(
     between = dense(field, c, times, states, inner.ravel(), method).reshape(len(inner), PARTS - 1, -1)
     at = np.concatenate([times[:-1, None], inner, times[1:, None]], axis=1)
     x = np.concatenate([states[:-1, None], between, states[1:, None]], axis=1)
-    instants = at.ravel(), x.reshape(at.size, -1)
+    instants = at.flatten(), x.reshape(at.size, -1)
     velocities = field.along(*instants, c)  # at instants that are common to all guards
+    instants[0][0] = just_after(float(times[0]))
     found: list[Crossing] = []
     for number, guard in enumerate(guards):
         sampled = guard.along(*instants, p, velocities).reshape(*at.shape, 3)
@@ -216,6 +217,8 @@ class _Locator:
             state = along(self._field, self._c, np.array([self._start, t]), self._first, self._method)[-1]
         here = np.array([t]), state[None]
         velocity = self._field.along(*here, self._c)
+        if t == self._start:
+            here = np.array([just_after(t)]), state[None]
         value, rate, noise = self._guard.along(*here, self._p, velocity)[0].tolist()
         if self._held.holds(t, value):
             value, rate = 0.0, float(self._held.side)

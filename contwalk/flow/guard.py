@@ -16,6 +16,9 @@ from contwalk.flow.traced import field_of
 from contwalk.system import System
 
 EPSILON = float(np.finfo(float).eps)
+# Roundings of the time within which a sawtooth of it may begin anew: where a motion begins, what follows
+# counts.
+JUST_AFTER = 4.0
 _DIRECTIONS = {"rising": 1, "falling": -1, "both": 0}
 
 
@@ -38,6 +41,11 @@ class Slopes:
     rounding: float
     gradient: np.ndarray
     change: np.ndarray
+
+
+def just_after(t: float) -> float:
+    """The instant at which guards are asked where a motion begins."""
+    return t + JUST_AFTER * EPSILON * abs(t)
 
 
 class Guard:

@@ -53,6 +53,11 @@ class GuardCode:
         copy = rebound(watched)
         self._program = trace(lambda tracer: [copy(*arguments(tracer, system, mode))])
 
+    @cached_property
+    def of_time_alone(self) -> bool:
+        """Whether it reads the time and no state."""
+        return self._program.reads(TIME) and not self._program.reads(STATE)
+
     @property
     def address(self) -> int:
         """Address of ``guard(double t, double* x, double* f, double* p, double* out)``.

@@ -18,6 +18,7 @@ from contwalk.flow.arc_paths import by_paths
 from contwalk.flow.arc_walks import ByWalk
 from contwalk.flow.blaming import just_beyond, nearly_singular, why_not_finite
 from contwalk.flow.chatter import Pace, Verdict
+from contwalk.flow.clocks import Clocks
 from contwalk.flow.departure import (
     BEYOND,
     ENTERING,
@@ -119,8 +120,8 @@ def parts(
     walk = ByWalk(machine, control) if method == METHOD else None
     t, x, pace = float(t0), machine.existing(mode, x0), Pace(float(t0), t1)
     flow = machine.mode(mode)
-    last, noise = just_after, EPSILON * np.abs(x)
-    standing, verdict = _stands(flow, t, x, noise, control.weights, just_after)
+    last, noise, clocks = just_after, EPSILON * np.abs(x), Clocks(t)
+    standing, verdict = _stands(flow, t, x, noise, control.weights, just_after, clocks)
     if verdict.status != "ok":
         reason = verdict.reason + _blame(verdict, machine, flow, t, x)
         yield replace(_instant(flow, t, x), status=verdict.status, reason=reason)
@@ -149,11 +150,12 @@ def parts(
             )
         last = name = str(arc.transition)
         t, happening = float(arc.times[-1]), machine.transition(name, flow.name)
+        clocks.told(t, flow, name)
         before, earlier = arc.states[-1], noise
         x, noise = landed(machine, happening, t, before)
         noise = np.where(_kept(flow, name, t, before, x), np.maximum(noise, earlier), noise)
         flow = machine.mode(happening.target)
-        standing, verdict = _stands(flow, t, x, noise, control.weights, name)
+        standing, verdict = _stands(flow, t, x, noise, control.weights, name, clocks)
         if verdict.status == "ok":
             verdict = pace.verdict(t, name, [d for i, d in enumerate(standing) if flow.acting(i)])
         yield replace(
@@ -185,7 +187,13 @@ def _instant(flow: ModeFlow, t: float, x: np.ndarray) -> Arc:
 
 
 def _stands(
-    flow: ModeFlow, t: float, x: np.ndarray, noise: np.ndarray, weights: np.ndarray, last: str | None
+    flow: ModeFlow,
+    t: float,
+    x: np.ndarray,
+    noise: np.ndarray,
+    weights: np.ndarray,
+    last: str | None,
+    clocks: Clocks,
 ) -> tuple[list[Departure], Verdict]:
     """How the guards stand, and whether the motion can go on after the transition `last`."""
     y = x[flow.states]
@@ -194,7 +202,8 @@ def _stands(
             begins = f"after transition '{last}'" if last else "at the start"
             reason = f"The {what} of mode '{flow.name}' is not finite {begins}, t = {t:.10g}."
             return [], Verdict("not_finite", reason)
-    own, given = flow.left_at_zero(last), (noise[flow.states], weights[flow.states])
+    own = flow.left_at_zero(last) | clocks.happened(t, flow)
+    given = noise[flow.states], weights[flow.states]
     standing = departures(flow, t, y, *given, own)
     for number, (transition, guard) in enumerate(zip(flow.transitions, standing, strict=True)):
         if guard.kind == UNDEFINED and transition.role != "watched":

@@ -97,6 +97,7 @@ COINCIDE = 8.0
 ROUNDINGS, AFTER_RESET = 8.0, 1e3  # as in `departure`
 LEFT = 2.0  # a guard has left zero where it is so many times what it began with of rounding
 MOST_SHORTENED = 30  # times in a row, where a guard is not resolved
+SHORTEST = 1e3  # roundings of the time in a step that does not resolve one
 _EVENT = 100  # and more: the guard's number is added
 
 
@@ -220,7 +221,8 @@ def _arc(w: Any, m: Any, t1: float, tolerance: float, order: float, stable: floa
         at, guard, marked = _first_event(m, t, end)
         if at == UNRESOLVED:
             shortened += 1
-            if shortened > MOST_SHORTENED:  # a kink where the guard is zero
+            # A kink where the guard is zero, or a jump through zero.
+            if shortened > MOST_SHORTENED or end - t < SHORTEST * EPSILON * abs(t):
                 return UNSURE
             memory[0], memory[1] = t, 0.5 * (end - t)
             first_stage(p, t, Y)

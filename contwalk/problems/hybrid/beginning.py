@@ -45,8 +45,11 @@ LOOK_BACK = 64
 # Steps within which a return is found or given up, and those that an event costs beside its own: it is
 # located, happens, and is compared with earlier ones. A time that is to pass first may cost so much more.
 MOST_STEPS, EVENT, BEFORE = 500_000, 25, 20
-# Periods of the forcing without an event before an orbit without events is looked for.
-QUIET = 4
+# Periods of the forcing without an event before an orbit without events is looked for: no whole number, so
+# that no event of a clock is cut off.
+QUIET = 4.618
+# A guard that is more than this part of its typical changes where its event has found it has jumped.
+JUMPED = 1e-3
 # How long to simulate at once, in units of what the fastest state needs to change by its own size; steps
 # without an event after which there will be none, for a start that is said to be on an orbit and otherwise.
 STRETCH, FIRST_PATIENCE, PATIENCE = 300.0, 2_000, 20_000
@@ -532,6 +535,7 @@ def orbit_of(
 ) -> tuple[HybridOrbit, np.ndarray]:
     """The problem of a lap's word, discretised for it, and the lap as its unknowns."""
     values = at_start(parameters, path, at)
+    _check_zeros(hybrid_machine(system, values), lap)
     pins = _neutral(system, values, free, lap, path) if system.neutral else []
     lap = _placed(system, pins, lap, values)
     problem = HybridOrbit(
@@ -549,6 +553,24 @@ def orbit_of(
         z[layout.start] = lap.stretches[0].start % period if problem.word.eventful else 0.0
     problem = problem.turning(_turns(system, lap))
     return problem.adapted_to(z, problem.weighted(lap.magnitudes)), z
+
+
+def _check_zeros(machine: HybridMachine, lap: Lap) -> None:
+    """Raise where an event is a guard's jump through zero: orbits are equations, and it has no zero there."""
+    for stretch in lap.stretches:
+        transition = stretch.leg.transition
+        if transition is None or stretch.leg.collapsed:
+            continue
+        flow, t = machine.mode(stretch.leg.mode), stretch.start + stretch.duration
+        number, x = flow.transitions.index(transition), stretch.end[flow.states]
+        value = float(flow.guards[number](t, x, flow.p)[0])
+        if abs(value) > JUMPED * flow.scales(t, x, lap.magnitudes[flow.states], stretch.duration)[number]:
+            raise StartError(
+                f"The guard of transition '{transition.name}' jumps through zero at "
+                f"t = {machine.system.lasting(t)}: it is {value:.6g} beside it.",
+                "Declare a transition of its own for the instant of the jump, whose guard is of time alone, "
+                "such as math.sin(2 * math.pi * t / p.T).",
+            )
 
 
 def _neutral(

@@ -30,7 +30,7 @@ from contwalk.problems.hybrid.limits import Limit, Margins
 from contwalk.problems.hybrid.passage import Passage, passage_of
 from contwalk.problems.hybrid.period import period_map
 from contwalk.problems.hybrid.return_map import EventMap
-from contwalk.problems.hybrid.shooting import LegMesh, Piece, meshed, most_steps
+from contwalk.problems.hybrid.shooting import AT_REST, LegMesh, Piece, meshed, most_steps
 from contwalk.problems.hybrid.solving import newton_on
 from contwalk.problems.hybrid.view import LegView, view_of
 from contwalk.problems.hybrid.word import Word, stored_leg
@@ -521,9 +521,10 @@ class HybridOrbit:
         """Half the range of each state over the orbit; declared scales where there are any."""
         every = np.concatenate([view.full(view.nodes) for view in self.view(z)])
         half = 0.5 * np.ptp(every, axis=0)
-        largest = np.maximum(np.abs(every).max(axis=0), self.mesh.variation)
+        largest = np.maximum(np.abs(every).max(axis=0), self.mesh.magnitudes)
         shares = half / largest
-        half = np.where(shares > max(1e-5 * float(shares.max()), 1e-13), half, np.nan)
+        moves = float(shares.max()) > AT_REST
+        half = np.where(moves & (shares > max(1e-5 * float(shares.max()), 1e-13)), half, np.nan)
         for i, state in enumerate(self.system.states):
             if state.scale is not None:
                 half[i] = state.scale
@@ -805,7 +806,7 @@ class HybridOrbit:
         """
         moved = max(float(np.max(np.ptp(view.nodes, axis=0))) for view in self.view(z))
         largest = max(float(np.max(np.abs(view.nodes))) for view in self.view(z))
-        if self.word.eventful and moved <= STILL * largest:
+        if self.word.eventful and moved <= STILL * largest and not self.clocked:
             return self.word.legs[0].name
         lasting = [i for i, leg in enumerate(self.word.legs) if not leg.collapsed]
         shortest = min(lasting, key=lambda i: float(z[self.layout.durations][i]))
@@ -813,6 +814,12 @@ class HybridOrbit:
         if not self.word.eventful or lasts > COLLAPSED * self.duration(z):
             return ""
         return self.word.legs[shortest].name
+
+    @property
+    def clocked(self) -> bool:
+        """Whether an event happens at given times: at rest, too."""
+        each = zip(self.word.legs, self.passages, strict=True)
+        return any(leg.transition is not None and own.of_time_alone(leg.transition) for leg, own in each)
 
     def fallen_back(self, z: np.ndarray, tangent: np.ndarray | None = None) -> bool:
         """Whether an orbit repeats itself, or is its own image, as its parent does."""

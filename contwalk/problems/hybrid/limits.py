@@ -185,11 +185,24 @@ class _Watch:
     opens: bool  # its guards go on from the leg before, through a soft transition or none
     closes: bool  # they go on in the leg after it
     known: bool  # the leg before has the guard, too
+    clock: bool  # a guard of time alone
 
     @cached_property
     def scale(self) -> float:
         """Largest value; on a leg that lasts nearly no time, what it changes by in a little more."""
         return max(largest(self.values, self.rates, self.view.duration, self.total), 1e-300)
+
+    @cached_property
+    def behind(self) -> int:
+        """After so many samples a guard of time alone whose event has led here is before its zero again.
+
+        Until then it goes on past zero: nothing happens there.
+        """
+        begins = abs(float(self.values[0])) <= BELOW * self.scale and self.rates[0] < 0.0
+        if not (self.clock and begins):
+            return 0
+        back = np.flatnonzero(self.values > ZERO * self.scale)
+        return int(back[0]) if len(back) else len(self.values)
 
     @property
     def dips(self) -> list[tuple[int, float, float]]:
@@ -200,7 +213,7 @@ class _Watch:
         ends there has the turn. So has an orbit without events that begins where a guard turns. At a hard
         transition there is no turn, and the guard's value there is a limit of its own.
         """
-        dips = self.turns(-1.0)
+        dips = [dip for dip in self.turns(-1.0) if dip[0] >= self.behind]
         last, still = len(self.times) - 2, NO_RATE * float(np.abs(self.rates).max())
         if abs(self.rates[0]) <= still and not self.own:
             dips = [dip for dip in dips if dip[0] > 0]
@@ -302,7 +315,9 @@ def _watch(problem: HybridOrbit, i: int, view: LegView, transition: Transition) 
     leg = problem.word.legs[i]
     times, values, rates = view.guard(transition)
     own = transition == leg.transition
-    sign = _sign(transition, leg.falls if own else None, values)
+    clock = view.piece.passage.of_time_alone(transition)
+    # A clock that counts both ways may have turned its sign after a period of the force.
+    sign = _sign(transition, leg.falls if own and not clock else None, values)
     before = problem.word.legs[i - 1]
     opens = _goes_on(before.transition) and not (i == 0 and problem.word.image)
     known = opens and any(t.name == transition.name for t in problem.system.leaving(before.mode))
@@ -318,6 +333,7 @@ def _watch(problem: HybridOrbit, i: int, view: LegView, transition: Transition) 
         opens,
         _goes_on(leg.transition),
         known,
+        clock,
     )
 
 
@@ -355,7 +371,7 @@ def _of_watch(test: str, watch: _Watch, duration: float) -> tuple[float, float, 
         k = 0 if test == "start" else -1
         # A guard that has just been zero, or that two events share, is no limit of its own there; on a leg
         # without length none can be told from that.
-        if abs(duration) <= NO_TIME * watch.total:
+        if abs(duration) <= NO_TIME * watch.total or watch.behind > k % len(v):
             return np.inf, scale, float(t[k])
         found = np.inf
         if abs(v[k]) > ZERO * scale:

@@ -271,6 +271,14 @@ class Passage:
         """The transitions out of the leg's mode, watched ones included."""
         return self.system.leaving(self.leg.mode)
 
+    def of_time_alone(self, transition: Transition) -> bool:
+        """Whether a guard reads no state: a clock, a sampling instant."""
+        key = "of time alone", transition.name, True
+        if key not in self._fields:
+            copy = rebound(transition.guard)
+            self._fields[key] = not trace(lambda tracer: [copy(*self._arguments(tracer))]).reads("u")
+        return bool(self._fields[key])
+
     def guards(self) -> Watched:
         """The guards of `leaving`, each with its rate as `watched` has it, evaluated together.
 

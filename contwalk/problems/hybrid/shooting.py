@@ -21,6 +21,8 @@ from contwalk.problems.orbit.discretization import TIGHTEST
 from contwalk.problems.orbit.motion import MIXED, PLAIN, TANGENT
 from contwalk.problems.orbit.shooting import CONSTANT, LEAST_SHARE, Mesh, arrived, growth_of
 
+# An orbit that moves less than this part of typical magnitudes is at rest: solutions are known to 1e-10.
+AT_REST = 1e-9
 # Local errors may grow by so much over a leg before its steps are made finer.
 SAFE = 30.0
 # Steps of a leg at most: of any, and against those of the orbit that it is a neighbour of.
@@ -237,7 +239,7 @@ def _variation(passages: Sequence[Passage], paths: Sequence[flow.Path], magnitud
     )
     shares = 0.5 * np.ptp(states, axis=0) / magnitudes
     largest = float(shares.max())
-    if largest == 0.0:
+    if largest <= AT_REST:
         return magnitudes
     shares = np.where(shares < CONSTANT * largest, largest, shares)
     return magnitudes * np.clip(shares, LEAST_SHARE * largest, 1.0)

@@ -17,6 +17,7 @@ import numpy as np
 from contwalk import flow
 from contwalk.errors import UnsupportedOperation
 from contwalk.problems.hybrid.shooting import Piece
+from contwalk.problems.linear import EPSILON
 from contwalk.problems.orbit.extrema import Smooth, sampled, turns
 from contwalk.problems.orbit.motion import PLAIN
 from contwalk.system import Transition
@@ -28,6 +29,10 @@ if TYPE_CHECKING:
 # these parts of that sample's instant. Where it is about to touch zero again at s it is near to t (s - t)^2,
 # which turns at s / 3 and s: a factor of two does not pass over both.
 EARLY = 2.0 ** -np.arange(4.0, 0.0, -1.0)
+
+
+# Roundings of the time by which the ends of a leg are known.
+INSIDE = 8.0
 
 
 class LegView:
@@ -129,12 +134,20 @@ class LegView:
 
     def _watched(self, times: np.ndarray, states: np.ndarray, rates: np.ndarray | None = None) -> np.ndarray:
         """All guards out of the mode, each with its rate, at some instants, shape (k, 2 g)."""
-        passage = self.piece.passage
+        passage, times = self.piece.passage, self._inside(times)
         try:
             maps = [passage.guards()]
         except UnsupportedOperation:  # together they compare too often; each alone does not
             maps = [passage.watched(t.name, t.guard) for t in passage.leaving]
         return np.hstack([map_.along(times, states, self._values, rates) for map_ in maps])
+
+    def _inside(self, times: np.ndarray) -> np.ndarray:
+        """Instants in 0..1, the ends moved inside by roundings: a sawtooth of the time may begin anew."""
+        if not self.piece.passage.forced or self.duration == 0.0:
+            return times
+        latest = max(abs(self.start), abs(self.start + self.duration))
+        edge = min(INSIDE * EPSILON * max(latest / abs(self.duration), 1.0), 0.5)
+        return np.clip(times, edge, 1.0 - edge)
 
     def turning(self, transition: Transition) -> list[tuple[int, float, float]]:
         """Where a transition's guard turns: after which sample, at which instant, and its value there."""
