@@ -160,30 +160,15 @@ def _repeated(
     scalars = problem.scalars(z).copy()
     if not problem.forced:
         scalars[0] *= times
-    first, start_v = problem.starts(z)[0], v[:n]
-    single = other.adapted_to(
-        np.concatenate([first, scalars]), _single_weights(problem, z), problem.discretization.walking, 1
-    )
-    count = segments_for(single, np.concatenate([first, scalars]))
-    if count == 1:
-        start, tangent = first, start_v
-        there = single
-    else:
-        cut = [_at(problem, z, direction, j * times / count) for j in range(count)]
-        start, tangent = np.concatenate([x for x, _ in cut]), np.concatenate([w for _, w in cut])
-        weights = np.concatenate(
-            [np.tile(_single_weights(problem, z)[:n] * np.sqrt(count), count), np.ones(len(scalars))]
-        )
-        there = other.adapted_to(
-            np.concatenate([start, scalars]), weights, problem.discretization.walking, count
-        )
+    # How deviations grow over the closures is known from one: they are not integrated in one piece to see it.
+    count = segments_for(problem, z, times)
+    cut = [_at(problem, z, direction, j * times / count) for j in range(count)]
+    start, tangent = np.concatenate([x for x, _ in cut]), np.concatenate([w for _, w in cut])
+    weights = np.concatenate([np.tile(problem.mesh.variation * np.sqrt(count), count), np.abs(scalars)])
+    there = other.adapted_to(np.concatenate([start, scalars]), weights, problem.discretization.walking, count)
     z2 = np.concatenate([start, scalars])
     tangent = there.into_section(z2, np.concatenate([tangent, np.zeros(len(scalars))]))
     return (Seed(label, z2, tangent, amplitude(tangent), there, one_sided=label == "PD"),)
-
-
-def _single_weights(problem: PeriodicOrbit, z: np.ndarray) -> np.ndarray:
-    return np.concatenate([problem.mesh.variation, np.abs(problem.scalars(z))])
 
 
 def _next(

@@ -52,23 +52,28 @@ def carried_to(
     return end[:n].copy(), end[n:].copy() if len(end) > n else np.zeros(n)
 
 
-def growth(problem: PeriodicOrbit, z: np.ndarray) -> float:
+def growth(problem: PeriodicOrbit, z: np.ndarray, times: int = 1) -> float:
     """The largest factor by which a deviation grows from the start on, or up to the end, in the metric.
 
     What grows in between and is forgotten again, as at the jumps of a relaxation oscillation, does no harm.
+    The orbit goes through its closure so many `times`.
     """
     n, m = problem.states, problem.segments
     field = problem.motion.field(PLAIN)
-    c = field.constants(np.concatenate([problem.scalars(z), problem.fixed]))
+    values = np.concatenate([problem.scalars(z), problem.fixed])
+    c = field.constants(values)
     sources, variation = np.full(n, -1), problem.mesh.variation
     factors = []
-    for steps, start in zip(problem.mesh.steps, problem.starts(z), strict=True):
+    for i, (steps, start) in enumerate(zip(problem.mesh.steps, problem.starts(z), strict=True)):
         x = start
         cuts = np.unique(np.linspace(0, len(steps) - 1, max(PARTS // m, 1) + 1).astype(int))
         for low, high in pairwise(cuts):
             part = steps[low : high + 1]
             x, moved = flow.tangents(field, c, part, x, np.eye(n), sources, problem.mesh.method)
+            if i == m - 1 and high == cuts[-1]:
+                _, moved = problem.closure.end_with_columns(PLAIN, x, moved, sources, values)
             factors.append(moved / variation[:, None] * variation)
+    factors = times * factors
     largest, since = 1.0, np.eye(n)
     for factor in factors:
         since = factor @ since
@@ -80,11 +85,11 @@ def growth(problem: PeriodicOrbit, z: np.ndarray) -> float:
     return largest
 
 
-def segments_for(problem: PeriodicOrbit, z: np.ndarray) -> int:
+def segments_for(problem: PeriodicOrbit, z: np.ndarray, times: int = 1) -> int:
     """Number of segments over each of which deviations grow by `MOST_GROWTH` at most."""
     if problem.discretization.segments is not None:
         return problem.discretization.segments
-    largest = growth(problem, z)
+    largest = growth(problem, z, times)
     if not np.isfinite(largest):
         return MOST_SEGMENTS
     return segments_of_growth(float(np.log(largest)))
