@@ -13,14 +13,12 @@ from contwalk.problems.hybrid import families
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.motion import PLAIN
+from contwalk.problems.orbit.own_image import OWN_IMAGE, carries
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.problems.orbit.shooting import Mesh, arrived, velocity
 from contwalk.problems.orbit.transport import carried_to, segments_for
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
-
-# An orbit is its own image if it meets it this nearly, in units of its range: corrected orbits do to 1e-8.
-OWN_IMAGE = 1e-5
 
 # A state that moves less than this part of what others do, in units of its size, is constant but for the
 # error of steps.
@@ -195,7 +193,7 @@ def symmetric(
         later = carried_to(problem, z, np.zeros(len(z)), 1.0 / order)[0]
         for power in range(1, order):
             image = imaged(symmetry, later, p, power)
-            if np.linalg.norm((image - x) / scale) > OWN_IMAGE or not _carries(
+            if np.linalg.norm((image - x) / scale) > OWN_IMAGE or not carries(
                 problem, z, symmetry, power, order
             ):
                 continue
@@ -206,17 +204,3 @@ def symmetric(
             single = np.concatenate([weights[:n] / np.sqrt(problem.segments), np.abs(scalars)])
             return cut(other.adapted_to(part, single, segments=1), part, single[:n])
     return None
-
-
-def _carries(problem: PeriodicOrbit, z: np.ndarray, symmetry: object, power: int, order: int) -> bool:
-    """Whether the field itself has the symmetry, a part of the period later, at a state off the orbit."""
-    p = ParameterValues(**problem.values_of(z))
-    values = np.concatenate([problem.scalars(z), problem.fixed])
-    x = problem.starts(z)[0] + 0.1 * problem.mesh.variation * np.cos(np.arange(1.0, problem.states + 1.0))
-    time, step = 0.3, 1e-6
-    f = velocity(problem.motion, x, time, values)
-    image = imaged(symmetry, x, p, power)  # type: ignore[arg-type]
-    size = float(np.linalg.norm(f / problem.mesh.variation)) or 1.0
-    moved = (imaged(symmetry, x + step / size * f, p, power) - image) / (step / size)  # type: ignore[arg-type]
-    there = velocity(problem.motion, image, time - 1.0 / order, values)
-    return bool(np.linalg.norm((moved - there) / problem.mesh.variation) < 1e-4 * size)

@@ -104,11 +104,15 @@ def repeats(problem: PeriodicOrbit, z: np.ndarray, meets: float) -> bool:
         still = np.zeros(len(z))
         # The force alone is the same again after one of its periods, not after a half: an orbit at rest is
         # no parent's.
-        if not problem.forced or problem.subharmonic % 2 == 0:
-            half = carried_to(problem, z, still, 0.5)[0] - 0.5 * problem.closure.turns
+        closure = problem.closure
+        if not problem.forced or problem.subharmonic % (2 * closure.fold) == 0:
+            half = carried_to(problem, z, still, 0.5)[0] - 0.5 * closure.turns
             if _meet(problem, half, x, meets):
                 return True
         p = ParameterValues(**problem.values_of(z))
+        # Of an orbit that closes up to a symmetry each part is a whole, once its states are their own images.
+        if closure.fold > 1 and _meet(problem, imaged(closure.symmetry, x, p, closure.power), x, meets):
+            return True
         for symmetry in problem.system.symmetries:
             order = order_of(symmetry, x, p)
             if problem.closure.fold > 1 or symmetry.role != "spatial" or order is None or order < 2:

@@ -12,6 +12,7 @@ from contwalk.problems.orbit.birth import CycleSizes
 from contwalk.problems.orbit.branching import amplitude, crossing, filled_magnitudes
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.null_vectors import null_vectors
+from contwalk.problems.orbit.own_image import halved
 from contwalk.problems.orbit.section import section_at
 from contwalk.problems.orbit.shooting import meshed
 from contwalk.problems.orbit.transport import carried_to, following, segments_for, segments_of_growth
@@ -139,36 +140,45 @@ def _discretized(problem: PeriodicOrbit, z: np.ndarray) -> PeriodicOrbit:
 
 
 def _doubled(problem: PeriodicOrbit, z: np.ndarray) -> Sequence[Seed]:
-    """The orbit of twice the period that leaves along the critical vector."""
-    return _repeated(problem, z, 2, problem.doubled(), "PD")
+    """The orbit of twice the period that leaves along the critical vector.
+
+    It is closed up to a declared symmetry if each half of it is the image of the other one.
+    """
+    there, start, tangent = _followed(problem, z, 2, problem.doubled())
+    half = halved(there, start, tangent)
+    if half is not None:
+        there, start, tangent = _followed(problem, z, 1, half)
+    return (Seed("PD", start, tangent, amplitude(tangent), there, one_sided=True),)
 
 
 def _whole(problem: PeriodicOrbit, z: np.ndarray) -> Sequence[Seed]:
     """The orbit without the symmetry that its parent closes up to."""
-    return _repeated(problem, z, problem.closure.fold, problem.without_symmetry(), "BP")
+    times = problem.closure.fold
+    there, start, tangent = _followed(problem, z, times, problem.without_symmetry())
+    return (Seed("BP", start, tangent, amplitude(tangent), there),)
 
 
-def _repeated(
-    problem: PeriodicOrbit, z: np.ndarray, times: int, other: PeriodicOrbit, label: str
-) -> Sequence[Seed]:
-    """A closure followed several times, the deviation changing its sign each time."""
+def _followed(
+    problem: PeriodicOrbit, z: np.ndarray, times: int, other: PeriodicOrbit
+) -> tuple[PeriodicOrbit, np.ndarray, np.ndarray]:
+    """A closure followed several times, the deviation changing its sign each time: an orbit of the other
+    problem on steps, and the tangent there.
+    """
     n, m = problem.states, problem.segments
     matrix = problem.cycle_matrix(problem.linearize(z).jacobian, -1.0)
     v, _ = null_vectors(problem, matrix, *problem.cycle_scales)
-    v = v.real
-    direction = np.concatenate([v, np.zeros(len(z) - m * n)])
+    direction = np.concatenate([v.real, np.zeros(len(z) - m * n)])
     scalars = problem.scalars(z).copy()
     if not problem.forced:
         scalars[0] *= times
     # How deviations grow over the closures is known from one: they are not integrated in one piece to see it.
     count = segments_for(problem, z, times)
     cut = [_at(problem, z, direction, j * times / count) for j in range(count)]
-    start, tangent = np.concatenate([x for x, _ in cut]), np.concatenate([w for _, w in cut])
+    start = np.concatenate([*(x for x, _ in cut), scalars])
     weights = np.concatenate([np.tile(problem.mesh.variation * np.sqrt(count), count), np.abs(scalars)])
-    there = other.adapted_to(np.concatenate([start, scalars]), weights, problem.discretization.walking, count)
-    z2 = np.concatenate([start, scalars])
-    tangent = there.into_section(z2, np.concatenate([tangent, np.zeros(len(scalars))]))
-    return (Seed(label, z2, tangent, amplitude(tangent), there, one_sided=label == "PD"),)
+    there = other.adapted_to(start, weights, problem.discretization.walking, count)
+    deviations = np.concatenate([*(w for _, w in cut), np.zeros(len(scalars))])
+    return there, start, there.into_section(start, deviations)
 
 
 def _next(

@@ -53,7 +53,7 @@ PEER = Peer(
             values=(
                 Value("PD", 0.05002733553721688, 1e-12, MONODROMY, of="orbit"),
                 Value("PD", 0.33282496067803036, 1e-13, COLLOCATION, of="orbit", times=2),
-                Value("BP", 0.3147357514810003, 1e-13, COLLOCATION, of="orbit"),
+                Value("BP", 0.3147357514810003, 1e-13, COLLOCATION, of="orbit", kind="symmetry-breaking"),
             ),
         ),
     ),
