@@ -393,7 +393,8 @@ class Interpolation:
         self._nodes = _checked(states, (len(self._grid), field.n), "nodes")
         self._coefficients: np.ndarray | None = None
         moves = self._grid[1:] > self._grid[:-1]
-        self._polynomials = np.cumsum(moves) - 1  # which is whose: where a path begins anew there is none
+        # Which is whose: where a path begins anew there is none.
+        self._polynomials = None if moves.all() else np.cumsum(moves) - 1
         if _method(method).dense and moves.any():
             call = Call(field, c, method, None)
             call.give(plan.TIMES, self._grid)
@@ -410,7 +411,7 @@ class Interpolation:
         if self._coefficients is None:
             return dense(*self._given, at, self._method)
         which = np.clip(np.searchsorted(self._grid, at, side="right") - 1, 0, len(self._grid) - 2)
-        own = self._coefficients[:, self._polynomials[which]]
+        own = self._coefficients[:, which if self._polynomials is None else self._polynomials[which]]
         found = _polynomial(self._nodes[which], own, self._grid, which, at)
         last = at == self._grid[-1]
         found[last] = self._nodes[-1]

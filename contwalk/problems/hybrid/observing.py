@@ -13,7 +13,7 @@ from contwalk.problems.hybrid import families, limits
 from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.hybrid.word import imaged_leg
 from contwalk.problems.orbit.closure import images_of
-from contwalk.problems.orbit.extrema import Smooth
+from contwalk.problems.orbit.extrema import Smooth, extremes_of
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.sampling import MOST_BISECTIONS
 from contwalk.system.declarations import ParameterValues
@@ -126,11 +126,8 @@ def extremes(problem: HybridOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarra
 
     NaN of an angle that goes round: it has neither.
     """
-    low, high = np.full(problem.states, np.inf), np.full(problem.states, -np.inf)
-    for stretch in problem.stretches(z):
-        own = list(stretch.exists)
-        least, largest = stretch.smooth.extremes()
-        low[own], high[own] = np.minimum(low[own], least[own]), np.maximum(high[own], largest[own])
+    found = problem.stretches(z)
+    low, high = extremes_of([s.smooth for s in found], [np.array(s.exists) for s in found])
     neither = (problem.turns != 0.0) | np.isinf(high)
     low[neither] = high[neither] = np.nan
     return low, high

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -63,27 +63,44 @@ class Smooth:
 
         return Smooth(self.times, seen, rate(self.times, self.states, self.rates), at, rate_at)
 
-    def extremes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Least and largest value of each state, shapes (n,)."""
+    def brackets(self, own: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Which of some states turn between two samples, and there: times, values and rates of both."""
         t, x, r = self.times, self.states, self.rates
-        low, high = x.min(axis=0), x.max(axis=0)
-        k, j = np.nonzero((np.sign(r[:-1]) * np.sign(r[1:]) < 0.0) & (t[1:] > t[:-1])[:, None])
-        a, b, va, vb, ra, rb = t[k], t[k + 1], x[k, j], x[k + 1, j], r[k, j], r[k + 1, j]
-        near = turns(a, b, va, vb, ra, rb)
-        cubic = _cubic((near - a) / (b - a), b - a, va, vb, ra, rb)
-        slack = BELOW * (high - low)[j]
-        wanted = np.where(ra > 0.0, cubic >= high[j] - slack, cubic <= low[j] + slack)
-        order = np.flatnonzero(wanted)[np.argsort(near[wanted], kind="stable")]
+        turned = np.sign(r[:-1]) * np.sign(r[1:]) < 0.0
+        k, j = np.nonzero(turned & (t[1:] > t[:-1])[:, None] & np.isin(np.arange(x.shape[1]), own))
+        return j, t[k], t[k + 1], x[k, j], x[k + 1, j], r[k, j], r[k + 1, j]
+
+
+def extremes_of(stretches: Sequence[Smooth], own: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Least and largest value of each state over some stretches, shapes (n,).
+
+    `own` are the states that each has; where none has one, they are inf and -inf.
+    """
+    n = stretches[0].states.shape[1]
+    low, high = np.full(n, np.inf), np.full(n, -np.inf)
+    for stretch, which in zip(stretches, own, strict=True):
+        low[which] = np.minimum(low[which], stretch.states.min(axis=0)[which])
+        high[which] = np.maximum(high[which], stretch.states.max(axis=0)[which])
+    brackets = [stretch.brackets(which) for stretch, which in zip(stretches, own, strict=True)]
+    j, a, b, va, vb, ra, rb = (np.concatenate(parts) for parts in zip(*brackets, strict=True))
+    near, bend = turns(a, b, va, vb, ra, rb), (rb - ra) / (b - a)
+    cubic = _cubic((near - a) / (b - a), b - a, va, vb, ra, rb)
+    slack = BELOW * (high - low)[j]
+    wanted = np.where(ra > 0.0, cubic >= high[j] - slack, cubic <= low[j] + slack)
+    ends = np.cumsum([len(found[0]) for found in brackets])
+    for stretch, begin, end in zip(stretches, [0, *ends], ends, strict=False):
+        order = begin + np.flatnonzero(wanted[begin:end])
         if not len(order):
-            return low, high
-        instants, which, bend = near[order], j[order], ((rb - ra) / (b - a))[order]
-        found = self.at(instants)
-        left = self.rate_at(instants, found)[np.arange(len(order)), which]
+            continue
+        order = order[np.argsort(near[order], kind="stable")]
+        found = stretch.at(near[order])
+        places = np.arange(len(order)), j[order]
+        left = stretch.rate_at(near[order], found)[places]
         # What the rate that is left there still gives: the parabola's own top.
-        values = found[np.arange(len(order)), which] - 0.5 * left * left / bend
-        np.minimum.at(low, which, values)
-        np.maximum.at(high, which, values)
-        return low, high
+        values = found[places] - 0.5 * left * left / bend[order]
+        np.minimum.at(low, j[order], values)
+        np.maximum.at(high, j[order], values)
+    return low, high
 
 
 def extremes(problem: PeriodicOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -95,15 +112,15 @@ def extremes(problem: PeriodicOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndar
     times, states = curve.divided(PARTS)
     motion = Smooth(times, states, curve.rates(times, states), curve.at, curve.rates)
     p, closure = ParameterValues(**problem.values_of(z)), problem.closure
-    found = []
+    images = []
     for j in range(closure.fold):
         power = (closure.power * (closure.fold - j)) % closure.fold
 
         def shown(_: np.ndarray, states: np.ndarray, power: int = power) -> np.ndarray:
             return images_of(closure.symmetry, states, p, power)
 
-        found.append(motion.mapped(shown).extremes())
-    low, high = np.min([f[0] for f in found], axis=0), np.max([f[1] for f in found], axis=0)
+        images.append(motion.mapped(shown))
+    low, high = extremes_of(images, [np.arange(problem.states)] * closure.fold)
     round_ = closure.turns != 0.0
     low[round_] = high[round_] = np.nan
     return low, high

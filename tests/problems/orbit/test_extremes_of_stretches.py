@@ -1,0 +1,53 @@
+"""Extremes over several stretches of a motion: all turns at once, and only those looked at that may count."""
+
+import numpy as np
+import pytest
+
+from contwalk.problems.orbit.extrema import Smooth, extremes_of
+
+
+def stretch(asked, name, first, second):
+    """States given as polynomials of the time; who asks for them between the samples is written down."""
+    states = [np.polynomial.Polynomial(p) for p in (first, second)]
+    rates = [p.deriv() for p in states]
+
+    def at(times):
+        asked.append(name)
+        return np.column_stack([p(times) for p in states])
+
+    def rate_at(times, _):
+        return np.column_stack([p(times) for p in rates])
+
+    times = np.array([0.0, 0.3, 0.6, 1.0])
+    return Smooth(times, np.column_stack([p(times) for p in states]), rate_at(times, None), at, rate_at)
+
+
+def test_only_turns_that_may_be_the_highest_are_looked_at():
+    """4 t (1 - t) is one at 1/2, between samples; half of that is below what the other has at its samples."""
+    asked = []
+    both = [
+        stretch(asked, "high", [0.0, 4.0, -4.0], [0.0, 1.0]),
+        stretch(asked, "half", [0.0, 2.0, -2.0], [0.0, 1.0]),
+    ]
+    low, high = extremes_of(both, [np.arange(2), np.arange(2)])
+    assert high == pytest.approx([1.0, 1.0], abs=1e-15)  # the parabola through value and rate is the state
+    assert low == pytest.approx([0.0, 0.0], abs=1e-15)
+    assert asked == ["high"]
+
+
+def test_a_state_that_a_stretch_does_not_have_is_not_its_own():
+    """What stands there instead of it turns higher than the state ever is."""
+    asked = []
+    both = [
+        stretch(asked, "without", [1.0], [0.0, 40.0, -40.0]),
+        stretch(asked, "with", [2.0], [0.0, 4.0, -4.0]),
+    ]
+    low, high = extremes_of(both, [np.array([0]), np.array([0, 1])])
+    assert high == pytest.approx([2.0, 1.0], abs=1e-15)
+    assert low == pytest.approx([1.0, 0.0], abs=1e-15)
+    assert asked == ["with"]
+
+
+def test_what_no_stretch_has_is_told_so():
+    low, high = extremes_of([stretch([], "only", [1.0], [1.0])], [np.array([0])])
+    assert (low[1], high[1]) == (np.inf, -np.inf)
