@@ -166,7 +166,7 @@ class Branch:
         return np.append(u[np.isfinite(u)], self.points["free"][row, 0])
 
     def names(self) -> tuple[str, ...]:
-        """Names that `branch[name]` understands besides the columns of `points`."""
+        """Names that `branch[name]` understands besides those of `columns()`."""
         return (*self.info.free, *self.info.observables, *self.info.states)
 
     def knows(self, name: str) -> bool:
@@ -174,7 +174,7 @@ class Branch:
         dtype = self.points.dtype
         scalar = name in (dtype.names or ()) and dtype[name].shape == () and dtype[name].kind != "c"
         known = name in (*self.names(), *self.info.parameters) or self._extreme(name) is not None
-        return scalar or known
+        return scalar or known or name in self._spectral()
 
     def __repr__(self) -> str:
         return f"<{tables.told_branch(self)}>"
@@ -200,9 +200,13 @@ class Branch:
             return self.points[name]
         if name in self.info.parameters:
             return np.full(len(self), self.info.parameters[name])
-        raise KeyError(
-            f"Branch {self.name} has no '{name}'. Known: {', '.join((*self.names(), *self.info.parameters))}"
-        )
+        if name in self._spectral():
+            return self._spectral()[name]
+        columns = self.columns()
+        if name in columns:
+            return columns[name]
+        possible = dict.fromkeys((*self.names(), *self.info.parameters, *columns))
+        raise KeyError(f"Branch {self.name} has no '{name}'. Known: {', '.join(possible)}")
 
     def _extreme(self, name: str) -> np.ndarray | None:
         """`max:X`, `min:X` or `amp:X`: stored of orbits; of an equilibrium X itself, or zero."""
@@ -230,10 +234,15 @@ class Branch:
                 name = name if name not in taken else f"{column}_{name}"
                 taken.add(name)
                 columns[name] = self.points[column][:, position]
+        return columns | self._spectral() | {name: self.points[name] for name in own}
+
+    def _spectral(self) -> dict[str, np.ndarray]:
+        """Eigenvalues or multipliers: `re_1`, `im_1`, `re_2`, ..."""
+        found = {}
         for position in range(self.info.spectrum):
-            columns[f"re_{position + 1}"] = self.points["spectrum"][:, position].real
-            columns[f"im_{position + 1}"] = self.points["spectrum"][:, position].imag
-        return columns | {name: self.points[name] for name in own}
+            found[f"re_{position + 1}"] = self.points["spectrum"][:, position].real
+            found[f"im_{position + 1}"] = self.points["spectrum"][:, position].imag
+        return found
 
     def to_pandas(self) -> Any:
         """`columns()` as a `pandas.DataFrame`.

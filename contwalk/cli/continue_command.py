@@ -71,7 +71,7 @@ def command(
             return error.exit_code
     if not quiet:
         _print(run_file, result, reporter.notes)
-    failed = _failures(result.branches, strict)
+    failed = _failures(result.branches, strict, told=not quiet)
     if result.interrupted:
         return _interrupted(again, terminated)
     return 1 if failed else 0
@@ -89,13 +89,14 @@ def _print(run_file: RunFile, result: RunResult, notes: Sequence[str]) -> None:
     print_where(out, result.path, result.figures, result.branches)
 
 
-def _failures(branches: Sequence[Branch], strict: bool) -> bool:
-    """Say on stderr what failed; whether anything did."""
+def _failures(branches: Sequence[Branch], strict: bool, told: bool) -> bool:
+    """Say on stderr what failed; whether anything did. `told`: the summary says why."""
     from contwalk.cli.entry import say
 
     failed = [branch for branch in branches if branch.outcome.status == "failed"]
     for branch in failed:
-        say(f"error: branch {branch.name} failed ({branch.outcome.reason}): {branch.outcome.message}")
+        why = ", the summary says why" if told else f": {branch.outcome.message}"
+        say(f"error: branch {branch.name} failed ({branch.outcome.reason}){why}")
     unlocated = [
         f"{branch.name}/{point.name}"
         for branch in branches

@@ -19,7 +19,8 @@ from contwalk.errors import ContwalkError
 def command(system: str, output: str | None, choices: Sequence[str]) -> None:
     """Write a commented run file for SYSTEM, an installed system or the path of a plugin file.
 
-    The file runs as it stands. A file that exists is not replaced.
+    The file runs as it stands, if the system declares a study or an equilibrium, or moves to an orbit from
+    the state that is guessed. A file that exists is not replaced.
     """
     from contwalk.system import load_system
     from contwalk.system.loading import is_path

@@ -54,6 +54,8 @@ def print_where(out: Console, database: Path, figures: Sequence[Path], branches:
     line(out, f"database: {database}")
     for figure in figures:
         line(out, f"figure:   {figure}")
+    if not any(len(branch) for branch in branches):  # nothing to look at
+        return
     special = [f"{b.name}/{p.name}" for b in branches for p in b.special_points if p.label != "EP"]
     show = ["contwalk", "show", str(database), *special[:1]]
     plot = ["contwalk", "plot", str(database), "-o", f"{database.stem}.png"]

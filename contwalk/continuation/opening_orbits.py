@@ -9,7 +9,9 @@ import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.continuation import outcomes
+from contwalk.continuation.families import in_a_family
 from contwalk.continuation.here import Here, begin
+from contwalk.continuation.newton import Correction
 from contwalk.continuation.opening import Opening, opened
 from contwalk.continuation.settings import Settings
 from contwalk.errors import NotFinite, PluginError, StartError
@@ -22,6 +24,7 @@ from contwalk.problems.hybrid.word import named_word
 from contwalk.problems.orbit.beginning import orbit_at, repetitions, symmetric
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
+from contwalk.problems.orbit.protocol import Orbit
 from contwalk.problems.orbit.recurrence import AtRest, recurrent
 from contwalk.problems.problem import NO_MARGIN
 from contwalk.problems.stored_word import StoredWord
@@ -32,6 +35,10 @@ Path = tuple[Mapping[str, float], Mapping[str, float]]
 
 # A motion this small against its place may be the last of one that comes to rest.
 FAINT = 1e-6
+ONE_OF_A_FAMILY = (
+    "Declare a Neutral direction for each way in which they differ, or begin with an orbit that is alone, "
+    "such as one that meets an event."
+)
 
 
 def opened_orbit(
@@ -86,7 +93,10 @@ def opened_orbit(
                 problem, z = orbit_at(system, parameters, free, first, part, *given)
                 here = begin(problem, z, settings)
         if not isinstance(here, Here):
-            return outcomes.no_start(here.reason, here.sentence, "a periodic orbit")
+            names = dict(enumerate(system.state_names))
+            return _not_alone(problem, z, names, "", here) or outcomes.no_start(
+                here.reason, here.sentence, "a periodic orbit"
+            )
         if not problem.moves(here.sample.z):
             if faint:  # the last of a motion that dies away
                 raise AtRest(state)
@@ -103,7 +113,7 @@ def opened_orbit(
     except NotFinite as error:
         return outcomes.no_start("not_finite", error.sentence)
     except StartError as error:
-        return outcomes.no_start("no_convergence", f"{error.sentence} {error.remedy}", "a periodic orbit")
+        return outcomes.refused(error.sentence, error.remedy)
 
 
 def _resting(opening: Opening | Outcome) -> Opening | Outcome:
@@ -159,18 +169,15 @@ def _hybrid(problem: HybridOrbit, z: np.ndarray, settings: Settings) -> Opening 
         with problem.effort.of_start(problem.cost):
             here = begin(problem, z, settings)
     except StartError as error:
-        return outcomes.no_start(
-            "no_convergence", f"{error.sentence} {error.remedy} (word: {word})", "an orbit"
-        )
+        return outcomes.refused(f"{error.sentence} (word: {word})", error.remedy)
     if not isinstance(here, Here):
-        return outcomes.no_start(here.reason, f"{here.sentence} (word: {word})", "a periodic orbit")
+        said = f" (word: {word})"
+        return _not_alone(problem, z, _states_by_place(problem), said, here) or outcomes.no_start(
+            here.reason, here.sentence + said, "a periodic orbit"
+        )
     collapsed = problem.collapsed(here.sample.z)
     if collapsed:
-        return outcomes.no_start(
-            "no_convergence",
-            f"The correction lets the leg before '{collapsed}' shrink to nothing (word: {word}).",
-            "a periodic orbit",
-        )
+        return _collapsed(problem, here.sample.z, collapsed, word)
     shorter, z = least(problem, here.sample.z)
     if shorter is not problem:  # it was looked at for longer than its period, or than half of it
         return _hybrid(shorter, z, settings)
@@ -185,6 +192,44 @@ def _hybrid(problem: HybridOrbit, z: np.ndarray, settings: Settings) -> Opening 
         names = ", ".join(f"'{name}'" for name in dict.fromkeys(lost))
         message = f"{message} The first orbit is not admissible: {names}.".strip()
     return Opening(adapted, Here(sample, here.s, here.step), message)
+
+
+def _not_alone(
+    problem: Orbit, z: np.ndarray, names: Mapping[int, str], said: str, failure: Correction
+) -> Outcome | None:
+    """The outcome where orbits near a start come in a family; None where something else keeps it."""
+    if failure.reason != "no_convergence":
+        return None
+    family = in_a_family(problem, z, names)
+    return outcomes.refused(family + said, ONE_OF_A_FAMILY) if family else None
+
+
+def _states_by_place(problem: HybridOrbit) -> dict[int, str]:
+    """Names of the states by their places among the unknowns."""
+    names = problem.system.state_names
+    return {
+        place: names[state]
+        for own, passage in zip(problem.layout.states, problem.passages, strict=True)
+        for place, state in zip(range(own.start, own.stop), passage.states, strict=True)
+    }
+
+
+def _collapsed(problem: HybridOrbit, z: np.ndarray, event: str, word: str) -> Outcome:
+    """Two events follow each other in no time: two that coincide, or one and a spurious zero after it."""
+    legs = [i for i, leg in enumerate(problem.word.legs) if leg.name == event and not leg.collapsed]
+    shortest = min(legs, key=lambda i: float(z[problem.layout.durations][i]))
+    before = problem.word.leading_in(problem.system, shortest)
+    if before == event:
+        return outcomes.no_start(
+            "no_convergence",
+            f"The correction lets the leg before '{event}' shrink to nothing (word: {word}).",
+            "a periodic orbit",
+        )
+    return outcomes.refused(
+        f"'{before}' and '{event}' happen at once (word: {word}): which one comes first changes along a "
+        "branch there, and its equations hold on one side only.",
+        "Begin at another value of a parameter, at which one comes before the other.",
+    )
 
 
 def _closed(problem: PeriodicOrbit, here: Here, settings: Settings) -> Opening:

@@ -107,6 +107,11 @@ def broken(sentence: str, remedy: str) -> Outcome:
     return Outcome("failed", "not_finite", f"{sentence} {remedy}".strip())
 
 
+def refused(sentence: str, remedy: str) -> Outcome:
+    """The start leads to no solution, for a reason with a remedy of its own."""
+    return Outcome("failed", "no_convergence", f"The start leads to no solution. {sentence} {remedy}".strip())
+
+
 def no_start(reason: str, sentence: str, what: str = "an equilibrium, or a named one") -> Outcome:
     """The start could not be corrected to a solution."""
     if reason in ("not_finite", "plugin_error"):

@@ -27,8 +27,9 @@ from contwalk.system import System
 
 # A point may differ by so many times what the two error estimates together allow: estimates are estimates.
 SLACK = 5.0
-# How far the search begins beside the stored point, in the metric of the branch.
-ASIDE = 1e-4
+# How far the search begins beside the stored point, in the metric of the branch; nearer than this part of the
+# way to the next point of its kind, which it would find instead, down to where corrections are rounding.
+ASIDE, NEXT, NEAREST = 1e-4, 0.05, 1e-9
 # The second computation aims at this part of the stored error, and where no integrator reaches that, at so
 # many times more.
 TIGHTER, RELAXED = 0.1, 30.0
@@ -218,22 +219,29 @@ def _beside(
     system: System, branch: Branch, point: SpecialPoint, steps: Discretization
 ) -> tuple[Problem, Sample]:
     """The problem on steps of another integrator, and a solution a little along the branch."""
-    place = stored_place(branch, point)
+    place, aside = stored_place(branch, point), _aside(branch, point)
     z, tangent, weights = place.z, place.tangent, place.weights
     problem: Problem = problem_of(system, branch.info, z[: len(branch.info.states)], steps)
     problem = problem.at_stored(z, weights)
     if point.label == "UZ" and point.kind == "parameter":
         normal = np.zeros(len(z))
         normal[-1] = 1.0 / weights[-1]
-        shift = ASIDE * weights * np.cos(np.arange(1.0, len(z) + 1.0))
+        shift = aside * weights * np.cos(np.arange(1.0, len(z) + 1.0))
         guess = np.append((z + shift)[:-1], z[-1])
         problem = problem.refined(z, weights)
     else:
-        normal, guess = tangent / weights**2, z + ASIDE * tangent
+        normal, guess = tangent / weights**2, z + aside * tangent
     found = correct(problem, guess, normal, weights, iterations=20)
     if not found.ok or found.linearization is None:
         raise ContwalkError(f"There is no solution beside the point: {found.sentence}")
     return problem, problem.examine(found.z, tangent, weights, found.linearization, place.unstable)
+
+
+def _aside(branch: Branch, point: SpecialPoint) -> float:
+    """How far from a point to begin: others of its kind are farther away."""
+    others = [abs(each.s - point.s) for each in branch.special_points if each.label == point.label]
+    apart = min((distance for distance in others if distance > 0.0), default=np.inf)
+    return float(np.clip(NEXT * apart, NEAREST, ASIDE))
 
 
 def _finest(

@@ -540,6 +540,20 @@ class System:
                 raise SystemDefinitionError(f"System '{self.name}' has no {what}.", f"Declare {what}=(...,).")
         self._check_references()
 
+    def __repr__(self) -> str:
+        counted = {
+            "state": self.states,
+            "parameter": self.parameters,
+            "mode": self.modes,
+            "transition": self.transitions,
+        }
+        told = [
+            f"{len(entries)} {what}{'' if len(entries) == 1 else 's'}"
+            for what, entries in counted.items()
+            if entries
+        ]
+        return f"<System '{self.name}': {', '.join(told)}>"
+
     def _check_references(self) -> None:
         state_names, parameter_names = self.state_names, self.parameter_names
         self._check_names()

@@ -152,6 +152,15 @@ def _otherwise(
     return OTHERWISE.format(own=own[i], value=values[i])
 
 
+def check_never_finite(report: Report, what: str, found: Traced, samples: Samples) -> bool:
+    """A constant NaN in a function without a value at any state makes it so at all parameters too."""
+    if not found.has_nan:
+        return True
+    if any(np.isfinite(samples.evaluate(found, row)).all() for row in range(len(samples.states))):
+        return True
+    return check_values(report, what, found, samples)
+
+
 def check_derivatives(report: Report, what: str, found: Traced, samples: Samples) -> None:
     """The exact Jacobian against central differences of the function itself, to the differences' own error.
 

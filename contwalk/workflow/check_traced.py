@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from contwalk.errors import ContwalkError, PluginError
-from contwalk.fields.derivative import jacobian
+from contwalk.fields.derivative import ancestors, jacobian
 from contwalk.fields.kernel import Kernel
 from contwalk.fields.rebind import rebound
 from contwalk.fields.rounding import error_bounds
-from contwalk.fields.trace import Outputs, Program, Raises, Tracer, trace
+from contwalk.fields.trace import Outputs, Program, Raises, Tracer, roots, trace
 from contwalk.python_functions import plain
 from contwalk.system import System
 from contwalk.system.declarations import ParameterValues
@@ -125,6 +125,13 @@ class Traced:
         else:
             out[0] = function(t, x, p)
         return out
+
+    @cached_property
+    def has_nan(self) -> bool:
+        """Whether a constant that is not a number is among what the function is computed from."""
+        graph = self.program.graph
+        constants = (graph.value(node) for node in ancestors(graph, roots(self.program.tree)))
+        return any(value is not None and np.isnan(value) for value in constants)
 
     def given(self, x: np.ndarray) -> np.ndarray:
         """A state as the function gets it: zero for what does not exist."""

@@ -18,7 +18,7 @@ from contwalk.workflow.check_at_events import traced_at_event
 from contwalk.workflow.check_declarations import check_period, check_repeats
 from contwalk.workflow.check_events import check_soft, check_states, traced_reset
 from contwalk.workflow.check_findings import Finding, Report
-from contwalk.workflow.check_functions import traced_guard
+from contwalk.workflow.check_functions import check_never_finite, traced_guard
 from contwalk.workflow.check_modes import CheckedFields, distinct_transitions
 from contwalk.workflow.check_samples import samples_of
 from contwalk.workflow.check_symmetry import compare_symmetry
@@ -71,7 +71,9 @@ def _findings(system: System) -> list[Finding]:
             traced_reset(report, transition, system),
         )
         for name, function in ((what, guard), (f"reset of transition '{transition.name}'", reset)):
-            if period is not None and function is not None:
+            if function is None or not check_never_finite(report, name, function, samples):
+                continue
+            if period is not None:
                 check_repeats(report, name, function, samples, period)
         apart = not check_states(report, transition, system)
         if transition.role == "soft" and not apart and guard is not None and reset is not None:
@@ -81,9 +83,10 @@ def _findings(system: System) -> list[Finding]:
     for neutral in system.neutral:
         form = vector_form(system, "generator", "v")
         traced(report, f"neutral direction '{neutral.name}'", neutral.generator, system, form)
-    if period is not None:
-        for name, field in fields.items():
-            check_repeats(report, f"field of mode '{name}'", field, samples, period)
+    for name, field in fields.items():
+        what = f"field of mode '{name}'"
+        if check_never_finite(report, what, field, samples) and period is not None:
+            check_repeats(report, what, field, samples, period)
     for symmetry in system.symmetries:
         form = vector_form(system, "map", "x_image")
         image = traced(report, f"symmetry '{symmetry.name}'", symmetry.map, system, form)

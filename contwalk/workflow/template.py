@@ -6,8 +6,12 @@ import json
 import re
 from collections.abc import Mapping
 
+import numpy as np
+
 from contwalk.errors import RunFileError, StartError
-from contwalk.system.declarations import Parameter, System
+from contwalk.python_functions import plain
+from contwalk.system.declarations import Parameter, ParameterValues, System
+from contwalk.workflow.check_samples import samples_of
 from contwalk.workflow.run_values import FIGURES, FOLLOWED
 
 _PLAIN = re.compile(r"[./\w][./\w-]*")
@@ -137,14 +141,39 @@ def _start_lines(system: System, values: Mapping[str, float]) -> list[str]:
                 f"# equilibria known by name: {', '.join(names)}; or give the {{state: {{...}}}} itself",
                 f"start: {{equilibrium: {_text(name)}}}",
             ]
-    state = f"{{{', '.join(f'{name}: 0.0' for name in system.state_names)}}}"
+    values = dict(zip(system.state_names, _guess(system), strict=True))
+    state = f"{{{', '.join(f'{name}: {value!r}' for name, value in values.items())}}}"
     units = ", ".join(f"{state.name} [{_one_line(state.unit)}]" for state in system.states)
     if system.period is not None or system.transitions:
-        return [f"# states: {units}", f"start: {{simulate: {{state: {state}, until: settled}}}}"]
+        return [
+            f"# states: {units}",
+            "# a guess: give a state from which the motion settles on an orbit",
+            f"start: {{simulate: {{state: {state}, until: settled}}}}",
+        ]
     return [
         f"# states: {units}; a guess near an equilibrium is enough",
         f"start: {{state: {state}}}",
     ]
+
+
+def _guess(system: System) -> list[float]:
+    """States, zero if possible, at which no guard of the first mode is zero, or past it, at the defaults."""
+    tried = [np.zeros(len(system.states)), *np.round(samples_of(system, None).states, 2)]
+    return min(tried, key=lambda x: _passed(system, x)).tolist()
+
+
+def _passed(system: System, x: np.ndarray) -> int:
+    """How many guards of the first mode are zero, past it, or without a value at a state."""
+    mode, passed = system.modes[0], 0
+    p = ParameterValues(**{**system.defaults(), **mode.constants})
+    for transition in system.leaving(mode.name):
+        try:
+            value = float(plain(transition.guard)(0.0, x, p))
+        except (Exception, SystemExit):
+            return len(system.transitions) + 1
+        before = {"falling": value > 0.0, "rising": value < 0.0, "both": value != 0.0}
+        passed += transition.role != "watched" and not before[transition.direction]
+    return passed
 
 
 def _exists(system: System, name: str, values: Mapping[str, float]) -> bool:

@@ -117,6 +117,18 @@ def test_failed_branch(contwalk, folder):
         assert len(db.branch("b1")) > 3
 
 
+def test_a_failed_start_is_told_once_and_recommends_nothing(contwalk, folder):
+    plugin = (folder / "fork.py").read_text(encoding="utf-8")
+    (folder / "fork.py").write_text(
+        plugin.replace("p.a - x[1]", "p.a - x[1] + (-1.0 - p.r) ** 0.5"), encoding="utf-8"
+    )
+    done = contwalk("continue", "run.yaml", "--set", "start={state: {x: 0, y: 1.25}}")
+    assert done.code == 1
+    assert "The start fails: " in " ".join(done.out.split())
+    assert done.err == "error: branch b1 failed (not_finite), the summary says why\n"
+    assert "next:" not in done.out
+
+
 class Interrupting(progress.NoteKeeper):
     """Somebody presses Ctrl-C at the fifth point."""
 

@@ -130,6 +130,23 @@ def test_what_was_not_located_is_skipped(folded):
     assert not found.failed
 
 
+@pytest.mark.parametrize("gap", [3e-7, 1e-5])
+def test_of_two_points_beside_each_other_each_is_found_again(gap):
+    """The search began farther away than the neighbour, and went to it."""
+
+    def swinging(t, x, p, dx):
+        growth = 100.0 * (p.mu - 0.5) * (p.mu - 0.5 - gap)
+        dx[0] = growth * x[0] - x[1]
+        dx[1] = x[0] + growth * x[1]
+
+    system = small_system(swinging, ("x", "y"), {"mu": 0.0})
+    problem = cw.Equilibrium(system, system.defaults(), "mu")
+    branch = cw.continue_branch(problem, [0.0, 0.0], range=(0.0, 1.0))
+    points = labelled(branch, "HB")
+    assert len(points) == 2
+    assert [checked(system, branch, point).verdict for point in points] == [AGREES, AGREES]
+
+
 def test_marked_values_are_solved_again(folded):
     system, _ = folded
     radius = np.sqrt(0.5 + np.sqrt(0.25 - 0.2))

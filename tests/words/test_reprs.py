@@ -62,6 +62,26 @@ def test_a_branch_is_a_line():
     assert repr(made(points=1)).startswith("<b2: 1 point, periodic orbit, mu 0.5 to 0.5; ")
 
 
+def test_a_system_is_a_line():
+    modes = (Mode("free", lambda t, x, p, dx: None),)
+    system = System("box", (State("x"), State("v")), (Parameter("mu", 0.0),), modes)
+    assert repr(system) == "<System 'box': 2 states, 1 parameter, 1 mode>"
+
+
+def test_every_column_is_found_by_its_name():
+    branch = made(points=3)
+    assert branch.points["spectrum"].shape == (3, 3)
+    branch.points["spectrum"][1] = [2.0 + 1.0j, 2.0 - 1.0j, 0.5]
+    assert branch["re_1"].tolist() == [0.0, 2.0, 0.0]
+    assert branch["im_2"].tolist() == [0.0, -1.0, 0.0]
+    for name, column in branch.columns().items():
+        assert np.array_equal(branch[name], column, equal_nan=column.dtype.kind == "f"), name
+    assert branch.knows("re_3")
+    assert not branch.knows("re_4")
+    with pytest.raises(KeyError, match=r"no 're_4'. Known: .*re_3"):
+        branch["re_4"]
+
+
 def test_special_points_are_lines_in_a_list():
     first, second, *others = made().special_points
     assert repr(first) == "<PD1: period doubling, supercritical, located, error 3.2e-12>"

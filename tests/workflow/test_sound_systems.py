@@ -252,3 +252,27 @@ def free_of(stiffness):
 )
 def test_first_party_systems_are_sound(name):
     assert cw.load_system(name).name == name
+
+
+class TestNeverFinite:
+    """A NaN among the constants of a function is there at all states and parameters."""
+
+    @staticmethod
+    def hit(guard):
+        transition = Transition("hit", "only", "only", guard, reset=lambda t, x, p, y: free(t, x, p, y))
+        return oscillator(free, transitions=(transition,))
+
+    def test_a_guard_that_is_never_a_number_is_refused(self):
+        with pytest.raises(SystemDefinitionError, match="guard of transition 'hit': It is not finite at any"):
+            refuse_unsound(self.hit(lambda t, x, p: x[0] * math.nan))
+
+    def test_a_field_that_is_never_a_number_is_refused(self):
+        def field(t, x, p, dx):
+            dx[0] = x[1]
+            dx[1] = x[0] + math.nan
+
+        with pytest.raises(SystemDefinitionError, match="field of mode 'only'"):
+            refuse_unsound(oscillator(field))
+
+    def test_one_that_is_a_number_elsewhere_is_not(self):
+        refuse_unsound(self.hit(lambda t, x, p: (x[0] - 100.0) ** 0.5 - 1.0))

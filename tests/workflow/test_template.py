@@ -172,3 +172,36 @@ def test_without_a_start_of_its_own_a_study_takes_the_one_that_is_found():
     assert "  a: 2.0" in text
     assert "start: {state: {x: 0.0}}" in text
     assert "\nevents: {GR: ignore}" in text
+
+
+HOPS = """
+from contwalk.system import Mode, Parameter, State, System, Transition
+
+def fly(t, x, p, dx):
+    dx[0] = x[1]
+    dx[1] = -p.g
+
+SYSTEM = System(
+    name="hops",
+    states=(State("y", unit="m", about="height"), State("v", unit="m/s", about="velocity")),
+    parameters=(Parameter("g", 9.81, unit="m/s^2", about="gravity"),),
+    modes=(Mode("up", fly), Mode("down", fly)),
+    transitions=(
+        Transition("apex", "up", "down", lambda t, x, p: x[1]),
+        Transition("high", "up", "down", lambda t, x, p: x[0] - 0.5, role="watched"),
+        Transition("low", "up", "down", lambda t, x, p: 0.1 - x[0], direction="rising"),
+        Transition("lands", "down", "up", lambda t, x, p: x[0], reset=lambda t, x, p, y: fly(t, x, p, y)),
+    ),
+    reference="none",
+)
+"""
+
+
+def test_a_machine_starts_before_the_guards_of_its_first_mode(tmp_path):
+    """At zero one guard is on zero: a motion from there would meet no event."""
+    _, text = written(tmp_path, HOPS)
+    run = read_run_file(tmp_path / "run.yaml")
+    y, v = run.starts[0].state
+    assert v > 0.0
+    assert y > 0.1
+    assert "# a guess" in text

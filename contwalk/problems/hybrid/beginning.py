@@ -45,6 +45,8 @@ LOOK_BACK = 64
 # Steps within which a return is found or given up, and those that an event costs beside its own: it is
 # located, happens, and is compared with earlier ones. A time that is to pass first may cost so much more.
 MOST_STEPS, EVENT, BEFORE = 500_000, 25, 20
+# The same where the first near return is looked for: a motion that is near an orbit comes back soon.
+FIRST_STEPS = 200_000
 # Periods of the forcing without an event before an orbit without events is looked for: no whole number, so
 # that no event of a clock is cut off.
 QUIET = 4.618
@@ -245,7 +247,8 @@ class _Search:
     @property
     def exhausted(self) -> bool:
         """Whether a return, or the time from which on it is looked for, has cost what it may."""
-        return self.work > MOST_STEPS * (1 if self.looking else BEFORE)
+        most = FIRST_STEPS if self.until is None else MOST_STEPS
+        return self.work > most * (1 if self.looking else BEFORE)
 
     def _spend(self, arc: Arc) -> None:
         """Count an arc's work; anew, once the time has passed that was asked for."""

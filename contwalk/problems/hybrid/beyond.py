@@ -12,10 +12,14 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import ContwalkError
+from contwalk.flow.departure import ENTERING, departures
+from contwalk.flow.guard import EPSILON
+from contwalk.flow.hybrid_machine import hybrid_machine
 from contwalk.problems.hybrid import limits
 from contwalk.problems.hybrid.least import least
 from contwalk.problems.hybrid.solving import newton_on
 from contwalk.problems.hybrid.switching import discretized
+from contwalk.problems.hybrid.telling import first_sentence, told_once
 from contwalk.problems.hybrid.word import Word
 from contwalk.problems.linear import kernel_direction
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
@@ -43,11 +47,11 @@ def seeds(problem: HybridOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], st
         try:
             seed = _simulated(there, guess, outward, point.label)
         except (ContwalkError, np.linalg.LinAlgError) as error:
-            told.append(str(error).split(". ")[0].rstrip("."))
+            told.append(first_sentence(str(error)))
             continue
         words = folded(seed.problem.signature) or "no events"  # type: ignore[attr-defined]
         return (seed,), f"A little beyond, the motion has the signature [{words}]: a branch of its own."
-    return (), f"Beyond it: {'; '.join(dict.fromkeys(told))}."
+    return (), f"Beyond it: {told_once(told)}."
 
 
 def _simulated(problem: HybridOrbit, guess: np.ndarray, outward: np.ndarray, label: str) -> Seed:
@@ -62,15 +66,18 @@ def _simulated(problem: HybridOrbit, guess: np.ndarray, outward: np.ndarray, lab
 
     values = problem.values_of(guess)
     x = problem.passages[0].full(problem.layout.inputs(0, guess)[0])
-    word = problem.word
+    word, time = problem.word, float(problem.starting_times(guess)[0])
+    event = word.leading_in(problem.system, 0)
+    if event and _goes_back(problem, values, event, time, x):
+        raise ContwalkError(f"orbits of this signature would pass '{event}' the wrong way")
     lap = lap_from(
         problem.system,
         values,
         x,
         word.legs[0].mode,
         until=None,
-        time=float(problem.starting_times(guess)[0]),
-        after=word.leading_in(problem.system, 0) or None,
+        time=time,
+        after=event or None,
         least=SHORTEST * problem.duration(guess),
     )
     lasted = sum(stretch.duration for stretch in lap.stretches)
@@ -105,6 +112,21 @@ def _simulated(problem: HybridOrbit, guess: np.ndarray, outward: np.ndarray, lab
     tangent = tangent * (np.sign(tangent[-1]) * np.sign(outward[-1]) or 1.0)
     walking = there.adapted_to(start, weights)
     return Seed(label, start, tangent, amplitude(tangent), walking)
+
+
+def _goes_back(problem: HybridOrbit, values: dict[str, float], event: str, t: float, x: np.ndarray) -> bool:
+    """Whether a guess right after an event goes back through its guard.
+
+    Beyond the point at which an event arrives with no rate, no state of the guess is one after a reset.
+    """
+    flow = hybrid_machine(problem.system, values).mode(problem.word.legs[0].mode)
+    own, sizes = x[flow.states], problem.mesh.variation[flow.states]
+    standing = departures(flow, t, own, EPSILON * np.abs(own), sizes, (event,))
+    return any(
+        guard.kind == ENTERING
+        for transition, guard in zip(flow.transitions, standing, strict=True)
+        if transition.name == event
+    )
 
 
 def _alike(word: Word, lap: Word, times: int) -> bool:

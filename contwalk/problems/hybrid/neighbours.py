@@ -24,6 +24,7 @@ from contwalk.problems.hybrid.following import follows
 from contwalk.problems.hybrid.least import least
 from contwalk.problems.hybrid.solving import newton_on
 from contwalk.problems.hybrid.switching import discretized, rotated
+from contwalk.problems.hybrid.telling import first_sentence, told_once
 from contwalk.problems.hybrid.word import Leg, Word, continued, imaged_leg
 from contwalk.problems.linear import kernel_direction
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
@@ -500,7 +501,7 @@ def _seed(neighbour: Neighbour, label: str, words: str) -> Seed:
         walking = there.adapted_to(z, weights)
         direction = way * tangent
         return Seed(label, z, direction, amplitude(direction), walking, one_sided=True)
-    reasons = "; ".join(dict.fromkeys(tried))
+    reasons = told_once(tried)
     raise _None(f"orbits with signature [{words}] solve the equations there, but beside it {reasons}.")
 
 
@@ -524,5 +525,5 @@ def _looks(
             )
         followed = follows(problem, there)
     except (ContwalkError, np.linalg.LinAlgError) as error:
-        return f"Newton's method fails ({error})"
-    return None if followed is None else f"a simulation goes another way: {followed}"
+        return f"Newton's method fails ({first_sentence(str(error))})"
+    return None if followed is None else f"a simulation goes another way: {first_sentence(followed)}"
