@@ -24,6 +24,8 @@ if TYPE_CHECKING:  # compiled flows are imported only where orbits are computed
 # Solutions nearer than this, in the metric, are the same one: far above the corrector's error, far below a
 # step.
 SAME = 1e-7
+# And this near in the metric of the other branch, in which an unknown may be rounding noise.
+MET = 1e-4
 MOST_IMAGES = 24
 # A branch is compared with another by its points and its way: cosine between the two, and how far to look
 # for it. The way of an interpolated arc is known to the cube of what it turns, a thousandth after halving.
@@ -76,28 +78,39 @@ def _comparable(problem: Equilibrium | PeriodicOrbit | HybridOrbit, branch: Bran
 
 
 def _on(problem: Equilibrium, pair: Pair, weights: np.ndarray, branch: Branch) -> bool:
-    """Whether z lies on the curve through a branch's points, each piece recomputed where it passes z."""
-    z, along = pair[0], (pair[1] - pair[0]) / weights
+    """Whether z lies on the curve through a branch's points, each piece recomputed where it passes z.
+
+    Arcs are measured in the metric that the branch was walked in: in another one they may not be short. At
+    last z must be met in its own metric (`weights`) too.
+    """
+    z, along = pair[0], pair[1] - pair[0]
+    own = branch.points["weights"]
     rows = np.column_stack([branch.points["unknowns"], branch.points["free"][:, 0]])
     turned = problem.nearest_turn(z, rows[0])
     a, chord = rows[:-1], np.diff(rows, axis=0)
-    normal = chord / weights**2
+    normal = chord / own[:-1] ** 2
     length = np.sum(normal * chord, axis=1)
     usable = length > 0
     theta = np.full(len(a), np.nan)
     theta[usable] = np.sum(normal[usable] * (turned - a[usable]), axis=1) / length[usable]
     foot = a + theta[:, None] * chord
-    distance = np.linalg.norm((turned - foot) / weights, axis=1)
+    distance = np.linalg.norm((turned - foot) / own[:-1], axis=1)
     near = (theta > -0.01) & (theta < 1.01) & (distance < 0.5 * np.sqrt(length) + SAME)
     tangents = branch.points["tangent"]
     return any(
-        _passes(problem, Arc((rows[i], rows[i + 1]), (tangents[i], tangents[i + 1]), weights), turned, along)
+        _passes(
+            problem,
+            Arc((rows[i], rows[i + 1]), (tangents[i], tangents[i + 1]), own[i]),
+            turned,
+            along,
+            weights,
+        )
         for i in np.flatnonzero(near)
     )
 
 
-def _passes(problem: Equilibrium, arc: Arc, z: np.ndarray, along: np.ndarray) -> bool:
-    """Whether an arc of a branch passes a solution in its direction, a unit vector in the metric or longer.
+def _passes(problem: Equilibrium, arc: Arc, z: np.ndarray, along: np.ndarray, weights: np.ndarray) -> bool:
+    """Whether an arc of a branch passes a solution, of whatever metric, in its direction.
 
     Near a point where branches cross, the corrector may find the other one, and a place alone tells nothing.
     The arc is made shorter around the solution until its interpolation is far better than branches that
@@ -114,14 +127,16 @@ def _passes(problem: Equilibrium, arc: Arc, z: np.ndarray, along: np.ndarray) ->
         else:
             arc = Arc((place, arc.ends[1]), (way, arc.tangents[1]), arc.weights)
     theta = arc.position(z)
-    there, way = arc.guess(theta), arc.direction(theta) / arc.weights
+    there, way, along = arc.guess(theta), arc.direction(theta) / arc.weights, along / arc.weights
     length = np.linalg.norm(way) * np.linalg.norm(along)
     if not abs(way @ along) > ALONG * length:
         return False  # it crosses the branch
     if np.linalg.norm((there - z) / arc.weights) > NEAR * arc.length + SAME:
         return False
     correction = correct(problem, there, arc.normal, arc.weights)
-    return correction.ok and float(np.linalg.norm((correction.z - z) / arc.weights)) < SAME
+    apart = np.abs(correction.z - z)
+    met = float(np.linalg.norm(apart / arc.weights)) < SAME
+    return correction.ok and met and float(np.max(apart / weights)) < MET
 
 
 def _middle(problem: Equilibrium, arc: Arc) -> tuple[np.ndarray, np.ndarray] | None:

@@ -9,9 +9,12 @@ import pytest
 from small_systems import small_system
 
 import contwalk as cw
+from contwalk.continuation.diagram import Diagram, Noted, Plan
 from contwalk.continuation.here import begin
+from contwalk.continuation.opening import opened
 from contwalk.continuation.recognition import known_branch
 from contwalk.continuation.settings import Settings
+from contwalk.continuation.work import Start
 from contwalk.system import State, Symmetry
 
 SETTINGS = Settings(range=(-1.0, 1.0))
@@ -166,3 +169,25 @@ def test_a_start_far_away_is_found_by_damped_steps():
     start = int(np.flatnonzero(branch["s"] == 0.0)[0])
     assert branch["x"][start] == pytest.approx(math.tan(0.1), rel=1e-14)
     assert branch["x"][[0, -1]] == pytest.approx([math.tan(-1.0), math.tan(1.0)], rel=1e-13)
+
+
+def ellipse_with_followers(t, x, p, dx):
+    """x^2 + mu^2 = 1, with y = x^2, z = x y^2 / 30 and w = z^2 / 40: dust beside the line x = 0."""
+    dx[0] = x[0] * (1.0 - p.mu**2 - x[0] ** 2)
+    dx[1] = x[0] ** 2 - x[1]
+    dx[2] = x[0] * x[1] ** 2 - 30.0 * x[2]
+    dx[3] = x[2] ** 2 - 40.0 * x[3]
+
+
+def test_a_branch_is_known_where_its_unknowns_are_scaled_by_dust():
+    """The ellipse is walked from its top. Of where it crosses the line, dust tells the metric: its arcs are
+    hundreds of times as long there, and it was walked again."""
+    system, values = small_system(ellipse_with_followers, "xyzw", {"mu": 0.0}), {"mu": 0.0}
+    settings = Settings(range=(-2.0, 2.0))
+    top = np.array([1.0, 1.0, 1.0 / 30.0, 1.0 / 36000.0])
+    opening = opened(system, values, "mu", top, settings)
+    made = Diagram([Start(system, "mu", values, opening, "top")], Plan(settings, depth=2))
+    notes = [event.text for event in made.events() if isinstance(event, Noted)]
+    assert len(made.branches) == 2
+    assert [note.split()[0] for note in notes] == ["b1/BP2", "b2/BP1"]
+    assert all("already known" in note for note in notes)
