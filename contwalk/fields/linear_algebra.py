@@ -6,7 +6,7 @@ in machine code (`elimination_code`). A matrix that falls into independent block
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -20,9 +20,12 @@ MOST_PRODUCTS = 1024
 
 
 def solve(a: Any, b: Any) -> np.ndarray:
-    """`numpy.linalg.solve` of one square matrix, and a vector or the columns of a matrix."""
+    """`numpy.linalg.solve` of square matrices, each with a vector or the columns of a matrix."""
     if not symbolic(a, b):
         return np.linalg.solve(np.asarray(a, dtype=float), np.asarray(b, dtype=float))
+    if np.ndim(a) > 2:
+        sides = np.asarray(b, dtype=object)
+        return _of_stack(a, lambda one, k: solve(one, sides if sides.ndim == 1 else sides[k]))
     matrix, right = square("solve", a), np.array(b, dtype=object)
     if right.ndim not in (1, 2) or len(right) != len(matrix):
         raise UnsupportedOperation(
@@ -33,6 +36,11 @@ def solve(a: Any, b: Any) -> np.ndarray:
     for rows, unknowns in _blocks(matrix):
         solution[unknowns] = _solved(matrix[np.ix_(rows, unknowns)], right[rows])
     return solution
+
+
+def _of_stack(a: Any, function: Callable[[np.ndarray, int], Any]) -> np.ndarray:
+    """What a function makes of each of several matrices, and of its number."""
+    return np.array([function(one, k) for k, one in enumerate(np.asarray(a, dtype=object))], dtype=object)
 
 
 def solve_by_scipy(a: Any, b: Any, *, transposed: bool = False, **_: Any) -> np.ndarray:
@@ -75,6 +83,8 @@ def inv(a: Any) -> Any:
     """`numpy.linalg.inv` of one matrix; what multiplies it is solved for, without an inverse."""
     if not symbolic(a):
         return np.linalg.inv(np.asarray(a, dtype=float))
+    if np.ndim(a) > 2:
+        return _of_stack(a, lambda one, _: solve(one, np.eye(len(one))))
     return Inverse(square("inv", a))
 
 
@@ -138,7 +148,9 @@ def _formed(value: Any) -> Any:
 def det(a: Any) -> Any:
     """`numpy.linalg.det` of one matrix: by minors, without a division, where these are not too many."""
     if not symbolic(a):
-        return float(np.linalg.det(np.asarray(a, dtype=float)))
+        return np.linalg.det(np.asarray(a, dtype=float))
+    if np.ndim(a) > 2:
+        return _of_stack(a, lambda one, _: det(one))
     matrix = square("det", a)
     by_minors = _minors(matrix)
     if by_minors is not None:

@@ -78,6 +78,13 @@ FUNCTIONS = {
     "solve, columns": lambda x: solve(matrix(x), np.array([[1.0, x[0]], [0.0, x[1]], [2.0, 1.0]])).ravel(),
     "solve, numbers on one side": lambda x: np.linalg.solve(np.array([[0.0, 2.0], [1.0, 1.0]]), x[:2]),
     "solve, six equations": lambda x: np.linalg.solve(large(x), np.arange(6.0)),
+    "solve, several": lambda x: solve(
+        np.array([matrix(x), large(x)[:3, :3]]), np.array([x, 2.0 * x]).reshape(2, 3, 1)
+    ).ravel(),
+    "inv and det of several": lambda x: np.append(
+        inv(np.array([matrix(x), large(x)[:3, :3]])).ravel(),
+        np.linalg.det(np.array([matrix(x), large(x)[:3, :3]])),
+    ),
     "inv": lambda x: inv(matrix(x)).ravel(),
     "det": lambda x: np.linalg.det(matrix(x)),
     "det, six rows": lambda x: np.linalg.det(large(x)),
