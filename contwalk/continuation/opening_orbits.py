@@ -181,7 +181,15 @@ def _hybrid(problem: HybridOrbit, z: np.ndarray, settings: Settings) -> Opening 
     shorter, z = least(problem, here.sample.z)
     if shorter is not problem:  # it was looked at for longer than its period, or than half of it
         return _hybrid(shorter, z, settings)
-    adapted, sample = problem.adapted(here.sample)
+    try:
+        adapted, sample = problem.adapted(here.sample)
+    except np.linalg.LinAlgError:
+        return outcomes.no_start(
+            "no_convergence",
+            "The equations are singular at the first orbit: others lie beside it at the same parameters, as "
+            f"where nothing changes a state. (word: {word})",
+            "a periodic orbit",
+        )
     # On the steps of the branch everything is told anew: those of the start were made for a guess.
     sample = adapted.examine(
         sample.z, sample.tangent, sample.weights, adapted.linearize(sample.z), sample.unstable

@@ -576,6 +576,12 @@ class System:
         for symmetry in self.symmetries:
             self._check_images(symmetry)
         for mode in self.modes:
+            if mode.states is not None and not mode.states:
+                raise SystemDefinitionError(
+                    f"Mode '{mode.name}' has no states: nothing moves in it.",
+                    "Let it keep a state at rest: name the state in states=(...,), and write a rate of zero. "
+                    "The reset of the transition that leads out may overwrite it.",
+                )
             twice = [name for name, count in Counter(mode.states or ()).items() if count > 1]
             if twice:
                 raise SystemDefinitionError(

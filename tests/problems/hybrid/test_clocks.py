@@ -233,3 +233,18 @@ def test_what_follows_a_clock_at_once_does_not_bring_it_back():
 
 def still(dx):
     dx[0] = -1.0
+
+
+def test_a_clock_that_never_passes_zero_leaves_a_family_of_orbits_which_is_said():
+    """T - t % T jumps up just before it would be zero: nothing ever sets the torque."""
+    system = machine(
+        ["angle", "rate", "torque"],
+        {"K": 9.0, "T": SAMPLING},
+        {"on": upright},
+        [Transition("sample", "on", "on", lambda t, x, p: p.T - t % p.T, reset=sampled)],
+        period=lambda p: p.T,
+    )
+    told = opened(system, "K", [0.3, 0.3, 0.0], until=200.0)
+    assert isinstance(told, Outcome)
+    assert told.reason == "no_convergence"
+    assert "others lie beside it at the same parameters" in told.message

@@ -140,3 +140,14 @@ def test_constants_have_names_of_their_own():
 def test_constants_are_named_finite_numbers(constants, said):
     with pytest.raises(SystemDefinitionError, match=said):
         Mode("contact", either, constants=constants)
+
+
+def test_a_mode_without_states_is_refused_with_what_to_do():
+    with pytest.raises(SystemDefinitionError, match=r"Mode 'rest' has no states") as told:
+        System(
+            "waiting",
+            states=(State("v"),),
+            parameters=(Parameter("force", 0.3),),
+            modes=(Mode("up", free), Mode("rest", free, states=())),
+        )
+    assert "a rate of zero" in told.value.remedy
