@@ -32,7 +32,21 @@ ASIDE, STAYS = 1e-3, 0.03
 
 def ended(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:
     """Why the branch ends between two neighbouring orbits, if it does."""
-    return unborn(problem, a, b) or at_a_point(problem, a, b) or homoclinic(problem, a, b)
+    reasons = (unborn, held, at_a_point, homoclinic)
+    return next((outcome for reason in reasons if (outcome := reason(problem, a, b)) is not None), None)
+
+
+def held(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:
+    """A direction that is neutral at equilibria, and along which orbits drift."""
+    if not problem.held_by_force(b):
+        return None
+    return Outcome(
+        "failed",
+        "no_convergence",
+        f"Beyond {problem.free} = {a.z[-1]:.10g}, holding the undeclared neutral direction takes a force: "
+        "the motion does not come back but drifts along it with every round, and is no periodic orbit. "
+        "Declare the direction with neutral=(Neutral(...),) to follow orbits that drift along it.",
+    )
 
 
 def unborn(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:

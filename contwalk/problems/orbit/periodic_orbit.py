@@ -57,6 +57,8 @@ UNTOLD = 0.3
 TOO_MUCH, MISSED = 1e6, 1e-3
 # Linearizations and motions that are kept: a step asks for the same ones several times.
 MOST_KEPT = 12
+# A drift this many times what errors of the steps make of zero is one.
+HELD = 30.0
 # Two orbits whose periods and places differ by less than this part are one.
 ALIKE = 1e-6
 
@@ -276,7 +278,7 @@ class PeriodicOrbit:
             residual[row] = self._phase(starts, scalars, jacobian[row])
             row += 1
         for j, pin in enumerate(self.pins):
-            residual[row + j] = self._pinned(pin, z, jacobian[row + j])
+            residual[row + j] = self.pinned(pin, z, jacobian[row + j])
         return residual, jacobian
 
     @property
@@ -310,7 +312,7 @@ class PeriodicOrbit:
         points, rates = (np.split(x, begins) for x in (curve.nodes, curve.rates(curve.times, curve.nodes)))
         return reference_of(self.mesh.steps, points, rates, self.mesh.variation)
 
-    def _pinned(self, pin: Neutral, z: np.ndarray, row: np.ndarray) -> float:
+    def pinned(self, pin: Neutral, z: np.ndarray, row: np.ndarray) -> float:
         """Residual of a pinned direction; its gradient is written into `row`."""
         assert self.reference is not None
         x, names = z[: self.states], self.system.parameter_names
@@ -823,6 +825,27 @@ class PeriodicOrbit:
         except np.linalg.LinAlgError:
             return float("inf")
         return float(np.abs(row) @ self._errors(linearization))
+
+    def held_by_force(self, sample: Sample) -> bool:
+        """Whether there is a drift along a pinned direction that nobody declared, beyond errors of the steps.
+
+        An orbit that drifts along a declared one is periodic but for its place, as was asked for. Along
+        another one it does not come back: what solves the equations with a drift is no orbit.
+        """
+        if not any(pin.name == neutrals.UNDECLARED for pin in self.pins):
+            return False
+        linearization, weights = self.linearize(sample.z), sample.weights
+        errors, first = self._errors(linearization), len(sample.z) - 1 - len(self.pins)
+        try:
+            bordered = linearization.bordered(sample.tangent / weights**2, weights)
+            for pin, place in zip(self.pins, range(first, len(sample.z) - 1), strict=True):
+                row = bordered.solve_adjoint(np.eye(len(sample.z))[place])[: len(errors)]
+                moves = abs(sample.z[place]) > HELD * float(np.abs(row) @ errors)
+                if moves and pin.name == neutrals.UNDECLARED:
+                    return True
+        except np.linalg.LinAlgError:  # a branch point of the pinned equations: its neighbours tell
+            return False
+        return False
 
     def slow_place(self, z: np.ndarray) -> SlowPlace:
         """Where the orbit is slowest, and the field there."""

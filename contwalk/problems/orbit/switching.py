@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contwalk.branch import SpecialPoint
+from contwalk.problems.neutral import generator_at
 from contwalk.problems.orbit.birth import CycleSizes
 from contwalk.problems.orbit.branching import amplitude, crossing, filled_magnitudes
 from contwalk.problems.orbit.closure import imaged, order_of
@@ -60,8 +61,9 @@ def from_hopf(equilibrium: Equilibrium, point: SpecialPoint) -> Sequence[Seed]:
     def cut(m: int) -> tuple[PeriodicOrbit, np.ndarray, np.ndarray]:
         mesh = meshed(orbit.motion, np.tile(x, (m, 1)), values, magnitudes, tolerance, method, orbit.parts)
         turns = np.exp(1j * omega * period * np.arange(m) / m)
+        problem, start = orbit.on(mesh, section), np.concatenate([np.tile(x, m), scalars])
         tangent = np.concatenate([*[(q * turn).real for turn in turns], np.zeros(len(scalars))])
-        return orbit.on(mesh, section), np.concatenate([np.tile(x, m), scalars]), tangent
+        return problem, start, tangent - _along_pins(problem, start, tangent)
 
     # The linear flow is known: what grows too much is not integrated in one piece to find that out.
     exponents = np.linalg.eigvals(equilibrium.jacobian(z)[:n, :n]).real * period
@@ -79,6 +81,21 @@ def from_hopf(equilibrium: Equilibrium, point: SpecialPoint) -> Sequence[Seed]:
         return moved
 
     return (Seed("HB", start, tangent, reach, problem, one_sided=True),)
+
+
+def _along_pins(problem: PeriodicOrbit, start: np.ndarray, tangent: np.ndarray) -> np.ndarray:
+    """The part of a tangent at an equilibrium that moves the orbit along pinned directions: all of it at
+    once, as they are neutral there.
+    """
+    part, n, m = np.zeros(len(start)), problem.states, problem.segments
+    if problem.pins:
+        rows = np.zeros((len(problem.pins), len(start)))
+        for pin, row in zip(problem.pins, rows, strict=True):
+            problem.pinned(pin, start, row)
+        values = problem.values_of(start)
+        ways = np.column_stack([generator_at(pin, start[:n], values) for pin in problem.pins])
+        part[: m * n] = np.tile(ways @ np.linalg.solve(rows[:, :n] @ ways, rows @ tangent), m)
+    return part
 
 
 def _turned(q: np.ndarray, magnitudes: np.ndarray) -> np.ndarray:
