@@ -26,6 +26,8 @@ BORN, ROUNDED = 1e-7, 1e-10
 # changes by this much across the narrowest.
 NARROW, JUMPS = 1e-3, 0.05
 NARROWEST, JUMPED = 1e-6, 1e-4
+# Where on its first segment a branch that begins at a limit is looked at, if that is passed on it.
+BESIDE = (0.5, 0.2, 0.05, 0.01)
 # Two limits that pass zero at the same place, in parts of the segment, are one if their names agree.
 SAME_PLACE = 1e-6
 # A margin at a segment's end is too near to zero below this part of what it has changed by on the segment.
@@ -51,14 +53,24 @@ def passed(segment: Segment, begins: bool) -> list[Found]:
         # A solution that is a limit itself, to rounding, is on the machine's side: of two steps that meet
         # there one passes it.
         first, last = (ROUNDED if abs(margin) <= ROUNDED else margin for margin in (first, last))
-        if begins and abs(first) <= BORN:
-            first = ROUNDED  # it starts at the limit: beyond it is passed at once
+        low = 0.0
+        if begins and abs(first) <= BORN:  # it starts at the limit, which is passed at once, or again later
+            low, first = _beside(segment, which) if last < 0.0 else (0.0, ROUNDED)
         if (first > 0.0) == (last > 0.0):
             continue
-        point = _located(segment, which, first, last, found)
+        point = _located(segment, which, first, last, found, low)
         if point is not None and not any(point is known for known in found):
             found.append(point)
     return sorted(found, key=lambda f: f.theta)
+
+
+def _beside(segment: Segment, which: int) -> tuple[float, float]:
+    """Where on a segment that begins at a limit its margin is positive, and how large; else the start."""
+    for theta in BESIDE:
+        margin = float(segment.at(theta).margins[which])
+        if margin > ROUNDED:
+            return theta, margin
+    return 0.0, ROUNDED
 
 
 def in_doubt(segment: Segment) -> bool:
@@ -90,10 +102,15 @@ class _Jumps(Exception):
     """A margin changes its sign without passing zero."""
 
 
-def _located(segment: Segment, which: int, first: float, last: float, told: Sequence[Found]) -> Found | None:
-    """The limit between two margins, or which of those told already it is; None where there is none."""
+def _located(
+    segment: Segment, which: int, first: float, last: float, told: Sequence[Found], low: float = 0.0
+) -> Found | None:
+    """The limit between two margins, at `low` and at the end, or which of those told already it is.
+
+    None where there is none.
+    """
     problem, label = segment.problem, segment.problem.limits[which].label
-    around = {0.0: first, 1.0: last}
+    around = {low: first, 1.0: last}
 
     def value(theta: float) -> float:
         around[theta] = float(segment.at(theta).margins[which])
@@ -122,14 +139,14 @@ def _located(segment: Segment, which: int, first: float, last: float, told: Sequ
     if max(abs(first), abs(last)) < 1.0:
         # Most margins are nearly straight between two solutions: where that puts the limit is near enough for
         # its own equations, without a solution there.
-        theta = first / (first - last)
+        theta = low + (1.0 - low) * first / (first - last)
         nearer = segment.a if theta < 0.5 else segment.b
         guess = replace(nearer, z=segment.guess(theta))
-        found = accepted(segment, label, guess, which, 0.0, 1.0, known)
+        found = accepted(segment, label, guess, which, low, 1.0, known)
         if found is not None:
             return found
     try:
-        found = narrow(value, 0.0, 1.0, first, last, attempt, width=NARROWEST)
+        found = narrow(value, low, 1.0, first, last, attempt, width=NARROWEST)
     except _Jumps:
         return None
     if found is not None:

@@ -130,7 +130,7 @@ def _bend(k: Any) -> tuple[float, float]:
 def _of_time_alone(slopes: Any, n: int) -> bool:
     """Whether the guard in `SLOPED` moves with time only: no reset can keep it from going on.
 
-    Past zero it has happened; at zero right after its event it has been left behind.
+    At zero right after its event it has been left behind.
     """
     moved = slopes[2] == 0.0
     for i in range(n):
@@ -169,7 +169,7 @@ def stands(k: Any, slopes_address: int, direction: int, t: float, factor: float,
         return UNDEFINED
     if abs(value) > factor * (own + inherited) and abs(value) > beside * (own + on_the_way):
         answer[SIDE] = 1.0 if value > 0.0 else -1.0
-        return BEYOND if answer[SIDE] == direction and not clock else CLEAR
+        return BEYOND if answer[SIDE] == direction else CLEAR
     if k[KNOWN] == 0:
         _know(k, t)
     answer[BEND], uncertain = _bend(k)

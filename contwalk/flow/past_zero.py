@@ -63,6 +63,7 @@ def _past(flow: ModeFlow, t: float, x: np.ndarray, weights: np.ndarray) -> dict[
         i: guard
         for i, guard in enumerate(standing)
         if guard.kind == BEYOND and flow.acting(i) and not flow.transitions[i].at_entry
+        if not flow.guards[i].code.of_time_alone  # what happens at a given time has happened
     }
 
 

@@ -23,6 +23,8 @@ BEYOND = 1e-3
 # Rounding leaves a guard this far from zero, in units of the rounding of its terms.
 FACTOR = 1e3
 _SEED = 21
+# How the guard of an event stands after it: left behind; past zero, where it is no event; happening again.
+LEFT, PAST, AGAIN = "left", "past", "again"
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,11 +242,18 @@ def _check_leaving(report: Report, happening: Happening, system: System, samples
         report.ok(what, "leads to a mode in which its guard is not armed.", place)
         return
     known = _left_behind(happening, system, samples)
-    leaving = sum(known)
+    leaving, past = sum(kind != AGAIN for kind in known), known.count(PAST)
     if not known:
         report.ok(
             what, "not checked whether its guard is left behind: no state at the event was found.", place
         )
+    elif past and leaving == len(known):
+        share = "at every state" if past == len(known) else f"at {past} of {len(known)} states"
+        sentence = (
+            f"After its own reset the guard is past zero {share} at the event that was tried: it happens "
+            "again only where it has been back. Correct the reset, if it should be on the other side."
+        )
+        report.warning(what, sentence, place)
     elif leaving == len(known):
         report.ok(what, f"leaves its guard behind, at {leaving} states at the event.", place)
     else:
@@ -294,9 +303,9 @@ def _onto(guard: Traced, t: float, x: np.ndarray, samples: Samples) -> np.ndarra
     return None
 
 
-def _left_behind(happening: Happening, system: System, samples: Samples) -> list[bool]:
-    """For each state at the event whether a motion goes on after it, where that can be said."""
-    from contwalk.flow.departure import RESTING, UNDEFINED, departures, happens_at_once  # compiled flows
+def _left_behind(happening: Happening, system: System, samples: Samples) -> list[str]:
+    """For each state at the event how its guard stands after it, where that can be said."""
+    from contwalk.flow import departure  # compiled flows
     from contwalk.flow.hybrid_machine import hybrid_machine, landed
 
     transition, machine = happening.transition, hybrid_machine(system, samples.parameters)
@@ -308,11 +317,12 @@ def _left_behind(happening: Happening, system: System, samples: Samples) -> list
             continue
         own = [flow.transitions[i].name for i in numbers]
         given = after[flow.states], noise[flow.states], samples.scales[flow.states]
-        standing = departures(flow, t, *given, own)
+        standing = departure.departures(flow, t, *given, own)
         kinds = {standing[i].kind for i in numbers}
-        if UNDEFINED not in kinds:
-            again = any(happens_at_once(flow, i, standing[i]) for i in numbers)
-            found.append(not again and RESTING not in kinds)
+        if departure.UNDEFINED not in kinds:
+            again = any(departure.happens_at_once(flow, i, standing[i]) for i in numbers)
+            past = PAST if departure.BEYOND in kinds else LEFT
+            found.append(AGAIN if again or departure.RESTING in kinds else past)
     return found
 
 

@@ -84,10 +84,10 @@ def vanishing() -> tuple[float, float]:
     return first[2], second[2]
 
 
-def branches(f: float) -> list[Branch]:
+def branches(f: float, b: float = B) -> list[Branch]:
     return diagram(
-        block(), "f", (0.3, 0.9), [0.0], {"f": f}, until="settled", events={"OC": "switch", "GR": "switch"},
-        depth=4,
+        block(), "f", (0.3, 0.9), [0.0], {"f": f, "b": b}, until="settled",
+        events={"OC": "switch", "GR": "switch"}, depth=4,
     )  # fmt: skip
 
 
@@ -121,6 +121,21 @@ def test_branches_pass_where_a_phase_of_rest_vanishes_or_appears(start, expected
                 assert_met(point, "f", min((first, second), key=lambda f: abs(f - point.parameters["f"])))
         assert np.all(branch["admissible"][~branch["special"]])
         check(branch)
+
+
+@pytest.mark.parametrize("start", [0.8, 0.4])
+def test_without_a_bias_both_phases_of_rest_vanish_together(start) -> None:
+    """Nobody has declared the symmetry. The way up lasts half a period from sin t = f on: 2 cos t = pi f."""
+    together = 1.0 / math.hypot(1.0, 0.5 * math.pi)
+    found = branches(start, 0.0)
+    assert sorted(map(rests, found)) == [[False, False], [True, True]]
+    (point,) = [p for branch in found for p in branch.special_points if p.label == "OC"]
+    assert_met(point, "f", together)
+    for branch in found:
+        low, high = (together, 0.9) if rests(branch)[0] else (0.3, together)
+        assert branch["f"].min() == pytest.approx(low, abs=1e-9)
+        assert branch["f"].max() == pytest.approx(high, abs=1e-9)
+        assert np.all(branch["admissible"][~branch["special"]])
 
 
 def check(branch: Branch) -> None:

@@ -197,8 +197,8 @@ MISTAKES = {
         "reset of transition 'impact'", "not left behind at every state", "def rebound",
     ),
     "reset that goes through the stop": (
-        IMPACT, "x_plus[0] = x[0]", "x_plus[0] = x[0] + 0.1", "error",
-        "reset of transition 'impact'", "not left behind at every state", "def rebound",
+        IMPACT, "x_plus[0] = x[0]", "x_plus[0] = x[0] + 0.1", "warning",
+        "reset of transition 'impact'", "past zero at every state", "def rebound",
     ),
     "reset that turns round fast motions only": (
         IMPACT, "-p.restitution * x[1]", "0.5 - p.restitution * x[1]", "warning",

@@ -43,6 +43,8 @@ CHANGES = 1e-6
 SECANTS = 12
 # A leg that lasts less, in parts of the closure, is one of no time where its ends are limits.
 VISITED = 1e-5
+# Legs begin or cease to last together where their margins are this small.
+TOGETHER = 1e-8
 # Directions of a branch before and after an exchange that differ by more make a corner.
 CORNER = 1e-5
 # How far along the new branch its orbits are looked at, in the metric: the first that is admissible counts.
@@ -66,9 +68,7 @@ def found(problem: HybridOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], st
     """The branch of the neighbouring word that leaves a limit, and in words what was found, or tried."""
     try:
         limit, place = _limit_of(problem, point)
-        neighbour = _built(*_turned(problem, np.array(point.unknowns), limit), place)
-        words = folded(neighbour.problem.signature) or "no events"
-        seed = _seed(neighbour, point.label, words)
+        seed = _leaving(*_turned(problem, np.array(point.unknowns), limit), place, point.label)
     except _None as reason:
         simulated, told = beyond.seeds(problem, point)
         return simulated, f"No orbit of another signature passes there: {reason} {told}"
@@ -76,6 +76,42 @@ def found(problem: HybridOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], st
         return (), f"No neighbour to switch to: its equations have no solution there ({error})."
     words = folded(seed.problem.signature) or "no events"  # type: ignore[attr-defined]  # over its period
     return (seed,), f"The orbits with signature [{words}] leave there: a branch of their own."
+
+
+def _leaving(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, place: float, label: str) -> Seed:
+    """The branch that leaves a limit. Where several legs begin or cease to last there, all of them do if
+    they can, as in an orbit that is its own image.
+
+    Raises
+    ------
+    _None
+        If there is none; the text says why the first one tried is none.
+    """
+    alike = _collapsing(problem, z, limit)
+    reasons = []
+    for changing in ([limit, *alike], [limit], *([other] for other in alike)):
+        try:
+            together = len(changing) > 1 or changing[0] is not limit
+            neighbour = _collapsed(problem, z, changing) if together else _built(problem, z, limit, place)
+            words = folded(neighbour.problem.signature) or "no events"
+            return _seed(neighbour, label, words)
+        except _None as reason:
+            reasons.append(reason)
+    raise reasons[0]
+
+
+def _collapsing(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> list[limits.Limit]:
+    """The other legs that begin or cease to last where one does: those of its image, of a symmetric orbit."""
+    if not _collapses(problem, limit) and limit.test != "past":
+        return []
+    found = discretized(problem, z).margins(z)
+    return [
+        other
+        for other, share in zip(found.limits, found.relative.tolist(), strict=True)
+        if other.leg != limit.leg
+        and abs(share) < TOGETHER
+        and (other.test == "past" or _collapses(problem, other))
+    ]
 
 
 def corners(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, tangent: np.ndarray) -> bool:
@@ -203,7 +239,7 @@ def _built(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, place: floa
     if limit.test == "rate":
         return _removed(problem, z, limit, transition)
     if limit.test == "past" or _collapses(problem, limit):
-        return _collapsed(problem, z, limit)
+        return _collapsed(problem, z, [limit])
     if limit.test == "duration":
         return _exchanged(problem, z, limit)
     if limit.test == "leaving":
@@ -401,13 +437,14 @@ def _collapses(problem: HybridOrbit, limit: limits.Limit) -> bool:
     return limit.test == "duration" and limits.collapses(problem, limit.leg)
 
 
-def _collapsed(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> Neighbour:
-    """A leg lasts no time any more, its guard being past zero where it begins; or it does again."""
-    i, past = limit.leg, limit.test != "past"
+def _collapsed(problem: HybridOrbit, z: np.ndarray, changing: Sequence[limits.Limit]) -> Neighbour:
+    """Legs last no time any more, their guards being past zero where they begin; or they do again."""
     legs = list(problem.word.legs)
-    legs[i] = replace(legs[i], collapsed=past)
     states, lasting, start = _whole(problem, z)
-    lasting[i] = 0.0
+    for each in changing:
+        legs[each.leg] = replace(legs[each.leg], collapsed=each.test != "past")
+        lasting[each.leg] = 0.0
+    i, past = changing[0].leg, changing[0].test != "past"
     other, unknowns = _of_legs(problem, replace(problem.word, legs=tuple(legs)), states, lasting, start, z)
     return Neighbour(other, unknowns, _own(other, i, "past" if past else "duration"))
 

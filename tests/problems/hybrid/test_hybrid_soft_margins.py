@@ -59,7 +59,7 @@ def clock(stopped: Sequence[str]) -> System:
             Transition("tick", "low", "high", lambda t, x, p: -x[0], reset=kick),
             Transition("damp", "high", "falling", lambda t, x, p: x[1], role="soft"),
             Transition("release", "falling", "low", lambda t, x, p: -x[1], role="soft"),
-            *[Transition("stop", mode, "low", clearance, reset=rebound) for mode in stopped],
+            *[Transition("stop", mode, "low", clearance, reset=rebound, level=True) for mode in stopped],
             *[Transition("fast", mode, mode, slack, role="watched") for mode in modes],
         ],
     )
