@@ -206,7 +206,7 @@ class Branch:
         if name in columns:
             return columns[name]
         possible = dict.fromkeys((*self.names(), *self.info.parameters, *columns))
-        raise KeyError(f"Branch {self.name} has no '{name}'. Known: {', '.join(possible)}")
+        raise KeyError(f"Branch {self.name} has no '{name}'. Known: {', '.join(possible)}.")
 
     def _extreme(self, name: str) -> np.ndarray | None:
         """`max:X`, `min:X` or `amp:X`: stored of orbits; of an equilibrium X itself, or zero."""
@@ -275,7 +275,7 @@ class Branch:
             if point.name == name:
                 return point
         known = ", ".join(point.name for point in self.special_points)
-        raise KeyError(f"Branch {self.name} has no special point '{name}'. Known: {known or 'none'}")
+        raise KeyError(f"Branch {self.name} has no special point '{name}'. Known: {known or 'none'}.")
 
 
 def named(special_points: list[SpecialPoint], points: np.ndarray) -> list[SpecialPoint]:

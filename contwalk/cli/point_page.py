@@ -163,6 +163,7 @@ def _of_orbit(
     if info.closure not in (None, "full"):
         part = f"closure: up to the symmetry '{info.closure}' after 1/{fold} of the period, {exact(period)}"
         facts.append(f"{part} {time}".rstrip())
+        facts += [f"period of the orbit: {info.subharmonic} of the forcing"] if info.subharmonic > 1 else []
     elif info.subharmonic > 1:
         facts.append(f"closure: after {info.subharmonic} periods of the forcing")
     else:

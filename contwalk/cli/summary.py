@@ -98,7 +98,7 @@ def _orbits(branch: Branch, time: str) -> str:
     text = f"period from {np.nanmin(periods):.6g} to {lasting(np.nanmax(periods), time)}"
     if info.closure not in (None, "full"):
         text += f", 1/{fold} of it integrated: closed up to '{info.closure}'"
-    elif info.subharmonic > 1:
+    if info.subharmonic > 1:
         text += f", {info.subharmonic} of the forcing"
     # Where a branch is born at a Hopf point, the orbit is a point still and has no direction of flow.
     trivial = branch.points["trivial_error"][branch.points["s"] != 0.0]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
@@ -33,7 +32,7 @@ _DIRECTIONS = {"both": (1.0, -1.0), "forward": (1.0,), "backward": (-1.0,)}
 def continue_branch(
     problem: Equilibrium | PeriodicOrbit | HybridOrbit,
     state: str | Sequence[float] | Mapping[str, float],
-    range: tuple[float, float] = (-math.inf, math.inf),
+    range: tuple[float, float] | None = None,
     direction: str = "both",
     marks: Mapping[str, Sequence[float | str]] | None = None,
     period: float | None = None,
@@ -48,7 +47,8 @@ def continue_branch(
     state : str, sequence or mapping
         A named equilibrium of the system, n numbers, or values by name.
     range : tuple of float
-        Values of the free parameter at which the branch ends.
+        Values of the free parameter at which the branch ends. By default the bounds that the plugin declares
+        for it; along a path, 0 and 1.
     direction : str
         `both`, `forward` (growing parameter) or `backward`.
     marks : mapping, optional
@@ -75,7 +75,7 @@ def switch_branch(
     problem: Equilibrium | PeriodicOrbit | HybridOrbit,
     branch: Branch,
     point: str | SpecialPoint,
-    range: tuple[float, float] = (-math.inf, math.inf),
+    range: tuple[float, float] | None = None,
     marks: Mapping[str, Sequence[float | str]] | None = None,
     **settings: Any,
 ) -> Branch:
@@ -118,7 +118,7 @@ def switch_branch(
 def points(
     problem: Equilibrium | PeriodicOrbit | HybridOrbit,
     state: str | Sequence[float] | Mapping[str, float],
-    range: tuple[float, float] = (-math.inf, math.inf),
+    range: tuple[float, float] | None = None,
     forward: bool = True,
     period: float | None = None,
     until: float | str | None = None,
@@ -188,7 +188,7 @@ def _single(start: Start, plan: Plan) -> Branch:
 
 def _settings(
     problem: Equilibrium | PeriodicOrbit | HybridOrbit,
-    range: tuple[float, float],
+    range: tuple[float, float] | None,
     marks: Mapping[str, Sequence[float | str]] | None,
     settings: dict[str, Any],
     start: float | None = None,
@@ -210,7 +210,7 @@ def _settings(
                 f"'{name}' is not watched along the branch, so it cannot be marked.",
                 f"Known: {', '.join(watched)}. {nearest(name, watched)}".strip(),
             )
-    low, high = float(range[0]), float(range[1])
+    low, high = _range(problem) if range is None else (float(range[0]), float(range[1]))
     value = problem.parameters.get(problem.free, low) if start is None else start
     if not low <= value <= high or not low < high:
         raise StartError(
@@ -218,6 +218,26 @@ def _settings(
             "Give the lower end first, and a range that contains the start.",
         )
     return Settings(range=(low, high), marks=chosen, **settings)
+
+
+def _range(problem: Equilibrium | PeriodicOrbit | HybridOrbit) -> tuple[float, float]:
+    """Where a branch ends that nobody gave a range: at the parameter's declared bounds, or the path's.
+
+    Raises
+    ------
+    StartError
+        If there are none.
+    """
+    if problem.path is not None:
+        return 0.0, 1.0
+    low, high = next(p.bounds for p in problem.system.parameters if p.name == problem.free)
+    if low is None or high is None:
+        raise StartError(
+            f"No range is given, and '{problem.system.name}' declares no bounds for {problem.free}: the "
+            "branch may go on for ever.",
+            "Give range=(low, high); an end may be math.inf where max_points is to end it.",
+        )
+    return low, high
 
 
 def _direction(direction: str) -> tuple[float, ...]:

@@ -33,29 +33,25 @@ def plot_phase_panels(
     *,
     units: Mapping[str, str] | None = None,
 ) -> list[Axes]:
-    """Draw a phase portrait for each branch, in two columns on equal scales.
+    """Draw a phase portrait for each branch, in the plane or in space, in two columns on equal scales.
 
     Parameters
     ----------
     portraits : sequence of Portrait
     names : sequence of str
-        What the columns of the curves are: two names; three where there is one portrait only.
+        What the columns of the curves are: two or three names.
     units : mapping, optional
         Units by name, as from `units_of(system)`.
 
     Raises
     ------
     ContwalkError
-        If there is no portrait, or more than one in space.
+        If there is no portrait.
     """
     if not portraits:
         raise ContwalkError("There is no orbit to draw.", "Name a branch of periodic orbits.")
-    if len(names) == 3 and len(portraits) > 1:
-        raise ContwalkError(
-            "In space, one branch is drawn at a time.", "Name it, or leave out the third axis."
-        )
-    several = len(portraits) > 1
-    places = new_grid("phase_panels", len(portraits), COLUMNS) if several else [None]
+    several, space = len(portraits) > 1, "3d" if len(names) == 3 else None
+    places = new_grid("phase_panels", len(portraits), COLUMNS, space) if several else [None]
     axes = []
     for place, each in zip(places, portraits, strict=True):
         ax = plot_phase_portrait(
@@ -77,10 +73,13 @@ def plot_phase_panels(
 
 def _together(axes: Sequence[Axes]) -> None:
     """Equal scales, and legends below the panels, where they take no width."""
-    xs, ys = zip(*[(ax.get_xlim(), ax.get_ylim()) for ax in axes], strict=True)
+    for name in ("x", "y", "z"):
+        limits = [getattr(ax, f"get_{name}lim")() for ax in axes if hasattr(ax, f"get_{name}lim")]
+        if limits:
+            low, high = min(each[0] for each in limits), max(each[1] for each in limits)
+            for ax in axes:
+                getattr(ax, f"set_{name}lim")(low, high)
     for ax in axes:
-        ax.set_xlim(min(x[0] for x in xs), max(x[1] for x in xs))
-        ax.set_ylim(min(y[0] for y in ys), max(y[1] for y in ys))
         legend = ax.get_legend()
         if legend is not None:
             legend.set_loc("upper left")

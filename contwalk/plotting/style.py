@@ -72,13 +72,14 @@ def new_panels(kind: str, number: int) -> list[Axes]:
     return list(_new_figure(kind, number).subplots(number, squeeze=False)[:, 0])
 
 
-def new_grid(kind: str, number: int, columns: int) -> list[Axes]:
+def new_grid(kind: str, number: int, columns: int, projection: str | None = None) -> list[Axes]:
     """As `new_axes`, with panels in so many columns, row by row; all of the size of one figure."""
     rows = -(-number // columns)
     figure = _new_figure(kind, 1)
     width, height = PROPORTIONS[kind]
     figure.set_size_inches(width * columns, height * rows)
-    axes = list(figure.subplots(rows, columns, squeeze=False).ravel())
+    grid = figure.subplots(rows, columns, squeeze=False, subplot_kw={"projection": projection})
+    axes = list(grid.ravel())
     for ax in axes[number:]:
         ax.remove()
     return axes[:number]

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-
-import numpy as np
+from fractions import Fraction
 
 from contwalk.system.declarations import Parameter, System
 from contwalk.workflow.run_model import ParameterPath, RunModel, Span
@@ -82,6 +81,14 @@ def path_ends(
     return ends[0], ends[1]
 
 
+def _evenly(first: float, last: float, count: int) -> tuple[float, ...]:
+    """Values evenly spread, the nearest numbers to what the decimals that were written give."""
+    if count < 2:
+        return (first,) * count
+    low, high = Fraction(repr(first)), Fraction(repr(last))
+    return tuple(float(low + (high - low) * Fraction(i, count - 1)) for i in range(count))
+
+
 def sweep_values(
     problems: Problems, system: System, model: RunModel, varying: tuple[str, ...]
 ) -> tuple[str, tuple[float, ...]] | None:
@@ -96,10 +103,7 @@ def sweep_values(
     parameter = parameter_named(problems, key, system, name)
     if name in varying:
         problems.add(key, f"'{name}' is what the branch changes already.", "Sweep another parameter.")
-    if isinstance(written, Span):
-        values = tuple(float(v) for v in np.linspace(written.from_, written.to, written.count))
-    else:
-        values = written
+    values = written if not isinstance(written, Span) else _evenly(written.from_, written.to, written.count)
     if not values or len(set(values)) < len(values):
         problems.add(key, "lists no value, or one twice.", "Give different values, [0.1, 0.2].")
     if parameter is not None:

@@ -65,7 +65,7 @@ def stored_point(file: Path, point: str, system: System) -> StoredPoint:
             try:
                 special = branch.special(point_name)
             except KeyError as error:
-                raise StartError(str(error.args[0]), f"In {file}.") from error
+                raise StartError(f"{file}: {error.args[0]}") from error
             state = np.array([special.state[name] for name in names])
             period, unknowns = float(special.period or np.nan), np.array(special.unknowns)
             stored = dict(special.parameters)

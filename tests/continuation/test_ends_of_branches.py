@@ -8,7 +8,8 @@ from invariants import check_branch
 from small_systems import labelled, small_problem
 
 import contwalk as cw
-from contwalk.system import Observable
+from contwalk.errors import StartError
+from contwalk.system import Mode, Observable, Parameter, State, System
 
 
 def line(t, x, p, dx):
@@ -27,6 +28,25 @@ def test_the_range_ends_a_branch_exactly_there():
     assert (branch.outcome.status, branch.outcome.reason) == ("complete", "bound")
     assert [q.kind for q in labelled(branch, "EP")] == ["bound", "bound"]
     assert [q.error for q in labelled(branch, "EP")] == [0.0, 0.0]
+
+
+def test_a_branch_without_an_end_is_refused():
+    with pytest.raises(StartError, match="No range is given, and 'small' declares no bounds for lam"):
+        cw.continue_branch(_problem(), [0.0])
+
+
+def test_declared_bounds_end_a_branch_without_a_range():
+    system = System(
+        "bounded",
+        states=(State("x"),),
+        parameters=(Parameter("lam", 0.5, bounds=(0.25, 0.75)),),
+        modes=(Mode("only", lambda t, x, p, dx: dx.__setitem__(0, p.lam - x[0])),),
+    )
+    branch = cw.continue_branch(cw.Equilibrium(system, {"lam": 0.5}, "lam"), [0.5])
+    assert (branch["lam"][0], branch["lam"][-1]) == (0.25, 0.75)
+    ends = {"lam": 0.25}, {"lam": 0.75}
+    branch = cw.continue_branch(cw.Equilibrium(system, ends[0], "path", ends), [0.25])
+    assert (branch["path"][0], branch["path"][-1]) == (0.0, 1.0)
 
 
 @pytest.mark.parametrize("value", [-0.3, 0.7])
@@ -79,7 +99,7 @@ def test_special_points_count_as_points():
 
 
 def test_an_open_range_ends_at_max_points():
-    branch = cw.continue_branch(_problem(), [0.0], max_points=50)
+    branch = cw.continue_branch(_problem(), [0.0], (-math.inf, math.inf), max_points=50)
     check_branch(branch, _problem())
     assert branch.outcome.reason == "max_points"
     assert len(branch) == 99

@@ -105,10 +105,10 @@ def test_the_engine_settings_do_not_move_special_points():
 def test_an_unknown_direction_is_refused(direction):
     value, state = _start(-1.6)
     with pytest.raises(cw.ContwalkError, match="Allowed: both, forward, backward"):
-        cw.continue_branch(_problem(value), state, direction=direction)
+        cw.continue_branch(_problem(value), state, (-3.0, 3.0), direction=direction)
 
 
 @pytest.mark.parametrize("state", [[1.0], [1.0, 2.0, 3.0], {"x": 1.0}])
 def test_a_state_of_the_wrong_size_is_refused(state):
     with pytest.raises(cw.ContwalkError, match="state"):
-        cw.continue_branch(_problem(), state)
+        cw.continue_branch(_problem(), state, (-3.0, 3.0))

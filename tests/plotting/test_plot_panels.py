@@ -36,12 +36,16 @@ def test_a_panel_for_each_portrait_on_equal_scales():
     assert len(axes[0].figure.axes) == 3  # the fourth place of the grid is empty
 
 
-def test_one_portrait_may_be_in_space():
+def test_portraits_may_be_in_space():
     spiral = np.column_stack([circle(1.0), ANGLE])
     (ax,) = plot_phase_panels([Portrait("b1", [spiral])], ["x", "y", "z"])
     assert ax.name == "3d"
-    with pytest.raises(ContwalkError, match="one branch"):
-        plot_phase_panels([Portrait("b1", [spiral]), Portrait("b2", [spiral])], ["x", "y", "z"])
+    axes = plot_phase_panels([Portrait("b1", [spiral]), Portrait("b2", [3.0 * spiral])], ["x", "y", "z"])
+    assert [(ax.name, ax.get_title(loc="left")) for ax in axes] == [("3d", "b1"), ("3d", "b2")]
+    for limits in ("get_xlim", "get_ylim", "get_zlim"):
+        low, high = getattr(axes[0], limits)()
+        assert getattr(axes[1], limits)() == (low, high)
+        assert high > 2.9  # of the larger one
     with pytest.raises(ContwalkError, match="no orbit"):
         plot_phase_panels([], ["x", "y"])
 

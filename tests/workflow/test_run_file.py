@@ -88,6 +88,8 @@ engine: {step: 0.01, max_step: 0.1, newton_iterations: 8}
         FigureSpec("bifurcation_diagram", {"x": "stiffness", "y": "max_re"}),
     )
     assert run.sweep == ("damping", (0.0, 0.5, 1.0))
+    written = GOOD + "sweep: {damping: {from: 0.1, to: 0.7, count: 7}}\n"
+    assert read(tmp_path, written).sweep == ("damping", (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7))
     assert run.engine == {"step": 0.01, "max_step": 0.1, "newton_iterations": 8}
 
 

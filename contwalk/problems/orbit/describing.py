@@ -41,7 +41,8 @@ def described(problem: Orbit, label: str, located: Located, sample: Sample, s: f
     value, asked = abs(float(z[-1])), problem.discretization.accuracy
     if located.refined and located.error > asked * value:
         share = f", {located.error / value:.1e} of the value" if value > 0.0 else ""
-        limit = f"known to {located.error:.1e}{share}, only: rounding does not allow the {asked:g} asked for"
+        known = f"known to {located.error:.1e}{share} only"
+        limit = f"{known}: rounding does not allow the accuracy of {asked:g} that was asked for"
         note = limit if note is None else f"{note}; {limit}"
     values = problem.values_of(z)
     duration, (_, fold) = problem.duration(z), problem.whole

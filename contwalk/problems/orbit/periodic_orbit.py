@@ -28,7 +28,7 @@ from contwalk.problems.orbit.sampling import crossing, with_extrema
 from contwalk.problems.orbit.section import Reference, Section, better_phase, reference_of, section_at
 from contwalk.problems.orbit.shooting import Curve, Mesh, Shooting, meshed, velocity
 from contwalk.problems.orbit.solution import Solution
-from contwalk.problems.orbit.transport import MOST_GROWTH, closed, moved, recut
+from contwalk.problems.orbit.transport import closed, moved, recut
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed
 from contwalk.system import Neutral, System
@@ -52,9 +52,10 @@ CONSTANT = 1e-5
 MOVES = 1e-2
 # The flow's own multiplier, one, missed by more than this tells nothing of the others.
 UNTOLD = 0.3
-# Growth of deviations over a segment beyond which an orbit is cut into twice as many; what the flow may miss
-# its own velocity by.
-TOO_MUCH, MISSED = 1e6, 1e-3
+# Growth of deviations over a segment beyond which an orbit is cut into twice as many: on the way, and from
+# its start to its end (some times what orbits are cut for when they are begun); what the flow may miss its
+# own velocity by.
+TOO_MUCH, STRETCHED, MISSED = 1e6, 3e4, 1e-3
 # Linearizations and motions that are kept: a step asks for the same ones several times.
 MOST_KEPT = 12
 # A drift this many times what errors of the steps make of zero is one.
@@ -641,7 +642,7 @@ class PeriodicOrbit:
             return True
         variation, factors = self.mesh.variation, np.array(self.factors(jacobian))
         grown = np.linalg.norm(factors / variation[:, None] * variation, axis=(1, 2))
-        return float(np.max(grown)) > MOST_GROWTH
+        return float(np.max(grown)) > STRETCHED
 
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
         """Why the branch ends between two neighbouring orbits, if it does."""

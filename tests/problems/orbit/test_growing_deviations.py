@@ -40,7 +40,7 @@ def test_multipliers_keep_their_digits_while_they_grow():
         problem, [1.0, 0.0, 0.0], range=(0.5, 6.0), period=2.0 * np.pi, direction="forward"
     )
     assert branch.outcome.reason == "bound"
-    assert (segments(branch)[0], segments(branch)[-1]) == (1, 8)
+    assert (segments(branch)[0], segments(branch)[-1]) == (1, 4)
     off = np.abs(branch["max_abs"] / np.exp(2.0 * np.pi * branch["a"]) - 1.0)
     # Local errors of 1e-6 at most, two digits on the safe side, at some fifty steps.
     assert off.max() < 5e-5
@@ -53,7 +53,7 @@ def test_an_orbit_is_a_solution_on_the_segments_that_it_was_cut_into():
         problem, [1.0, 0.0, 0.0], range=(0.5, 6.0), period=2.0 * np.pi, direction="forward"
     )
     assert branch.outcome.reason == "bound"
-    assert segments(branch)[-1] == 8
+    assert segments(branch)[-1] == 4
     assert branch.points["residual"].max() < SOLVED
     # Where Newton's method reaches is what limits a step: cut in time, they are limited by curvature.
     assert len(branch) < 150
