@@ -64,7 +64,7 @@ def walk(
                 record = found_record(problem, found, place.s, sign)
                 yield Point(place, record)
                 number += 1
-                if outcome := _stop(problem, found, record, settings, observer):
+                if outcome := _stop(problem, found, record, settings):
                     place = replace(place, sample=replace(place.sample, unstable=found.after))
                     yield End(outcome, end_record(problem, place, outcome, sign))
                     return
@@ -119,9 +119,7 @@ def _arrived(
     return Here(sample, here.s + sign * step.segment.length, step.next_length)
 
 
-def _stop(
-    problem: Problem, found: Found, record: SpecialPoint, settings: Settings, observer: Observer
-) -> Outcome | None:
+def _stop(problem: Problem, found: Found, record: SpecialPoint, settings: Settings) -> Outcome | None:
     """The end of the branch at a point: at a limit, where it meets its parent, or where a mark has a value of
     `stop_at`.
     """
@@ -136,14 +134,11 @@ def _stop(
         return outcomes.limit(found.label, kind, asked, words)
     if found.located.vectors.get("fallen_back"):
         return outcomes.fallen_back()
-    if found.label != "UZ":
+    if found.mark is None:
         return None
-    for name, values in settings.stop_at.items():
-        here = observer.value(name, found.sample)
-        for value in values:
-            if abs(here - value) <= 1e-9 * max(abs(value), abs(here)) + 1e-12:
-                return outcomes.stop_at(f"{name} = {value:.10g}")
-    return None
+    name, value = found.mark
+    wanted = value in settings.stop_at.get(name, ())
+    return outcomes.stop_at(f"{name} = {value:.10g}") if wanted else None
 
 
 def _effort(problem: Problem) -> tuple[float, int]:

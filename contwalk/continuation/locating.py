@@ -31,6 +31,7 @@ class Found:
     after: int = 0
     kind: str | None = None
     counted: bool = False  # the counts are known already
+    mark: tuple[str, float] | None = None  # what has which marked value there
 
 
 class Disagreement(Exception):

@@ -118,7 +118,7 @@ def _levels(segment: Segment, name: str, level: float, observer: Observer) -> li
         found = narrow(value, 0.0, 1.0, va, vb, attempt) if vb != 0.0 else attempt(1.0, 0.0, 1.0)
     except LostBranch:
         found = None
-    return [] if found is None else [replace(found, kind=kind)]
+    return [] if found is None else [replace(found, kind=kind, mark=(name, level))]
 
 
 def _parameter_at(segment: Segment, value: float, near: Sample) -> Located | None:

@@ -265,7 +265,11 @@ def _ends_at_a_limit(segment: Segment, found: list[Found], settings: Settings) -
 def _smooth(segment: Segment, settings: Settings, observer: Observer, born: bool) -> list[Found]:
     """Bifurcations and marks on a segment; `born`: the branch leaves another one at its beginning."""
     found = bifurcations(segment)
-    stops = tuple(Mark(name, values) for name, values in settings.stop_at.items())
+    known = {(mark.name, value) for mark in settings.marks for value in mark.values}
+    stops = tuple(
+        Mark(name, tuple(v for v in values if (name, v) not in known))
+        for name, values in settings.stop_at.items()
+    )
     turns = [*([0.0] if born else []), *(f.theta for f in found if f.label in ("LP", "BP"))]
     for mark in marked(segment, (*settings.marks, *stops), observer, turns):
         at = [f.theta for f in found if f.label != "UZ" and abs(f.theta - mark.theta) < COINCIDE]

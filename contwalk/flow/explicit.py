@@ -137,6 +137,7 @@ def adaptive(
     weights: Vector,
     method: str = "dop853",
     max_steps: int = 100_000,
+    far_out: bool = False,
 ) -> Path:
     """The path from (t0, x0) to t1, forwards or backwards, in steps whose estimated errors are allowed.
 
@@ -148,6 +149,8 @@ def adaptive(
         Typical magnitudes of the states.
     method : {"dop853", "verner98"}
     max_steps : int
+    far_out : bool
+        Go on where roundings of the state are larger than the tolerance, with errors as small as they allow.
 
     Returns
     -------
@@ -166,7 +169,7 @@ def adaptive(
     memory = call.give(plan.MEMORY, np.zeros(plan.MEMORY_LENGTH))
     counts = call.give(plan.COUNTS, np.zeros(plan.COUNTS_LENGTH, dtype=np.int64))
     memory[0] = t0
-    call.plan[plan.MOST_STEPS] = max_steps
+    call.plan[plan.MOST_STEPS], call.plan[plan.FAR_OUT] = max_steps, far_out
     times, nodes = np.empty(_ROOM + 1), np.empty((_ROOM + 1, call.length))
     times[0], nodes[0] = t0, call.vectors[stages.Y]
     while True:

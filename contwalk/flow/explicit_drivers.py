@@ -83,6 +83,17 @@ def _size(a: Any, scale: Any) -> float:
 
 
 @inlined
+def _rounded(p: Any, tolerance: float) -> float:
+    """Roundings of a step's end, in units of the tolerance: no error below them can be asked for.
+
+    They are far below it unless a motion runs off: towards a pole every step would be refused.
+    """
+    scale = doubles(p[plan.INVERSE_WEIGHTS], p[plan.N])
+    size = _size(doubles(place(p, NEXT), p[plan.N]), scale) / math.sqrt(p[plan.N])
+    return max(1.0, EPSILON * size / tolerance)
+
+
+@inlined
 def _first_length(p: Any, t: float, t1: float, order: float, tolerance: float) -> float:
     """A first step, from the sizes of the first and second derivatives (Hairer, Norsett, Wanner, II.4)."""
     m, scale = p[plan.LENGTH], doubles(p[plan.INVERSE_WEIGHTS], p[plan.LENGTH])
@@ -165,6 +176,8 @@ def accepted_step(p: Any, t1: float, tolerance: float, order: float, stable: flo
             return plan.NOT_FINITE if undefined else plan.STEP_TOO_SMALL
         step(p, t, length)
         error = _error(p, t, length) / tolerance
+        if error > 1.0 and p[plan.FAR_OUT] != 0:
+            error /= _rounded(p, tolerance)
         counts[plan.EVALUATIONS] += p[plan.LAST_STAGE] - FIRST
         accepted = error <= 1.0
         if accepted:

@@ -91,6 +91,7 @@ def choose(
     weights: Sequence[float] | np.ndarray,
     max_steps: int = 100_000,
     carried: Carried | None = None,
+    far_out: bool = False,
 ) -> Choice:
     """The method that does least work on the path from (t0, x0) to t1; arguments as for `adaptive`.
 
@@ -99,7 +100,8 @@ def choose(
     """
 
     def run(method: str, most: float) -> Path:
-        return adaptive(field, c, t0, x0, t1, tolerance, weights, method, int(min(most, max_steps)))
+        most = int(min(most, max_steps))
+        return adaptive(field, c, t0, x0, t1, tolerance, weights, method, most, far_out)
 
     def explicitly(path: Path) -> float:
         return explicit_work(field, path, carried)

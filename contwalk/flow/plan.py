@@ -16,7 +16,9 @@ MOST_STEPS, MEMORY, COUNTS = range(16, 19)
 WHICH, OUT = range(19, 21)
 # Of several paths: addresses of their first vectors, and of the states at all times.
 STARTS, STATES = range(21, 23)
-PLAN_LENGTH = 23
+# For error control: whether a path goes on where roundings of its state are larger than the tolerance.
+FAR_OUT = 23
+PLAN_LENGTH = 24
 
 MEMORY_LENGTH = 4
 STEPS, REJECTED, EVALUATIONS, STIFF = range(4)

@@ -41,6 +41,7 @@ def adaptive(
     weights: Vector,
     method: str = "dop853",
     max_steps: int = 100_000,
+    far_out: bool = False,
 ) -> Path:
     """The path from (t0, x0) to t1, forwards or backwards, in steps whose estimated errors are allowed.
 
@@ -56,13 +57,17 @@ def adaptive(
     method : str
         One of `METHODS`.
     max_steps : int
+    far_out : bool
+        Go on, with an explicit method, where roundings of the state are larger than the tolerance: where a
+        motion runs towards a pole. Else it ends there, one way or another.
 
     Raises
     ------
     ValueError
         If the method is unknown or shapes do not fit.
     """
-    return _family(method).adaptive(field, c, t0, x0, t1, tolerance, weights, method, max_steps)
+    options = {"far_out": True} if far_out and not method.startswith("radau") else {}
+    return _family(method).adaptive(field, c, t0, x0, t1, tolerance, weights, method, max_steps, **options)
 
 
 def along(

@@ -117,3 +117,28 @@ def test_a_branch_that_never_reaches_its_range_turns_back():
     check_branch(branch, problem)
     assert branch["lam"][0] == branch["lam"][-1] == -1.0
     assert [q.label for q in branch.special_points if q.label != "EP"] == ["LP"]
+
+
+def steep(t, x, p, dx):
+    dx[0] = 1e5 * p.lam - x[0]
+
+
+def test_stop_at_a_value_that_is_met_but_for_rounding():
+    """x = 1e5 lam, and an observable that loses eight digits of it: (x + 1e8) - 1e8."""
+    lossy = Observable("lossy", lambda t, x, p: (x[:, 0] + 1e8).max() - 1e8)
+    problem = small_problem(steep, "x", {"lam": 0.0}, "lam", observables=(lossy,))
+    branch = cw.continue_branch(problem, [0.0], (-1.0, 1.0), direction="forward", stop_at={"lossy": (0.7,)})
+    assert branch.outcome.reason == "stop_at"
+    assert branch["lam"][-1] == pytest.approx(0.7e-5, abs=2e-13)
+
+
+def test_a_value_at_which_to_stop_that_is_marked_too_is_one_point():
+    found = cw.continue_branch(
+        _problem(),
+        [0.0],
+        (-1.0, 1.0),
+        direction="forward",
+        stop_at={"lam": (0.5,)},
+        marks={"lam": (0.25, 0.5)},
+    )
+    assert [point.parameters["lam"] for point in labelled(found, "UZ")] == [0.25, 0.5]

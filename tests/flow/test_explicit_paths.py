@@ -224,3 +224,17 @@ def test_arguments_that_do_not_fit_are_refused(oscillation):
         flow.tangents(*oscillation, [0.0, 1.0], [2.0, 0.0], np.eye(2), [0, -1])
     with pytest.raises(ValueError, match="constants"):
         flow.along(oscillation[0], np.empty(9), [0.0, 1.0], [2.0, 0.0])
+
+
+def test_towards_a_pole_errors_below_rounding_are_not_asked_for():
+    """x' = x^2 from 1: x = 1 / (1 - t), at the end 1e7 with roundings of 1e-9.
+
+    A tolerance of 1e-13 for them refuses every step. With `far_out` there are tens of steps a decade; the
+    end is as right as the time that is left, 1e-7, which the errors on the way have moved by some 1e-15.
+    """
+    field = compiled(lambda t, x, p: [x[0] * x[0]], 1)
+    arguments = field, field.constants([]), 0.0, [1.0], 1.0 - 1e-7, 1e-13, [1.0], "verner98"
+    assert flow.adaptive(*arguments, max_steps=3000).status == "too_many_steps"
+    path = flow.adaptive(*arguments, max_steps=3000, far_out=True)
+    assert (path.status, len(path.times) < 600) == ("ok", True)
+    assert path.states[-1, 0] == pytest.approx(1e7, rel=1e-6)

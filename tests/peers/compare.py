@@ -40,10 +40,11 @@ def judge(study: Study, branches: list[Branch]) -> Verdict:
     """Compare the branches of a study's diagram with what is known of it."""
     verdict = Verdict()
     known = (*study.values, *study.real)
+    marks = any(value.label == "UZ" for value in study.values)
     findings: dict[Value, list[tuple[Branch, SpecialPoint]]] = {value: [] for value in known}
     for branch in branches:
         for point in branch.special_points:
-            if point.label not in COMPARED:
+            if point.label not in COMPARED and not (marks and point.label == "UZ"):
                 continue
             value = _meant(branch, point, known)
             if value is None or point.status != "located":

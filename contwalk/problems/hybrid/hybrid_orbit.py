@@ -1138,4 +1138,7 @@ class HybridOrbit:
         if not (self.word.eventful or self.forced):
             return self.passes(b.z, [self.first_state(a.z)])
         there = self.nearest_turn(a.z, b.z)
+        if self.layout.start is not None:  # a whole period later a forced orbit is the same
+            late = (b.z - there)[self.layout.start]
+            there[self.layout.start] += np.round(late / a.period) * a.period
         return bool(np.linalg.norm((there - b.z) / b.weights) < 30.0 * ALIKE)

@@ -267,7 +267,7 @@ def _passed(
         choices = []
         for p, field, c, y, weights in runs:
             carried = Carried(p.field(PLAIN), len(y))
-            choices.append(choose(field, c, 0.0, y, 1.0, tolerance, weights, most, carried))
+            choices.append(choose(field, c, 0.0, y, 1.0, tolerance, weights, most, carried, far_out=True))
             arrived(choices[-1].path)  # where one leg does not, the others are not asked
         stiffest = max(choices, key=lambda choice: choice.stability_limited)
         method, reason = stiffest.method, stiffest.reason
@@ -276,7 +276,7 @@ def _passed(
     else:
         reason = "as the run file says"
     paths = [
-        arrived(flow.adaptive(field, c, 0.0, y, 1.0, tolerance, weights, method, most))
+        arrived(flow.adaptive(field, c, 0.0, y, 1.0, tolerance, weights, method, most, far_out=True))
         for _, field, c, y, weights in runs
     ]
     return paths, method, reason
