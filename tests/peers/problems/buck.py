@@ -45,8 +45,8 @@ SYSTEM = System(
     ),
     modes=(Mode("off", circuit(0.0)), Mode("on", circuit(1.0))),
     transitions=(
-        Transition("switch_on", "off", "on", ramp_above_control, "rising"),
-        Transition("switch_off", "on", "off", ramp_above_control, "falling"),
+        Transition("switch_on", "off", "on", ramp_above_control, "rising", level=True),
+        Transition("switch_off", "on", "off", ramp_above_control, "falling", level=True),
         Transition("tick_on", "on", "off", time_left, reset=tick),
         Transition("tick_off", "off", "off", time_left, reset=tick),
     ),
