@@ -127,8 +127,7 @@ def _changes(segment: Segment, found: Found) -> tuple[int, ...]:
         return (-1, 1) if found.label == "LP" else (-1, 0, 1)
     if found.label == "LP" and not _has_zero(found.sample):
         return (0,)
-    apart = segment.beside(BESIDE)
-    low, high = max(found.theta - apart, 0.0), min(found.theta + apart, 1.0)
+    low, high = max(found.theta - BESIDE, 0.0), min(found.theta + BESIDE, 1.0)
     seen = segment.at(high).unstable - segment.at(low).unstable
     if abs(seen) <= 1:
         return (seen,)

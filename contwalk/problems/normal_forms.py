@@ -133,8 +133,8 @@ def branch_point_coefficients(problem: Equilibrium, located: Located, weights: n
     c11 = float(p @ forms.second(q1, q1))
     c12 = float(p @ forms.second(q1, h1))
     c22 = float(p @ forms.second(h1, h1))
-    c = _cubic(problem, z)
-    c_error = max(abs(_cubic(problem, moved) - c) for moved in _rounded(z, weights))
+    c = _cubic(problem, z, q, p)
+    c_error = max(abs(_cubic(problem, moved, q, p) - c) for moved in _rounded(z, weights))
     # How far the parameter moves while the unknowns move by their typical magnitudes along q, to second and
     # to third order, against its own magnitude.
     reach = 1.0 / float(np.linalg.norm(q / weights[:-1]))
@@ -144,11 +144,10 @@ def branch_point_coefficients(problem: Equilibrium, located: Located, weights: n
     return {"c11": c11, "c12": c12, "c22": c22, "c": c, "c_error": c_error, "q": q}
 
 
-def _cubic(problem: Equilibrium, z: np.ndarray) -> float:
+def _cubic(problem: Equilibrium, z: np.ndarray, q: np.ndarray, p: np.ndarray) -> float:
     """c of the reduced equation along the critical vector, zero where it is nothing against its terms."""
     size, forms = problem.size, _Forms(problem, z)
     matrix = problem.jacobian(z)[:, :size]
-    q, p = critical_vectors(matrix)
     h2 = _bordered(matrix, q, p).solve(np.append(forms.second(q, q), 0.0))[:size]
     cubic, mixed = forms.third(q, q, q), 3.0 * forms.second(q, h2)
     c = float(p @ (cubic - mixed)) / 6.0
