@@ -35,6 +35,10 @@ Path = tuple[Mapping[str, float], Mapping[str, float]]
 
 # A motion this small against its place may be the last of one that comes to rest.
 FAINT = 1e-6
+UNSTABLE = (
+    "The first orbit is unstable, though the simulation was to settle on it: a motion beside it goes "
+    "elsewhere, if slowly."
+)
 ONE_OF_A_FAMILY = (
     "Declare a Neutral direction for each way in which they differ, or begin with an orbit that is alone, "
     "such as one that meets an event."
@@ -76,7 +80,7 @@ def opened_orbit(
         if system.acting:
             lap = lap_from(system, at_start(parameters, path, at), state, mode, event, until)
             explicit = orbit_of(system, parameters, free, lap, path, at, discretization)
-            return _hybrid(*softened(*explicit), settings)
+            return _hybrid(*softened(*explicit), settings, until == "settled")
         faint = False
         if until is not None:
             found = recurrent(system, at_start(parameters, path, at), state, until)
@@ -162,11 +166,13 @@ def opened_word(
         return outcomes.no_start("not_finite", error.sentence)
 
 
-def _hybrid(problem: HybridOrbit, z: np.ndarray, settings: Settings) -> Opening | Outcome:
-    """The orbit of a simulated lap, corrected."""
+def _hybrid(
+    problem: HybridOrbit, z: np.ndarray, settings: Settings, settled: bool = False
+) -> Opening | Outcome:
+    """The orbit of a simulated lap, corrected; `settled`: the motion has settled on it."""
     word = folded(problem.signature) or "no events"
     try:
-        with problem.effort.of_start(problem.cost):
+        with problem.effort.of_start(problem.cost, settled):
             here = begin(problem, z, settings)
     except StartError as error:
         return outcomes.refused(f"{error.sentence} (word: {word})", error.remedy)
@@ -180,7 +186,7 @@ def _hybrid(problem: HybridOrbit, z: np.ndarray, settings: Settings) -> Opening 
         return _collapsed(problem, here.sample.z, collapsed, word)
     shorter, z = least(problem, here.sample.z)
     if shorter is not problem:  # it was looked at for longer than its period, or than half of it
-        return _hybrid(shorter, z, settings)
+        return _hybrid(shorter, z, settings, settled)
     try:
         adapted, sample = problem.adapted(here.sample)
     except np.linalg.LinAlgError:
@@ -196,6 +202,8 @@ def _hybrid(problem: HybridOrbit, z: np.ndarray, settings: Settings) -> Opening 
     )
     lost = [problem.limits[k].name for k in np.flatnonzero(sample.margins < -NO_MARGIN)]
     message = unused_symmetries(problem, here.sample.z)
+    if settled and sample.unstable:
+        message = f"{message} {UNSTABLE}".strip()
     if lost:
         names = ", ".join(f"'{name}'" for name in dict.fromkeys(lost))
         message = f"{message} The first orbit is not admissible: {names}.".strip()

@@ -19,6 +19,7 @@ class Effort:
     def __init__(self) -> None:
         self.spent = 0
         self._allowed = np.inf
+        self._remedy = ""
 
     def spend(self, evaluations: int) -> None:
         """Count some right-hand sides.
@@ -34,14 +35,23 @@ class Effort:
                 "Newton's method has used as many right-hand sides as "
                 f"{START} corrections of the first guess would take, and found no orbit: it tries motions "
                 "that are far from the guess, and take very many steps.",
-                "Let the motion settle first (until: settled), start from the state of a stored orbit at a "
-                "parameter near by, or set engine.method if you know that the machine is not stiff.",
+                f"{self._remedy} the state of a stored orbit at a parameter near by, or set engine.method if "
+                "you know that the machine is not stiff.",
             )
 
     @contextmanager
-    def of_start(self, guess: int) -> Iterator[None]:
-        """Bound what is spent within; `guess`: right-hand sides of the equations at the first guess."""
+    def of_start(self, guess: int, settled: bool = False) -> Iterator[None]:
+        """Bound what is spent within.
+
+        Parameters
+        ----------
+        guess : int
+            Right-hand sides of the equations at the first guess.
+        settled : bool
+            Whether the guess is what a motion has settled on.
+        """
         self._allowed = self.spent + START * guess
+        self._remedy = "Start from" if settled else "Let the motion settle first (until: settled), start from"
         try:
             yield
         finally:

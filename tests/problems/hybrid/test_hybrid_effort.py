@@ -41,6 +41,9 @@ def test_a_start_that_costs_too_much_ends_with_what_was_tried_and_what_to_do(mon
     assert "far from the guess" in found.message
     assert "until: settled" in found.message
     assert "(word: " in found.message
+    settled = opened(block(), "beta", **start(), until="settled")
+    assert "far from the guess" in settled.message
+    assert "until: settled" not in settled.message
 
 
 def test_a_usual_start_costs_far_less_than_it_may() -> None:

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from hybrid_runs import machine
 
+from contwalk.continuation.opening_orbits import opened_orbit
+from contwalk.continuation.settings import Settings
 from contwalk.errors import StartError
 from contwalk.problems.hybrid import beginning
 from contwalk.problems.hybrid.beginning import lap_from
@@ -67,6 +69,16 @@ def test_a_motion_that_takes_more_than_a_thousand_events_to_settle_is_found(unti
     assert lap.word.signature(CLOCK) == ("tick",)
     assert lap.stretches[0].start > 1000.0
     assert abs(lap.stretches[0].state[1] - 1.0) < 2e-3  # 0.995^1242
+
+
+@pytest.mark.parametrize(("rate", "told"), [(1.00001, True), (0.99, False)])
+def test_an_orbit_that_is_unstable_though_the_motion_was_to_settle_is_told(rate, told):
+    """From 1.001 it leaves y = 1 by 1e-8 in each lap: for a simulation it has settled."""
+    values = {"rate": rate, "goal": 1.0}
+    settings = Settings(range=(0.5, 2.0))
+    opening = opened_orbit(CLOCK, values, "goal", np.array([0.0, 1.001]), settings, until="settled")
+    assert opening.here.sample.z[1] == pytest.approx(1.0, rel=1e-9)
+    assert ("unstable, though the simulation was to settle" in opening.message) == told
 
 
 def logistic(t, x, p, after):
