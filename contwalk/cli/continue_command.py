@@ -71,7 +71,7 @@ def command(
             return error.exit_code
     if not quiet:
         _print(run_file, result, reporter.notes)
-    failed = _failures(result.branches, strict, told=not quiet)
+    failed = _failures(result.branches, strict)
     if result.interrupted:
         return _interrupted(again, terminated)
     return 1 if failed else 0
@@ -84,19 +84,19 @@ def _print(run_file: RunFile, result: RunResult, notes: Sequence[str]) -> None:
 
     out = console()
     units = units_of(run_file.system)
-    print_branches(out, run_file.system.name, run_file.model, result.branches, result.branches, units)
+    every = result.branches
+    print_branches(out, run_file.system.name, run_file.model, every, every, units, errors_follow=True)
     print_notes(out, notes)
     print_where(out, result.path, result.figures, result.branches)
 
 
-def _failures(branches: Sequence[Branch], strict: bool, told: bool) -> bool:
-    """Say on stderr what failed; whether anything did. `told`: the summary says why."""
+def _failures(branches: Sequence[Branch], strict: bool) -> bool:
+    """Say on stderr what failed; whether anything did."""
     from contwalk.cli.entry import say
 
     failed = [branch for branch in branches if branch.outcome.status == "failed"]
     for branch in failed:
-        why = ", the summary says why" if told else f": {branch.outcome.message}"
-        say(f"error: branch {branch.name} failed ({branch.outcome.reason}){why}")
+        say(f"error: branch {branch.name} failed ({branch.outcome.reason}): {branch.outcome.message}")
     unlocated = [
         f"{branch.name}/{point.name}"
         for branch in branches

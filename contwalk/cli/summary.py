@@ -26,14 +26,18 @@ def print_branches(
     branches: Sequence[Branch],
     among: Sequence[Branch],
     units: Mapping[str, str],
+    errors_follow: bool = False,
 ) -> None:
-    """Each of `branches`. Parameters that differ among all branches of the run (`among`) are named."""
+    """Each of `branches`. Parameters that differ among all branches of the run (`among`) are named.
+
+    `errors_follow`: why a start failed is told in full after this.
+    """
     chosen = choices(model)
     line(out, system + (f" ({chosen})" if chosen else ""), style="bold")
     fixed = differing(among)
     for branch in branches:
         out.print()
-        _print_branch(out, branch, among, fixed, with_unit("period", units))
+        _print_branch(out, branch, among, fixed, with_unit("period", units), errors_follow)
     if not branches:
         line(out, "There are no branches.")
 
@@ -64,7 +68,12 @@ def print_where(out: Console, database: Path, figures: Sequence[Path], branches:
 
 
 def _print_branch(
-    out: Console, branch: Branch, among: Sequence[Branch], fixed: Sequence[str], time: str
+    out: Console,
+    branch: Branch,
+    among: Sequence[Branch],
+    fixed: Sequence[str],
+    time: str,
+    errors_follow: bool,
 ) -> None:
     info, outcome = branch.info, branch.outcome
     words = [info.problem.replace("_", " ")]
@@ -87,7 +96,9 @@ def _print_branch(
     if shown:
         line(out, ", ".join(f"{name} = {info.parameters[name]!r}" for name in shown), indent=4)
     style = "red" if outcome.status == "failed" else ""
-    line(out, f"{outcome.status} ({outcome.reason}): {outcome.message}", indent=4, style=style)
+    told_later = errors_follow and outcome.status == "failed" and not len(branch)
+    said = "see the error below" if told_later else outcome.message
+    line(out, f"{outcome.status} ({outcome.reason}): {said}", indent=4, style=style)
     _print_special(out, branch)
 
 

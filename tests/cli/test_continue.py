@@ -124,9 +124,11 @@ def test_a_failed_start_is_told_once_and_recommends_nothing(contwalk, folder):
     )
     done = contwalk("continue", "run.yaml", "--set", "start={state: {x: 0, y: 1.25}}")
     assert done.code == 1
-    assert "The start fails: " in " ".join(done.out.split())
-    assert done.err == "error: branch b1 failed (not_finite), the summary says why\n"
+    assert done.err.startswith("error: branch b1 failed (not_finite): The start fails: ")
+    assert "failed (not_finite): see the error below" in done.out
+    assert "The start fails" not in done.out
     assert "next:" not in done.out
+    assert "The start fails" in " ".join(contwalk("show", "fork.h5").out.split())
 
 
 class Interrupting(progress.NoteKeeper):
