@@ -29,6 +29,7 @@ from contwalk.branch import SpecialPoint
 from contwalk.errors import StartError
 from contwalk.problems.hybrid.shooting import Piece
 from contwalk.problems.hybrid.view import LegView
+from contwalk.problems.hybrid.word import imaged_leg
 from contwalk.problems.orbit import augmented
 from contwalk.problems.orbit.motion import PLAIN
 from contwalk.problems.problem import NO_MARGIN, Located, Sample
@@ -518,13 +519,18 @@ def _vanishes(problem: HybridOrbit, limit: Limit, z: np.ndarray) -> bool:
 def collapses(problem: HybridOrbit, i: int) -> bool:
     """Whether leg i is passed in no time where it does not last: its guard acts at entry, and moves there.
 
-    One that has led into the leg as well is zero there, whatever the orbit.
+    One that has led into the leg as well is zero there, whatever the orbit; and one that acts in the leg
+    before, too, happens earlier than what ends that one.
     """
-    leg = problem.word.legs[i]
-    if leg.transition is None or not leg.transition.level:
+    leg, word, system = problem.word.legs[i], problem.word, problem.system
+    own = leg.transition
+    if own is None or not own.level:
         return False
-    before = problem.word.leading_in(problem.system, i)
-    return leg.name not in problem.system.left_at_zero(before, leg.mode)
+    before = word.legs[i - 1]
+    if i == 0 and word.image:
+        before = imaged_leg(system, word.image, before)
+    armed = any(t.guard is own.guard or t.name == own.name for t in system.leaving(before.mode))
+    return not armed and leg.name not in system.left_at_zero(before.name, leg.mode)
 
 
 def _vanishing(problem: HybridOrbit, which: int, limit: Limit, sample: Sample) -> augmented.Augmented:
