@@ -314,9 +314,7 @@ class TestShortLegs:
         [
             1e-3,
             1e-6,
-            pytest.param(
-                1e-9, marks=pytest.mark.xfail(strict=True, reason="too many steps: see the bug list")
-            ),
+            1e-9,
         ],
     )
     def test_a_contact(self, duration):
