@@ -245,7 +245,10 @@ class _Watch:
         if abs(float(self.values[0])) < ZERO * self.scale:
             return np.inf, 0.0
         tops = [(at, value) for j, at, value in self.turns(1.0) if (j, at) < (k, time)]
-        return (tops[-1][1], tops[-1][0]) if tops else (float(self.values[0]), 0.0)
+        if tops:
+            return tops[-1][1], tops[-1][0]
+        # What goes on from the leg before, or from the end of an orbit without events, has come down there.
+        return np.inf if self.opens and self.known else float(self.values[0]), 0.0
 
 
 def margins(problem: HybridOrbit, z: np.ndarray) -> Margins:
