@@ -106,6 +106,7 @@ def lap_from(
     time: float = 0.0,
     after: str | None = None,
     least: float = 0.0,
+    longest: float = np.inf,
 ) -> Lap:
     """One lap of the orbit that a motion leads to.
 
@@ -119,6 +120,8 @@ def lap_from(
         The state is the one right after this transition.
     least : float
         Seconds that a lap lasts at least.
+    longest : float
+        Seconds after which the search for one ends.
     until : float, "settled" or None
         Seconds to simulate before looking for a return; `settled` waits until returns agree closely; None
         takes the first that comes near: the state is on an orbit, perhaps an unstable one.
@@ -144,7 +147,7 @@ def lap_from(
     search.origin = x
     if after is None:
         search.note = past_zero(machine, time, x, mode, search.weights(x))
-    for arc in _motion(machine, time, x, mode, after, search):
+    for arc in _motion(machine, time, x, mode, after, search, time + longest):
         lap = search.add(arc)
         if lap is not None:
             return lap
@@ -152,16 +155,22 @@ def lap_from(
 
 
 def _motion(
-    machine: HybridMachine, t: float, x: np.ndarray, mode: str, last: str | None, search: _Search
+    machine: HybridMachine,
+    t: float,
+    x: np.ndarray,
+    mode: str,
+    last: str | None,
+    search: _Search,
+    end: float,
 ) -> Iterator[Arc]:
-    """Arcs of the motion, in stretches short enough to notice that nothing happens.
+    """Arcs of the motion until `end`, in stretches short enough to notice that nothing happens.
 
     A stretch ends between events: right after one, a new start would not know what of a guard is rounding.
     """
     quiet = 0
     while True:
         weights = search.weights(x)
-        length = search.stretch(machine, t, x, mode, weights)
+        length = min(search.stretch(machine, t, x, mode, weights), end - t)
         for arc in arcs(machine, t, x, mode, t + length, TOLERANCE, weights, just_after=last):
             yield arc
             search.check_moves(machine, arc)
@@ -175,7 +184,7 @@ def _motion(
                 assert arc.after is not None
                 quiet, x, last = 0, arc.after, arc.transition
                 mode = machine.transition(arc.transition, arc.mode).target
-        if not search.waits(quiet):
+        if t >= end or not search.waits(quiet):
             return
 
 

@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 STEPS = (1e-3, 1e-4, 1e-5, 1e-2)
 # What returns sooner than in this part of the orbit's closure is no orbit like it.
 SHORTEST = 0.8
+# What has not come back after so many closures is no orbit near it: a walker that has fallen, for example.
+LONGEST = 20.0
 
 
 def seeds(problem: HybridOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
@@ -79,6 +81,7 @@ def _simulated(problem: HybridOrbit, guess: np.ndarray, outward: np.ndarray, lab
         time=time,
         after=event or None,
         least=SHORTEST * problem.duration(guess),
+        longest=LONGEST * problem.duration(guess),
     )
     lasted = sum(stretch.duration for stretch in lap.stretches)
     if _alike(word, lap.word, round(lasted / problem.duration(guess))):
