@@ -11,7 +11,8 @@ from pathlib import Path
 
 from tools.mutants.sites import Mutant
 
-# What every test needs, loaded once; contwalk itself is imported anew by every trial.
+# What every test needs, loaded once; contwalk itself is imported anew by every trial. Not hypothesis: pytest
+# warns of its own plugins that were imported before it, and warnings are errors.
 LIBRARIES = (
     "numpy",
     "scipy.integrate",
@@ -25,7 +26,6 @@ LIBRARIES = (
     "pytest",
     "rich.console",
     "ruamel.yaml",
-    "hypothesis",
 )
 # A trial may take so many times what its tests took, and so many seconds more: code that is compiled anew.
 PATIENCE, START = 4.0, 60.0
