@@ -17,6 +17,7 @@ from contwalk.flow import hybrid_plan as told
 from contwalk.flow.arc import Arc, far
 from contwalk.flow.hybrid import arcs
 from contwalk.flow.hybrid_machine import HybridMachine, applied
+from contwalk.flow.past_zero import past_zero
 from contwalk.flow.saltation import saltation
 from contwalk.flow.verbs import tangents
 from contwalk.flow.walk import METHOD, Walk
@@ -178,6 +179,8 @@ class StepMap:
             for arc in motion:
                 columns = self._along(arc, columns)
                 if arc.transition is None or arc.after is None:
+                    if not word:  # nothing has happened: perhaps the start is past its guard
+                        past_zero(self.machine, t, x, mode, self.weights)
                     raise NotFinite(_ended(arc, len(word), self.events), "Start elsewhere.")
                 happening = self.machine.transition(arc.transition, arc.mode)
                 matrix, own = saltation(self.machine, happening, float(arc.times[-1]), arc.states[-1])

@@ -287,7 +287,10 @@ def test_symmetry_half_a_period_later(tmp_path):
         '    period=period, symmetries=(Symmetry("turned", "spatial", turned),),',
     )
     source = broken(source, "System, Transition", "Symmetry, System, Transition")
-    assert troubles(checked(tmp_path, source)) == []
+    # Its field is symmetric; one stop on one side is not, and that is all there is to say.
+    (found,) = troubles(checked(tmp_path, source))
+    assert (found.level, found.what) == ("warning", "symmetry 'turned'")
+    assert "does not take transition 'impact' to itself" in found.sentence
 
 
 # A start of the forced plugin. Under force it is in balance at t = 0 for q = force, but not later.
