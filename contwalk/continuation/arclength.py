@@ -69,10 +69,6 @@ def walk(
                     yield End(outcome, end_record(problem, place, outcome, sign))
                     return
             here = _arrived(problem, step, here, sign, settings, before)
-            if here.at_bound(settings):  # no step follows: on new steps the parameter might leave the bound
-                yield Point(here)
-                outcome = outcomes.bound(observer.parameter, here.sample.parameter)
-                break
             try:
                 problem, sample = adapted(problem, here.sample)
             except (NotFinite, np.linalg.LinAlgError):

@@ -24,6 +24,8 @@ PARTS = 16
 MOST_SEGMENTS = 24
 # Residuals this many times above their error still count as solved, as of any point; how many corrections.
 CLOSED, MOST_CORRECTIONS = 20.0, 8
+# With this share of the parameter in the tangent, in the metric, an orbit is one of its own at its parameter.
+STEEP = 0.1
 
 
 def carried_to(
@@ -143,12 +145,14 @@ def closed(problem: PeriodicOrbit, rough: Sample) -> tuple[PeriodicOrbit, Sample
     """The orbit corrected on the steps that it was cut or moved to; None where that does not converge.
 
     Where deviations grow, what was a solution on other steps is none on these: its gap is the error of both,
-    times the growth.
+    times the growth. The parameter stays, as at an end of its range it must, unless the branch turns there.
     """
     linearization = problem.linearize(rough.z)
     if linearization.finite and linearization.excess <= CLOSED:
         return problem, rough
-    normal, z, before = rough.tangent / rough.weights**2, rough.z, np.inf
+    along, z, before = rough.tangent / rough.weights**2, rough.z, np.inf
+    held = abs(rough.tangent[-1] / rough.weights[-1]) > STEEP
+    normal = np.append(np.zeros(len(z) - 1), 1.0 / rough.weights[-1]) if held else along
     for _ in range(MOST_CORRECTIONS):
         if not linearization.finite:
             return None
@@ -161,12 +165,14 @@ def closed(problem: PeriodicOrbit, rough: Sample) -> tuple[PeriodicOrbit, Sample
         if size > before:
             return None
         z, before = z - step, size
+        if held:
+            z[-1] = rough.z[-1]
         linearization = problem.linearize(z)
         if linearization.finite and linearization.excess <= 2.0:
             break
     if not (linearization.finite and linearization.excess <= CLOSED):
         return None
-    tangent = linearization.tangent(normal, rough.weights)
+    tangent = linearization.tangent(along, rough.weights)
     again = problem.examine(z, tangent, rough.weights, linearization, rough.unstable)
     return problem, replace(again, iterations=rough.iterations)
 
