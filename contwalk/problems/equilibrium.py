@@ -13,6 +13,7 @@ from contwalk.fields.blame import first_not_finite
 from contwalk.fields.kernel import Kernel
 from contwalk.problems import defining, vertical
 from contwalk.problems import neutral as neutrals
+from contwalk.problems.angles import whole_turns
 from contwalk.problems.description import described
 from contwalk.problems.equations import equations_of
 from contwalk.problems.linear import Factored
@@ -408,8 +409,7 @@ class Equilibrium:
 
     def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
         """The same solution with its angles turned as near as possible to those of another one."""
-        turns = np.divide(near - z, self.periods, out=np.zeros(len(z)), where=self.periods > 0.0)
-        return z + np.round(turns) * self.periods
+        return z + whole_turns(near - z, self.periods)
 
     def image(self, symmetry: str, z: np.ndarray) -> np.ndarray:
         """Image of a solution under a declared symmetry."""

@@ -18,6 +18,7 @@ from contwalk.flow.hybrid_scales import magnitudes
 from contwalk.flow.on_guard import check_on_guard
 from contwalk.flow.past_zero import past_zero
 from contwalk.flow.walk import METHOD
+from contwalk.problems.angles import whole_turns
 from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.mirrors import Span, carries
@@ -388,8 +389,7 @@ class _Search:
             ]
         )
         apart = arrival.after - np.array([first.state for first in recent])
-        turned = self.turns > 0.0
-        apart[:, turned] -= np.round(apart[:, turned] / self.turns[turned]) * self.turns[turned]
+        apart = apart - whole_turns(apart, self.turns)
         if self.neutral:
             for k in np.flatnonzero(alike):
                 along = families.directions(self.system, self.neutral, recent[k].state, self.parameters)
@@ -664,5 +664,4 @@ def _drifting(
 def _turns(system: System, lap: Lap) -> np.ndarray:
     """What angles grow by in a closure, in whole periods."""
     own = np.array([s.period or 0.0 for s in system.states])
-    apart = lap.returned - lap.stretches[0].state
-    return np.round(np.divide(apart, own, out=np.zeros_like(apart), where=own > 0.0)) * own
+    return whole_turns(lap.returned - lap.stretches[0].state, own)

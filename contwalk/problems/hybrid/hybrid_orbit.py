@@ -15,6 +15,7 @@ from contwalk.branch import Outcome, SpecialPoint
 from contwalk.errors import NotFinite
 from contwalk.memory import remembered, unowned
 from contwalk.problems import neutral as neutrals
+from contwalk.problems.angles import whole_turns
 from contwalk.problems.hybrid import (
     condensed,
     families,
@@ -1081,10 +1082,14 @@ class HybridOrbit:
         return limits.sentence(self, label, located, sample)
 
     def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
-        """The same solution with its angles turned as near as possible to those of another one."""
+        """The same solution with its angles turned as near as possible to those of another one.
+
+        Of a forced orbit the instant at which it begins counts modulo its period, as an angle does.
+        """
         periods = self.periods
-        turns = np.divide(near - z, periods, out=np.zeros(len(z)), where=periods > 0.0)
-        return z + np.round(turns) * periods
+        if self.layout.start is not None:
+            periods[self.layout.start] = self.rounds * self.duration(z)
+        return z + whole_turns(near - z, periods)
 
     def seeds(self, point: SpecialPoint) -> Sequence[Seed]:
         """The branches that leave a special point."""
@@ -1123,8 +1128,7 @@ class HybridOrbit:
             start = passage.full(z[place])
             for x in points:
                 apart = x - start
-                turned = periods > 0.0
-                apart[turned] -= np.round(apart[turned] / periods[turned]) * periods[turned]
+                apart = apart - whole_turns(apart, periods)
                 along = families.directions(self.system, self.pins, start, self.values_of(z))
                 apart = families.across(apart, along, self.mesh.variation)
                 if float(np.linalg.norm(apart / self.mesh.variation)) < 30.0 * ALIKE:
@@ -1138,7 +1142,4 @@ class HybridOrbit:
         if not (self.word.eventful or self.forced):
             return self.passes(b.z, [self.first_state(a.z)])
         there = self.nearest_turn(a.z, b.z)
-        if self.layout.start is not None:  # a whole period later a forced orbit is the same
-            late = (b.z - there)[self.layout.start]
-            there[self.layout.start] += np.round(late / a.period) * a.period
         return bool(np.linalg.norm((there - b.z) / b.weights) < 30.0 * ALIKE)

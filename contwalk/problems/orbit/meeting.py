@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
+from contwalk.problems.angles import whole_turns
+
 
 def distance(curve: np.ndarray, x: np.ndarray, periods: np.ndarray, scale: np.ndarray) -> float:
     """How far a state is from a curve of states, (k, n), across it, in units of `scale`.
 
     Angles, of which the `periods` are positive, count modulo these.
     """
-    apart, turned = x - curve, periods > 0.0
-    apart[:, turned] -= np.round(apart[:, turned] / periods[turned]) * periods[turned]
-    apart = apart / scale
+    apart = x - curve
+    apart = (apart - whole_turns(apart, periods)) / scale
     k = int(np.argmin(np.linalg.norm(apart, axis=1)))
     if len(curve) < 3:
         return float(np.linalg.norm(apart[k]))

@@ -14,6 +14,7 @@ from contwalk.branch import Outcome, SpecialPoint
 from contwalk.errors import called, measured
 from contwalk.memory import remembered, unowned
 from contwalk.problems import neutral as neutrals
+from contwalk.problems.angles import whole_turns
 from contwalk.problems.linear import EPSILON, Factored
 from contwalk.problems.orbit import augmented, branching, describing, ending, rates, switching
 from contwalk.problems.orbit.closure import Closure
@@ -907,9 +908,7 @@ class PeriodicOrbit:
 
     def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
         """The same solution with its angles turned as near as possible to those of another one."""
-        periods = self.periods
-        turns = np.divide(near - z, periods, out=np.zeros(len(z)), where=periods > 0.0)
-        return z + np.round(turns) * periods
+        return z + whole_turns(near - z, self.periods)
 
     def seeds(self, point: SpecialPoint) -> Sequence[Seed]:
         """The branches that leave a special point."""

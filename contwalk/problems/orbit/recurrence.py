@@ -10,6 +10,7 @@ import numpy as np
 from contwalk import flow
 from contwalk.errors import NotFinite, StartError, called
 from contwalk.flow.method import Choice, choose
+from contwalk.problems.angles import whole_turns
 from contwalk.problems.orbit.motion import PLAIN, motion_of
 from contwalk.system import System
 from contwalk.system.declarations import ParameterValues
@@ -224,10 +225,7 @@ def _crossing(
 
 def _turned(apart: np.ndarray, turns: np.ndarray) -> np.ndarray:
     """Differences with angles reduced to less than half a turn."""
-    apart = apart.copy()
-    angles = turns > 0.0
-    apart[..., angles] -= np.round(apart[..., angles] / turns[angles]) * turns[angles]
-    return apart
+    return apart - whole_turns(apart, turns)
 
 
 def _distance(x: np.ndarray, y: np.ndarray, scale: np.ndarray, turns: np.ndarray) -> float:
