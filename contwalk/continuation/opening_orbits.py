@@ -15,9 +15,10 @@ from contwalk.continuation.newton import Correction
 from contwalk.continuation.opening import Opening, opened
 from contwalk.continuation.settings import Settings
 from contwalk.errors import NotFinite, PluginError, StartError
-from contwalk.problems.hybrid.beginning import at_start, lap_from, orbit_of
+from contwalk.problems.hybrid.beginning import at_start, orbit_of
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.least import least, unused_symmetries
+from contwalk.problems.hybrid.recurrence import lap_from
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit, applies, softened
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.hybrid.word import named_word

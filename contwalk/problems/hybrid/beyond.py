@@ -64,7 +64,8 @@ def _simulated(problem: HybridOrbit, guess: np.ndarray, outward: np.ndarray, lab
     ContwalkError
         If it does not come back, or its orbit is not the machine's.
     """
-    from contwalk.problems.hybrid.beginning import lap_from, orbit_of
+    from contwalk.problems.hybrid.beginning import orbit_of
+    from contwalk.problems.hybrid.recurrence import lap_from
 
     values = problem.values_of(guess)
     x = problem.passages[0].full(problem.layout.inputs(0, guess)[0])

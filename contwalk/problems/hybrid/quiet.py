@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contwalk import flow
 from contwalk.flow.hybrid import Arc, hybrid_machine
+from contwalk.problems.hybrid.lap import Lap
 from contwalk.problems.hybrid.mirrors import Span
 from contwalk.problems.hybrid.word import Leg
 from contwalk.system import System
-
-if TYPE_CHECKING:
-    from contwalk.problems.hybrid.beginning import Lap
 
 RETURNED, NEARLY = 1e-5, 0.2
 
@@ -29,8 +26,6 @@ def strobes(
     first : bool
         The first near return will do: the motion began on an orbit.
     """
-    from contwalk.problems.hybrid.beginning import Lap
-
     machine = hybrid_machine(system, parameters)
     mode = machine.mode(arc.mode)
     begin, end = float(arc.times[0]), float(arc.times[-1])

@@ -7,8 +7,8 @@ from hybrid_runs import machine
 from contwalk.continuation.opening_orbits import opened_orbit
 from contwalk.continuation.settings import Settings
 from contwalk.errors import StartError
-from contwalk.problems.hybrid import beginning
-from contwalk.problems.hybrid.beginning import lap_from
+from contwalk.problems.hybrid import recurrence
+from contwalk.problems.hybrid.recurrence import lap_from
 from contwalk.system import Transition
 
 
@@ -97,13 +97,13 @@ CHAOS = machine(
 
 def test_an_irregular_motion_that_comes_near_to_where_it_was_has_not_settled(monkeypatch):
     # Among 1400 values in an interval, each with the 64 before it, some pairs are nearer than 1e-5.
-    monkeypatch.setattr(beginning, "MOST_STEPS", 50_000)
+    monkeypatch.setattr(recurrence, "MOST_STEPS", 50_000)
     with pytest.raises(StartError, match="not periodic"):
         lap_from(CHAOS, {"rate": 3.9}, np.array([0.0, 0.3]))
 
 
 def test_a_search_that_is_given_up_says_how_long_it_has_looked(monkeypatch):
-    monkeypatch.setattr(beginning, "MOST_STEPS", 2000)
+    monkeypatch.setattr(recurrence, "MOST_STEPS", 2000)
     with pytest.raises(StartError, match=r"given up after \d+ events and \d+ steps at t = ") as raised:
         lap_from(CHAOS, {"rate": 3.9}, np.array([0.0, 0.3]))
     assert "nearest return missed by" in raised.value.sentence
@@ -111,7 +111,7 @@ def test_a_search_that_is_given_up_says_how_long_it_has_looked(monkeypatch):
     # What passes before the time that was asked for does not count.
     with pytest.raises(StartError, match=r"after 67 events .* at t = 167\b"):
         lap_from(CHAOS, {"rate": 3.9}, np.array([0.0, 0.3]), until=100.0)
-    monkeypatch.setattr(beginning, "BEFORE", 1)
+    monkeypatch.setattr(recurrence, "BEFORE", 1)
     with pytest.raises(StartError, match="more than may pass before until") as raised:
         lap_from(CHAOS, {"rate": 3.9}, np.array([0.0, 0.3]), until=1e6)
     assert "until: SECONDS" not in raised.value.remedy

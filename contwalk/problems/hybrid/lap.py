@@ -1,0 +1,31 @@
+"""A motion that comes back, cut into legs by its events."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contwalk.problems.hybrid.mirrors import Span
+from contwalk.problems.hybrid.word import Word
+
+
+@dataclass(frozen=True, eq=False)
+class Lap:
+    """A motion that (nearly) comes back, or comes to the image of where it was.
+
+    `magnitudes` are the largest of each state; `returned` is the state after the last event and
+    the image, `origin` the one that the motion began with.
+    """
+
+    stretches: tuple[Span, ...]
+    magnitudes: np.ndarray
+    missed: float
+    returned: np.ndarray
+    image: str = ""
+    origin: np.ndarray | None = None
+
+    @property
+    def word(self) -> Word:
+        """The word that was read off."""
+        return Word(tuple(stretch.leg for stretch in self.stretches), self.image)
