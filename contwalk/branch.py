@@ -200,8 +200,6 @@ class Branch:
             return self.points[name]
         if name in self.info.parameters:
             return np.full(len(self), self.info.parameters[name])
-        if name in self._spectral():
-            return self._spectral()[name]
         columns = self.columns()
         if name in columns:
             return columns[name]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,16 @@ class Settings:
     marks: tuple[Mark, ...] = ()
     stop_at: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     events: Mapping[str, str] = field(default_factory=lambda: {"GR": "stop", "OC": "switch", "AZ": "ignore"})
+
+    @cached_property
+    def sought(self) -> tuple[Mark, ...]:
+        """All marks that a walk looks for: those asked for, and of `stop_at` what is not among them."""
+        known = {(mark.name, value) for mark in self.marks for value in mark.values}
+        stops = (
+            Mark(name, tuple(value for value in values if (name, value) not in known))
+            for name, values in self.stop_at.items()
+        )
+        return (*self.marks, *stops)
 
     @property
     def width(self) -> float:

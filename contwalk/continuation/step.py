@@ -14,7 +14,7 @@ from contwalk.continuation.locating import Disagreement, Found, passes_through
 from contwalk.continuation.marks import Observer, marked
 from contwalk.continuation.newton import Correction, correct
 from contwalk.continuation.segment import LostBranch, Segment
-from contwalk.continuation.settings import Mark, Settings
+from contwalk.continuation.settings import Settings
 from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.problem import Linearization, Located, Problem, Sample
 
@@ -265,13 +265,8 @@ def _ends_at_a_limit(segment: Segment, found: list[Found], settings: Settings) -
 def _smooth(segment: Segment, settings: Settings, observer: Observer, born: bool) -> list[Found]:
     """Bifurcations and marks on a segment; `born`: the branch leaves another one at its beginning."""
     found = bifurcations(segment)
-    known = {(mark.name, value) for mark in settings.marks for value in mark.values}
-    stops = tuple(
-        Mark(name, tuple(v for v in values if (name, v) not in known))
-        for name, values in settings.stop_at.items()
-    )
     turns = [*([0.0] if born else []), *(f.theta for f in found if f.label in ("LP", "BP"))]
-    for mark in marked(segment, (*settings.marks, *stops), observer, turns):
+    for mark in marked(segment, settings.sought, observer, turns):
         at = [f.theta for f in found if f.label != "UZ" and abs(f.theta - mark.theta) < COINCIDE]
         found.append(replace(mark, theta=at[0]) if at else mark)
     return found

@@ -293,7 +293,7 @@ class _Recorder:
         """Say which observables of the plugin are no numbers at some points."""
         for observable in self._observables:
             name = observable.name
-            lacking = ~np.isfinite(branch.points["observables"][:, branch.info.observables.index(name)])
+            lacking = ~np.isfinite(branch[name])
             # One that belongs to an event is nowhere a number on a branch that does not have the event.
             if not np.any(lacking) or (np.all(lacking) and observable.at is not None):
                 continue

@@ -435,11 +435,8 @@ class _Search:
 
     def _strobed(self, arc: Arc) -> Lap | None:
         """An orbit without events: of a forced system, the motion is the same again after some periods."""
-        if not self.period:
+        if not (self.period and self.looking):
             return None
-        if not self.looking:
-            return None
-
         scale = self.weights(arc.states[-1])
         return strobes(self.system, self.parameters, arc, self.period, scale, self.until is None)
 
