@@ -19,11 +19,31 @@ LIMIT = re.compile(r"= (\S+) \+- (\S+?),? ")
 NEAR = 1e-3
 
 
+@dataclass(frozen=True)
+class Met:
+    """A found point that is a known value: where it is, and its claimed error."""
+
+    value: Value
+    there: float
+    error: float | None
+
+    @property
+    def off(self) -> float:
+        """How far it is from the known value."""
+        return abs(self.there - self.value.value)
+
+    @property
+    def covered(self) -> bool:
+        """Whether that is below the claimed error, plus the doubt of the known value."""
+        return self.error is not None and self.off <= self.error + self.value.doubt
+
+
 @dataclass
 class Verdict:
     """What a diagram has of what is known."""
 
     found: int = 0
+    met: list[Met] = field(default_factory=list)
     missed: list[str] = field(default_factory=list)
     extra: list[str] = field(default_factory=list)
     uncovered: list[str] = field(default_factory=list)
@@ -66,7 +86,7 @@ def _meant(branch: Branch, point: SpecialPoint, known: tuple[Value, ...]) -> Val
     of = _kind_of(branch)
     there = point.parameters[branch.info.free[0]]
     like = [value for value in known if value.label == point.label and value.of == of]
-    near = [value for value in like if abs(there - value.value) <= NEAR * (abs(value.value) or 1.0)]
+    near = [value for value in like if abs(there - value.value) <= NEAR * value.size]
     return min(near, key=lambda value: abs(there - value.value), default=None)
 
 
@@ -87,13 +107,13 @@ def _judge_value(
 
 def _judge_point(value: Value, branch: Branch, point: SpecialPoint, verdict: Verdict) -> None:
     """Error, criticality and kind of one found point."""
-    off = abs(point.parameters[branch.info.free[0]] - value.value)
-    size = abs(value.value) or 1.0
-    verdict.worst = max(verdict.worst, off / size)
-    if point.error is None or off > point.error + value.rel * size:
+    met = Met(value, point.parameters[branch.info.free[0]], point.error)
+    verdict.met.append(met)
+    verdict.worst = max(verdict.worst, met.off / value.size)
+    if not met.covered:
         verdict.uncovered.append(
-            f"not covered: {_told(branch, point)}, error {point.error!r}, is {off:.3g} off {value.value!r}, "
-            f"known to {value.rel * size:.1g}"
+            f"not covered: {_told(branch, point)}, error {point.error!r}, is {met.off:.3g} off "
+            f"{value.value!r}, known to {value.doubt:.1g}"
         )
     if value.period is not None and not _near(point.period_full or point.period, value.period):
         verdict.otherwise.append(

@@ -45,6 +45,16 @@ class Value:
     times: int = 1
     period: float | None = None
 
+    @property
+    def size(self) -> float:
+        """What relative errors are relative to."""
+        return abs(self.value) or 1.0
+
+    @property
+    def doubt(self) -> float:
+        """How far `value` itself may be off."""
+        return self.rel * self.size
+
 
 @dataclass(frozen=True)
 class Ending:

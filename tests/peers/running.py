@@ -37,11 +37,23 @@ def _files() -> dict[str, Path]:
     return {path.stem: path for path in found if not path.stem.startswith("test_")}
 
 
+def machines() -> dict[str, Peer]:
+    """Those of `machines/`, in the order of their titles."""
+    found = [name for name, path in _files().items() if path.parent.name == "machines"]
+    known = {name: peer for name, peer in peers().items() if name in found}
+    return dict(sorted(known.items(), key=lambda item: item[1].title))
+
+
+def write_run_file(problem: str, study: Study, path: Path) -> None:
+    """The run file of a study, with the whole path of its plugin."""
+    text = {"contwalk": 1, "system": str(_files()[problem]), **study.run}
+    path.write_text(json.dumps(text, indent=1) + "\n", encoding="utf-8")  # JSON is YAML
+
+
 def run_study(problem: str, study: Study, folder: Path) -> Ran:
     """Run a study in `folder`; `seconds` are of processor time."""
     path = folder / "study.yaml"
-    text = {"contwalk": 1, "system": str(_files()[problem]), **study.run}
-    path.write_text(json.dumps(text), encoding="utf-8")  # JSON is YAML
+    write_run_file(problem, study, path)
     began = time.process_time()
     result = cw.run(cw.read_run_file(path, output=folder / "study.h5"), figures=False)
     return Ran(result.branches, time.process_time() - began)

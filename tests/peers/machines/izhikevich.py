@@ -4,6 +4,8 @@ With h = 0.04 v^2 + 5 v + 140 + I - u, u' = a (b v - u): equilibria have I = (b 
 fold is at v = (b - 5) / 0.08, and the Hopf point where the trace 0.08 v + 5 - a is zero.
 """
 
+from fractions import Fraction
+
 from peers.form import CLOSED_FORM, Peer, Study, Value
 
 from contwalk.system import Mode, Parameter, Start, State, System, Transition
@@ -47,9 +49,14 @@ SYSTEM = System(
 )
 
 
-def current(v: float) -> float:
-    """The current at which v is an equilibrium; of terms of size 280, so right to 1e-13."""
-    return (0.25 - 5.0) * v - 0.04 * v**2 - 140.0
+def current(slope: float) -> float:
+    """The current of the equilibrium at which h_v = 0.08 v + 5 has this value.
+
+    In fractions, of the numbers that the plugin holds for 0.04 and 0.25: terms of size 280 nearly cancel.
+    """
+    quadratic, b = Fraction(0.04), Fraction(0.25)
+    v = (Fraction(slope) - 5) / (2 * quadratic)
+    return float((b - 5) * v - quadratic * v**2 - 140)
 
 
 SPIKE_MAP = (
@@ -68,8 +75,8 @@ PEER = Peer(
                 "diagram": {"follow": "none"},
             },
             values=(
-                Value("LP", current((0.25 - 5.0) / 0.08), 1e-13, CLOSED_FORM),
-                Value("HB", current((0.02 - 5.0) / 0.08), 1e-13, CLOSED_FORM, criticality="subcritical"),
+                Value("LP", current(0.25), 1e-15, CLOSED_FORM),
+                Value("HB", current(0.02), 1e-15, CLOSED_FORM, criticality="subcritical"),
             ),
         ),
         Study(
