@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
+import re
+from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from importlib import import_module, metadata
 from importlib.util import find_spec
 from pathlib import Path
@@ -16,11 +17,13 @@ from contwalk.fields.llvm import Code, cached_code
 
 _CTYPES = {"d": ctypes.c_double, "q": ctypes.c_int64}
 _LOCK = RLock()
+# An import of this package that begins its line: what is imported for type checks alone is indented.
+_IMPORT = re.compile(r"^from (contwalk[\w.]*) import (\([^)]*\)|.*)", re.MULTILINE)
 
 
 @dataclass(frozen=True)
 class Entry:
-    """A compiled function of one module.
+    """A compiled function of one module; a change of anything that this module imports compiles it anew.
 
     Parameters
     ----------
@@ -30,20 +33,17 @@ class Entry:
         The function.
     result, arguments : str
         A letter each: "d" double, "q" 64-bit integer or address.
-    parts : sequence of str
-        Further modules whose functions it calls; a change of their text compiles it anew.
     """
 
     module: str
     name: str
     result: str
     arguments: str
-    parts: Sequence[str] = ()
 
     @cached_property
     def code(self) -> Code:
         """The function in memory; compiled if no earlier process has kept it."""
-        texts = [_text(name) for name in (self.module, *self.parts, "contwalk.flow.calling")]
+        texts = [_text(name) for name in modules_behind(self.module)]
         made_from = (self.name, self.result, self.arguments, *texts, metadata.version("numba"))
         with _LOCK:
             return cached_code(made_from, (self.name,), self._compiled)
@@ -68,6 +68,33 @@ class Entry:
         return self._call(*arguments)
 
 
+@cache
+def modules_behind(module: str) -> tuple[str, ...]:
+    """A module and what it imports of this package, directly or not, in alphabetical order.
+
+    None of them is imported for it.
+    """
+    found, todo = set(), [module]
+    while todo:
+        name = todo.pop()
+        if name not in found:
+            found.add(name)
+            todo += _imported(_text(name))
+    return tuple(sorted(found))
+
+
+def _imported(text: str) -> Iterator[str]:
+    """The modules that a text imports of this package; of a package, the modules in it that are named."""
+    for module, names in _IMPORT.findall(text):
+        found = find_spec(module)
+        if found is None or found.submodule_search_locations is None:
+            yield module
+        else:
+            inside = [f"{module}.{name}" for name in re.findall(r"\w+", names)]
+            yield from [name for name in inside if find_spec(name)] or [module]
+
+
+@cache
 def _text(module: str) -> str:
     """The text of a module that is not imported for it."""
     found = find_spec(module)

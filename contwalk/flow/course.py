@@ -9,7 +9,7 @@ from contwalk.flow.compiled import Entry
 from contwalk.flow.compiled_field import CompiledField
 from contwalk.flow.guard import EPSILON, Guard
 
-_STANDING = Entry("contwalk.flow.course_kernel", "standing", "q", "qqqddd", ("contwalk.flow.course_plan",))
+_STANDING = Entry("contwalk.flow.course_kernel", "standing", "q", "qqqddd")
 
 
 def warmup() -> None:

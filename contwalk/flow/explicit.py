@@ -21,12 +21,11 @@ from contwalk.flow.tableaus.runge_kutta import RungeKutta
 Vector = Sequence[float] | np.ndarray
 
 _DRIVERS = "contwalk.flow.explicit_drivers"
-_PARTS = ("contwalk.flow.plan", "contwalk.flow.stages")
-ADAPTIVE = Entry(_DRIVERS, "adaptive", "q", "qdddd", _PARTS)
-MARCH = Entry(_DRIVERS, "march", "q", "q", _PARTS)
-MARCH_EACH = Entry(_DRIVERS, "march_each", "q", "q", _PARTS)
-LEAP = Entry(_DRIVERS, "leap", "q", "qq", _PARTS)
-STAGES_OF = Entry(_DRIVERS, "stages_of", "q", "q", _PARTS)
+ADAPTIVE = Entry(_DRIVERS, "adaptive", "q", "qdddd")
+MARCH = Entry(_DRIVERS, "march", "q", "q")
+MARCH_EACH = Entry(_DRIVERS, "march_each", "q", "q")
+LEAP = Entry(_DRIVERS, "leap", "q", "qq")
+STAGES_OF = Entry(_DRIVERS, "stages_of", "q", "q")
 
 # Steps that there is room for at first.
 _ROOM = 512

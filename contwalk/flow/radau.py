@@ -31,19 +31,11 @@ SHARE = 0.1
 _STATUS = ("ok", "not_finite", "too_many_steps", "step_too_small")
 _FULL = 4
 
-_NAMES = ("dense_lu", "radau_parts", "radau_newton", "radau_estimate")
-_PARTS = tuple(f"contwalk.flow.{name}" for name in _NAMES)
 _FIRST, _LAST = "q" * 11, "q" * 4  # what `_Call` gives
 
-_MARCH = Entry("contwalk.flow.radau_kernel", "radau_march", "q", f"{_FIRST}qqqqqqq{_LAST}", _PARTS)
-_ADAPTIVE = Entry("contwalk.flow.radau_kernel", "radau_adaptive", "q", f"{_FIRST}dddqqqqqqq{_LAST}", _PARTS)
-_TANGENTS = Entry(
-    "contwalk.flow.radau_tangents",
-    "radau_tangents",
-    "q",
-    f"{_FIRST}qqqqqqqq{_LAST}",
-    (*_PARTS, "contwalk.flow.radau_kernel"),
-)
+_MARCH = Entry("contwalk.flow.radau_kernel", "radau_march", "q", f"{_FIRST}qqqqqqq{_LAST}")
+_ADAPTIVE = Entry("contwalk.flow.radau_kernel", "radau_adaptive", "q", f"{_FIRST}dddqqqqqqq{_LAST}")
+_TANGENTS = Entry("contwalk.flow.radau_tangents", "radau_tangents", "q", f"{_FIRST}qqqqqqqq{_LAST}")
 
 
 def warmup() -> None:

@@ -20,13 +20,7 @@ from contwalk.flow.tableaus.dop853 import DOP853
 BATCH = 25  # motions to a call: enough to keep threads apart, few enough for a bar that moves
 MOST_STEPS = 20_000_000
 
-_BATCH = Entry(
-    "contwalk.flow.sampling_kernel",
-    "batch",
-    "q",
-    "qqqd",
-    ("contwalk.flow.sampling_plan", "contwalk.flow.stages"),
-)
+_BATCH = Entry("contwalk.flow.sampling_kernel", "batch", "q", "qqqd")
 
 
 @dataclass(frozen=True, eq=False)

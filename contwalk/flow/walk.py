@@ -19,12 +19,7 @@ from contwalk.system import Transition
 
 METHOD = "dop853"
 ROOM = 20_000
-_PARTS = (
-    *("hybrid_plan", "guard_kernel", "course_plan", "course_kernel"),
-    *("explicit_drivers", "plan", "stages"),
-)
-_NAMES = tuple(f"contwalk.flow.{name}" for name in _PARTS)
-WALK = Entry("contwalk.flow.hybrid_kernel", "walk", "q", "qdddd", _NAMES)
+WALK = Entry("contwalk.flow.hybrid_kernel", "walk", "q", "qdddd")
 
 
 def warmup() -> None:

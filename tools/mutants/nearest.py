@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
@@ -36,19 +37,28 @@ class Nearest:
         self._data.read()
         self._seconds = _timed(folder / "times.xml")
         self._lines: dict[str, dict[int, set[str]]] = {}
+        self._beside: dict[str, set[str]] = {}
 
     def to(self, file: str, line: int) -> tuple[list[str], bool]:
         """Tests in the order in which to ask them, and whether they run the line itself.
 
-        What machine code runs is not seen, nor what an import runs: then the tests that run anything of the
-        file are asked, and those whose folder mirrors the file's.
+        What machine code runs is not seen, nor what an import runs. Then those tests are asked that run
+        any line of the file, or of files that name it as those do that call the machine code; the tests in
+        the folder that mirrors the file's come first.
         """
         lines = self._tests_by_line(file)
         if lines.get(line):
             return self._chosen(lines[line], file), True
-        mirror = "/".join(["tests", *Path(file).parts[1:-1], ""])
-        beside = set().union(*lines.values()) | {t for t in self._seconds if t.startswith(mirror)}
-        return self._chosen(beside, file), False
+        if file not in self._beside:
+            around = [file, *self._naming(file)]
+            self._beside[file] = set().union(*(t for f in around for t in self._tests_by_line(f).values()))
+        return self._chosen(self._beside[file], file), False
+
+    def _naming(self, file: str) -> list[str]:
+        """Files whose text has the name of a module."""
+        name = re.compile(rf"\b{Path(file).stem}\b")
+        paths = sorted((self._root / "contwalk").rglob("*.py"))
+        return [str(p.relative_to(self._root)) for p in paths if name.search(p.read_text())]
 
     def _tests_by_line(self, file: str) -> dict[int, set[str]]:
         if file not in self._lines:
