@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.flow.arc import FAR, Arc, Control, far, part_of, why
-from contwalk.flow.departure import LEAVING, Departure
+from contwalk.flow.departure import Departure, leaving_zero
 from contwalk.flow.events import Crossing, Event, crossings
 from contwalk.flow.guard import EPSILON
 from contwalk.flow.hybrid_machine import HybridMachine, ModeFlow
@@ -39,7 +39,7 @@ def by_paths(
 ) -> Iterator[Arc]:
     """Parts of an arc; the last one has the transition that ended it, or a status."""
     y, weights, method = x[flow.states], control.weights[flow.states], control.method
-    leaving = {i: guard.side for i, guard in enumerate(standing) if guard.kind == LEAVING}
+    leaving = leaving_zero(standing)
     resolving = flow.code.resolving
     c, n = flow.constants(resolving), len(y)
     span = far(flow, t, y, weights) / FAR

@@ -11,7 +11,7 @@ from contwalk.flow import hybrid_plan as told
 from contwalk.flow import plan
 from contwalk.flow.arc import Arc, Control, far, part_of, why
 from contwalk.flow.arc_paths import by_paths, event_of
-from contwalk.flow.departure import LEAVING, Departure
+from contwalk.flow.departure import Departure, leaving_zero
 from contwalk.flow.events import Event, crossings
 from contwalk.flow.hybrid_machine import HybridMachine, ModeFlow
 from contwalk.flow.walk import METHOD, Walk
@@ -55,7 +55,7 @@ class ByWalk:
         walk, n = self._walks[flow.name], len(flow.states)
         nodes, counts = walk.nodes[flow.name], walk.places[flow.name].counts
         weights = self._control.weights[flow.states]
-        leaving = {i: guard.side for i, guard in enumerate(standing) if guard.kind == LEAVING}
+        leaving = leaving_zero(standing)
         walk.begin(t, x, flow.name, last, noise=noise)
         while t < t1:
             end = t1 if np.isfinite(t1) else t + far(flow, t, x[flow.states], weights)

@@ -1,5 +1,5 @@
-"""How guards stand where a motion begins or goes on after a transition: clear of zero, leaving it, or past
-it.
+"""How guards stand where a motion begins or goes on after a transition: clear of zero, leaving it, just
+passed, or past it.
 
 A guard that is zero but for rounding has the sign that it takes next: that of its first derivative that is
 not zero but for rounding. After an impact without restitution that is the second one, and the third where a
@@ -8,7 +8,7 @@ mass that sticks is released.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,9 +18,10 @@ from contwalk.flow.course import Course
 from contwalk.flow.guard import EPSILON, Guard
 from contwalk.flow.hybrid_machine import ModeFlow
 
-CLEAR, LEAVING, ENTERING, BEYOND, RESTING, UNDEFINED = (
+CLEAR, LEAVING, PASSED, ENTERING, BEYOND, RESTING, UNDEFINED = (
     "clear",
     "leaving",
+    "passed",
     "entering",
     "beyond",
     "resting",
@@ -49,7 +50,8 @@ class Departure:
     kind : str
         `CLEAR`: off zero, on the side from which its event comes. `BEYOND`: off zero on the other side. Zero
         but for rounding are the others: `LEAVING` to the side from which the event comes, `ENTERING` the
-        other one, `RESTING`: as far as rounding shows it stays zero. `UNDEFINED`: it is not finite.
+        other one, `PASSED` the other one right after its own event, which is not another one, `RESTING`: as
+        far as rounding shows it stays zero. `UNDEFINED`: it is not finite.
     side : int
         Its sign right after.
     value, rate, bend : float
@@ -89,6 +91,7 @@ def departures(
     noise: np.ndarray,
     weights: np.ndarray,
     own: Collection[str] = (),
+    passed: Collection[str] = (),
 ) -> list[Departure]:
     """How each guard of a mode stands at an instant.
 
@@ -102,7 +105,9 @@ def departures(
     weights : ndarray
         Their magnitudes on the way here: each step has rounded them.
     own : collection of str
-        Transitions that have just happened.
+        Transitions whose guards are zero because of what has just happened.
+    passed : collection of str
+        Those of them that have just happened themselves, and happen where their guards pass zero only.
     """
     course = flow.course
     course.at(t, x, noise, weights)
@@ -113,10 +118,16 @@ def departures(
             stands = _of(course, guard, factor, ROUNDINGS)
             if stands.kind == RESTING:
                 stands = _of_higher_order(flow, number, t, x, noise, stands)
-            found.append(stands)
+            found.append(_unless_passed(stands, transition.name in passed))
         else:
             found.append(_of_watched(course, guard, flow, t, x))
     return found
+
+
+def _unless_passed(stands: Departure, passed: bool) -> Departure:
+    """A guard that goes on through zero has been passed; one whose rate the event has taken has not been."""
+    goes_on = passed and stands.kind == ENTERING and stands.rate != 0.0
+    return replace(stands, kind=PASSED) if goes_on else stands
 
 
 def _of(course: Course, guard: Guard, factor: float, beside: float) -> Departure:
@@ -136,6 +147,11 @@ def _of_higher_order(
     if side == 0:
         return resting
     return replace(resting, kind=ENTERING if side == flow.guards[number].direction else LEAVING, side=side)
+
+
+def leaving_zero(standing: Sequence[Departure]) -> dict[int, int]:
+    """The guards that are zero but for rounding and nothing happens: position -> their sign right after."""
+    return {i: guard.side for i, guard in enumerate(standing) if guard.kind in (LEAVING, PASSED)}
 
 
 def happens_at_once(flow: ModeFlow, number: int, guard: Departure) -> bool:

@@ -204,7 +204,7 @@ def _stands(
             return [], Verdict("not_finite", reason)
     own = flow.left_at_zero(last) | clocks.happened(t, flow)
     given = noise[flow.states], weights[flow.states]
-    standing = departures(flow, t, y, *given, own)
+    standing = departures(flow, t, y, *given, own, flow.passed(last))
     for number, (transition, guard) in enumerate(zip(flow.transitions, standing, strict=True)):
         if guard.kind == UNDEFINED and transition.role != "watched":
             return standing, Verdict(

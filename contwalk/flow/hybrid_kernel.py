@@ -66,6 +66,8 @@ from contwalk.flow.hybrid_plan import (
     OUTPUTS,
     OWN,
     OWN_STEPS,
+    PASSED,
+    PASSES,
     RATE,
     RATE_AT_END,
     ROOM,
@@ -105,7 +107,7 @@ _EVENT = 100  # and more: the guard's number is added
 
 
 @inlined
-def _stands(m: Any, guard: int, own: bool, t: float) -> bool:
+def _stands(m: Any, guard: int, own: bool, passed: bool, t: float) -> bool:
     """Write down how a guard stands; whether nothing happens there."""
     k, at = integers(m[COURSE], course_plan.PLAN_LENGTH), doubles(standing(m, guard), OF_GUARD)
     sloping = integers(m[SLOPING], guard + 1)[guard]
@@ -114,6 +116,8 @@ def _stands(m: Any, guard: int, own: bool, t: float) -> bool:
     answer = doubles(k[course_plan.ANSWER], course_plan.ANSWER_LENGTH)
     at[VALUE], at[RATE] = answer[course_plan.VALUE], answer[course_plan.RATE]
     at[BEGINS], at[FASTEST], at[BAND] = 0.0, 0.0, 0.0
+    if kind == course_plan.ENTERING and passed and at[RATE] != 0.0:  # as in `departure`
+        kind = course_plan.LEAVING
     if kind == course_plan.LEAVING:
         at[BAND] = LEFT * abs(at[VALUE])
         at[VALUE], at[BEGINS] = 0.0, answer[course_plan.SIDE]
@@ -123,10 +127,16 @@ def _stands(m: Any, guard: int, own: bool, t: float) -> bool:
 
 
 @inlined
-def _begin(m: Any, own: int, t: float) -> int:
+def _has(bits: int, guard: int) -> bool:
+    return guard < MOST_BITS and (bits >> guard) & 1 == 1
+
+
+@inlined
+def _begin(m: Any, own: int, passed: int, t: float) -> int:
     """The first stage of an arc, and its guards; `ARRIVED`, or why it cannot begin.
 
-    `own` has a bit for each guard that what has just happened leaves at zero.
+    `own` has a bit for each guard that what has just happened leaves at zero, `passed` for each of these
+    that it has passed in its own direction.
     """
     p = integers(m[MOVING], plan.PLAN_LENGTH)
     first_stage(p, t, Y)
@@ -141,7 +151,7 @@ def _begin(m: Any, own: int, t: float) -> int:
             at = doubles(standing(m, guard), OF_GUARD)
             at[VALUE], at[RATE], _ = measured(m, guard, t, place(p, Y), place(p, FIRST))
             at[BEGINS], at[FASTEST], at[BAND] = 0.0, 0.0, 0.0
-        elif not _stands(m, guard, guard < MOST_BITS and (own >> guard) & 1 == 1, t):
+        elif not _stands(m, guard, _has(own, guard), _has(passed, guard), t):
             return UNSURE
     return ARRIVED
 
@@ -206,7 +216,7 @@ def _arc(w: Any, m: Any, t1: float, tolerance: float, order: float, stable: floa
     happened, marks = integers(w[HAPPENED], WORD), integers(w[MARKS], w[ROOM])
     t, steps, shortened = clock[0], 0, 0
     if happened[GOES_ON] == 0:
-        status = _begin(m, happened[OWN], t)
+        status = _begin(m, happened[OWN], happened[PASSED], t)
         if status != ARRIVED:
             return status
     happened[GOES_ON], happened[OWN_STEPS], times[0] = 0, 0, t
@@ -327,7 +337,7 @@ def _through(w: Any, number: int) -> int:
     if w[COLUMNS] > 0:
         _derivatives(w, m, to, j, n)
     copy(j[GIVEN], place(moving, Y), rows)
-    happened[MODE], happened[OWN] = j[TARGET], j[LEAVES]
+    happened[MODE], happened[OWN], happened[PASSED] = j[TARGET], j[LEAVES], j[PASSES]
     return ARRIVED
 
 

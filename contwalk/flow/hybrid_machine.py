@@ -50,6 +50,10 @@ class ModeFlow:
             self._constants[id(field)] = field.constants(self.p)
         return self._constants[id(field)]
 
+    def passed(self, last: str | None) -> frozenset[str]:
+        """As `System.passed` of the mode."""
+        return frozenset() if last is None else self.code.system.passed(last, self.name)
+
     def left_at_zero(self, last: str | None) -> frozenset[str]:
         """Transitions whose guards are zero right after one of a name has led here."""
         return frozenset() if last is None else self.code.system.left_at_zero(last, self.name)

@@ -11,9 +11,10 @@ COLUMNS, WIDTH, COLUMN, SHIFT = range(8, 12)
 WALK_LENGTH = 12
 
 # What happens, as integers: the mode's number; a bit for each guard that what has just happened leaves at
-# zero; the transition that happens before all else, -1 if none; whether an arc goes on for which there was no
-# room; how many events there were; steps, and those of the last arc; from `WORD` on the transitions' numbers.
-MODE, OWN, FIRST_OF_ALL, GOES_ON, COUNT, STEPS, OWN_STEPS, WORD = range(8)
+# zero; one for each of these that it has passed in its own direction; the transition that happens before all
+# else, -1 if none; whether an arc goes on for which there was no room; how many events there were; steps, and
+# those of the last arc; from `WORD` on the transitions' numbers.
+MODE, OWN, PASSED, FIRST_OF_ALL, GOES_ON, COUNT, STEPS, OWN_STEPS, WORD = range(9)
 
 # A mode: two plans of explicit methods, one that moves, with derivatives if these are wanted, and one to try;
 # number of states.
@@ -31,9 +32,10 @@ MODE_LENGTH = 22
 
 # A transition: its map with the Jacobian, constants, rows and columns of the entries; scratch for what it
 # takes and gives; number of states it leads to; number of the mode, -1 if it is none of the walk's; scratch
-# for speeds before and after, for derivatives; a bit for each guard of that mode that is zero right after it.
-JUMP, CONSTANTS, ROWS, ENTRIES, TAKEN, GIVEN, OUTPUTS, TARGET, SPEEDS, SLOPES, LEAVES = range(11)
-TRANSITION_LENGTH = 11
+# for speeds before and after, for derivatives; a bit for each guard of that mode that is zero right after it,
+# and for each of these that has been passed.
+JUMP, CONSTANTS, ROWS, ENTRIES, TAKEN, GIVEN, OUTPUTS, TARGET, SPEEDS, SLOPES, LEAVES, PASSES = range(12)
+TRANSITION_LENGTH = 12
 
 PARTS = 8  # of a step that is sampled: a guard has at most one extremum in each
 

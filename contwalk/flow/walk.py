@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -204,6 +204,7 @@ class Walk:
             told.SPEEDS: self._keep(speeds),
             told.SLOPES: self._keep(np.zeros((outputs + 1) * (n + 1))),
             told.LEAVES: self._own(transition.name, transition.target),
+            told.PASSES: self._passed(transition.name, transition.target),
         })  # fmt: skip
 
     def begin(
@@ -227,6 +228,7 @@ class Walk:
         self.happened[:] = 0
         self.happened[told.MODE] = self.modes.index(mode)
         self.happened[told.OWN] = 0 if last is None else self._own(last, mode)
+        self.happened[told.PASSED] = 0 if last is None else self._passed(last, mode)
         self.happened[told.FIRST_OF_ALL] = -1 if first is None else self.transitions.index(first)
 
     def _numbers(self, flow: ModeFlow) -> list[int]:
@@ -235,9 +237,17 @@ class Walk:
 
     def _own(self, last: str, mode: str) -> int:
         """A bit for each guard of a mode that one named `last`, which has led into it, leaves at zero."""
-        flow, own = self.machine.mode(mode), self.machine.system.left_at_zero(last, mode)
+        return self._bits(mode, self.machine.system.left_at_zero(last, mode))
+
+    def _passed(self, last: str, mode: str) -> int:
+        """As `_own`, for each of these that it has passed in its own direction."""
+        return self._bits(mode, self.machine.system.passed(last, mode))
+
+    def _bits(self, mode: str, which: Collection[str]) -> int:
+        """A bit for each guard that the walk looks at and that is one of these."""
+        flow = self.machine.mode(mode)
         names = [flow.transitions[i].name for i in self._numbers(flow)]
-        return sum(1 << k for k, name in enumerate(names[: told.MOST_BITS]) if name in own)
+        return sum(1 << k for k, name in enumerate(names[: told.MOST_BITS]) if name in which)
 
     def velocity(self, transition: Transition) -> np.ndarray:
         """The field right after a transition that has happened last."""

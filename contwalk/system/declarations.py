@@ -806,6 +806,16 @@ class System:
         guards = self._entering.get((last, mode), ())
         return frozenset({last} | {t.name for t in self.leaving(mode) if t.guard in guards})
 
+    def passed(self, last: str, mode: str) -> frozenset[str]:
+        """Transitions out of a mode whose guards one named `last` has just passed in their own direction.
+
+        They are edges: where the guard goes on that way, it has to come back before they happen again.
+        """
+        ways = {(t.guard, t.direction) for t in self.transitions if t.name == last and t.target == mode}
+        return frozenset(
+            t.name for t in self.leaving(mode) if not t.at_entry and (t.guard, t.direction) in ways
+        )
+
     @cached_property
     def _entering(self) -> dict[tuple[str, str], set[Callable[..., float]]]:
         """Guards of the transitions of a name into a mode."""

@@ -250,8 +250,9 @@ def _check_leaving(report: Report, happening: Happening, system: System, samples
     elif past and leaving == len(known):
         share = "at every state" if past == len(known) else f"at {past} of {len(known)} states"
         sentence = (
-            f"After its own reset the guard is past zero {share} at the event that was tried: it happens "
-            "again only where it has been back. Correct the reset, if it should be on the other side."
+            f"After its own reset the guard is past zero, or goes on through it, {share} at the event that "
+            "was tried: it happens again only where it has been back. That is right for a kick, as a clock's "
+            "push; correct the reset, if the guard should turn back there, as at a stop."
         )
         report.warning(what, sentence, place)
     elif leaving == len(known):
@@ -317,12 +318,13 @@ def _left_behind(happening: Happening, system: System, samples: Samples) -> list
             continue
         own = [flow.transitions[i].name for i in numbers]
         given = after[flow.states], noise[flow.states], samples.scales[flow.states]
-        standing = departure.departures(flow, t, *given, own)
+        standing = departure.departures(flow, t, *given, own, flow.passed(transition.name))
         kinds = {standing[i].kind for i in numbers}
+        goes_on = departure.BEYOND in kinds or departure.PASSED in kinds
         if departure.UNDEFINED not in kinds:
             again = any(departure.happens_at_once(flow, i, standing[i]) for i in numbers)
-            past = PAST if departure.BEYOND in kinds else LEFT
-            found.append(AGAIN if again or departure.RESTING in kinds else past)
+            stuck = again or departure.RESTING in kinds
+            found.append(AGAIN if stuck else PAST if goes_on else LEFT)
     return found
 
 

@@ -427,7 +427,7 @@ def test_a_reset_that_does_not_leave_its_guard_is_named():
         BALL.states,
         BALL.parameters,
         BALL.modes,
-        (Transition("through", "flight", "flight", BALL.transitions[0].guard),),
+        (Transition("through", "flight", "flight", BALL.transitions[0].guard, level=True),),
     )
     found = run(machine(kicked), [1.0, 0.0], 10.0)
     assert found[-1].status == "sticking"

@@ -77,3 +77,11 @@ def test_no_orbit_starts_off_the_guard():
     )
     assert outcome.status == "failed"
     assert "the guard of that transition is 2 there" in outcome.message
+
+
+def test_a_state_on_the_way_back_is_refused_with_its_rate():
+    with pytest.raises(
+        StartError, match=r"zero there with a rate of 5, and .* where it is falling"
+    ) as raised:
+        checked("hit", 0.0, [2.0, -5.0])
+    assert "in place of at: hit" in raised.value.remedy

@@ -277,7 +277,7 @@ HOSTILE: dict[str, tuple[str, str, str]] = {
         "    x_plus[0] = x[0]\n", "    x[1] = 0.0\n    x_plus[0] = x[0]\n"
     ),
     "reset is random": _hybrid("-0.8 * x[1]", "-np.random.rand() * x[1]"),
-    "guard not left behind": _hybrid("-0.8 * x[1]", "0.8 * x[1]"),
+    "guard that goes on": _hybrid("-0.8 * x[1]", "0.8 * x[1]"),
     "unknown target": _hybrid('target="only"', 'target="other"'),
     "unknown source": _hybrid('source="only"', 'source="other"'),
     "unknown direction": _hybrid("guard=gap,", 'guard=gap, direction="down",'),

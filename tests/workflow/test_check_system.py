@@ -193,16 +193,21 @@ MISTAKES = {
         "reset of transition 'impact'", "does not write x_plus[0] (state q)", "def rebound",
     ),
     "reset that does not turn round": (
-        IMPACT, "-p.restitution * x[1]", "p.restitution * x[1]", "error",
+        IMPACT, "-p.restitution * x[1]", "p.restitution * x[1]", "warning",
+        "reset of transition 'impact'", "goes on through it, at every state", "def rebound",
+    ),
+    "reset that does not turn round, of a level": (
+        IMPACT.replace("reset=rebound", "reset=rebound, level=True"),
+        "-p.restitution * x[1]", "p.restitution * x[1]", "error",
         "reset of transition 'impact'", "not left behind at every state", "def rebound",
     ),
     "reset that goes through the stop": (
         IMPACT, "x_plus[0] = x[0]", "x_plus[0] = x[0] + 0.1", "warning",
-        "reset of transition 'impact'", "past zero at every state", "def rebound",
+        "reset of transition 'impact'", "past zero, or goes on through it, at every state", "def rebound",
     ),
     "reset that turns round fast motions only": (
         IMPACT, "-p.restitution * x[1]", "0.5 - p.restitution * x[1]", "warning",
-        "reset of transition 'impact'", "not left behind at", "def rebound",
+        "reset of transition 'impact'", "goes on through it, at", "def rebound",
     ),
     "wrong period": (
         IMPACT, "2.0 * math.pi / p.omega", "math.pi / p.omega", "error",

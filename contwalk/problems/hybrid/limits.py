@@ -187,6 +187,7 @@ class _Watch:
     closes: bool  # they go on in the leg after it
     known: bool  # the leg before has the guard, too
     clock: bool  # a guard of time alone
+    passed: bool  # its event has led here, and is an edge
 
     @cached_property
     def scale(self) -> float:
@@ -240,9 +241,11 @@ class _Watch:
     def before(self, k: int, time: float) -> tuple[float, float]:
         """How high it was before it came down to a turn after sample k, or to its end, and at which instant.
 
-        One that has just been zero has left it upwards: that is above, however little.
+        One that has just been zero has left it upwards: that is above, however little. One that has just been
+        passed downwards has not been above since.
         """
-        if abs(float(self.values[0])) < ZERO * self.scale:
+        left = abs(float(self.values[0])) < ZERO * self.scale
+        if left and not (self.passed and self.rates[0] < 0.0):
             return np.inf, 0.0
         tops = [(at, value) for j, at, value in self.turns(1.0) if (j, at) < (k, time)]
         if tops:
@@ -338,6 +341,7 @@ def _watch(problem: HybridOrbit, i: int, view: LegView, transition: Transition) 
         _goes_on(leg.transition),
         known,
         clock,
+        transition.name in problem.system.passed(problem.word.leading_in(problem.system, i), leg.mode),
     )
 
 
