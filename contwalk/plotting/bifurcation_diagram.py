@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,9 +12,18 @@ from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 
 from contwalk.branch import Branch
+from contwalk.plotting.branch_lines import HATCHING, INLAY, LIGHTER, STABLE, UNSTABLE, WHITE, Pen
 from contwalk.plotting.labels import Label, place_labels
 from contwalk.plotting.orbit_values import drawn_by
-from contwalk.plotting.quantities import axis_label, default_x, default_y, values, with_names, written
+from contwalk.plotting.quantities import (
+    axis_label,
+    called,
+    default_x,
+    default_y,
+    values,
+    with_names,
+    written,
+)
 from contwalk.plotting.segments import position, runs
 from contwalk.plotting.smooth_curves import Curve, curve_of
 from contwalk.plotting.special_points import legend_entries, marker
@@ -22,19 +31,6 @@ from contwalk.plotting.style import GREY, INK, PALETTE, dark, dress, light, new_
 
 MOST_NAMED_BRANCHES = 12
 MANY_LABELS, LARGE = 16, (9.0, 5.4)  # more labels than these need a larger figure, inches
-# Unstable lines are thinner too, so that a part shorter than one dash is not taken for a stable one.
-STABLE: dict[str, Any] = {"linestyle": "-", "linewidth": 1.9}
-UNSTABLE: dict[str, Any] = {"linestyle": "--", "linewidth": 1.1, "dashes": (4.5, 2.5)}
-# Where the machine cannot move so, lines are light, on grey hatching across them.
-HATCHING: dict[str, Any] = {
-    "linestyle": "--",
-    "linewidth": 6.0,
-    "dashes": (0.16, 0.34),
-    "dash_capstyle": "butt",
-    "color": "#C9C9C9",
-}
-WHITE = 0.4  # share of white in their colour
-LIGHTER = 0.75  # their width, in widths of the others
 
 
 def plot_bifurcation_diagram(
@@ -47,10 +43,13 @@ def plot_bifurcation_diagram(
     parameters: Mapping[str, float] | None = None,
     xlim: tuple[float, float] | None = None,
     ylim: tuple[float, float] | None = None,
+    told: Callable[[str], None] = lambda text: None,
 ) -> Axes:
     """Draw branches: stable solid, unstable dashed and thin, not admissible light on grey hatching.
 
     The style changes exactly at the special points. Located ones are filled, unlocated ones hollow.
+    Where lines lie over one another, as those of mirror images do, they are drawn once; an unstable one on a
+    stable one is dashes in it. Branches of one name are called b1, b2, ... in the order that they have here.
 
     Parameters
     ----------
@@ -68,6 +67,8 @@ def plot_bifurcation_diagram(
         Values to state above the diagram, such as those held fixed.
     xlim, ylim : tuple of float, optional
         The part that is shown; all by default.
+    told : callable
+        Given a sentence that lists the special points for whose names there is no room.
 
     Raises
     ------
@@ -81,34 +82,59 @@ def plot_bifurcation_diagram(
     ax = ax or new_axes("bifurcation_diagram")
     by = drawn_by(drawn, y, dict(units or {}))
     dress(ax, axis_label(x, units), by.label)
-    curves: dict[int, list[Curve]] = {}
+    names = called(drawn)
+    curves = {
+        number: [_curve(branch, x, name) for name in by.names[number]] for number, branch in enumerate(drawn)
+    }
+    inks = [curve.points for each in curves.values() for curve in each]
+    pen = Pen(ax, *_corners(np.concatenate(inks), xlim, ylim))
     for number, branch in enumerate(drawn):
-        curves[number] = [_curve(branch, x, name) for name in by.names[number]]
         for which, curve in enumerate(curves[number]):
-            _draw_branch(ax, branch, curve, _color(number), which)
+            pen.draw(branch, names[number], curve, _color(number), which)
+    lie_over = pen.inlay()
     twice = _twice(drawn)
     labels = [
         label
         for number, branch in enumerate(drawn)
         for which, curve in enumerate(curves[number])
-        for label in _draw_special(ax, branch, curve.rows, number, twice, which)
+        for label in _draw_special(ax, branch, names[number], curve.rows, _color(number), twice, which)
     ]
-    inks = [curve.points for each in curves.values() for curve in each]
     _frame(ax, np.concatenate(inks))
     if xlim is not None:
         ax.set_xlim(*xlim)
     if ylim is not None:
         ax.set_ylim(*ylim)
-    _legend(ax, drawn, units)
+    handles = _meanings(drawn, lie_over) + _told_apart(drawn, names, units)
+    _legend(ax, handles)
     if parameters:
         title(ax, ",  ".join(_setting(name, value, units) for name, value in parameters.items()))
     if 1 < len(drawn) <= MOST_NAMED_BRANCHES:
-        labels += _names(ax, drawn, {n: _shown(ax, each[0].points) for n, each in curves.items()}, labels)
+        shown = {n: _shown(ax, each[0].points) for n, each in curves.items()}
+        labels = _names(ax, names, shown, labels) + labels
     labels = [label for label in labels if len(_shown(ax, np.array([[label.x, label.y]])))]
     if own and len(labels) > MANY_LABELS:
         ax.figure.canvas.figure.set_size_inches(*LARGE)
-    place_labels(ax, labels, inks)
+    left_out = place_labels(ax, labels, inks)
+    if left_out:
+        _legend(ax, [*handles, Line2D([], [], linestyle="none", label=f"names left out: {len(left_out)}")])
+        told(
+            f"There is no room for the names of {len(left_out)} points in the bifurcation diagram: "
+            f"{', '.join(left_out)}. Draw fewer branches, or a part of it (`xlim` and `ylim` of the figure), "
+            "or look them up with `contwalk show`."
+        )
     return ax
+
+
+def _corners(
+    points: np.ndarray, xlim: tuple[float, float] | None, ylim: tuple[float, float] | None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Lower left and upper right corner of what is shown."""
+    finite = points[np.isfinite(points).all(axis=1)]
+    low, high = (finite.min(axis=0), finite.max(axis=0)) if len(finite) else (np.zeros(2), np.ones(2))
+    for axis, given in enumerate((xlim, ylim)):
+        if given is not None:
+            low[axis], high[axis] = min(given), max(given)
+    return low, high
 
 
 def _curve(branch: Branch, x: str, y: str) -> Curve:
@@ -143,39 +169,24 @@ def _setting(name: str, value: float, units: Mapping[str, str] | None) -> str:
     return f"{name} = {value:g}" + ("" if unit in ("", "1") else f" {written(unit)}")
 
 
-def _draw_branch(ax: Axes, branch: Branch, curve: Curve, color: str, which: int) -> None:
-    for k, run in enumerate(runs(branch)):
-        part, number = curve.between(run.first, run.last), f"{k}" + (f"-{which}" if which else "")
-        line = dict(STABLE if run.stable else UNSTABLE)
-        if len(part) == 1:  # a line of one point is invisible
-            line |= {"marker": "o", "markersize": 4.0, "fillstyle": "full" if run.stable else "none"}
-        kind = "stable" if run.stable else "unstable"
-        if not run.admissible:
-            ax.plot(*part.T, gid=f"{branch.name}-inadmissible-{number}", zorder=1.5, **HATCHING)
-            line["linewidth"] *= LIGHTER
-        shade = color if run.admissible else light(color, WHITE)
-        ax.plot(*part.T, color=shade, gid=f"{branch.name}-{kind}-{number}", zorder=2, **line)
-
-
 def _draw_special(
-    ax: Axes, branch: Branch, points: np.ndarray, number: int, twice: set[str], which: int
+    ax: Axes, branch: Branch, name: str, points: np.ndarray, color: str, twice: set[str], which: int
 ) -> list[Label]:
     """Draw the markers on a curve of a branch; the labels of its first one, in the order along the branch."""
     labels = []
-    color = _color(number)
     for point in branch.special_points:
         at = [position(branch, points[:, axis], point.index, point.s) for axis in (0, 1)]
         look = marker(point.label, color, located=point.status == "located")
         again = f"-{which}" if which else ""
-        ax.plot(at[:1], at[1:], gid=f"{branch.name}-{point.name}{again}", **look)
+        ax.plot(at[:1], at[1:], gid=f"{name}-{point.name}{again}", **look)
         if point.label != "EP" and not which:
-            own = f"{branch.name}/" if point.name in twice else ""
-            labels.append(Label(own + (point.name or point.label), at[0], at[1], dark(color)))
+            text, plain = point.name or point.label, point.name not in twice
+            labels.append(Label(text, at[0], at[1], dark(color), owner=name, plain=plain))
     return labels
 
 
 def _names(
-    ax: Axes, drawn: Sequence[Branch], curves: Mapping[int, np.ndarray], labels: Sequence[Label]
+    ax: Axes, called: Sequence[str], curves: Mapping[int, np.ndarray], labels: Sequence[Label]
 ) -> list[Label]:
     """The branches' names, each at that of its two ends that is farther from all other labels and ends."""
     ends = {}
@@ -190,7 +201,7 @@ def _names(
         apart = ax.transData.transform(mine)[:, None] - ax.transData.transform(np.reshape(others, (-1, 2)))
         room = np.hypot(apart[..., 0], apart[..., 1]).min(axis=1, initial=np.inf)
         x, y = mine[int(np.argmax(room))]
-        names.append(Label(drawn[number].name, float(x), float(y), dark(_color(number)), bold=True))
+        names.append(Label(called[number], float(x), float(y), dark(_color(number)), bold=True))
     return names
 
 
@@ -212,7 +223,9 @@ def _frame(ax: Axes, points: np.ndarray) -> None:
     ax.autoscale_view()  # now, not lazily: the labels need the final scale
 
 
-def _told_apart(drawn: Sequence[Branch], units: Mapping[str, str] | None) -> list[Line2D]:
+def _told_apart(
+    drawn: Sequence[Branch], names: Sequence[str], units: Mapping[str, str] | None
+) -> list[Line2D]:
     """For branches at different values of fixed parameters an entry each that states them."""
     free = {name for branch in drawn for name in branch.info.free}
     if not 1 < len(drawn) <= MOST_NAMED_BRANCHES or "path" in free:
@@ -222,14 +235,14 @@ def _told_apart(drawn: Sequence[Branch], units: Mapping[str, str] | None) -> lis
     if not differing:
         return []
     texts = [
-        "\n".join([branch.name, *(_setting(name, each[name], units) for name in differing if name in each)])
-        for branch, each in zip(drawn, fixed, strict=True)
+        "\n".join([called, *(_setting(name, each[name], units) for name in differing if name in each)])
+        for called, each in zip(names, fixed, strict=True)
     ]
     return [Line2D([], [], color=_color(i), label=text, **STABLE) for i, text in enumerate(texts)]
 
 
-def _legend(ax: Axes, drawn: Sequence[Branch], units: Mapping[str, str] | None) -> None:
-    """What the lines and markers mean, outside the axes; only what occurs."""
+def _meanings(drawn: Sequence[Branch], lie_over: bool) -> list[Any]:
+    """What the lines and markers mean; only what occurs."""
     parts = [run for branch in drawn for run in runs(branch)]
     points = [point for branch in drawn for point in branch.special_points if len(branch)]
     handles: list[Any] = []
@@ -237,12 +250,18 @@ def _legend(ax: Axes, drawn: Sequence[Branch], units: Mapping[str, str] | None) 
         handles.append(Line2D([], [], color=INK, label="stable", **STABLE))
     if any(not run.stable for run in parts):
         handles.append(Line2D([], [], color=INK, label="unstable", **UNSTABLE))
+    if lie_over:
+        under = Line2D([], [], color=INK, label="both, over one another", **STABLE)
+        handles.append((under, Line2D([], [], **INLAY)))
     if any(not run.admissible for run in parts):
         ties = Line2D([], [], label="not admissible", **HATCHING)
         rail = {**STABLE, "linewidth": LIGHTER * STABLE["linewidth"]}
         handles.append((ties, Line2D([], [], color=light(INK, WHITE), **rail)))
-    handles += legend_entries(points)
-    handles += _told_apart(drawn, units)
+    return [*handles, *legend_entries(points)]
+
+
+def _legend(ax: Axes, handles: Sequence[Any]) -> None:
+    """The legend, outside the axes."""
     if handles:
         texts = [handle[0] if isinstance(handle, tuple) else handle for handle in handles]
         ax.legend(

@@ -6,7 +6,7 @@ Where each text goes is decided by `contwalk.plotting.placement`.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -20,23 +20,35 @@ from contwalk.plotting.placement import Ink, Placement
 FONT_SIZE = 8.0
 LEADER_FROM_POINTS = 12.0  # a label farther than this from its point gets a line to it
 SAME_PLACE_POINTS = 2.0  # labels of points nearer than this share one text
+MOST_SHARED = 4  # names in one text; of more, one less is written, and how many there are besides
 
 
 @dataclass(frozen=True)
 class Label:
-    """A text at the point (x, y) in data coordinates."""
+    """A text at the point (x, y) in data coordinates.
+
+    `owner` is the branch that the point belongs to: `b1/PD1`, unless the text is plain.
+    """
 
     text: str
     x: float
     y: float
     color: str
     bold: bool = False
+    owner: str = ""
+    plain: bool = True
+
+    @property
+    def whole(self) -> str:
+        """The text with its owner."""
+        return f"{self.owner}/{self.text}" if self.owner else self.text
 
 
-def place_labels(ax: Axes, labels: Sequence[Label], curves: Sequence[np.ndarray] = ()) -> None:
+def place_labels(ax: Axes, labels: Sequence[Label], curves: Sequence[np.ndarray] = ()) -> list[str]:
     """Write the labels next to their points, with a thin leader line to those that had to move away.
 
     Labels of one colour at one place, as where a branch passes through its own mirror image, become one text.
+    Where there is no room for all, the last ones are left out.
 
     Parameters
     ----------
@@ -46,17 +58,23 @@ def place_labels(ax: Axes, labels: Sequence[Label], curves: Sequence[np.ndarray]
         Labels of points that are not finite are left out.
     curves : sequence of arrays of shape (k, 2)
         Curves in data coordinates that labels should keep off.
+
+    Returns
+    -------
+    list of str
+        What is not written, with its owner.
     """
     labels = [label for label in labels if np.isfinite(label.x) and np.isfinite(label.y)]
     if not labels:
-        return
+        return []
     # Freeze the limits (autoscaling is lazy), then let the layout settle.
     ax.set_xlim(ax.get_xlim())
     ax.set_ylim(ax.get_ylim())
     root = ax.figure.canvas.figure
     root.draw_without_rendering()
-    labels = _merged(ax, labels, SAME_PLACE_POINTS * root.dpi / 72.0)
-    texts = [_text(ax, label) for label in labels]
+    groups = _merged(ax, labels, SAME_PLACE_POINTS * root.dpi / 72.0)
+    labels = [group[0] for group in groups]
+    texts = [_text(ax, label, _shared(group)) for label, group in zip(labels, groups, strict=True)]
     boxes = [text.get_window_extent() for text in texts]
     sizes = np.array([[box.width, box.height] for box in boxes])
     anchors = ax.transData.transform([[label.x, label.y] for label in labels])
@@ -64,17 +82,23 @@ def place_labels(ax: Axes, labels: Sequence[Label], curves: Sequence[np.ndarray]
     scale = root.dpi / 72.0
     ink = Ink(frame, [ax.transData.transform(curve) for curve in curves])
     centres = Placement(anchors, sizes, frame, ink, scale).solve()
-    for label, text, size, anchor, centre in zip(labels, texts, sizes, anchors, centres, strict=True):
+    left_out = [each.whole for group in groups for each in group[_written(group) :]]
+    for group, text, size, anchor, centre in zip(groups, texts, sizes, anchors, centres, strict=True):
+        if not np.isfinite(centre).all():
+            text.remove()
+            left_out += [each.whole for each in group[: _written(group)]]
+            continue
         offset = (centre - anchor) / scale
         moved = offset_copy(ax.transData, root, offset[0], offset[1], units="points")
         text.set_transform(moved)
         if _gap(centre - anchor, size) > LEADER_FROM_POINTS * scale:
             edge = (_edge(centre, size, anchor) - anchor) / scale
-            _leader(ax, label, offset_copy(ax.transData, root, edge[0], edge[1], units="points"))
+            _leader(ax, group[0], offset_copy(ax.transData, root, edge[0], edge[1], units="points"))
+    return left_out
 
 
-def _merged(ax: Axes, labels: Sequence[Label], near: float) -> list[Label]:
-    """The labels, with those of one look whose points are no farther than `near` pixels apart made one."""
+def _merged(ax: Axes, labels: Sequence[Label], near: float) -> list[list[Label]]:
+    """The labels in groups: those of one look whose points are no farther than `near` pixels apart."""
     places = ax.transData.transform([[label.x, label.y] for label in labels])
     groups: list[list[int]] = []
     for i, label in enumerate(labels):
@@ -86,17 +110,30 @@ def _merged(ax: Axes, labels: Sequence[Label], near: float) -> list[Label]:
                 break
         else:
             groups.append([i])
-    return [
-        replace(labels[group[0]], text=", ".join(dict.fromkeys(labels[i].text for i in group)))
-        for group in groups
-    ]
+    return [list({labels[i].whole: labels[i] for i in group}.values()) for group in groups]
 
 
-def _text(ax: Axes, label: Label) -> Text:
+def _written(group: Sequence[Label]) -> int:
+    """How many names of a group are written."""
+    return len(group) if len(group) <= MOST_SHARED else MOST_SHARED - 1
+
+
+def _shared(group: Sequence[Label]) -> str:
+    """The text of a group: `b1/LP1, PD1; b2/LP1 + 3`."""
+    written = group[: _written(group)]
+    names: dict[str, list[str]] = {}
+    for label in written:
+        names.setdefault(label.owner, []).append(label.text)
+    plain = len(names) == 1 and all(label.plain for label in written)
+    parts = [("" if plain or not owner else f"{owner}/") + ", ".join(own) for owner, own in names.items()]
+    return "; ".join(parts) + (f" + {len(group) - len(written)}" if len(group) > len(written) else "")
+
+
+def _text(ax: Axes, label: Label, words: str) -> Text:
     text = ax.text(
         label.x,
         label.y,
-        label.text,
+        words,
         fontsize=FONT_SIZE,
         color=label.color,
         ha="center",

@@ -86,8 +86,8 @@ def plot_multiplier_moduli(
                 at = position(branch, across, point.index, point.s)
                 look = marker(point.label, PALETTE[-1], located=point.status == "located")
                 ax.plot([at], [1.0], gid=f"{branch.name}-{point.name}", **look)
-                name = point.name if len(chosen) == 1 else f"{branch.name}/{point.name}"
-                labels.append(Label(name, at, 1.0, dark(PALETTE[-1])))
+                plain, color = len(chosen) == 1, dark(PALETTE[-1])
+                labels.append(Label(point.name, at, 1.0, color, owner=branch.name, plain=plain))
     ax.margins(x=0.04)
     ax.autoscale_view(scaley=False)
     _scale(ax, least, largest)

@@ -2,8 +2,9 @@
 
 Each label chooses among positions around its point the one of least cost: leaving the axes is dearest, then
 overlap with another label, then lying on a marker, a curve or a leader line, and distance. Labels with the
-most neighbours choose first; then all choose again, a few times, knowing where the others are. Pure
-geometry: lengths are in pixels unless said otherwise.
+most neighbours choose first; then all choose again, a few times, knowing where the others are. Where some
+still find no bearable place, all are placed anew, the first ones first, and those without a place are left
+out. Pure geometry: lengths are in pixels unless said otherwise.
 """
 
 from __future__ import annotations
@@ -18,11 +19,13 @@ SHORT_LIST = 20
 # Gaps between a point and its label, and the directions tried, those of reading order first.
 RADII_IN_POINTS = (4.5, 8.0, 13.0, 20.0, 29.0, 41.0, 56.0, 75.0, 98.0, 125.0)
 DIRECTIONS = np.deg2rad([45, 90, 135, 0, 180, 315, 270, 225, 22, 67, 112, 157, 202, 247, 292, 337])
+RANKS = 0.4 * np.tile(np.arange(len(DIRECTIONS)), len(RADII_IN_POINTS))  # cost of what is read less well
 CELL = 2.0  # of the grid that holds the curves
 FAR = 1e5  # pixels that no screen has
 
 # Costs in points of distance; the curve's is for each point of its length under the label.
 OUTSIDE, OVERLAP, MARKER, CURVE, LEADER_BOX, LEADER_CROSSING = 9000.0, 4000.0, 60.0, 2.5, 60.0, 45.0
+BEARABLE = 150.0  # more than this a label must not cost
 
 
 class Ink:
@@ -82,16 +85,42 @@ class Placement:
         self.centres = np.full_like(anchors, np.nan)
 
     def solve(self) -> np.ndarray:
-        """Centres of least cost found."""
+        """Centres of least cost found; NaN where there is no room for a label."""
         distances = np.hypot(*(self.anchors[:, None] - self.anchors[None]).transpose(2, 0, 1))
         order = np.argsort(-(distances < 45 * self.scale).sum(axis=1), kind="stable")
+        self._sweep(order)
+        if max(self._cost(label) for label in order) > BEARABLE:
+            self._choose()
+        return self.centres
+
+    def _sweep(self, order: Sequence[int] | np.ndarray) -> None:
         for _ in range(SWEEPS):
             previous = self.centres.copy()
             for label in order:
-                self.centres[label] = self._best(label)
-            if np.array_equal(previous, self.centres):
+                self.centres[label] = self._best(label)[0]
+            if np.array_equal(previous, self.centres, equal_nan=True):
                 break
-        return self.centres
+
+    def _choose(self) -> None:
+        """Place labels in their order, as long as there is room; those that have a place choose again."""
+        self.centres[:] = np.nan
+        kept = []
+        for label in range(len(self.anchors)):
+            centre, cost = self._best(label)
+            if cost <= BEARABLE:
+                self.centres[label] = centre
+                kept.append(label)
+        self._sweep(kept)
+
+    def _cost(self, label: int) -> float:
+        """What a label costs where it is."""
+        others = self._others(label)
+        centre = self.centres[label][None]
+        box, leaders = self._cost_of_box(label, centre, others), self._cost_of_leaders(label, centre, others)
+        return float(box[0] + leaders[0])
+
+    def _others(self, label: int) -> np.ndarray:
+        return np.flatnonzero(np.isfinite(self.centres[:, 0]) & (np.arange(len(self.centres)) != label))
 
     def _candidates(self, label: int) -> np.ndarray:
         direction = np.stack([np.cos(DIRECTIONS), np.sin(DIRECTIONS)], axis=1)
@@ -99,20 +128,18 @@ class Placement:
         gaps = np.array(RADII_IN_POINTS)[:, None, None] * self.scale
         return (self.anchors[label] + gaps * direction + reach).reshape(-1, 2)
 
-    def _best(self, label: int) -> np.ndarray:
+    def _best(self, label: int) -> tuple[np.ndarray, float]:
         """The candidate of least cost; leader lines are looked at only for those that are good without."""
-        centres = self._candidates(label)
-        others = np.flatnonzero(np.isfinite(self.centres[:, 0]) & (np.arange(len(self.centres)) != label))
-        cost = self._cost_of_box(label, centres, others)
+        centres, others = self._candidates(label), self._others(label)
+        cost = self._cost_of_box(label, centres, others) + RANKS
         good = np.argsort(cost, kind="stable")[:SHORT_LIST]
         total = cost[good] + self._cost_of_leaders(label, centres[good], others)
-        return centres[good[np.argmin(total)]]
+        return centres[good[np.argmin(total)]], float(total.min())
 
     def _cost_of_box(self, label: int, centres: np.ndarray, others: np.ndarray) -> np.ndarray:
         half = self.half[label]
         low, high = centres - half, centres + half
-        rank = np.tile(np.arange(len(DIRECTIONS)), len(RADII_IN_POINTS))
-        cost = np.hypot(*(centres - self.anchors[label]).T) / self.scale + 0.4 * rank
+        cost = np.hypot(*(centres - self.anchors[label]).T) / self.scale
         outside = np.maximum(self.frame[0] - low, 0) + np.maximum(high - self.frame[1], 0)
         cost += OUTSIDE * (outside.sum(axis=1) > 0)
         cost += CURVE * self.ink.inside(low, high) / self.scale

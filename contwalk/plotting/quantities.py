@@ -103,6 +103,12 @@ def with_names(branches: Sequence[Branch], names: Sequence[str]) -> list[Branch]
     return having
 
 
+def called(branches: Sequence[Branch]) -> list[str]:
+    """What branches are called on one figure: their names, or b1, b2, ... in their order if two share one."""
+    names = [branch.name for branch in branches]
+    return names if len(set(names)) == len(names) else [f"b{number + 1}" for number in range(len(names))]
+
+
 def default_x(branches: Sequence[Branch]) -> str:
     """The first free parameter of the first branch that has one."""
     _require_some(branches)

@@ -1,8 +1,8 @@
 """Which part of a branch is stable and admissible: runs of segments that are drawn alike.
 
 A segment joins two consecutive rows. A special row lies on the border of two regimes, where its own count
-is decided by rounding, so each segment takes its style from its regular end; a change of style then falls
-exactly on the special point.
+is decided by rounding, and so does the row at which a branch was born of another one; so each segment takes
+its style from its regular end, and a change of style falls exactly on the special point.
 """
 
 from __future__ import annotations
@@ -41,7 +41,8 @@ def runs(branch: Branch) -> list[Run]:
     if len(branch) == 1:
         return [Run(0, 0, not unstable_row[0], not inadmissible_row[0])]
     before, after = _sides(branch, unstable_row)
-    unstable = _of_segments(unstable_row, branch.points["special"], before, after)
+    rounded = branch.points["special"] | at_birth(branch)
+    unstable = _of_segments(unstable_row, rounded, before, after)
     inadmissible = _of_segments(
         inadmissible_row, branch.points["special"], inadmissible_row, inadmissible_row
     )
@@ -59,9 +60,14 @@ def admissible_segments(branch: Branch) -> np.ndarray:
     return flags
 
 
+def at_birth(branch: Branch) -> np.ndarray:
+    """Whether each row is the one at which the branch leaves another one."""
+    return np.asarray((branch.points["s"] == 0.0) & (branch.info.parent is not None))
+
+
 def _sides(branch: Branch, unstable_row: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Whether the branch is unstable just before and just after each row, in the order of growing `s`."""
-    before, after = unstable_row.copy(), unstable_row.copy()
+    before, after = (unstable_row & ~at_birth(branch) for _ in range(2))
     seen: set[int] = set()
     for point in sorted(branch.special_points, key=lambda q: q.s):
         row = point.index

@@ -74,7 +74,7 @@ def _draw(
     axes: Any
     if name == "bifurcation_diagram":
         axes = plotting.plot_bifurcation_diagram(
-            branches, x, y, units=units, xlim=options.get("xlim"), ylim=options.get("ylim")
+            branches, x, y, units=units, xlim=options.get("xlim"), ylim=options.get("ylim"), told=told
         )
     elif name == "eigenvalues":
         axes = plotting.plot_eigenvalues(branches, units=units)

@@ -12,6 +12,7 @@ import numpy as np
 from contwalk.branch import ORBITS, Branch, SpecialPoint
 from contwalk.continuation.reopening import reopened
 from contwalk.errors import ContwalkError
+from contwalk.plotting.segments import at_birth
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.system import System
 from contwalk.workflow.quantities import values_along
@@ -21,6 +22,8 @@ MOST_ORBITS, MOST_BRANCHES = 5, 6
 # Labels whose orbits come after those of bifurcations, in this order; those of limits only where admissible.
 AFTER = {"UZ": 1, "GR": 2, "OC": 3, "AZ": 4, "EP": 5}
 LIMITS = ("GR", "OC", "AZ")
+# Ends of a branch that lie on a bifurcation of another one.
+ENDS_AT_BIFURCATION = ("shrunk", "rejoined")
 # What a picture needs, and a little more.
 PICTURE = Discretization(accuracy=1e-7)
 SMOOTH = 128  # even parts of a leg, so that its curve has no corners
@@ -40,7 +43,8 @@ class Orbit:
         In the order of time, over the whole period; the last row is the first one's again. Of a hybrid orbit,
         both sides of each event, over one closure; the last row is the one before the event that closes it.
     stable : bool
-        Whether it is stable on both sides of the point.
+        Whether it is stable on both sides of the point; an orbit at a bifurcation is not, nor is one at
+        which a branch was born.
     times : ndarray, shape (k,)
         Seconds; at an event, the same time twice.
     events : tuple of str
@@ -147,7 +151,7 @@ def _handful(branch: Branch) -> list[SpecialPoint] | list[int]:
 def _typical(branch: Branch) -> list[int]:
     """The row in the middle of the part that is stable and admissible, or else stable, where there is one."""
     rows = branch.points
-    stable = rows["stable"] & ~rows["special"]
+    stable = rows["stable"] & ~rows["special"] & ~at_birth(branch)
     found = np.flatnonzero(stable & rows["admissible"] if np.any(stable & rows["admissible"]) else stable)
     return [int(found[len(found) // 2])] if len(found) else []
 
@@ -168,10 +172,11 @@ def orbit_at(system: System, branch: Branch, point: SpecialPoint | int) -> Orbit
     if isinstance(point, SpecialPoint):
         name, admissible = point.name, point.admissible
         stable = not (point.unstable_before or point.unstable_after)
+        stable &= not (point.label == "EP" and point.kind in ENDS_AT_BIFURCATION)
         point = point if point.unknowns else point.index  # one that is not located has a row at most
     else:
         row = branch.points[point]
-        name, admissible, stable = str(point), bool(row["admissible"]), not row["unstable"]
+        name, admissible, stable = str(point), bool(row["admissible"]), _is_stable(branch, point)
     hybrid = branch.info.problem == "hybrid_orbit"
     try:
         with np.errstate(all="ignore"):  # what is not finite is told in a sentence
@@ -203,6 +208,13 @@ def orbit_at(system: System, branch: Branch, point: SpecialPoint | int) -> Orbit
         admissible=admissible,
         parameters=problem.values_of(sample.z),
     )
+
+
+def _is_stable(branch: Branch, row: int) -> bool:
+    """Whether a row is stable, on both sides where it is one of a special point, and no bifurcation."""
+    points = [p for p in branch.special_points if p.index == row and branch.points["special"][row]]
+    beside = any(p.unstable_before or p.unstable_after for p in points)
+    return not (branch.points["unstable"][row] or beside or at_birth(branch)[row])
 
 
 def _unit(system: System, free: str) -> str:

@@ -21,6 +21,7 @@ def branch(
     problem: str = "equilibrium",
     parameters: dict[str, float] | None = None,
     s: np.ndarray | None = None,
+    parent: tuple[str, float] | None = None,
 ) -> Branch:
     """A branch with these columns by name; special points get their rows by `s`, as `named` gives them."""
     k = len(next(iter(columns.values())))
@@ -34,6 +35,7 @@ def branch(
         parameters={**dict.fromkeys(free, 0.0), **(parameters or {})},
         unknowns=len(states),
         spectrum=spectrum.shape[1],
+        parent=parent,
     )
     points = np.zeros(k, dtype=info.point_dtype())
     points["s"] = np.arange(k, dtype=float) if s is None else s

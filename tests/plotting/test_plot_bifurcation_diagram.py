@@ -144,6 +144,20 @@ def test_special_points_are_labelled_once_and_end_points_not():
     assert {"stable", "unstable"} <= set(legend)
 
 
+@pytest.mark.parametrize("count", [0, 1])
+def test_the_row_at_which_a_branch_is_born_decides_nothing(count):
+    # Its multiplier is on the unit circle, and rounding decides on which side.
+    unstable = np.array([1 - count, count, count])
+    columns = {"mu": np.arange(3.0), "x": np.arange(3.0)}
+    ax = plot_bifurcation_diagram([branch(columns, unstable=unstable, parent=("b0", 1.0))])
+    kind, other = ("unstable", "stable") if count else ("stable", "unstable")
+    np.testing.assert_array_equal(lines(ax, f"b1-{kind}")[0].get_xdata(), [0, 1, 2])
+    assert not lines(ax, f"b1-{other}")
+    # Of a start, which is no bifurcation, the worse end counts.
+    ax = plot_bifurcation_diagram([branch(columns, unstable=unstable)])
+    np.testing.assert_array_equal(lines(ax, "b1-unstable")[0].get_xdata(), [0, 1, 2] if count else [0, 1])
+
+
 def test_an_unlocated_point_between_rows_lies_between_them():
     special = (SpecialPoint("BP", 1.5, status="unlocated"),)
     made = branch({"mu": np.array([0.0, 1.0, 3.0]), "x": np.array([0.0, 2.0, 2.0])}, special=special)
@@ -194,6 +208,58 @@ def test_forty_crowded_names_appear_once_inside_the_axes_without_overlap():
         box = text.get_window_extent()
         assert ax.bbox.x0 <= box.x0 <= box.x1 <= ax.bbox.x1
         assert ax.bbox.y0 <= box.y0 <= box.y1 <= ax.bbox.y1
+
+
+def nest(count):
+    """A branch with so many special points in a place as large as one of their markers."""
+    t = np.linspace(0.0, 1.0, 201)
+    special = tuple(SpecialPoint("LP", 101.0 + k) for k in range(count))
+    x = np.where(t < 0.5, t, 0.5 + 0.05 * (t - 0.5))
+    return branch({"mu": x, "x": np.where(t < 0.5, 0.0, 0.02 * np.sin(40.0 * t))}, special=special)
+
+
+def test_names_without_room_are_left_out_and_told():
+    told = []
+    ax = plot_bifurcation_diagram([nest(70)], told=told.append)
+    assert overlaps(ax) == []
+    written = [name for text in words(ax) for name in text.split(" + ")[0].split(", ")]
+    assert written[0] == "LP1"  # the first ones stay
+    (sentence,) = told
+    left_out = sentence.partition(": ")[2].partition(".")[0].replace("b1/", "").split(", ")
+    assert sorted([*written, *left_out]) == sorted(f"LP{k + 1}" for k in range(70))
+    (entry,) = [t.get_text() for t in ax.get_legend().get_texts() if "left out" in t.get_text()]
+    assert entry == f"names left out: {len(left_out)}"
+    quiet = []
+    plot_bifurcation_diagram([crowd()], told=quiet.append)
+    assert quiet == []
+
+
+def test_of_many_names_at_one_place_some_are_written_and_the_others_counted():
+    mu = np.linspace(0.0, 1.0, 2001)
+    special = tuple(SpecialPoint("UZ", 1000.0 + k) for k in range(6))
+    told = []
+    ax = plot_bifurcation_diagram([branch({"mu": mu, "x": mu}, special=special)], told=told.append)
+    assert words(ax) == ["UZ1, UZ2, UZ3 + 3"]
+    assert "b1/UZ4, b1/UZ5, b1/UZ6" in told[0]
+
+
+def test_names_of_branches_of_one_colour_at_one_place_tell_whose_they_are():
+    mu = np.linspace(0.0, 1.0, 21)
+    special = (SpecialPoint("UZ", 10.0), SpecialPoint("LP", 10.0))
+    one = branch({"mu": mu, "x": mu}, special=special[:1])
+    eighth = branch({"mu": mu, "x": mu}, special=special[1:], name="b8")
+    between = [branch({"mu": mu, "x": mu + k}, name=f"b{k}") for k in range(2, 8)]
+    ax = plot_bifurcation_diagram([one, *between, eighth])
+    assert "b1/UZ1; b8/LP1" in words(ax)
+
+
+def test_branches_of_one_name_are_told_apart():
+    mu = np.linspace(0.0, 1.0, 21)
+    special = (SpecialPoint("UZ", 10.0),)
+    same = [branch({"mu": mu, "x": k * mu + k}, special=special) for k in range(3)]
+    ax = plot_bifurcation_diagram(same)
+    assert {"b1", "b2", "b3", "b1/UZ1", "b2/UZ1", "b3/UZ1"} == set(words(ax))
+    assert [len(lines(ax, f"b{k}-stable")) for k in (1, 2, 3)] == [1, 1, 1]
 
 
 def test_many_branches_have_names_and_colours():

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from small_systems import circle, small_system
 
 import contwalk as cw
+from contwalk.branch import Branch
 from contwalk.errors import ContwalkError
 from contwalk.system import State
 from contwalk.workflow.figures import draw_figure
@@ -86,3 +89,23 @@ def test_an_angle_that_turns_is_folded():
     inside = curve[np.isfinite(curve).all(axis=1)]
     assert np.abs(inside[:, 0]).max() <= np.pi * (1.0 + 1e-12)
     assert np.isnan(curve[:, 0]).sum() >= 1  # no line across the picture where it comes round
+
+
+def test_an_orbit_at_a_bifurcation_is_not_stable(circles):
+    # Where a branch is born its multiplier is on the unit circle: rounding decides what its row counts.
+    system, branch = circles
+    born = Branch(replace(branch.info, parent=("b0", 1.0)), branch.points, [], branch.outcome)
+    row = int(np.flatnonzero(born["s"] == 0.0)[0])
+    assert not born["unstable"].any()
+    assert [orbit_at(system, born, at).stable for at in (row - 1, row, row + 1)] == [True, False, True]
+    assert orbit_at(system, branch, row).stable  # of a start that is no bifurcation
+
+
+def test_where_a_family_shrinks_to_a_point_it_is_not_stable(circles):
+    system, _ = circles
+    problem = cw.PeriodicOrbit(system, system.defaults(), "mu")
+    back = cw.continue_branch(
+        problem, [1.0, 0.0], range=(-0.5, 1.5), period=2.0 * np.pi, direction="backward"
+    )
+    end = next(point for point in back.special_points if point.kind == "shrunk")
+    assert not orbit_at(system, back, end).stable
