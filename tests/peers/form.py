@@ -8,6 +8,7 @@ from typing import Any
 FORTY_DIGITS = "defining equations solved in 40-digit arithmetic"
 CLOSED_FORM = "closed form"
 MONODROMY = "monodromy of the linear equation by DOP853 at 1e-13"
+SHOOTING = "shooting by SciPy's DOP853 at 1e-13"
 COLLOCATION = "Gauss collocation of the defining equations at two meshes, by a program of its own"
 
 

@@ -1,7 +1,6 @@
 """Ball that bounces on a table that moves up and down."""
 
-import math
-
+import numpy as np
 from peers.form import CLOSED_FORM, Peer, Study, Value
 
 from contwalk.system import Mode, Parameter, State, System, Transition
@@ -13,16 +12,16 @@ def fall(t, x, p, dx):
 
 
 def height(t, x, p):
-    return x[0] - p.A * math.sin(p.omega * t)
+    return x[0] - p.A * np.sin(p.omega * t)
 
 
 def bounce(t, x, p, x_plus):
-    table = p.A * p.omega * math.cos(p.omega * t)
+    table = p.A * p.omega * np.cos(p.omega * t)
     x_plus[0], x_plus[1] = x[0], table - p.e * (x[1] - table)
 
 
 def period(p):
-    return 2 * math.pi / p.omega
+    return 2 * np.pi / p.omega
 
 
 SYSTEM = System(

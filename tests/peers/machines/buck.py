@@ -1,6 +1,6 @@
 """Buck converter under voltage control with a ramp: an autonomous machine with a clock."""
 
-from peers.form import Peer, Study, Value
+from peers.form import SHOOTING, Ending, Peer, Study, Value
 
 from contwalk.system import Mode, Parameter, State, System, Transition
 
@@ -55,6 +55,8 @@ SYSTEM = System(
     ),
 )
 
+EXPONENTIALS = "matrix exponentials in 40-digit arithmetic"
+
 PEER = Peer(
     "Buck converter",
     SYSTEM.reference,
@@ -70,13 +72,16 @@ PEER = Peer(
                     }
                 },
                 "continue": {"parameter": "E", "range": [18.0, 40.0]},
-                "diagram": "none",
-                "events": {"OC": "stop", "GR": "stop"},
+                "diagram": {"depth": 1},
             },
             values=(
-                Value(
-                    "PD", 24.5165728285633787, 1e-15, "matrix exponentials in 40-digit arithmetic", of="orbit"
-                ),
+                Value("PD", 24.5165728285633787, 1e-15, EXPONENTIALS, of="orbit"),
+                Value("PD", 31.1179020067707, 1e-13, SHOOTING, of="orbit", period=8e-4),
+                Value("OC", 36.353237064076765, 1e-15, EXPONENTIALS, of="orbit", kind="crossing"),
+            ),
+            endings=(
+                Ending("order_change", "a cycle is skipped beyond", 36.353237064076765, 1e-8),
+                Ending("bound", "the orbit of one cycle goes on"),
             ),
         ),
     ),

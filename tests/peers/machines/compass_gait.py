@@ -1,8 +1,7 @@
 """Compass gait: two legs, a hip, and a slope."""
 
-import math
-
-from peers.form import Peer, Study, Value
+import numpy as np
+from peers.form import SHOOTING, Peer, Study, Value
 
 from contwalk.system import Mode, Parameter, State, System, Transition
 
@@ -14,11 +13,11 @@ def field(t, x, p, dx):
     leg = p.a + p.b
     across = x[STANCE] - x[SWING]
     m11 = (p.mh + p.m) * leg**2 + p.m * p.a**2
-    m12 = -p.m * leg * p.b * math.cos(across)
+    m12 = -p.m * leg * p.b * np.cos(across)
     m22 = p.m * p.b**2
-    r1 = p.m * leg * p.b * math.sin(across) * x[SWING_RATE] ** 2
-    r1 = r1 + (p.mh * leg + p.m * p.a + p.m * leg) * p.g * math.sin(x[STANCE])
-    r2 = -p.m * leg * p.b * math.sin(across) * x[STANCE_RATE] ** 2 - p.m * p.b * p.g * math.sin(x[SWING])
+    r1 = p.m * leg * p.b * np.sin(across) * x[SWING_RATE] ** 2
+    r1 = r1 + (p.mh * leg + p.m * p.a + p.m * leg) * p.g * np.sin(x[STANCE])
+    r2 = -p.m * leg * p.b * np.sin(across) * x[STANCE_RATE] ** 2 - p.m * p.b * p.g * np.sin(x[SWING])
     det = m11 * m22 - m12 * m12
     dx[STANCE], dx[SWING] = x[STANCE_RATE], x[SWING_RATE]
     dx[STANCE_RATE] = (m22 * r1 - m12 * r2) / det
@@ -38,7 +37,7 @@ def legs_apart(t, x, p):
 def heel_strike(t, x, p, x_plus):
     """The legs swap; moments of momentum about the new foot and the hip are kept."""
     leg = p.a + p.b
-    c = math.cos(x[STANCE] - x[SWING])
+    c = np.cos(x[STANCE] - x[SWING])
     old11 = -p.m * p.a * p.b + (p.mh * leg**2 + 2 * p.m * p.a * leg) * c
     old12 = -p.m * p.a * p.b
     h1 = old11 * x[STANCE_RATE] + old12 * x[SWING_RATE]
@@ -100,11 +99,7 @@ PEER = Peer(
                 "continue": {"parameter": "slope", "range": [0.02, 0.09]},
                 "diagram": "none",
             },
-            values=(
-                Value(
-                    "PD", 0.0766356315556, 3e-9, "return map by DOP853 at 1e-13 with saltation", of="orbit"
-                ),
-            ),
+            values=(Value("PD", 0.07663563157561, 1e-12, SHOOTING, of="orbit", criticality="supercritical"),),
         ),
     ),
 )

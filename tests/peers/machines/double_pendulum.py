@@ -5,26 +5,24 @@ vertical. The wall is at x = wall; an impact changes velocities by M(q) (q'+ - q
 and the impulse L turns the bob's normal speed n . q' into -r times itself.
 """
 
-import math
-
 import numpy as np
-from peers.form import Peer, Study, Value
+from peers.form import SHOOTING, Peer, Study, Value
 
 from contwalk.system import Mode, Parameter, State, System, Transition
 
 
 def mass(q, p):
-    coupling = p.m2 * p.l1 * p.l2 * math.cos(q[0] - q[1])
+    coupling = p.m2 * p.l1 * p.l2 * np.cos(q[0] - q[1])
     return np.array([[(p.m1 + p.m2) * p.l1**2, coupling], [coupling, p.m2 * p.l2**2]])
 
 
 def forces(t, q, v, p):
-    twist = p.m2 * p.l1 * p.l2 * math.sin(q[0] - q[1])
-    drive = p.torque * math.cos(p.omega * t)
+    twist = p.m2 * p.l1 * p.l2 * np.sin(q[0] - q[1])
+    drive = p.torque * np.cos(p.omega * t)
     return np.array(
         [
-            drive - twist * v[1] ** 2 - (p.m1 + p.m2) * p.g * p.l1 * math.sin(q[0]) - p.c * v[0],
-            twist * v[0] ** 2 - p.m2 * p.g * p.l2 * math.sin(q[1]) - p.c * v[1],
+            drive - twist * v[1] ** 2 - (p.m1 + p.m2) * p.g * p.l1 * np.sin(q[0]) - p.c * v[0],
+            twist * v[0] ** 2 - p.m2 * p.g * p.l2 * np.sin(q[1]) - p.c * v[1],
         ]
     )
 
@@ -36,12 +34,12 @@ def field(t, x, p, dx):
 
 
 def clearance(t, x, p):
-    return p.wall - p.l1 * math.sin(x[0]) - p.l2 * math.sin(x[1])
+    return p.wall - p.l1 * np.sin(x[0]) - p.l2 * np.sin(x[1])
 
 
 def strike(t, x, p, x_plus):
     q, v = x[:2], x[2:]
-    normal = np.array([p.l1 * math.cos(q[0]), p.l2 * math.cos(q[1])])
+    normal = np.array([p.l1 * np.cos(q[0]), p.l2 * np.cos(q[1])])
     turned = np.linalg.solve(mass(q, p), normal)
     x_plus[:2] = q
     x_plus[2:] = v - (1.0 + p.r) * (normal @ v) / (normal @ turned) * turned
@@ -49,15 +47,15 @@ def strike(t, x, p, x_plus):
 
 def field_by_hand(t, x, p, dx):
     """Cramer's rule: the determinant is m2 l1^2 l2^2 (m1 + m2 sin^2(q1 - q2))."""
-    s, c = math.sin(x[0] - x[1]), math.cos(x[0] - x[1])
+    s, c = np.sin(x[0] - x[1]), np.cos(x[0] - x[1])
     both = p.m1 + p.m2
     first = (
-        p.torque * math.cos(p.omega * t)
+        p.torque * np.cos(p.omega * t)
         - p.m2 * p.l1 * p.l2 * s * x[3] ** 2
-        - both * p.g * p.l1 * math.sin(x[0])
+        - both * p.g * p.l1 * np.sin(x[0])
         - p.c * x[2]
     )
-    second = p.m2 * p.l1 * p.l2 * s * x[2] ** 2 - p.m2 * p.g * p.l2 * math.sin(x[1]) - p.c * x[3]
+    second = p.m2 * p.l1 * p.l2 * s * x[2] ** 2 - p.m2 * p.g * p.l2 * np.sin(x[1]) - p.c * x[3]
     determinant = p.m2 * p.l1**2 * p.l2**2 * (p.m1 + p.m2 * s**2)
     dx[0], dx[1] = x[2], x[3]
     dx[2] = (p.m2 * p.l2**2 * first - p.m2 * p.l1 * p.l2 * c * second) / determinant
@@ -66,8 +64,8 @@ def field_by_hand(t, x, p, dx):
 
 def strike_by_hand(t, x, p, x_plus):
     """M^-1 n by Cramer's rule; its determinant cancels."""
-    c = math.cos(x[0] - x[1])
-    first, second = p.l1 * math.cos(x[0]), p.l2 * math.cos(x[1])
+    c = np.cos(x[0] - x[1])
+    first, second = p.l1 * np.cos(x[0]), p.l2 * np.cos(x[1])
     one = p.m2 * p.l2**2 * first - p.m2 * p.l1 * p.l2 * c * second
     two = (p.m1 + p.m2) * p.l1**2 * second - p.m2 * p.l1 * p.l2 * c * first
     share = (1.0 + p.r) * (first * x[2] + second * x[3]) / (first * one + second * two)
@@ -98,15 +96,13 @@ def machine(name, moving, striking):
         ),
         modes=(Mode("free", moving),),
         transitions=(Transition("strike", "free", "free", clearance, reset=striking),),
-        period=lambda p: 2.0 * math.pi / p.omega,
+        period=lambda p: 2.0 * np.pi / p.omega,
         reference="Lagrange's equations; point masses on massless rods",
     )
 
 
 SYSTEM = machine("double_pendulum", field, strike)
 BY_HAND = machine("double_pendulum_by_hand", field_by_hand, strike_by_hand)
-
-SHOOTING = "shooting from impact to impact by SciPy's DOP853 at 1e-13, the impact's instant being an unknown"
 
 PEER = Peer(
     "Double pendulum with a wall, mass matrix",
@@ -125,9 +121,9 @@ PEER = Peer(
                 "diagram": {"follow": "none"},
             },
             values=(
-                Value("LP", 8.420443559874709, 1e-11, SHOOTING, of="orbit"),
-                Value("PD", 5.025057682754608, 1e-11, SHOOTING, of="orbit"),
-                Value("LP", 4.073951713805366, 1e-11, SHOOTING, of="orbit"),
+                Value("LP", 8.4204435598750, 1e-12, SHOOTING, of="orbit"),
+                Value("PD", 5.0250576827534, 1e-12, SHOOTING, of="orbit"),
+                Value("LP", 4.0739517138049, 1e-12, SHOOTING, of="orbit"),
             ),
         ),
     ),

@@ -1,8 +1,7 @@
 """Rocking block on a shaken ground, linearised: orbits that lose their symmetry."""
 
-import math
-
-from peers.form import Peer, Study, Value
+import numpy as np
+from peers.form import SHOOTING, Peer, Study, Value
 
 from contwalk.system import Mode, Parameter, State, Symmetry, System, Transition
 
@@ -10,7 +9,7 @@ from contwalk.system import Mode, Parameter, State, Symmetry, System, Transition
 def tilted(side):
     def field(t, x, p, dx):
         dx[0] = x[1]
-        dx[1] = x[0] - side + p.beta * math.cos(p.omega * t)
+        dx[1] = x[0] - side + p.beta * np.cos(p.omega * t)
 
     return field
 
@@ -20,7 +19,7 @@ def strike(t, x, p, x_plus):
 
 
 def period(p):
-    return 2 * math.pi / p.omega
+    return 2 * np.pi / p.omega
 
 
 def inversion(t, x, p, image):
@@ -63,9 +62,9 @@ PEER = Peer(
             values=(
                 Value(
                     "BP",
-                    3.0705296329681313,
-                    1e-11,
-                    "closed forms of the motion between impacts, by brentq to 1e-12",
+                    3.0705296329683,
+                    1e-12,
+                    SHOOTING,
                     of="orbit",
                     kind="symmetry-breaking",
                 ),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 import json
-import math
 import re
 from types import SimpleNamespace
 
@@ -13,7 +12,6 @@ import pytest
 from peers.compare import judge
 from peers.machines import double_pendulum
 from peers.machines.double_pendulum import BY_HAND, PEER, SYSTEM
-from peers.machines.shooting_by_scipy import OneImpact
 from peers.running import run_study
 
 import contwalk as cw
@@ -21,7 +19,6 @@ from contwalk.fields.llvm import optimized
 from contwalk.flow.traced import field_of
 
 STUDY = PEER.studies[0]
-NAMES = ("q1", "q2", "v1", "v2")
 
 
 @pytest.fixture(scope="module")
@@ -61,38 +58,6 @@ def test_motions_agree():
             mode(0.3, x, p, found)
             other(0.3, x, p, expected)
             np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12)
-
-
-def test_a_special_point_by_an_independent_integration(points):
-    """SciPy's DOP853 at 1e-13, the impact's instant an unknown: to 1e-11, and the claimed error."""
-    found = points["PD1"]
-
-    def field(t, x, p):
-        s, c = np.sin(x[0] - x[1]), np.cos(x[0] - x[1])
-        both, share = p.m1 + p.m2, p.m2 * p.l1 * p.l2
-        drive = p.torque * np.cos(p.omega * t)
-        first = drive - share * s * x[3] ** 2 - both * p.g * p.l1 * np.sin(x[0]) - p.c * x[2]
-        second = share * s * x[2] ** 2 - p.m2 * p.g * p.l2 * np.sin(x[1]) - p.c * x[3]
-        determinant = both * p.l1**2 * p.m2 * p.l2**2 - (share * c) ** 2
-        one = (p.m2 * p.l2**2 * first - share * c * second) / determinant
-        two = (both * p.l1**2 * second - share * c * first) / determinant
-        return np.array([x[2], x[3], one, two])
-
-    def guard(t, x, p):
-        return p.wall - p.l1 * np.sin(x[0]) - p.l2 * np.sin(x[1])
-
-    def reset(t, x, p):
-        c = p.m2 * p.l1 * p.l2 * np.cos(x[0] - x[1])
-        first, second = p.l1 * np.cos(x[0]), p.l2 * np.cos(x[1])
-        one = p.m2 * p.l2**2 * first - c * second
-        two = (p.m1 + p.m2) * p.l1**2 * second - c * first
-        share = (1.0 + p.r) * (first * x[2] + second * x[3]) / (first * one + second * two)
-        return np.array([x[0], x[1], x[2] - share * one, x[3] - share * two])
-
-    orbits = OneImpact(field, guard, reset, SYSTEM.defaults(), "torque", 2.0 * math.pi / 3.0)
-    near = orbits.guess(np.array([found.state[name] for name in NAMES]), found.parameters["torque"])
-    known = orbits.special(near, -1.0)
-    assert abs(known[-1] - found.parameters["torque"]) <= found.error + 1e-11 * known[-1]
 
 
 def test_the_cost_of_a_right_hand_side():

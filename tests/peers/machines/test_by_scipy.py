@@ -1,0 +1,161 @@
+"""Special points of machines by SciPy's integration and shooting come to the values that are listed.
+
+Beginnings are rough numbers of a motion; what Newton's method and secants converge to depends on neither them
+nor contwalk.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+import pytest
+from peers.form import Value
+from peers.machines.double_pendulum import BY_HAND
+from peers.machines.shooting_by_scipy import Cycle, multipliers_test, touching
+from peers.running import machines
+
+from contwalk.system import System, Transition
+
+MACHINES = machines()
+
+
+@dataclass(frozen=True)
+class Shot:
+    """An orbit near a special point: what to solve for, and from where.
+
+    `z` are the state at the beginning of the first leg, the legs' durations, the time at which the first one
+    begins if the machine is forced, and the free parameter. `pinned` is the unknown that is varied.
+    """
+
+    machine: str
+    value: float  # roughly: which of the listed ones is meant
+    test: str | Callable[..., float]  # LP, PD, NS; OC: the duration that is pinned is zero; or a function
+    legs: Sequence[tuple[str, str | Transition]]
+    z: Sequence[float]
+    pinned: int = -1
+    rest: dict[str, Any] = field(default_factory=dict)
+    system: System | None = None
+
+    def listed(self) -> tuple[dict[str, Any], Value]:
+        """Run file and value that are meant."""
+        studies = MACHINES[self.machine].studies
+        near = [
+            (study.run, v)
+            for study in studies
+            for v in study.values
+            if abs(v.value - self.value) < 1e-3 * v.size
+        ]
+        assert len({v.value for _, v in near}) == 1
+        return near[0]
+
+    def solve(self, cycle: Cycle) -> np.ndarray:
+        """All unknowns at the special point."""
+        z = np.array(self.z)
+        if self.test == "OC":  # a leg lasts no time
+            z[self.pinned] = 0.0
+            return cycle.solved(z, self.pinned)
+        test = multipliers_test(self.test) if isinstance(self.test, str) else self.test
+        return cycle.special(test, z, self.pinned)
+
+
+def inverted(x: np.ndarray) -> np.ndarray:
+    return -x
+
+
+def plugin(machine: str) -> System:
+    """Of a machine."""
+    return import_module(f"peers.machines.{machine}").SYSTEM
+
+
+TURN = Transition("turn", "free", "free", lambda t, x, p: x[1])
+HALF = {"image": inverted, "periods": 0.5}
+CONVERSION = [("off", "switch_on"), ("on", "tick_on")]
+SWING = [("free", "strike")]
+SHOTS = [
+    Shot(
+        "compass_gait",
+        0.0766,
+        "PD",
+        [("behind", "legs_pass"), ("ahead", "heel_strike")],
+        [0.2319, -0.3852, -1.153, -0.1512, 0.292, 0.462, 0.0766],
+    ),
+    Shot(
+        "double_pendulum",
+        8.42,
+        "LP",
+        SWING,
+        [0.7587, -0.0881, 0.294, -3.31, 2.094, 0.084, 8.42],
+        1,
+        system=BY_HAND,
+    ),
+    Shot(
+        "double_pendulum",
+        5.025,
+        "PD",
+        SWING,
+        [1.2135, -0.3435, 0.4542, -2.95, 2.094, 0.204, 5.025],
+        system=BY_HAND,
+    ),
+    Shot(
+        "double_pendulum",
+        4.074,
+        "LP",
+        SWING,
+        [1.3697, -0.3896, 0.7626, -2.49, 2.094, 0.4, 4.074],
+        1,
+        system=BY_HAND,
+    ),
+    Shot(
+        "rocking_block",
+        3.07,
+        "PD",
+        [("left", "up")],
+        [0.0, -1.206, 1.885, 0.856, 3.07],
+        rest={"image": inverted, "periods": 1.5},
+    ),
+    Shot("buck", 24.5, "PD", CONVERSION, [12.0277, 0.6081, 0.0, 2.04e-4, 1.96e-4, 24.5]),
+    Shot(
+        "buck",
+        31.12,
+        "PD",
+        CONVERSION * 2,
+        [12.051, 0.6854, 0.0, 3.48e-4, 5.2e-5, 1.41e-4, 2.59e-4, 31.1],
+    ),
+    Shot(
+        "buck",
+        36.35,
+        "OC",
+        CONVERSION * 2,
+        [12.0072, 0.7147, 0.0, 4e-4, 0.0, 1.333e-4, 2.667e-4, 36.35],
+        4,
+    ),
+    Shot("impact_pair", 5.19, "LP", [("free", "high")], [-1.0, 2.03, 0.6283, 0.96, 5.19], 1, rest=HALF),
+    Shot("impact_pair", 19.23, "PD", [("free", "high")], [-1.0, 3.568, 0.6283, 0.72, 19.2], rest=HALF),
+    Shot(
+        "impact_pair",
+        27.08,
+        "PD",
+        [("free", "low"), ("free", "high")],
+        [1.0, -4.468, 0.36, 0.897, 0.245, 27.08],
+    ),
+    Shot(
+        "impact_pair",
+        27.89,
+        touching(lambda t, x, p: 1.0 + x[0]),
+        [("free", TURN), ("free", "high"), ("free", "low")],
+        [-1.0, 4.555, 0.505, 0.402, 0.35, 0.601, 27.89],
+    ),
+]
+
+
+@pytest.mark.parametrize("shot", SHOTS, ids=lambda shot: f"{shot.machine}-{shot.value}")
+def test_a_listed_value(shot: Shot):
+    run, value = shot.listed()
+    system = shot.system or plugin(shot.machine)
+    cycle = Cycle(system, shot.legs, run.get("parameters", {}), run["continue"]["parameter"], **shot.rest)
+    known = shot.solve(cycle)
+    assert known[-1] == pytest.approx(value.value, rel=value.rel)
