@@ -71,11 +71,14 @@ class Control:
         Typical magnitudes of the states, of full length.
     method : str
         One of `flow.METHODS`.
+    watched : bool
+        Whether crossings of watched transitions are located; steps are the same if they are not.
     """
 
     tolerance: float
     weights: np.ndarray
     method: str
+    watched: bool = True
 
 
 def part_of(

@@ -62,7 +62,7 @@ def by_paths(
             states = np.append(states[: first.step + 1], first.state[None], axis=0)
             if times[-1] == times[-2]:
                 times, states = np.delete(times, -2), np.delete(states, -2, axis=0)
-        seen = [event_of(machine, flow, at) for at in _seen(flow, found, first)]
+        seen = [event_of(machine, flow, at) for at in _seen(flow, found, first)] if control.watched else []
         part = part_of(machine, flow, times, states, seen, path.evaluations)
         if first is not None:
             yield replace(part, transition=flow.transitions[first.guard].name, rising=first.rising)

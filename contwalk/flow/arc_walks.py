@@ -94,6 +94,8 @@ class ByWalk:
         leaving: Mapping[int, int],
     ) -> list[Event]:
         """Crossings of watched guards on the marked steps."""
+        if not self._control.watched:
+            return []
         events = []
         for step in np.flatnonzero(marks).tolist():
             mark = int(marks[step])

@@ -52,6 +52,7 @@ def arcs(
     method: str = "dop853",
     just_after: str | None = None,
     most_steps: int = MOST_STEPS,
+    watched: bool = True,
 ) -> Iterator[Arc]:
     """The arcs of a motion from t0 until t1, which may be infinite if the caller stops asking.
 
@@ -71,6 +72,8 @@ def arcs(
         The transition that has just led to the start.
     most_steps : int
         Of one arc.
+    watched : bool
+        Whether crossings of watched transitions are located, which costs as much as events do.
 
     Yields
     ------
@@ -78,7 +81,7 @@ def arcs(
         The last one has no transition, or a status that is not `ok`.
     """
     collected: list[Arc] = []
-    for part in parts(machine, t0, x0, mode, t1, tolerance, weights, method, just_after):
+    for part in parts(machine, t0, x0, mode, t1, tolerance, weights, method, just_after, watched):
         collected.append(part)
         steps = sum(len(each.times) - 1 for each in collected)
         ends = part.transition is not None or part.status != "ok" or not part.times[-1] < t1
@@ -114,9 +117,10 @@ def parts(
     weights: np.ndarray,
     method: str = "dop853",
     just_after: str | None = None,
+    watched: bool = True,
 ) -> Iterator[Arc]:
     """As `arcs`, but a long arc comes in parts of some steps: all but its last have no transition."""
-    control = Control(tolerance, np.asarray(weights, dtype=float), method)
+    control = Control(tolerance, np.asarray(weights, dtype=float), method, watched)
     walk = ByWalk(machine, control) if method == METHOD else None
     t, x, pace = float(t0), machine.existing(mode, x0), Pace(float(t0), t1)
     flow = machine.mode(mode)

@@ -146,7 +146,8 @@ def _motion(
     while True:
         weights = search.weights(x)
         length = min(search.stretch(machine, t, x, mode, weights), end - t)
-        for arc in arcs(machine, t, x, mode, t + length, TOLERANCE, weights, just_after=last):
+        given = machine, t, x, mode, t + length, TOLERANCE, weights
+        for arc in arcs(*given, just_after=last, watched=False):
             yield arc
             search.check_moves(machine, arc)
             if arc.status != "ok" or search.exhausted:
