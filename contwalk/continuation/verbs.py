@@ -96,9 +96,9 @@ def switch_branch(
     """
     special = branch.special(point) if isinstance(point, str) else point
     chosen = _settings(problem, range, marks, settings, float(special.unknowns[-1]))
-    if (
-        branch.info.problem != "equilibrium"
-    ):  # its orbits may close up to a symmetry, the given problem's fully
+    pinned = [pin.name for pin in problem.pins]
+    # Its orbits may close up to a symmetry, the given problem's fully; it may have found neutral directions.
+    if branch.info.problem != "equilibrium" or pinned != list(branch.info.settings.get("pins", ())):
         state = np.array(list(special.state.values()))
         problem = problem_of(problem.system, branch.info, state, problem.discretization)
     seeds = problem.seeds(special)

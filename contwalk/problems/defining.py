@@ -82,7 +82,9 @@ def multiple_zero(problem: Equilibrium, sample: Sample) -> Located | None:
     if located is None:
         return None
     values = np.linalg.eigvals(balanced(problem.jacobian(located.z)[:, : problem.size])[0])
-    count = int(np.sum(np.abs(values) < 1e-6 * np.abs(values).max()))
+    # Where all of them vanish together, what they are a little further along the branch is a measure.
+    size = max(np.abs(values).max(), *(abs(sample.rates[k]) for k in range(len(sample.eigenvalues))))
+    count = int(np.sum(np.abs(values) < 1e-6 * size))
     if count < 2:
         return None
     refine_fold = located.refine

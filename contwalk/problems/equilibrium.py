@@ -26,6 +26,9 @@ from contwalk.problems.unbounded import escape
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 
+# A magnitude of the parameter this many times its value is looked at again; slopes this many times their
+# rounding tell something.
+FAR, NOISY = 1e6, 16.0
 # A limit of the parameter this small against its magnitude is zero.
 VANISHING = 1e-10
 
@@ -203,7 +206,32 @@ class Equilibrium:
         natural[(matters == np.inf) & (natural < 1e-13)] = np.nan
         natural[self._declared] = self._scales
         natural[self.states : self.size] = np.nan  # drifts are zero; what they are is noise
+        # The parameter, and unknowns that may be noise of zero, where so little of them is much.
+        far = (natural > FAR * np.abs(z)) & ((z != 0.0) | (np.arange(len(z)) == self.size))
+        far[self._declared] = False
+        natural[far] = np.nan
+        for i in np.flatnonzero(far):
+            natural[i] = self._magnitude(z, int(i), derivatives[:, i], terms, natural)
         return natural
+
+    def _magnitude(
+        self, z: np.ndarray, which: int, slopes: np.ndarray, terms: np.ndarray, magnitudes: np.ndarray
+    ) -> float:
+        """Of one unknown, the change of it that would matter in some equation whose slope is no noise.
+
+        Where that with which it is multiplied is zero to rounding, it tells nothing; one over that would be
+        its magnitude.
+        """
+        along = np.zeros(len(z))
+        along[which] = 1.0
+        known = np.maximum(np.abs(z), np.where(np.isfinite(magnitudes), magnitudes, 1.0))
+        known[[which, -1]] = abs(z[which]), abs(z[-1])
+        noise = EPSILON * (np.abs(self.kernels.jacobian_of_first(*self.inputs(z), along.tolist())) @ known)
+        told = (slopes > NOISY * noise) & (slopes > 1e-100) & (terms > 1e-290)
+        size = float(abs(z[which]))
+        if np.any(told):
+            return max(size, float(np.min(terms[told] / slopes[told])))
+        return size if size >= 1e-13 else float("nan")
 
     def observable_kernels(self, name: str) -> tuple[Kernel, Kernel]:
         """Value and gradient of a declared observable."""
@@ -252,9 +280,9 @@ class Equilibrium:
         length = float(np.linalg.norm(tangent / weights))
         # A stored tangent is a unit vector already; dividing again would change its last digits.
         unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
-        curvature = vertical.bending(self, z, unit, weights, linearization)
-        found = self.spectrum(z, unit, linearization.jacobian, curvature)
         orientation, error = linearization.orientation_and_error(unit, weights, linearization.levels[0])
+        curvature = vertical.bending(self, z, unit, weights, linearization, error)
+        found = self.spectrum(z, unit, linearization.jacobian, curvature)
         return Sample(
             z=z,
             tangent=unit,

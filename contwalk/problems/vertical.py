@@ -22,12 +22,22 @@ if TYPE_CHECKING:
 # A branch is not vertical with a larger share of the parameter in its tangent, in the metric; nor with more
 # of it than so many roundings of the equations make; nor with so much of it in the curvature, as at a fold.
 SMALL, ROUNDINGS, TURNS = 1e-9, 16.0, 1e-12
+# Solutions are not taken to be known less well than by so many roundings of their weights.
+UNSURE = 1e5
 
 
 def bending(
-    problem: Equilibrium, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray, here: Linearization
+    problem: Equilibrium,
+    z: np.ndarray,
+    tangent: np.ndarray,
+    weights: np.ndarray,
+    here: Linearization,
+    error: float,
 ) -> np.ndarray | None:
-    """The tangent's derivative along a branch on which the parameter stands still; None on any other."""
+    """The tangent's derivative along a branch on which the parameter stands still; None on any other.
+
+    `error` is the solution's own, in the metric of `weights`.
+    """
     if abs(float(tangent[-1])) > SMALL * float(weights[-1]):
         return None
     inputs, along = problem.inputs(z), tangent.tolist()
@@ -41,9 +51,13 @@ def bending(
         return None
     rounding = np.abs(here.jacobian) @ np.abs(tangent)
     rounding[:n] += problem.kernels.rounding_of_matrix(*inputs) @ np.abs(tangent[:n])
-    moves = abs(float(tangent[-1])) > ROUNDINGS * EPSILON * float(told @ rounding)
+    # Terms that cancel exactly, or are noise themselves, are known as well as the place is.
+    place = np.maximum(np.abs(z), min(error / EPSILON, UNSURE) * weights)
+    rounding += np.abs(problem.kernels.jacobian_of_first(*inputs, along)) @ place
+    noise = ROUNDINGS * EPSILON * float(told @ rounding)
+    moves = abs(float(tangent[-1])) > noise
     size = float(np.linalg.norm(curvature / weights))
-    turns = not abs(curvature[-1]) <= TURNS * (1.0 + size) * weights[-1]
+    turns = not abs(curvature[-1]) <= TURNS * (1.0 + size) * weights[-1] + noise
     return None if moves or turns else curvature
 
 

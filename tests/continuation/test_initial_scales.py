@@ -5,6 +5,7 @@ import pytest
 from small_systems import labelled, small_problem
 
 import contwalk as cw
+from contwalk.branch import SpecialPoint
 from contwalk.continuation import here
 from contwalk.continuation.initial_scales import initial_magnitudes
 from contwalk.system import State
@@ -106,3 +107,36 @@ def test_a_declared_scale_of_one_is_no_reason_to_look_again(monkeypatch):
 def field_of_a_line(t, x, p, dx):
     dx[0] = p.lam - x[0]
     dx[1] = 2.0 + p.lam - x[1]
+
+
+# -- the parameter -------------------------------------------------------------------------------------------
+
+
+def cancelling(t, x, p, dx):
+    """x = 0 is a solution; its terms of size one cancel. (lam + 0.7) x + 0.4 x^2 + ... crosses it at -0.7."""
+    dx[0] = (p.lam + 0.7) * x[0] + 0.8 - 0.8 * np.cos(x[0])
+
+
+@pytest.mark.parametrize("state", [0.0, 3e-17, -2e-16])
+@pytest.mark.parametrize("lam", [-0.7, 0.3])
+def test_what_the_parameter_goes_with_may_be_noise_of_zero_and_tells_nothing_of_it(state, lam):
+    """One over the noise was the magnitude: 1e16."""
+    problem = small_problem(cancelling, "x", {"lam": lam}, "lam")
+    assert problem.linearize(np.array([state, lam])).magnitudes[-1] == abs(lam)
+
+
+def test_a_parameter_that_is_zero_is_told_by_what_it_changes():
+    """At lam = 0 a change of 0.3 / 2 matters beside a term of 0.3; of noise nothing is known."""
+    field = lambda t, x, p, dx: dx.__setitem__(0, 0.3 - x[0] + p.lam * (x[0] + 1.7))  # noqa: E731
+    problem = small_problem(field, "x", {"lam": 0.0}, "lam")
+    assert problem.linearize(np.array([0.3, 0.0])).magnitudes[-1] == pytest.approx(0.15, rel=1e-14)
+    problem = small_problem(cancelling, "x", {"lam": 0.0}, "lam")
+    assert np.isnan(problem.linearize(np.array([3e-17, 0.0])).magnitudes[-1])
+
+
+def test_a_branch_that_is_born_there_sets_out_along_its_own_tangent():
+    """In that metric the parameter's share of the tangent was left out as rounding: steps began at 1e-12."""
+    problem = small_problem(cancelling, "x", {"lam": 0.3}, "lam")
+    point = SpecialPoint("BP", 0.0, unknowns=(3e-17, -0.7), tangent=(0.0, 0.7))
+    (seed,) = problem.seeds(point)
+    assert seed.tangent[0] / seed.tangent[1] == pytest.approx(-2.5, rel=1e-12)

@@ -110,6 +110,53 @@ def test_at_a_fold_the_parameter_has_no_share_in_the_tangent_but_turns():
     assert not sample.still
 
 
+def driven(t, x, p, dx):
+    """At mu = 0.49 the line a = -0.25 b / 0.14, with the eigenvalues 0 and -0.14."""
+    dx[0] = (p.mu - 0.63) * x[0] - 0.25 * x[1]
+    dx[1] = -0.49 * x[1] + p.mu * x[1]
+
+
+@pytest.mark.parametrize("b", [0.7, 3.0])
+def test_what_cancels_exactly_is_still_known_to_the_rounding_of_the_parameter(b):
+    """-0.49 b + mu b is zero without any rounding; a tangent from there had a share of the parameter."""
+    problem = small_problem(driven, "ab", {"mu": 0.49}, "mu")
+    z, weights = np.array([-0.25 * b / 0.14, b, 0.49]), np.array([2.0, 1.0, 0.49])
+    for share in (0.0, 3e-18, -3e-18):  # far below half an ulp of mu
+        way = np.array([1.0, -0.56, share])
+        assert problem.examine(z, way, weights, problem.linearize(z), 0).still
+
+
+def swapped(t, x, p, dx):
+    """At mu = 0.67 / 2.34 the line a = -b with c = d = 0."""
+    a, b, c, d = x
+    dx[0] = (p.mu - 0.67) * a - 1.34 * p.mu * b - 1.3 * d + 0.68 * b**2 * c
+    dx[1] = (p.mu - 0.67) * b - 1.34 * p.mu * a - 1.3 * c + 0.68 * a**2 * d
+    dx[2] = (p.mu - 0.67) * c - 0.45 * np.sin(1.3 * b) * d
+    dx[3] = (p.mu - 0.67) * d - 0.45 * np.sin(1.3 * a) * c
+
+
+@pytest.mark.parametrize("a", [60.0, 129.0])
+def test_unknowns_that_are_noise_of_zero_do_not_make_the_parameter_move(a):
+    """They are multiplied by the squares of large ones: far out the branch was a fold at every point."""
+    problem = small_problem(swapped, "abcd", {"mu": 0.3}, "mu")
+    z, weights = np.array([a, -a, -5.8e-18, -1.5e-18, 0.67 / 2.34]), np.array([a, a, 0.04, 0.04, 0.3])
+    here = problem.linearize(z)
+    way = here.tangent(np.array([1.0, -1.0, 0.0, 0.0, 0.0]) / weights**2, weights)
+    assert way[-1] != 0.0
+    sample = problem.examine(z, way, weights, here, 0)
+    assert sample.still
+    assert sample.unstable == 0
+
+
+@pytest.mark.parametrize("slope", [1e-11, 1e-13])
+def test_a_branch_that_hardly_moves_the_parameter_is_not_one_that_keeps_it(slope):
+    """mu = slope x: 450 roundings of mu on the way of x by its size, where the second is 1e-13."""
+    field = lambda t, x, p, dx: dx.__setitem__(0, (p.mu - slope * x[0]) * (1.0 + x[0] ** 2))  # noqa: E731
+    problem = small_problem(field, "x", {"mu": 0.0}, "mu")
+    z = np.array([1.0, slope])
+    assert not problem.examine(z, np.array([1.0, slope]), np.ones(2), problem.linearize(z), 0).still
+
+
 def test_pinned_directions_are_left_out_as_well():
     """diag(0, 0, -2): one zero is pinned, the other the branch's own."""
     matrix = np.diag([0.0, 0.0, -2.0])

@@ -33,7 +33,7 @@ STATUS = {
     **dict.fromkeys(("step_too_small", "no_convergence", "not_finite", "plugin_error"), ("failed",)),
 }
 # A branch that leaves its Hopf point gets this far from it, in units of the states; or has moved the
-# parameter by this part of the range.
+# parameter by this part of the range, or the period by this part.
 LEFT = 1e-3
 # Orbits that look alike to this part of their size, and equilibria to this, are one.
 ALIKE_ORBIT, ALIKE = 3e-3, 1e-6
@@ -192,11 +192,14 @@ def _equilibria(machine: Machine, branch: Branch) -> Iterator[Fault]:
     rows, n = branch.points, len(branch.info.states)
     x, p = rows["state"].T, parameters_of(branch, rows)
     matrices = machine.jacobians(x, p)
+    each = [
+        {k: float(v[i]) if isinstance(v, np.ndarray) else v for k, v in p.items()} for i in range(len(rows))
+    ]
+    terms = np.array([machine.terms(row["state"], own) for row, own in zip(rows, each, strict=True)])
     for i, row in enumerate(rows):
-        own = {k: float(v[i]) if isinstance(v, np.ndarray) else v for k, v in p.items()}
-        left = np.abs(machine.residual(row["state"], own))
+        left = np.abs(machine.residual(row["state"], each[i]))
         moved = np.abs(matrices[i]) @ np.maximum(np.abs(row["state"]), row["weights"][:n])
-        allowed = RESIDUAL * (machine.terms(row["state"], own) + moved) + 1e-290
+        allowed = RESIDUAL * (terms[i] + moved) + 1e-290
         if np.any(left > allowed):
             yield Fault(
                 "residual", branch.name, f"residual {left.max():.3g} at {row['free'][0]:.10g}, row {i}"
@@ -207,7 +210,9 @@ def _equilibria(machine: Machine, branch: Branch) -> Iterator[Fault]:
     scale = rows["weights"][:, :n]
     scaled = matrices / scale[:, :, None] * scale[:, None, :]
     for i, values in enumerate(np.linalg.eigvals(matrices)):
-        doubt = CERTAIN * float(np.linalg.norm(scaled[i]))
+        # Entries are rounded as the terms are that they are derivatives of, and known as well as the state.
+        rounded = RESIDUAL * float(np.linalg.norm(terms[i] / scale[i]))
+        doubt = CERTAIN * float(np.linalg.norm(scaled[i])) + rounded
         least, most = int(np.sum(values.real > doubt)), int(np.sum(values.real >= -doubt))
         if not least <= rows["unstable"][i] <= most:
             yield Fault(
@@ -314,6 +319,9 @@ def _leaves(
         return
     low, high = study.recipe.range
     moved = np.abs(child["free"][:, 0] - point.unknowns[-1]).max() / (high - low)
+    # Near a Bogdanov-Takens point a family lives in little of the parameter, and its period grows in it.
+    born = float(child.points["period"][child.points["s"] == 0.0][0])
+    moved = max(moved, np.abs(child.points["period"] / born - 1.0).max())
     size = 0.0
     for turn in looks.get(child.name, []):
         size = max(size, float(np.max(turn.most - turn.least)))

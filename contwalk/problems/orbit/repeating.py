@@ -13,6 +13,10 @@ from itertools import pairwise
 
 import numpy as np
 
+# Times of a later part are rounded at the size of the closure: much nearer ones could become one there, a
+# step without length.
+APART = 1e-12
+
 
 def repeating(steps: Sequence[np.ndarray], parts: int) -> tuple[np.ndarray, ...]:
     """Steps that are alike in all parts of the closure, nowhere longer than those given.
@@ -28,13 +32,19 @@ def repeating(steps: Sequence[np.ndarray], parts: int) -> tuple[np.ndarray, ...]
     m = len(steps)
     ends = np.unique(np.round(np.concatenate([np.arange(m + 1) / m * parts % 1.0, [0.0, 1.0]]), 12)) / parts
     part = np.concatenate([_even(times, density, low, high, parts) for low, high in pairwise(ends)])
-    part = np.unique(np.append(part, 1.0 / parts))
+    part = np.append(part, ends[-1])
     whole = np.concatenate([part[:-1] + p / parts for p in range(parts)])
     result = []
     for i in range(m):
-        inside = whole[(whole > i / m + 1e-12) & (whole < (i + 1) / m - 1e-12)]
+        inside = whole[(whole > i / m + 0.5 * APART) & (whole < (i + 1) / m - 0.5 * APART)]
         result.append(np.concatenate([[i / m], inside, [(i + 1) / m]]))
     return tuple(result)
+
+
+def _apart(times: np.ndarray) -> np.ndarray:
+    """Times without those that are hardly later than the one before, or earlier than the last."""
+    inside = times[1:-1][(np.diff(times)[:-1] > APART) & (times[-1] - times[1:-1] > APART)]
+    return np.append(times[:1], inside)
 
 
 def _even(times: np.ndarray, density: np.ndarray, low: float, high: float, parts: int) -> np.ndarray:
@@ -50,4 +60,4 @@ def _even(times: np.ndarray, density: np.ndarray, low: float, high: float, parts
     ]
     count = np.concatenate([[0.0], np.cumsum(np.max(every, axis=0) * np.diff(knots))])
     number = max(int(np.ceil(count[-1] - 1e-9)), 1)
-    return np.interp(np.arange(number) * count[-1] / number, count, knots)
+    return _apart(np.append(np.interp(np.arange(number) * count[-1] / number, count, knots), high))

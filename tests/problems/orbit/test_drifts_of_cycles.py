@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from small_systems import small_system
 
+import contwalk as cw
 from contwalk.continuation.diagram import Diagram, Plan
 from contwalk.continuation.opening import opened
 from contwalk.continuation.settings import Settings
@@ -48,3 +49,20 @@ def test_a_state_that_comes_back_moves_with_its_cycle(third):
     assert born["max:x"][-1] == pytest.approx(np.sqrt(0.5), rel=1e-6)
     # The one multiplier that is neither the flow's nor the pinned direction's: of r' = (lam - 1 - r^2) r.
     assert last["spectrum"][0].real == pytest.approx(np.exp(-np.pi), rel=1e-4)
+
+
+def test_the_direction_is_known_to_the_branch_and_need_not_be_to_the_problem_that_is_given():
+    """Its equations without the pin were singular at the Hopf point: a bare LinAlgError."""
+
+    def field(t, x, p, dx):
+        g = p.lam - 1.0 - x[0] ** 2 - x[1] ** 2
+        dx[0] = g * x[0] - 2.0 * x[1]
+        dx[1] = 2.0 * x[0] + g * x[1]
+        dx[2] = 0.3 * x[0]
+
+    problem = cw.Equilibrium(small_system(field, "xyz", {"lam": 0.5}), {"lam": 0.5}, "lam")
+    branch = cw.continue_branch(problem, [0.0, 0.0, 0.0], range=(0.5, 1.2))
+    assert problem.pins == ()
+    born = cw.switch_branch(problem, branch, "HB1", range=(0.5, 1.2))
+    assert born.outcome.reason == "bound"
+    assert born["max:x"][-1] == pytest.approx(np.sqrt(0.2), rel=1e-6)
