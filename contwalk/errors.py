@@ -7,6 +7,7 @@ the class's exit code; a library user catches one class.
 
 from __future__ import annotations
 
+import sys
 import sysconfig
 import traceback
 from collections.abc import Callable
@@ -70,6 +71,10 @@ class PluginError(ContwalkError):
     exit_code = 1
 
 
+class NotSmooth(PluginError):
+    """A field jumps where a motion crosses a place in it: no derivative of the motion is right beyond."""
+
+
 class NotFinite(ContwalkError):
     """A plugin's function gave NaN or infinity; the sentence names the line where it first arose."""
 
@@ -87,6 +92,14 @@ def plugin_line(error: BaseException) -> str:
         return NO_LINE
     innermost = (own or frames)[-1]
     return f"{innermost.filename}, line {innermost.lineno}"
+
+
+def calling_line() -> str:
+    """`file, line n` of the plugin's function that is being called right now."""
+    frame = sys._getframe(1)
+    while frame is not None and _is_library(frame.f_code.co_filename):
+        frame = frame.f_back  # type: ignore[assignment]
+    return NO_LINE if frame is None else f"{frame.f_code.co_filename}, line {frame.f_lineno}"
 
 
 # What stands for a line that is not known.

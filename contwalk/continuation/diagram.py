@@ -36,7 +36,7 @@ from contwalk.continuation.work import (
     spent,
 )
 from contwalk.errors import ContwalkError
-from contwalk.problems.problem import Problem
+from contwalk.problems.problem import Problem, Sample
 
 
 @dataclass(frozen=True)
@@ -228,6 +228,7 @@ class Diagram:
                     yield Noted(
                         f"method {work.info.name}", f"{work.info.name}: integrated by {problem.method}."
                     )
+            yield from self._kinks(problem, work, opening.here.sample, opening.here.sample)
             work.rows = [to_row(work.info, problem, opening.here, 1.0, special=False)]
             yield Found(work.info, work.rows[0], None)
             # The walk sets out from what the row tells, as it would when taken up again.
@@ -243,17 +244,30 @@ class Diagram:
             if sign not in places or closed(work):
                 continue
             left = settings.max_points - spent(work, sign)
+            last = places[sign][1].sample
             for event in walk(*places[sign], settings, observer, sign, left):
                 if isinstance(event, End):
                     work.outcomes.append((sign, event.outcome))
                     work.special_points.append(event.special)
                     yield Found(work.info, None, event.special)
                     continue
+                # Before the point itself is: a run that is killed between the two tells it again.
+                yield from self._kinks(problem, work, last, event.here.sample)
+                last = event.here.sample
                 row = to_row(work.info, problem, event.here, sign, event.special is not None)
                 work.rows.append(row)
                 if event.special is not None:
                     work.special_points.append(event.special)
                 yield Found(work.info, row, event.special)
+
+    def _kinks(self, problem: Problem, work: Work, a: Sample, b: Sample) -> Iterator[Noted]:
+        """Once a branch, that the equations of its solutions are smooth by pieces only at a plugin's line."""
+        of = "equilibria" if problem.kind == "equilibrium" else "orbits"
+        for kink in problem.kinks_between(a, b):
+            key = f"kink {work.info.name} {kink.order} {kink.where}"
+            if key not in work.told:
+                work.told.add(key)
+                yield Noted(key, f"{work.info.name}: {kink.sentence(of)}")
 
     def _start_marks(self, work: Work, opening: Opening, observer: Observer) -> Iterator[Found]:
         """Marks that the start of a branch has itself."""

@@ -22,6 +22,7 @@ from contwalk.problems.hybrid.recurrence import lap_from
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit, applies, softened
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.hybrid.word import named_word
+from contwalk.problems.kinks import refuse
 from contwalk.problems.orbit.beginning import orbit_at, repetitions, symmetric
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
@@ -98,6 +99,7 @@ def opened_orbit(
                 problem, z = orbit_at(system, parameters, free, first, part, *given)
                 here = begin(problem, z, settings)
         if not isinstance(here, Here):
+            refuse(problem.kinks_of(z))
             names = dict(enumerate(system.state_names))
             return _not_alone(problem, z, names, "", here) or outcomes.no_start(
                 here.reason, here.sentence, "a periodic orbit"
@@ -178,6 +180,7 @@ def _hybrid(
     except StartError as error:
         return outcomes.refused(f"{error.sentence} (word: {word})", error.remedy)
     if not isinstance(here, Here):
+        refuse(problem.kinks_of(z))
         said = f" (word: {word})"
         return _not_alone(problem, z, _states_by_place(problem), said, here) or outcomes.no_start(
             here.reason, here.sentence + said, "a periodic orbit"

@@ -59,6 +59,7 @@ class Work:
     rows: list[np.ndarray] = field(default_factory=list)
     special_points: list[SpecialPoint] = field(default_factory=list)
     outcomes: list[tuple[float, Outcome]] = field(default_factory=list)
+    told: set[str] = field(default_factory=set)
 
     def branch(self, outcome: Outcome) -> Branch:
         """The branch as it stands, ended like this."""

@@ -6,12 +6,12 @@ import bisect
 import math
 import operator
 import sys
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, ClassVar
 
 import numpy as np
 
-from contwalk.errors import plugin_line
+from contwalk.errors import NO_LINE, calling_line, plugin_line
 from contwalk.fields.complex_numbers import applied, is_complex
 from contwalk.fields.elimination import Factored, eliminated, solved
 from contwalk.fields.functions import FUNCTIONS, Number
@@ -106,6 +106,74 @@ class _Near(Probe):
     __slots__ = ()
     resolution = NEARLY
     singular = "the matrix of {} rows is nearly singular"
+
+
+# Operations that choose a smooth piece, as a plugin writes them.
+_WORDS = {"lt": "a comparison", "le": "a comparison", "piece": "a table", "fmod": "math.fmod"}
+_CHOOSING = ("abs", "sign", "min", "max", "floor", "trunc", "fmod")
+
+
+class _Choosing(Probe):
+    """A float that remembers what has been chosen by it: which operation, at which line, and what."""
+
+    __slots__ = ()
+    met: ClassVar[list[tuple[str, str, float]]] = []
+
+    def _note(self, name: str, choice: float) -> None:
+        self.met.append((name, calling_line(), choice))
+
+    def apply(self, name: str, arguments: tuple[Any, ...]) -> Any:
+        """The operation, remembered where it chooses."""
+        result = super().apply(name, arguments)
+        if name in _CHOOSING:
+            given = [_value(a) for a in arguments]
+            sign = math.copysign(1.0, given[0]) if given[0] else 0.0
+            choices = {"abs": sign, "min": given[0] > given[-1], "max": given[0] < given[-1]}
+            own = math.trunc(given[0] / given[-1]) if name == "fmod" else result.value
+            self._note(name, float(choices.get(name, own)))
+        return result
+
+    def compare(self, relation: str, a: Any, b: Any) -> bool:
+        """The comparison, remembered."""
+        outcome = super().compare(relation, a, b)
+        if relation != "eq":
+            self._note(relation, float(outcome))
+        return outcome
+
+    def piece(self, breaks: tuple[float, ...]) -> Any:
+        """The piece, remembered."""
+        result = super().piece(breaks)
+        self._note("piece", result.value)
+        return result
+
+
+def first_switched(
+    function: Callable[..., Any],
+    before: tuple[float, Sequence[float]],
+    after: tuple[float, Sequence[float]],
+    parameters: Mapping[str, float],
+    then: Mapping[str, float] | None = None,
+) -> str:
+    """`file, line n (abs)` of the first choice that is not the same at two times and states; `the plugin` if
+    it is not found.
+
+    Parameters
+    ----------
+    function : callable
+        `field(t, x, p, dx)` or a function of the same form.
+    before, after : (float, sequence of float)
+    parameters, then : mapping
+        Values by name; those at the second place, if they are others.
+    """
+    seen = []
+    for (t, x), given in ((before, parameters), (after, then or parameters)):
+        number = type("_Choosing", (_Choosing,), {"met": [], "__slots__": ()})
+        first_not_finite(function, t, x, dict(given), number)
+        seen.append(number.met)  # type: ignore[attr-defined]
+    for (name, line, choice), (other, place, chosen) in zip(*seen, strict=False):
+        if (name, line) == (other, place) and choice != chosen:
+            return f"{line} ({_WORDS.get(name, name)})"
+    return NO_LINE
 
 
 def first_nearly_singular(

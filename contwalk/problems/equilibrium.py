@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.errors import NotFinite, SystemDefinitionError, called, measured
-from contwalk.fields.blame import first_not_finite
+from contwalk.fields.blame import first_not_finite, first_switched
 from contwalk.fields.kernel import Kernel
+from contwalk.fields.switching import Inputs, Switching, choices_of
 from contwalk.problems import defining, vertical
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.description import described
-from contwalk.problems.equations import equations_of
+from contwalk.problems.equations import GROUPS, equations_of
+from contwalk.problems.kinks import Kink, between
 from contwalk.problems.linear import Factored
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.passed_over import passed_over
@@ -178,6 +181,32 @@ class Equilibrium:
         # ... and an unknown that is zero only to half an ulp of what would matter.
         level = level + EPSILON * (derivatives @ np.where(magnitudes > 0, magnitudes, 0.0))
         return level, magnitudes
+
+    @cached_property
+    def _switching(self) -> Switching | None:
+        """Where the equations are smooth by pieces only; None where they are smooth."""
+        program = self.kernels.program
+        if not choices_of(program):
+            return None
+        return Switching(program, [*[("u", i) for i in range(self.size)], ("l", 0)], ("t", 0))
+
+    def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
+        """Those that lie between two equilibria, or that the second one lies on."""
+        if self._switching is None:
+            return ()
+        field, constants = self.system.modes[0].field, self.inputs(a.z)[2:]
+
+        def evaluate(_: np.ndarray, places: np.ndarray) -> Inputs:
+            given = {("u", i): x for i, x in enumerate(places.T[:-1])} | {("l", 0): places[:, -1]}
+            named = zip(GROUPS[2:], constants, strict=True)
+            return {**given, **{(group, i): v for group, own in named for i, v in enumerate(own)}}
+
+        def where(before: tuple[float, np.ndarray], after: tuple[float, np.ndarray]) -> str:
+            (_, a), (_, b) = before, after
+            places = [(0.0, z[: self.states].tolist()) for z in (a, b)]
+            return first_switched(field, places[0], places[1], self.values_of(a), self.values_of(b))
+
+        return between(self._switching, evaluate, (a.z, b.z), b.weights, where)
 
     def obstacle(self, z: np.ndarray) -> str:
         """Nothing is known of that."""

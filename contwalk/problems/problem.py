@@ -22,6 +22,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
+from contwalk.problems.kinks import Kink
 from contwalk.problems.linear import EPSILON, Factored, Factorization
 
 # Observables that every problem has: the largest real part of an equilibrium, the largest modulus of an
@@ -194,6 +195,8 @@ class Sample:
         Whether an event of the machine would happen on it, which these equations do not have.
     still : bool
         Whether the last eigenvalue, out of order, is that of the branch's own direction: zero all along it.
+    kinks : tuple of Kink
+        Where the field is smooth by pieces only along an orbit.
     period, trivial_error : float
         Of orbits: duration of the closure in seconds, and |M f - f| / |f|.
     """
@@ -223,6 +226,7 @@ class Sample:
     reported: np.ndarray | None = None
     forbidden: bool = False
     still: bool = False
+    kinks: tuple[Kink, ...] = ()
 
     @property
     def spectrum(self) -> np.ndarray:
@@ -432,6 +436,10 @@ class Problem(Protocol):
 
     def explain(self, z: np.ndarray) -> str:
         """Where in the plugin a residual at z is not finite."""
+        ...
+
+    def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
+        """Where the equations are smooth by pieces only: between two solutions, or on the second one."""
         ...
 
     def obstacle(self, z: np.ndarray) -> str:

@@ -20,6 +20,7 @@ from contwalk.workflow.check_at_events import check_at_event
 from contwalk.workflow.check_events import Happening, check_transition
 from contwalk.workflow.check_findings import Finding, Report, place_of, place_of_error, split_place
 from contwalk.workflow.check_functions import check_map
+from contwalk.workflow.check_kinks import check_kinks
 from contwalk.workflow.check_modes import CheckedFields, distinct_transitions
 from contwalk.workflow.check_samples import Samples, samples_of
 from contwalk.workflow.check_signals import check_signal
@@ -90,6 +91,8 @@ def check_system(system: System, sources: Sequence[Path] = (), model: str = "") 
     if period is not None:
         for name, field in fields.items():
             declarations.check_repeats(report, f"field of mode '{name}'", field, samples, period)
+    for name, field in fields.items():
+        check_kinks(report, name, field, system, samples)
     distinct, happenings = distinct_transitions(system), []
     for transition in distinct:
         happening = check_transition(report, transition, system, fields, samples, period)

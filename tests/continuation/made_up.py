@@ -113,6 +113,9 @@ class MadeUp:
     def label_of(self, sample: Sample, which: int) -> str | None:
         return "HB" if sample.eigenvalues[which].imag != 0.0 else None
 
+    def kinks_between(self, a, b):
+        return ()
+
     def obstacle(self, z: np.ndarray) -> str:
         return ""
 

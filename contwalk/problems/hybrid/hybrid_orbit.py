@@ -14,6 +14,7 @@ from contwalk import quantities
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.errors import NotFinite
 from contwalk.memory import remembered, unowned
+from contwalk.problems import kinks
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.hybrid import (
@@ -35,6 +36,7 @@ from contwalk.problems.hybrid.shooting import AT_REST, LegMesh, Piece, meshed, m
 from contwalk.problems.hybrid.solving import newton_on
 from contwalk.problems.hybrid.view import LegView, view_of
 from contwalk.problems.hybrid.word import Word, stored_leg
+from contwalk.problems.kinks import Kink
 from contwalk.problems.linear import EPSILON, Factored, Factorization
 from contwalk.problems.orbit import augmented, branching, describing, ending, rates
 from contwalk.problems.orbit.closure import imaged
@@ -560,8 +562,8 @@ class HybridOrbit:
         return result
 
     def obstacle(self, z: np.ndarray) -> str:
-        """Nothing is known of that."""
-        return ""
+        """Where the field is smooth by pieces only; nothing else is known of that."""
+        return next((kink.sentence("orbits") for kink in self.kinks_of(z)), "")
 
     def explain(self, z: np.ndarray) -> str:
         """Where a residual at z is not finite."""
@@ -845,7 +847,8 @@ class HybridOrbit:
         found = self.multipliers(z, linearization.jacobian)
         trivial = self.trivial_error(z, linearization.jacobian)
         orientation, error = linearization.orientation_and_error(unit, weights, self._errors(linearization))
-        margins = self.margins(z)
+        margins, met = self.margins(z), self.kinks_of(z) if known is None else known.kinks
+        kinks.refuse(met)
         return Sample(
             z=z,
             tangent=unit,
@@ -866,9 +869,26 @@ class HybridOrbit:
             sizes=np.nan_to_num(linearization.magnitudes),
             period=self.duration(z),
             trivial_error=trivial,
+            kinks=met,
             margins=margins.relative,
             reported=self.reported(z) if known is None else known.reported,
         )
+
+    def kinks_of(self, z: np.ndarray) -> tuple[Kink, ...]:
+        """Where fields are smooth by pieces only along the legs of z."""
+        if all(passage.switching is None for passage in self.passages):
+            return ()
+        parameters = self.values_of(z)
+        found = [
+            kinks.along(course, leg.piece.passage.kinks)
+            for leg in self.view(z)
+            for course in leg.course(parameters)
+        ]
+        return tuple(dict.fromkeys(kink for part in found for kink in part))
+
+    def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
+        """Those that the second orbit crosses."""
+        return b.kinks
 
     def observables(self, z: np.ndarray, found: Multipliers) -> np.ndarray:
         """Values of `observable_names`, shape (o,)."""

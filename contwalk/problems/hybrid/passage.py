@@ -18,11 +18,13 @@ import numpy as np
 from contwalk.errors import SystemDefinitionError
 from contwalk.fields.derivative import directional
 from contwalk.fields.rebind import rebound
+from contwalk.fields.switching import Switching, choices_of
 from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow import CompiledField, Field, Restricted
 from contwalk.memory import remembered
 from contwalk.problems.hybrid.watching import Watched
 from contwalk.problems.hybrid.word import Leg
+from contwalk.problems.kinks import Kink
 from contwalk.problems.orbit.motion import DIRECTIONS, PLAIN, STATES, TANGENT, lifted
 from contwalk.problems.tracing import parameter_symbols, refuse_time, time_refused
 from contwalk.system import Condition, Neutral, System, Transition
@@ -80,6 +82,7 @@ class Passage:
             "d": count,
         }
         self._fields: dict[tuple, Any] = {}
+        self.kinks: dict[bytes, Kink] = {}  # that have been told of already
 
     @property
     def columns(self) -> list[tuple[str, int]]:
@@ -124,6 +127,15 @@ class Passage:
     def program(self) -> Program:
         """The field over the leg."""
         return trace(self._rates)
+
+    @cached_property
+    def switching(self) -> Switching | None:
+        """Where the field is smooth by pieces only; None where it is smooth."""
+        shared = self._shared.program if self.system.mode(self.leg.mode).constants else self.program
+        if not choices_of(shared):
+            return None
+        unknowns = [*[("u", k) for k in range(len(self.states))], *self.columns]
+        return Switching(self.program, unknowns, ("t", 0)) if choices_of(self.program) else None
 
     def _after(self, tracer: Tracer) -> list[Any]:
         """The state after the transition and its images, in the states of the target mode."""
@@ -380,11 +392,11 @@ class SharedField:
     """The field over a leg, compiled once for all modes that differ by constants and by what exists."""
 
     def __init__(self, one: Passage) -> None:
-        self._one, self._program = one, one.whole_program()
+        self._one, self.program = one, one.whole_program()
         self._constants = len(one.system.mode(one.leg.mode).constants)
         self._fields: dict[tuple[str, bool], Field] = {}
         if not one.forced:
-            one.refuse_time(self._program)
+            one.refuse_time(self.program)
 
     def field(self, lift: str, differentiable: bool) -> Field:
         """Of a lift, with all states; its first parameters are the constants of the mode."""
@@ -394,7 +406,7 @@ class SharedField:
             groups = {"m": self._constants, **one.groups}
             groups |= {group: len(one.columns) for group in DIRECTIONS[lift]}
             self._fields[key] = Field(
-                lifted(self._program, n, one.columns, lift),
+                lifted(self.program, n, one.columns, lift),
                 [(group, i) for group in STATES[lift] for i in range(n)],
                 groups,
                 one.columns,

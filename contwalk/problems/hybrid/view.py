@@ -7,7 +7,7 @@ tells, and the state there is that of the integrator's own interpolation.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -16,7 +16,10 @@ import numpy as np
 
 from contwalk import flow
 from contwalk.errors import UnsupportedOperation
+from contwalk.fields.blame import first_switched
+from contwalk.fields.switching import Inputs
 from contwalk.problems.hybrid.shooting import Piece
+from contwalk.problems.kinks import Course, inputs
 from contwalk.problems.linear import EPSILON
 from contwalk.problems.orbit.extrema import Smooth, sampled, turns
 from contwalk.problems.orbit.motion import PLAIN
@@ -220,6 +223,24 @@ class LegView:
             return self.full(field.along(times, own, self._constants))
 
         return Smooth(self.times, self.full(self.states), self.full(self.rates), at, rate_at)
+
+    def course(self, parameters: Mapping[str, float]) -> list[Course]:
+        """The leg as it is looked at for kinks of its field, where it may have any and lasts."""
+        passage, values = self.piece.passage, self._values
+        if passage.switching is None or not self.duration > 0.0:
+            return []
+        mode = passage.system.mode(passage.leg.mode)
+        known = {**parameters, **mode.constants}
+
+        def where(before: tuple[float, np.ndarray], after: tuple[float, np.ndarray]) -> str:
+            places = [(self.start + self.duration * t, self.full(x).tolist()) for t, x in (before, after)]
+            return first_switched(mode.field, places[0], places[1], known)
+
+        def evaluate(times: np.ndarray, states: np.ndarray) -> Inputs:
+            return inputs(passage.groups, values, times, states)
+
+        events = passage.leg.transition is not None
+        return [Course(passage.switching, evaluate, self.times, self.states, self.at, where, events)]
 
     def _extrema(self) -> np.ndarray:
         """Instants at which a state turns on the leg, in growing order."""

@@ -152,7 +152,7 @@ def _once_round(problem: PeriodicOrbit, x: np.ndarray, values: np.ndarray) -> tu
     largest = float(np.abs(x).max())
     size = np.maximum(np.abs(x), 1e-3 * largest if largest > 0.0 else 1.0)
     choice = choose(field, field.constants(values), 0.0, x, 1.0, ROUGH, size)
-    path = arrived(choice.path)
+    path = arrived(choice.path, problem.motion, values)
     own = np.array([s.period or 0.0 for s in problem.system.states])
     grown = path.states[-1] - path.states[0]
     turns = np.where(own > 0.0, np.round(np.divide(grown, own, out=np.zeros_like(grown), where=own > 0)), 0.0)

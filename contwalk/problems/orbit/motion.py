@@ -20,17 +20,20 @@ what the integrator makes of the motion.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from contwalk.fields.blame import first_switched
 from contwalk.fields.derivative import directional
 from contwalk.fields.rebind import rebound
+from contwalk.fields.switching import Inputs, Switching, choices_of
 from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow import Field
 from contwalk.memory import remembered
+from contwalk.problems.kinks import Course, Kink, inputs
 from contwalk.problems.tracing import parameter_symbols, refuse_time, state_symbols, written
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
@@ -76,6 +79,7 @@ class Motion:
         count = len(system.parameters)
         self.groups = {"T": 0 if self.forced else 1, "a": len(pins), "l": 1, "b": count, "d": count}
         self._fields: dict[tuple[str, bool], Field] = {}
+        self.kinks: dict[bytes, Kink] = {}  # that have been told of already
 
     @property
     def columns(self) -> list[tuple[str, int]]:
@@ -114,6 +118,49 @@ class Motion:
             refuse_time(self.system, mode.name, pin.generator, f"neutral direction '{pin.name}'")
         return trace(self._right_side)
 
+    @cached_property
+    def switching(self) -> Switching | None:
+        """Where the field is smooth by pieces only; None where it is smooth."""
+        unknowns = [*[("u", i) for i in range(self.states)], *self.columns]
+        return Switching(self.program, unknowns, ("t", 0)) if choices_of(self.program) else None
+
+    def course(
+        self,
+        values: np.ndarray,
+        times: np.ndarray,
+        states: np.ndarray,
+        at: Callable[[np.ndarray], np.ndarray] | None = None,
+    ) -> Course | None:
+        """A motion as it is looked at for kinks; None where the field has none.
+
+        Parameters
+        ----------
+        values : ndarray
+            Scalars and fixed parameters.
+        times, states : ndarray, shapes (k,) and (k, n)
+        at : callable, optional
+            States at any times.
+        """
+        if self.switching is None:
+            return None
+        names, function = self.system.parameter_names, self.system.modes[0].field
+        given = inputs(self.groups, values, times, states)
+        lam = given["l", 0]
+        known = {n: given["b", k] + lam * given["d", k] for k, n in enumerate(names)}
+        if self._free is not None:
+            known[self._free] = lam
+        period = self.system.period
+        lasting = given["T", 0] if period is None else period(ParameterValues(**known)) * self._periods
+
+        def where(before: tuple[float, np.ndarray], after: tuple[float, np.ndarray]) -> str:
+            places = [(lasting * t, x.tolist()) for t, x in (before, after)]
+            return first_switched(function, places[0], places[1], known)
+
+        def evaluate(times: np.ndarray, states: np.ndarray) -> Inputs:
+            return inputs(self.groups, values, times, states)
+
+        return Course(self.switching, evaluate, times, states, at or _nowhere, where)
+
     # -- lifts -------------------------------------------------------------------------------------------
 
     def field(self, lift: str, implicit: bool = False) -> Field:
@@ -148,6 +195,10 @@ class Motion:
             One for each group of `DIRECTIONS`.
         """
         return self.field(lift).constants(np.concatenate([scalars, fixed, *directions]))
+
+
+def _nowhere(times: np.ndarray) -> np.ndarray:
+    raise ValueError("the motion is known at its own times only")
 
 
 def lifted(program: Program, states: int, columns: Sequence[tuple[str, int]], lift: str) -> Program:

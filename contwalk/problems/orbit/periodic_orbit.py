@@ -13,8 +13,10 @@ from contwalk import quantities
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.errors import called, measured
 from contwalk.memory import remembered, unowned
+from contwalk.problems import kinks
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
+from contwalk.problems.kinks import Kink
 from contwalk.problems.linear import EPSILON, Factored
 from contwalk.problems.orbit import augmented, branching, describing, ending, rates, switching
 from contwalk.problems.orbit.closure import Closure
@@ -420,6 +422,9 @@ class PeriodicOrbit:
 
     def obstacle(self, z: np.ndarray) -> str:
         """How much deviations grow over a segment, where that is what Newton's method has to fight with."""
+        met = self.kinks_of(z)
+        if met:
+            return met[0].sentence("orbits")
         if not self.stretched(z):
             return ""
         m = self.segments
@@ -447,6 +452,8 @@ class PeriodicOrbit:
         unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
         trivial = self.trivial_error(z, linearization.jacobian)
         found = self._known(self.multipliers(z, linearization.jacobian), trivial, linearization.jacobian)
+        met = self.kinks_of(z) if known is None else ()
+        kinks.refuse(met)
         orientation, error = linearization.orientation_and_error(unit, weights, self._errors(linearization))
         return Sample(
             z=z,
@@ -468,9 +475,23 @@ class PeriodicOrbit:
             sizes=np.nan_to_num(linearization.magnitudes),
             period=self.duration(z),
             trivial_error=trivial,
+            kinks=met,
             forbidden=bool(self.system.acting)
             and passed_over(self.system, *self.motion_of(z), self.values_of(z)),
         )
+
+    def kinks_of(self, z: np.ndarray) -> tuple[Kink, ...]:
+        """Where the field is smooth by pieces only along the motion of z."""
+        motion = self.motion
+        if motion.switching is None:
+            return ()
+        curve, values = self.curve(z), np.concatenate([self.scalars(z), self.fixed])
+        course = motion.course(values, *curve.sampled(SAMPLES), curve.at)
+        return () if course is None else kinks.along(course, motion.kinks)
+
+    def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
+        """Those that the second orbit crosses."""
+        return b.kinks
 
     def factors(self, jacobian: np.ndarray) -> list[np.ndarray]:
         """Derivative of each segment's end by its start, from DF(z)."""
@@ -634,7 +655,7 @@ class PeriodicOrbit:
         there = problem.linearize(sample.z)
         again = problem.examine(sample.z, tangent, sample.weights, there, sample.unstable, sample.observables)
         orientation = 0.0 if sample.orientation == 0.0 else again.orientation
-        return problem, replace(again, orientation=orientation)
+        return problem, replace(again, orientation=orientation, kinks=sample.kinks)
 
     def stretched(self, z: np.ndarray) -> bool:
         """Whether a segment is too long for Newton's method to be at ease, or to tell multipliers."""

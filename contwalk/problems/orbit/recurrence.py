@@ -11,7 +11,8 @@ from contwalk import flow
 from contwalk.errors import NotFinite, StartError, called
 from contwalk.flow.method import Choice, choose
 from contwalk.problems.angles import whole_turns
-from contwalk.problems.orbit.motion import PLAIN, motion_of
+from contwalk.problems.orbit.motion import PLAIN, Motion, motion_of
+from contwalk.problems.orbit.shooting import roughness
 from contwalk.system import System
 from contwalk.system.declarations import ParameterValues
 
@@ -54,21 +55,25 @@ class Simulation:
         scalars = [1.0] if self.system.period is None else []
         return np.concatenate([scalars, [fixed[0]], fixed, np.zeros(len(names))])
 
+    @property
+    def motion(self) -> Motion:
+        """The field in units of a second, or of a period."""
+        return motion_of(self.system, self.system.parameter_names[0], (), (), 1.0)
+
     def run(self, t: float, x: np.ndarray, end: float, weights: np.ndarray) -> Choice:
         """The motion from t to `end` by the method that works least; `path.status`: what became of it."""
-        motion = motion_of(self.system, self.system.parameter_names[0], (), (), 1.0)
-        field = motion.field(PLAIN)
+        field = self.motion.field(PLAIN)
         c = field.constants(self.constants())
         return choose(field, c, t, x, end, TOLERANCE, weights)
 
     def velocity(self, t: float, x: np.ndarray) -> np.ndarray:
         """dx/dt."""
-        field = motion_of(self.system, self.system.parameter_names[0], (), (), 1.0).field(PLAIN)
+        field = self.motion.field(PLAIN)
         return field(t, x, field.constants(self.constants()))
 
     def at(self, run: Choice, times: np.ndarray) -> np.ndarray:
         """States at any times of a motion."""
-        field = motion_of(self.system, self.system.parameter_names[0], (), (), 1.0).field(PLAIN)
+        field = self.motion.field(PLAIN)
         c = field.constants(self.constants())
         return flow.dense(field, c, run.path.times, run.path.states, times, run.method)
 
@@ -112,11 +117,11 @@ def recurrent(
     reached = np.abs(x)
     weights = np.maximum(reached, 1e-3)
     if until != "settled":
-        path = _checked(simulation.run(t, x, float(until) / unit, weights), simulation.system, unit).path
+        path = _checked(simulation, simulation.run(t, x, float(until) / unit, weights), unit).path
         t, x = float(path.times[-1]), path.states[-1].copy()
     length = 8.0 if forced else _first_length(simulation, x, weights)
     for _ in range(STRETCHES):
-        run = _checked(simulation.run(t, x, t + length, weights), simulation.system, unit)
+        run = _checked(simulation, simulation.run(t, x, t + length, weights), unit)
         path = run.path
         variation = np.ptp(path.states, axis=0)
         _check_moves(simulation, path, variation)
@@ -143,8 +148,8 @@ def _first_length(simulation: Simulation, x: np.ndarray, weights: np.ndarray) ->
     return 10.0 / rate if rate > 0.0 else 10.0
 
 
-def _checked(run: Choice, system: System, unit: float) -> Choice:
-    path = run.path
+def _checked(simulation: Simulation, run: Choice, unit: float) -> Choice:
+    path, system = run.path, simulation.system
     if path.status != "ok":
         what = {
             "not_finite": "the motion is not finite from there on",
@@ -152,7 +157,8 @@ def _checked(run: Choice, system: System, unit: float) -> Choice:
             "too_many_steps": "going on takes more steps than are allowed",
         }[path.status]
         raise NotFinite(
-            f"The simulation ends after {system.lasting(path.times[-1] * unit)}: {what}.",
+            f"The simulation ends after {system.lasting(path.times[-1] * unit)}: {what}."
+            + roughness(simulation.motion, simulation.constants(), path),
             "Start elsewhere, or mend the plugin.",
         )
     return run

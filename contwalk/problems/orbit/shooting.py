@@ -15,6 +15,7 @@ import numpy as np
 from contwalk import flow
 from contwalk.errors import NotFinite
 from contwalk.flow.method import Carried, choose
+from contwalk.problems.kinks import at_the_end
 from contwalk.problems.orbit.closure import Closure
 from contwalk.problems.orbit.motion import PLAIN, TANGENT, Motion
 from contwalk.problems.orbit.repeating import repeating
@@ -325,7 +326,9 @@ def _passed(
         choices = []
         for end in ends:
             choices.append(choose(field, c, *end, tolerance, weights, carried=carried))
-            arrived(choices[-1].path)  # where one ends on the way, the others need not be tried
+            arrived(
+                choices[-1].path, motion, values
+            )  # where one ends on the way, the others need not be tried
         methods = {choice.method for choice in choices}
         stiffest = max(choices, key=lambda choice: choice.stability_limited)
         method, reason = stiffest.method, stiffest.reason
@@ -334,11 +337,11 @@ def _passed(
     else:
         reason = "as the run file says"
     paths = [flow.adaptive(field, c, *end, tolerance, weights, method) for end in ends]
-    return [arrived(path) for path in paths], method, reason
+    return [arrived(path, motion, values) for path in paths], method, reason
 
 
-def arrived(path: flow.Path) -> flow.Path:
-    """A path that reached its end.
+def arrived(path: flow.Path, motion: Motion | None = None, values: np.ndarray | None = None) -> flow.Path:
+    """A path that reached its end; `motion` and `values` tell more of one that did not.
 
     Raises
     ------
@@ -352,8 +355,15 @@ def arrived(path: flow.Path) -> flow.Path:
             and np.abs(path.states[-1]).max() > BURST * np.abs(path.states[0]).max()
         ):
             status = "not_finite"
-        raise NotFinite(_SENTENCES[status], "Start elsewhere, or keep the run away from there.")
+        rough = "" if motion is None or values is None else roughness(motion, values, path)
+        raise NotFinite(_SENTENCES[status] + rough, "Start elsewhere, or keep the run away from there.")
     return path
+
+
+def roughness(motion: Motion, values: np.ndarray, path: flow.Path) -> str:
+    """A sentence where a path of a lift ends at a place at which the field is smooth by pieces only."""
+    course = motion.course(values, path.times, path.states[:, : motion.states])
+    return "" if course is None or path.status == "not_finite" else at_the_end(course)
 
 
 _SENTENCES = {

@@ -1,0 +1,271 @@
+"""Where a motion, or a branch of equilibria, crosses a place at which its field is smooth by pieces only.
+
+A field that jumps there carries derivatives of the motion across by a matrix of its own (the saltation
+matrix), which its equations do not have: derivatives are wrong, and with them all that is told of an orbit.
+Where first derivatives jump, the motion's are right, and second ones are not; and so on
+(M. di Bernardo et al., Piecewise-smooth Dynamical Systems, 2008, chapter 2). An instant that no unknown moves
+leaves derivatives as they are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contwalk.errors import NotSmooth
+from contwalk.fields.switching import Inputs, Switching
+
+# Parts that an interval is looked at in, and how often, to find where a choice changes in it.
+PARTS, PASSES = 64, 5
+# A jump below this part of the field, and of its first and second derivatives, is rounding or meant as none.
+JUMPS = (1e-6, 1e-6, 1e-5)
+# How far to either side of an equilibrium that lies on a kink, against its size.
+ASIDE = 1e-6
+# The last steps of a motion that ends, among which such a place is looked for.
+LATELY = 40
+# Groups of inputs that are states.
+STATES = ("u", "x")
+# A change this near to an end of a leg is the event there.
+AT_END = 1e-9
+REMEDY = (
+    "Declare two modes, one for each side, with a transition between them whose guard is what is compared "
+    "there."
+)
+CLOCK = "Declare a transition whose guard is a function of time (a clock)"
+
+Evaluate = Callable[[np.ndarray, np.ndarray], Inputs]
+
+
+@dataclass(frozen=True)
+class Kink:
+    """A crossing of such a place: the lowest derivative that jumps, and the plugin's line.
+
+    `moves`: whether the instant depends on the unknowns.
+    """
+
+    order: int
+    where: str
+    moves: bool = True
+
+    @property
+    def refused(self) -> bool:
+        """Whether derivatives of the motion are wrong."""
+        return self.order == 0 and self.moves
+
+    def sentence(self, of: str) -> str:
+        """What it means for `equilibria` or `orbits` of a branch."""
+        if self.order == 0 and not self.moves:
+            return (
+                f"Its {of} pass an instant at which the field jumps: {self.where}. Steps are short and rough "
+                f"there. {CLOCK}, with a mode for each piece."
+            )
+        what = "the field jumps" if self.order == 0 else "slopes of the field jump"
+        if of == "equilibria":
+            return (
+                f"Its equilibria cross a place where {what}: {self.where}. Eigenvalues jump there, and "
+                "stability may change without a special point."
+            )
+        if self.order == 1:
+            return (
+                f"Its orbits cross a place where {what}: {self.where}. Special points near it may stay "
+                f"unlocated, steps become small, and coefficients of normal forms are not right. {REMEDY} "
+                'With role="soft" orbits pass it exactly.'
+            )
+        return (
+            f"Its orbits cross a place where second derivatives of the field jump: {self.where}. Cubic "
+            f"coefficients, and with them criticality, are not right there. {REMEDY}"
+        )
+
+
+def inputs(groups: Mapping[str, int], values: np.ndarray, times: np.ndarray, states: np.ndarray) -> Inputs:
+    """Inputs of a field over a closure or a leg: its scalars and parameters by their groups."""
+    names = [(group, i) for group, size in groups.items() for i in range(size)]
+    given: dict[tuple[str, int], Any] = dict(zip(names, values.tolist(), strict=True))
+    return {**given, ("t", 0): times, **{("u", i): x for i, x in enumerate(states.T)}}
+
+
+def refuse(kinks: tuple[Kink, ...]) -> None:
+    """Raise for an orbit that crosses a jump of the field.
+
+    Raises
+    ------
+    NotSmooth
+    """
+    for kink in kinks:
+        if kink.refused:
+            raise NotSmooth(
+                f"The motion crosses a place where the field jumps: {kink.where}. Derivatives of the motion "
+                f"are wrong there, and with them its multipliers. {REMEDY}"
+            )
+
+
+@dataclass(frozen=True)
+class Course:
+    """A motion, as it is looked at for kinks.
+
+    Parameters
+    ----------
+    switching : Switching
+    evaluate : callable
+        Inputs of the field at times (k,) and states (k, n).
+    times, states : ndarray, shapes (k,) and (k, n)
+    at : callable
+        States at times in growing order.
+    where : callable
+        The plugin's line, of two times and states.
+    ends : bool
+        Whether events happen at both ends.
+    """
+
+    switching: Switching
+    evaluate: Evaluate
+    times: np.ndarray
+    states: np.ndarray
+    at: Callable[[np.ndarray], np.ndarray]
+    where: Callable[[tuple[float, np.ndarray], tuple[float, np.ndarray]], str]
+    ends: bool = False
+
+    def sides(self, times: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """Choices at some instants, shape (k, choices)."""
+        found = self.switching.sides(self.evaluate(times, states))
+        return np.broadcast_to(found, (len(times), found.shape[-1]))
+
+
+def along(course: Course, known: dict[bytes, Kink]) -> tuple[Kink, ...]:
+    """The kinks of a motion; those that only derivatives have are told once each, and kept in `known`."""
+    sides = course.sides(course.times, course.states)
+    a, b = sides[:-1], sides[1:]
+    found: dict[Kink, Kink] = {}
+    for k in np.flatnonzero(np.any(_differ(a, b), axis=1)).tolist():
+        changed = np.flatnonzero(_differ(a[k], b[k]))
+        key = np.append(changed, np.concatenate([a[k][changed], b[k][changed]])).tobytes()
+        kink = known.get(key)
+        if kink is None or course.switching.jumps(changed.tolist()):
+            kink = _kink(course, *_located(course, k))
+        if kink is not None:
+            found[kink] = known[key] = kink
+    return tuple(found)
+
+
+def _differ(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return (a != b) & ~np.isnan(a) & ~np.isnan(b)
+
+
+def _located(course: Course, k: int) -> tuple[float, float]:
+    """Two instants right beside each other, between which a choice changes in an interval of samples."""
+    low, high = course.times[k], course.times[k + 1]
+    for _ in range(PASSES):
+        times = low + (high - low) * np.linspace(0.0, 1.0, PARTS + 1)
+        sides = course.sides(times, course.at(times))
+        apart = np.flatnonzero(np.any(_differ(sides[:1], sides), axis=1))
+        if not len(apart):
+            break
+        low, high = times[apart[0] - 1], times[apart[0]]
+    return float(low), float(high)
+
+
+def at_the_end(course: Course) -> str:
+    """A sentence where a motion that could not go on went to and fro across a place of this kind."""
+    last = slice(-LATELY, None)
+    times, states = course.times[last], course.states[last]
+    sides = course.sides(times, states)
+    apart = np.flatnonzero(np.any(_differ(sides[:-1], sides[1:]), axis=1)).tolist()
+    if not apart:
+        return ""
+    k = apart[-1]
+    where = course.where((times[k], states[k]), (times[k + 1], states[k + 1]))
+    return (
+        f" It crosses a place there at which the field is smooth by pieces only, or slides along it: {where}."
+        f" {REMEDY} A motion that slides along it is a third mode."
+    )
+
+
+def between(
+    switching: Switching,
+    evaluate: Evaluate,
+    ends: tuple[np.ndarray, np.ndarray],
+    sizes: np.ndarray,
+    where: Callable[[tuple[float, np.ndarray], tuple[float, np.ndarray]], str],
+) -> tuple[Kink, ...]:
+    """The kinks that solutions cross between two of them, or that the second one lies on.
+
+    `evaluate`: inputs of the equations at any numbers and unknowns z, shape (k, N + 1).
+    """
+    a, b = ends
+    aside = ASIDE * sizes * np.cos(1.0 + np.arange(len(b)))
+
+    def straight(begin: np.ndarray, end: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+        return lambda shares: begin + shares[:, None] * (end - begin)
+
+    found: dict[Kink, None] = {}
+    for at in (straight(a, b), straight(b - aside, b + aside)):
+        shares = np.array([0.0, 1.0])
+        course = Course(switching, evaluate, shares, at(shares), at, where)
+        changed = _differ(*course.sides(shares, at(shares)))
+        if np.any(changed):
+            found |= dict.fromkeys(along(course, {}))
+    return tuple(found)
+
+
+def _kink(course: Course, low: float, high: float) -> Kink | None:
+    """What jumps between two neighbouring instants; None if nothing does that matters."""
+    if course.ends and (high < AT_END or low > 1.0 - AT_END):
+        return None
+    times = np.array([low, high])
+    states = course.at(times)
+    before, after = (course.evaluate(times[i : i + 1], states[i : i + 1]) for i in range(2))
+    sizes = np.abs(course.states).max(axis=0)
+    level = np.abs(course.switching.values(course.evaluate(course.times, course.states)))
+    changed = np.flatnonzero(_differ(*course.sides(times, states)))
+    return told(
+        course.switching,
+        (before, before, after),
+        sizes,
+        np.nanmax(level, axis=0, initial=0.0),
+        changed,
+        lambda: course.where((low, states[0]), (high, states[1])),
+    )
+
+
+def told(
+    switching: Switching,
+    places: tuple[Inputs, Inputs, Inputs],
+    sizes: np.ndarray,
+    level: np.ndarray,
+    changed: np.ndarray,
+    where: Callable[[], str],
+) -> Kink | None:
+    """What jumps at one place, seen from two beside it.
+
+    Parameters
+    ----------
+    places : three inputs
+        The place, and one on either side.
+    sizes : ndarray, shape (n,)
+        How large the states are.
+    level : ndarray
+        How large the outputs are.
+    """
+    at, before, after = places
+    along_ = directions(switching, at, sizes)
+    one, other = switching.beside(at, before, after, along_)
+    if not (np.all(np.isfinite(one)) and np.all(np.isfinite(other))):
+        return None
+    level = np.maximum(level, np.maximum(np.abs(one[1]), np.abs(other[1])))
+    for order, least in enumerate(JUMPS):
+        if np.any(np.abs(one[order] - other[order]) > least * level):
+            moves = order > 0 or switching.moves(at, changed.tolist(), along_)
+            return Kink(order, where(), moves)
+    return None
+
+
+def directions(switching: Switching, at: Inputs, sizes: np.ndarray) -> Mapping[tuple[str, int], float]:
+    """A direction in which every unknown moves, by a part of its size that differs from the others'."""
+    result = {}
+    for k, (group, i) in enumerate(switching.unknowns):
+        size = sizes[i] if group in STATES else abs(float(np.ravel(at[group, i])[0]))
+        result[group, i] = (float(size) or 1.0) * float(np.cos(1.0 + k))
+    return result
