@@ -63,7 +63,7 @@ def node(t, x, p, dx):
 
 
 def machine(*modes, leads="flow"):
-    transition = Transition("fires", "flow", leads, above, reset=back)
+    transition = Transition("fires", "flow", leads, above, reset=back, direction="both")
     return System("machine", (State("x"), State("y")), (Parameter("B", 0.5),), modes, (transition,))
 
 

@@ -110,3 +110,21 @@ def test_a_motion_that_is_not_periodic(monkeypatch):
     monkeypatch.setattr(recurrence, "STRETCHES", 12)  # all of them would take half a minute
     with pytest.raises(StartError, match="did not come back"):
         recurrent(system, system.defaults(), np.array([1.0, 0.0, 1.0, 0.0]))
+
+
+def test_instants_of_returns_are_found_all_at_once():
+    """A sine that is pressed flat against its zeros: false position alone would creep."""
+
+    def side(t):
+        seen.append(t)
+        return np.sin(t) ** 3
+
+    seen: list[np.ndarray] = []
+    times = np.linspace(-1.0, 60.0, 100)
+    sampled = np.sin(times) ** 3
+    passed = np.flatnonzero((sampled[:-1] < 0.0) & (sampled[1:] >= 0.0))
+    instants = recurrence._zeros(side, times, sampled, passed)
+    assert len(seen) <= recurrence.TRIALS
+    turns = 2.0 * np.pi * np.arange(len(passed))
+    # What is left of the sine at a triple zero is the cube root of rounding.
+    np.testing.assert_allclose(instants, turns, rtol=0.0, atol=1e-5)
