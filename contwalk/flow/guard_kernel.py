@@ -243,7 +243,7 @@ def _cubic_zero(a: float, slope_a: float, b: float, slope_b: float) -> float:
         else:
             high = share
         new = share - value / slope if slope != 0.0 else -1.0
-        share = new if low < new < high else 0.5 * (low + high)
+        share = new if low <= new <= high else 0.5 * (low + high)
     return share
 
 
@@ -269,7 +269,7 @@ def _near(m: Any, guard: int, t: float, h: float, a: float, b: float, side: floa
         else:
             b = share
         new = share - value / (rate * h) if rate != 0.0 else -1.0
-        if not a < new < b:
+        if not a <= new <= b:
             new = 0.5 * (a + b)
         done = abs(new - share) <= 1e-11
         share = new

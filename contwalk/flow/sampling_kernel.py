@@ -156,7 +156,7 @@ def _zero(p: np.ndarray, t: float, h: float, parameters: int, a: float, side: fl
         else:
             b = share
         new = share - value / (rate * h) if rate != 0.0 else -1.0
-        if not a < new < b:
+        if not a <= new <= b:
             new = 0.5 * (a + b)
         if abs(new - share) <= EPSILON * abs(new):
             break

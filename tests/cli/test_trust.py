@@ -109,3 +109,13 @@ def test_python_needs_trust_as_well(folder, database):
             db.system()
         assert not list(folder.glob("*.ran"))
         assert db.system(trust=True).name == "fork"
+
+
+def test_the_plugin_is_found_where_the_run_file_was(folder, database, tmp_path):
+    """The database alone has been moved."""
+    away = tmp_path / "away"
+    away.mkdir()
+    moved = away / "fork.h5"
+    moved.write_bytes((folder / "fork.h5").read_bytes())
+    with cw.open_database(moved, trust=True) as db:
+        assert db.system().name == "fork"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from made_up import at, line
 
-from contwalk.continuation.marks import Observer, marked, marks_at
+from contwalk.continuation.marks import Observer, _extremum_error, marked, marks_at
 from contwalk.continuation.settings import Mark
 
 PARAMETER = Observer("lam", ())
@@ -120,3 +120,13 @@ def test_marks_that_a_start_has_itself():
     assert marks_at(sample, marks, observer) == ["parameter", "observable"]
     beside = problem.sample((0.0, 0.1 * (1.0 + 1e-14)), (0.0, 1.0))
     assert marks_at(beside, (Mark("lam", (0.1,)),), observer) == []
+
+
+@pytest.mark.parametrize("end", [0.0, 1.0])
+def test_the_error_of_an_extremum_at_an_end_of_a_step_is_told_by_what_is_beside_it(end):
+    """The slope of sin at a zero of cos, at the very end: a cubic beside it has it to 1e-9 of a chord."""
+    top = 0.5 * math.pi
+    segment = segment_of(straight(), *((top, top + 0.1) if end == 0.0 else (top - 0.1, top)))
+    error, sloping = _extremum_error(segment, end, lambda sample: math.cos(sample.parameter))
+    assert sloping
+    assert error < 1e-12

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from small_systems import small_system
+from small_systems import circle, small_system
 
 import contwalk as cw
 from contwalk.continuation.diagram import Diagram, Noted, Plan
 from contwalk.continuation.here import begin
 from contwalk.continuation.opening import opened
-from contwalk.continuation.recognition import known_branch
+from contwalk.continuation.recognition import images, known_branch
+from contwalk.continuation.reopening import reopened
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.work import Start
 from contwalk.system import State, Symmetry
@@ -89,18 +91,19 @@ def test_right_where_two_branches_cross_the_way_decides():
         assert known_branch(problem, along, [flat]) == flat.name
 
 
-def test_a_branch_that_runs_close_beside_is_another_one():
-    """x = 0 and x = 1e-4, in a state of size one."""
+@pytest.mark.parametrize(("unit", "gap"), [(1.0, 1e-4), (1e-3, 1e-8), (1e3, 1e-2)])
+def test_a_branch_that_runs_close_beside_is_another_one(unit, gap):
+    """x = 0 and x = gap, in a state of size `unit`."""
 
     def close(t, x, p, dx):
-        dx[0] = x[0] * (x[0] - 1e-4) * (1.0 + p.mu**2)
+        dx[0] = x[0] * (x[0] - gap) * (1.0 + p.mu**2) / unit
 
-    system = small_system(close, [State("x", scale=1.0)], {"mu": 0.5})
+    system = small_system(close, [State("x", scale=unit)], {"mu": 0.5})
     problem = cw.Equilibrium(system, system.defaults(), "mu")
     straight = cw.continue_branch(problem, [0.0], (-1.0, 1.0))
-    for x, expected in ((0.0, straight.name), (1e-4, None)):
+    for x, expected in ((0.0, straight.name), (gap, None)):
         sample = begin(problem, np.array([x, 0.3]), SETTINGS).sample
-        assert sample.z[0] == pytest.approx(x, abs=1e-12)
+        assert sample.z[0] == pytest.approx(x, abs=1e-12 * unit)
         assert known_branch(problem, sample, [straight]) == expected
 
 
@@ -113,6 +116,17 @@ def test_an_image_is_known_only_where_the_symmetry_is_declared(branches):
     assert known_branch(problem_of(), lower, [half]) is None
     mirrored = problem_of(symmetries=(MIRROR,))
     assert known_branch(mirrored, sample_at(mirrored, -x, y, mu), [half]) == half.name
+
+
+def test_a_solution_has_as_many_images_as_there_are_different_ones():
+    """Of the mirror: two, but on the mirror itself only one."""
+    mirrored, beside = problem_of(symmetries=(MIRROR,)), np.array([1e-4, 0.0, 1e-4])
+    off, on = np.array(upper(0.4)), np.array([0.0, 0.0, 0.4])
+    assert [z.tolist() for z, _ in images(mirrored, off, off + beside)] == [
+        [off[0], off[1], 0.4],
+        [-off[0], off[1], 0.4],
+    ]
+    assert [z.tolist() for z, _ in images(mirrored, on, on + beside)] == [on.tolist()]
 
 
 def test_other_parameters_make_another_branch(branches):
@@ -191,3 +205,33 @@ def test_a_branch_is_known_where_its_unknowns_are_scaled_by_dust():
     assert len(made.branches) == 2
     assert [note.split()[0] for note in notes] == ["b1/BP2", "b2/BP1"]
     assert all("already known" in note for note in notes)
+
+
+def test_a_solution_is_known_on_an_arc_over_which_an_unknown_turns():
+    """x = mu and y = 1000 (1 - mu^2): by y alone nothing tells where on the arc over mu = 0 a solution is."""
+
+    def hill(t, x, p, dx):
+        dx[0] = p.mu - x[0]
+        dx[1] = 1e3 * (1.0 - p.mu**2) - x[1]
+
+    system = small_system(hill, [State("x", scale=1.0), State("y", scale=1e3)], {"mu": -0.3})
+    problem = cw.Equilibrium(system, system.defaults(), "mu")
+    branch = cw.continue_branch(problem, [-0.3, 910.0], (-0.31, 0.4))
+    after = int(np.searchsorted(branch["mu"], 0.0))
+    arc = type(branch)(branch.info, branch.points[[after - 2, after + 1]], [], branch.outcome)
+    low, high = arc["mu"]
+    for share in (0.1, 0.3, 0.5, 0.7, 0.9):
+        mu = low + share * (high - low)
+        sample = begin(problem, np.array([mu, 1e3 * (1.0 - mu**2), mu]), SETTINGS).sample
+        assert known_branch(problem, sample, [arc]) == branch.name
+
+
+def test_an_orbit_is_known_on_its_branch_if_its_period_is_as_often_that_of_the_forcing():
+    system = small_system(circle, "xy", {"mu": 0.5})
+    problem = cw.PeriodicOrbit(system, system.defaults(), "mu")
+    start = [math.sqrt(0.5), 0.0]
+    branch = cw.continue_branch(problem, start, (0.4, 0.8), period=2.0 * math.pi, direction="forward")
+    there, sample = reopened(system, branch, len(branch) // 2)
+    assert known_branch(there, sample, [branch]) == branch.name
+    other = replace(branch, info=replace(branch.info, subharmonic=2))
+    assert known_branch(there, sample, [other]) is None

@@ -6,12 +6,22 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from made_up import line
 from small_systems import labelled, small_system
 
 import contwalk as cw
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.continuation.reopening import problem_of, reopened
-from contwalk.continuation.verification import AGREES, DIFFERS, LOST, SKIPPED, SLACK, Comparison, compared
+from contwalk.continuation.verification import (
+    AGREES,
+    DIFFERS,
+    LOST,
+    SKIPPED,
+    SLACK,
+    Comparison,
+    _extremum,
+    compared,
+)
 from contwalk.errors import DatabaseError
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.system import Neutral, State, Symmetry, System
@@ -308,3 +318,13 @@ def test_another_system_is_refused(folded):
     other = small_system(roessler, ("x", "y", "z"), {"c": 2.5})
     with pytest.raises(DatabaseError, match="another system"):
         reopened(other, branch, 0)
+
+
+@pytest.mark.parametrize("aside", [-2e-5, 0.0, 3e-5])
+def test_an_extremum_is_found_again_from_beside_it(aside):
+    """Along x = 0 the observable's slope is d + 50 d^2, of the distance d from lam = 0.3."""
+    problem = line(lambda z: [-1.0], slopes={"top": lambda z: (z[1] - 0.3) * (1.0 + 50.0 * (z[1] - 0.3))})
+    found = _extremum(problem, problem.sample((0.0, 0.3 + aside), (0.0, 1.0)), "top")
+    assert found is not None
+    assert found.z[-1] == pytest.approx(0.3, abs=1e-12)
+    assert abs(found.z[-1] - 0.3) <= found.error

@@ -237,3 +237,14 @@ class Spring:
 def test_bound_methods_are_traced():
     spring = Spring(3.0)
     assert kernel_of(spring.force, 1)([0.5])[0] == -3.0 * math.sin(0.5)
+
+
+@pytest.mark.parametrize("x", [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)])
+def test_both_and_either_of_two_comparisons_are_what_they_say(x):
+    """`np.logical_and` and `np.logical_or` in an `if`: the second is only asked where it decides."""
+
+    def chosen(v):
+        both = 2.0 if np.logical_and(v[0] > 0.0, v[1] > 0.0) else 3.0
+        return both * (5.0 if np.logical_or(v[0] > 0.0, v[1] > 0.0) else 7.0)
+
+    assert kernel_of(chosen, 2)(x) == chosen(x)

@@ -595,3 +595,9 @@ def test_a_guard_that_ceases_to_exist_where_it_is_never_asked_acts():
     assert [(arc.transition, arc.status) for arc in found] == [("hit", "ok"), (None, "ok")]
     # Two or three steps of error 1e-4 at most.
     assert found[0].times[-1] == pytest.approx(math.asin(0.5), abs=3e-4)
+
+
+def test_whether_a_guard_rises_is_told_by_the_motion_at_its_event():
+    """A ball that is thrown up falls where it meets the floor: one step leads from the one to the other."""
+    (flight, *_) = run(machine(BALL), [0.5, 3.0], 2.0)
+    assert (flight.transition, flight.rising) == ("impact", False)

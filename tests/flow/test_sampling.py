@@ -131,3 +131,11 @@ def test_results_do_not_depend_on_threads_or_neighbours():
     assert sum(done) == 90
     alone = motions(OSCILLATOR, lambda t, x, p: x[0] - 0.1, starts[40:41], [1.0, 0.05, 0.0], limit=200.0)
     assert measure(alone, 1e-8, np.ones(2)).crossed_at[0] == results[0].crossed_at[40]
+
+
+def test_a_guard_that_is_steep_where_it_passes_zero_is_seen_although_it_is_flat_at_both_ends_of_a_step():
+    made = motions(DECAY, lambda t, x, p: math.tanh(300.0 * (x[0] - 0.5)), [[2.0, 0.0]], [1.0, 0.0])
+    result = measure(made, 1e-10, np.ones(2))
+    assert result.crossed[0]
+    # Tens of steps of local error 1e-10; x falls by 0.5 in a unit of time there.
+    assert result.crossed_at[0] == pytest.approx(math.log(4.0), abs=1e-7)

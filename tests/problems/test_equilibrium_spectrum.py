@@ -5,7 +5,9 @@ from __future__ import annotations
 import mpmath
 import numpy as np
 import pytest
+from small_systems import small_system
 
+from contwalk.problems.equilibrium import Equilibrium
 from contwalk.problems.spectrum import complement, spectrum
 
 NO_ROUNDING = np.zeros((3, 3))
@@ -102,3 +104,16 @@ def test_a_doubtful_eigenvalue_counts_as_at_the_neighbour(before, expected):
     rounding = np.diag([0.0, 1e-12, 1e-12, 0.0])
     # Entries below their rounding are zeros, and stay doubtful.
     assert spectrum(matrix, np.zeros((4, 4)), rounding).unstable(before) == expected
+
+
+def test_the_error_of_an_equilibrium_is_that_of_its_equations():
+    """-x + lambda = 0 near (1, 1) and 3 y = 0: a solution is known to some roundings of its terms."""
+
+    def field(t, x, p, dx):
+        dx[0] = p.lam - x[0]
+        dx[1] = -3.0 * x[1]
+
+    problem = Equilibrium(small_system(field, "xy", {"lam": 1.0}), {"lam": 1.0}, "lam")
+    z, tangent = np.array([1.0, 0.0, 1.0]), np.array([1.0, 0.0, 1.0])
+    sample = problem.examine(z, tangent, np.ones(3), problem.linearize(z), None)
+    assert 0.0 < sample.error < 1e-14

@@ -38,3 +38,12 @@ def test_neutral_directions_are_left_out():
     rate = np.zeros((3, 3))
     for found in (spectrum(matrix, rate, rounding, basis[:, :1]), spectrum(matrix, rate, rounding, zeros=1)):
         assert found.values == pytest.approx([2.0, -1.0], rel=1e-14)
+
+
+def test_the_error_of_a_small_eigenvalue_is_its_own_where_the_others_are_far():
+    """Of a diagonal matrix the entries are the eigenvalues: each is known to its own rounding."""
+    values = np.array([1e8, 1e-8])
+    found = spectrum(np.diag(values), np.zeros((2, 2)), EPSILON * np.diag(values))
+    assert found.values.real.tolist() == values.tolist()
+    # Its entry's error, four roundings of its products, and the square of what the algorithm leaves behind.
+    assert np.all(found.errors <= 10.0 * EPSILON * values)

@@ -10,8 +10,8 @@ import xml.etree.ElementTree as ElementTree
 from collections import Counter
 from pathlib import Path
 
-# Seconds of tests that one mutant is worth, and how many tests of one file at most.
-WORTH, OF_ONE_FILE = 40.0, 20
+# How many tests of one file are asked at most.
+OF_ONE_FILE = 20
 # A test that takes longer than this is asked only where nothing else runs the line.
 LONG = 12.0
 
@@ -27,12 +27,12 @@ def measure(root: Path, folder: Path, jobs: int) -> None:
 
 
 class Nearest:
-    """Tests by the lines that they run, as `measure` has found them."""
+    """Tests by the lines that they run, as `measure` has found them; `worth` seconds of them for a mutant."""
 
-    def __init__(self, root: Path, folder: Path) -> None:
+    def __init__(self, root: Path, folder: Path, worth: float) -> None:
         import coverage
 
-        self._root = root
+        self._root, self._worth = root, worth
         self._data = coverage.CoverageData(str(folder / "coverage"))
         self._data.read()
         self._seconds = _timed(folder / "times.xml")
@@ -81,7 +81,7 @@ class Nearest:
         spent, of_file = 0.0, Counter[str]()
         for test in sorted(tests, key=rank):
             seconds, home = self._seconds[test], test.partition("::")[0]
-            if chosen and (of_file[home] >= OF_ONE_FILE or seconds > LONG or spent + seconds > WORTH):
+            if chosen and (of_file[home] >= OF_ONE_FILE or seconds > LONG or spent + seconds > self._worth):
                 continue
             chosen.append(test)
             of_file[home] += 1

@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 from contwalk_systems.bouncing_ball import SYSTEM as BALL
 from hybrid_machines import CASES, TANK, orbit
-from hybrid_runs import ACCURACY, assert_met, branch_of
+from hybrid_runs import ACCURACY, assert_met, branch_of, solution
 
 import contwalk as cw
 from contwalk.branch import Branch
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
+from contwalk.system import Condition
 
 G, OMEGA, E, A = 9.81, 35.0, 0.5, 0.0095
 SPEED = math.pi * G / OMEGA  # after a bounce, and down before it
@@ -92,6 +93,17 @@ class TestReported:
             state = problem._varied(discretization=chosen).reported(z)
             for name, value in zip(TANK.state_names, state, strict=True):
                 assert (value == 0.0) == (name == missing) or (name == "y" and event in ("landed", "empty"))
+
+    def test_conditions_see_them_as_zero_too(self):
+        """The tank has no water after `empty`; what a condition is told of it is neither old nor anything."""
+        case = CASES["different numbers of states"]
+        dry = Condition("dry", lambda t, x, p: 1.0 + x[1], "empty", side="after")
+        system = replace(TANK, conditions=(dry,))
+        problem, z = solution(
+            system, case.free, case.state, case.parameters, accuracy=ACCURACY, **case.options
+        )
+        told = [view.conditions for view in problem.view(z)]
+        assert [c for c in told if c] == [{"dry": 1.0}]
 
     def test_reported_states_are_those_of_the_rows(self):
         found = branch_of(

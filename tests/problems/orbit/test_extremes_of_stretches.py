@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from numpy.polynomial import Polynomial
 
-from contwalk.problems.orbit.extrema import Smooth, extremes_of
+from contwalk.problems.orbit.extrema import Smooth, extremes_of, turns
 
 
 def stretch(asked, name, first, second):
@@ -51,3 +52,14 @@ def test_a_state_that_a_stretch_does_not_have_is_not_its_own():
 def test_what_no_stretch_has_is_told_so():
     low, high = extremes_of([stretch([], "only", [1.0], [1.0])], [np.array([0])])
     assert (low[1], high[1]) == (np.inf, -np.inf)
+
+
+@pytest.mark.parametrize("turn", [0.2, 0.45, 0.9])
+@pytest.mark.parametrize("other", [-0.5, 1.4, 3.0])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_cubic_turns_where_its_derivative_is_zero(turn, other, sign):
+    """Between 2 and 5, of one whose derivative is sign (s - turn) (s - other) in the share s of the way."""
+    slope = sign * Polynomial([turn * other, -turn - other, 1.0])
+    value, h = slope.integ(), 3.0
+    given = [np.array([v]) for v in (2.0, 5.0, h * value(0.0), h * value(1.0), slope(0.0), slope(1.0))]
+    assert turns(*given)[0] == pytest.approx(2.0 + h * turn, abs=1e-13)

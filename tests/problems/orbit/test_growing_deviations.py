@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from small_systems import small_system
 
 import contwalk as cw
 from contwalk.branch import Branch
 from contwalk.continuation import outcomes
+from contwalk.continuation.reopening import reopened
+from contwalk.problems.orbit.transport import growth
 
 # A point is a solution if its residual is at most so many times its own error (docs/theory.md).
 SOLVED = 20.0
@@ -96,3 +99,23 @@ def test_a_long_orbit_goes_on_where_its_multiplier_passes_a_million():
     assert branch.points["residual"].max() < SOLVED
     assert branch["max_abs"].max() > 1e6
     assert branch["trivial_error"].max() < 1e-3  # where the flow misses its velocity by that, it is cut
+
+
+def beside_a_circle_for_a_while(t, x, p, dx):
+    """z on the unit circle (cos t, sin t): a deviation is exp(a (1 - cos t)) times as large after t."""
+    growth = 1.0 - x[0] ** 2 - x[1] ** 2
+    dx[0] = growth * x[0] - x[1]
+    dx[1] = growth * x[1] + x[0]
+    dx[2] = p.a * x[1] * x[2] + p.b - x[2] * p.b
+
+
+@pytest.mark.parametrize("a", [2.0, -2.0])
+def test_what_grows_up_to_somewhere_counts_and_what_grows_from_somewhere_on(a):
+    """By exp(2 |a|) over the half round that grows; the other half forgets it again, before or after."""
+    system = small_system(beside_a_circle_for_a_while, ("x", "y", "z"), {"a": a, "b": 1e-3})
+    problem = cw.PeriodicOrbit(system, system.defaults(), "a")
+    settings = {"range": (a - 0.5, a + 0.5), "period": 2.0 * np.pi, "max_points": 2}
+    branch = cw.continue_branch(problem, [1.0, 0.0, 1.0], **settings)
+    there, sample = reopened(system, branch, int(np.flatnonzero(branch["s"] == 0.0)[0]))
+    # What holds z near one damps a deviation too: by some thousandths.
+    assert growth(there, sample.z) == pytest.approx(np.exp(2.0 * abs(a)), rel=0.05)

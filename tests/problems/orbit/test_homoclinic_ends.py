@@ -8,7 +8,7 @@ import pytest
 from small_systems import labelled, small_problem
 
 import contwalk as cw
-from contwalk.problems.orbit.homoclinic import SlowPlace, _falling, _gone, _swinging, homoclinic
+from contwalk.problems.orbit.homoclinic import SlowPlace, _falling, _gone, _passing, _swinging, homoclinic
 
 # Of the Morris-Lecar model below, from collocation on 400 intervals followed to periods of 3e4.
 MORRIS_LECAR = 35.00673420
@@ -152,3 +152,14 @@ def test_the_orbit_before_is_not_looked_at_while_the_limit_is_far():
     )
     assert homoclinic(problem, *orbits) is None
     assert [z is orbits[1].z for z in asked] == [True]
+
+
+@pytest.mark.parametrize(("growing", "falling"), [(0.7, 3.0), (3.0, 0.7)])
+def test_the_rate_is_that_of_the_slowest_direction_of_a_saddle(growing, falling):
+    """Whether the orbit leaves it slowly or comes to it slowly; faster directions tell nothing."""
+    law = lambda t: 2.0 + 3.0 * np.exp(-0.7 * t)  # noqa: E731
+    pair, slopes = samples(law, 10.0, 10.5)
+    jacobian = np.diag([growing, 5.0, -falling, -6.0])
+    limit = _passing(jacobian, 1e-2, pair, slopes)
+    assert limit.rest == pytest.approx(2.0 - law(10.5), rel=1e-4)  # slopes by differences of 1e-6
+    assert _passing(np.diag([-0.7, -3.0]), 1e-2, pair, slopes) is None  # nothing leaves a sink
