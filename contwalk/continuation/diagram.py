@@ -170,17 +170,22 @@ class Diagram:
             if ending is not None:
                 return ending
         # A branch point lies on the parent anyway: look at the first points away from it.
-        names: list[str | None] = []
-        observer = observer_of(problem)
-        for sign in self._signs(start):
-            facing = here if sign > 0 else turned(here)
-            for event in walk(
-                problem, facing, self._plan.settings, observer, sign, self._plan.settings.max_points
-            ):
-                if isinstance(event, Point) and event.special is None:
-                    names.append(known_branch(problem, event.here.sample, self.branches))
-                    break
+        facing = (here if sign > 0 else turned(here) for sign in self._signs(start))
+        beside = [sample for place in facing if (sample := self._beside(problem, place)) is not None]
+        names = [known_branch(problem, sample, self.branches) for sample in beside]
         return names[0] if names and None not in names else None
+
+    def _beside(self, problem: Problem, here: Here) -> Sample | None:
+        """The first point away from a start, or half way to where the branch ends before it."""
+        settings, observer = self._plan.settings, observer_of(problem)
+        for _ in range(2):
+            for event in walk(problem, here, settings, observer, 1.0, settings.max_points):
+                if isinstance(event, Point) and event.special is None:
+                    return event.here.sample
+            if event.special is None or event.special.s == here.s:
+                return None
+            here = replace(here, step=0.5 * (event.special.s - here.s))
+        return None
 
     def _signs(self, start: Start) -> tuple[float, ...]:
         if start.parent is None:

@@ -34,9 +34,15 @@ TURNING = 1e-2
 
 
 def _solve(
-    system: DefiningSystem, start: np.ndarray, described: Callable[[Solution], Located | None]
+    system: DefiningSystem,
+    start: np.ndarray,
+    described: Callable[[Solution], Located | None],
+    unfolds: bool = False,
 ) -> Located | None:
-    """Newton's method now, refinement when it is asked for; `described` reads a point out of a solution."""
+    """Newton's method now, refinement when it is asked for; `described` reads a point out of a solution.
+
+    `unfolds`: the last unknown is the rounding of the equations, which goes where these are exact.
+    """
     found = newton(system, start)
     if found is None:
         return None
@@ -51,7 +57,7 @@ def _solve(
             return located
         moved = np.abs(solution.values - found) / np.maximum(np.abs(found), system.scale)
         # Refinement that ends elsewhere has left the neighbourhood of Newton's solution.
-        return None if np.max(moved) > 1e-3 else described(solution)
+        return None if np.max(moved[:-1] if unfolds else moved) > 1e-3 else described(solution)
 
     return replace(located, refine=refined)
 
@@ -201,7 +207,7 @@ def _branch_point_from(problem: Equilibrium, sample: Sample, left: np.ndarray) -
         vectors = {"left": found.values[size + 1 : -1], "exact": found.exact}
         return Located(found.values[: size + 1], float(found.errors[size]), vectors, found.refined)
 
-    return _solve(system, np.concatenate([sample.z, start, [0.0]]), described)
+    return _solve(system, np.concatenate([sample.z, start, [0.0]]), described, unfolds=True)
 
 
 def hopf(problem: Equilibrium, sample: Sample, which: int, shift: float = 0.0) -> Located | None:

@@ -14,9 +14,12 @@ from functools import cache
 import mpmath
 import numpy as np
 import pytest
-from hybrid_runs import ACCURACY, assert_met, diagram, machine
+from hybrid_runs import ACCURACY, assert_met, diagram, machine, opened
 
 from contwalk.branch import Branch
+from contwalk.continuation.diagram import Diagram, Noted, Plan
+from contwalk.continuation.settings import Settings
+from contwalk.continuation.work import Start
 from contwalk.system import System, Transition
 
 B = 0.05
@@ -136,6 +139,28 @@ def test_without_a_bias_both_phases_of_rest_vanish_together(start) -> None:
         assert branch["f"].min() == pytest.approx(low, abs=1e-9)
         assert branch["f"].max() == pytest.approx(high, abs=1e-9)
         assert np.all(branch["admissible"][~branch["special"]])
+
+
+def from_there(f: float, known: list[Branch], bias: float) -> tuple[list[Branch], list[str]]:
+    """The diagram of a start beside branches that are known already, and what is noted of them."""
+    settings = Settings(range=(0.3, 0.9), events={"OC": "switch"})
+    values = {"f": f, "b": bias}
+    opening = opened(block(), "f", [0.0], values, until="settled", settings=settings)
+    made = Diagram([Start(block(), "f", values, opening, "the start")], Plan(settings, depth=4))
+    made.branches = list(known)
+    notes = [event.text for event in made.events() if isinstance(event, Noted)]
+    return made.branches[len(known) :], [note for note in notes if "already known" in note]
+
+
+def test_a_branch_shorter_than_a_step_is_known_from_its_other_end() -> None:
+    """Where the first step passed its end there was no point to compare it by."""
+    bias = 1e-3
+    (_, short, _), _ = from_there(0.8, [], bias)
+    assert rests(short) == [False, True]
+    assert np.ptp(short["f"]) < 1e-3
+    (other,), notes = from_there(0.35, [short], bias)
+    assert rests(other) == [False, False]
+    assert notes == [f"{other.name}/OC1 lies on branch {short.name}, already known."]
 
 
 def check(branch: Branch) -> None:

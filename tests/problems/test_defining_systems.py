@@ -107,6 +107,20 @@ def test_below_rounding_an_unfolding_is_nothing():
     )
 
 
+def test_what_the_equations_round_may_be_nothing_in_floats_and_something_in_truth():
+    """0.83 times 1.32 is 1.0956 in floats, and 1.3e-16 off exactly: refinement saw it come, and gave up."""
+
+    def field(t, x, p, dx):
+        dx[0] = p.lam * x[0] + x[0] ** 2 + 0.83 * p.m - 1.0956
+        dx[1] = -x[1]
+
+    problem = small_problem(field, "xy", {"lam": 0.1, "m": 1.32}, "lam")
+    assert problem.linearize(np.zeros(3)).residual.tolist() == [0.0, 0.0]
+    found = defining.branch_point(problem, sample_at(problem, 0.0, 0.0, 1e-3)).settled()
+    assert found.refined
+    assert found.z == pytest.approx(np.zeros(3), abs=1e-20)
+
+
 def test_two_eigenvalues_that_vanish_together_and_one_alone():
     def both(t, x, p, dx):
         dx[0] = p.lam * x[0] - x[0] ** 3
