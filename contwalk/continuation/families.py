@@ -1,8 +1,14 @@
-"""Why a start does not converge where orbits come in a family: nothing says which one is meant."""
+"""Orbits that come in a family at the same parameters: nothing says which one is meant.
+
+There are two reasons for it. Along a neutral direction orbits are images of each other, and last equally
+long. Where the motion conserves something, such as its energy, each value has an orbit of its own: the
+multiplier 1 is double, and its left vector is the gradient of what is conserved.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,29 +20,146 @@ from contwalk.problems.orbit.protocol import Orbit
 ZERO = 1e-7
 # States that move by less than this part of the largest, in typical units, do not tell members apart.
 MOVES = 1e-3
+# A member whose duration changes by this part of itself, where states change by their size, is no image.
+LASTS = 1e-4
+# How far from an orbit another one of its family is looked for, in the metric, and how near its place it must
+# be found there.
+BESIDE, THERE = 1e-3, 0.5
+ITERATIONS, SOLVED = 6, 1e3
+# A multiplier is 1 to the root of this, where it is double: what rounding and the steps of a start do.
+DOUBLE = 1e-6
+
+ONE_OF_A_FAMILY = (
+    "Declare a Neutral direction for each way in which they differ, or begin with an orbit that is alone, "
+    "such as one that meets an event."
+)
+ONE_OF_EACH_VALUE = (
+    "Declare what is conserved in the plugin, as conserved=(Conserved('energy', energy, unit='J'),) with a "
+    "function energy(t, x, p), and continue orbits at a given value of it, or along it: "
+    "continue: {parameter: energy}."
+)
 
 
-def in_a_family(problem: Orbit, z: np.ndarray, names: Mapping[int, str]) -> str:
-    """A sentence where orbits near a start come in a family at the same parameters; empty where they do not.
+@dataclass(frozen=True)
+class Family:
+    """What is known of a family of orbits at the same parameters, and what to declare."""
+
+    sentence: str
+    remedy: str
+
+
+@dataclass(frozen=True)
+class Places:
+    """Names of states: by their places in z, and by the equations that close the orbit."""
+
+    unknowns: Mapping[int, str]
+    closing: Mapping[int, str]
+
+
+def family_at(problem: Orbit, z: np.ndarray, places: Places) -> Family | None:
+    """What is known of the family of orbits near a start, at the same parameters; None where there is none.
 
     Parameters
     ----------
     z : ndarray, shape (N + 1,)
-    names : mapping
-        States by their places in z.
+    places : Places
     """
     weights = filled_magnitudes(problem, z)
     # At the same parameters: without the last column.
     matrix = problem.linearize(z).jacobian[:, :-1] * weights[:-1]
     if not np.isfinite(matrix).all():
-        return ""
-    rows = np.abs(matrix).max(axis=1)
-    values, right = np.linalg.svd(matrix / np.where(rows > 0.0, rows, 1.0)[:, None])[1:]
-    free = right[values <= ZERO * values[0]]
-    if not len(free):
-        return ""
+        return None
+    scales = _row_scales(problem, matrix)
+    left, values, right = np.linalg.svd(matrix / scales[:, None])
+    zero = values <= ZERO * values[0]
+    if not zero.any():
+        return None
+    free = right[zero]
     moves = np.linalg.norm(free, axis=0)
-    largest = max((moves[place] for place in names), default=0.0)
-    told = [name for place, name in names.items() if largest and moves[place] > MOVES * largest]
-    among = f": they differ in {', '.join(dict.fromkeys(told))}" if told else ""
-    return f"Orbits come in a family there, at the same parameters{among}."
+    differ = _largest({name: moves[place] for place, name in places.unknowns.items()})
+    among = f": they differ in {', '.join(differ)}" if differ else ""
+    sentence = f"Orbits come in a family there, at the same parameters{among}."
+    if problem.forced:
+        return Family(sentence, ONE_OF_A_FAMILY)
+    lasting = [abs(problem.lengthening(np.append(r * weights[:-1], 0.0))) for r in free]
+    own = _conserved(problem, z, places, left[:, zero] / scales[:, None])
+    if not own:
+        return Family(sentence, ONE_OF_A_FAMILY)
+    if max(lasting) > LASTS * abs(problem.duration(z)):
+        return Family(f"{sentence} They last differently long. {own}", ONE_OF_EACH_VALUE)
+    return Family(
+        f"{sentence} {own}", f"{ONE_OF_EACH_VALUE} If they are images of each other instead: {ONE_OF_A_FAMILY}"
+    )
+
+
+def is_one_of_a_family(problem: Orbit, z: np.ndarray) -> bool:
+    """Whether a solution is one of a family at the same parameters.
+
+    More than one direction leads from it to neighbours; one in which another solution lies beside it is none
+    of a branch point.
+    """
+    weights = filled_magnitudes(problem, z)
+    whole = _scaled(problem, z, weights)
+    if whole is None or not _deficient(whole):
+        return False
+    at_rest = whole[:, :-1]
+    direction = np.append(np.linalg.svd(at_rest)[2][-1], 0.0) * weights
+    there = z + BESIDE * direction
+    for _ in range(ITERATIONS):
+        own = _scaled(problem, there, weights)
+        if own is None:
+            return False
+        here = problem.linearize(there)
+        if here.excess_in(weights) <= SOLVED:
+            break
+        scales = _row_scales(problem, here.jacobian[:, :-1] * weights[:-1])
+        step = np.linalg.lstsq(own[:, :-1], -here.residual / scales, rcond=ZERO)[0]
+        there = there + np.append(step, 0.0) * weights
+    else:
+        return False
+    moved = float(((there - z) / weights) @ (direction / weights))
+    return moved > THERE * BESIDE and own is not None and _deficient(own)
+
+
+def _scaled(problem: Orbit, z: np.ndarray, weights: np.ndarray) -> np.ndarray | None:
+    """DF(z) in the units of the unknowns and of the equations; None where it is not finite."""
+    matrix = problem.linearize(z).jacobian * weights
+    return matrix / _row_scales(problem, matrix[:, :-1])[:, None] if np.isfinite(matrix).all() else None
+
+
+def _row_scales(problem: Orbit, matrix: np.ndarray) -> np.ndarray:
+    """Units of the equations, or what they tell, if that is more: of a row of rounding noise it is not."""
+    return np.maximum(np.abs(matrix).max(axis=1), problem.equation_scales)
+
+
+def _deficient(matrix: np.ndarray) -> bool:
+    values = np.linalg.svd(matrix, compute_uv=False)
+    return bool(values[-1] <= ZERO * values[0])
+
+
+def _largest(sizes: Mapping[str, float]) -> list[str]:
+    """Names whose sizes are no small part of the largest."""
+    most = max(sizes.values(), default=0.0)
+    return [name for name, size in sizes.items() if most > 0.0 and size > MOVES * most]
+
+
+def _conserved(problem: Orbit, z: np.ndarray, places: Places, left: np.ndarray) -> str:
+    """The second multiplier 1 and its left vector in words; empty where none is seen."""
+    found = problem.multipliers(z, problem.linearize(z).jacobian).values
+    apart = np.abs(found - 1.0)
+    if not len(found) or not apart.min() <= np.sqrt(DOUBLE):
+        return ""
+    gradient = np.array([np.linalg.norm(left[row]) for row in places.closing])
+    names = list(places.closing.values())
+    if left.shape[1] > 1:
+        told = ", ".join(_largest(dict(zip(names, gradient.tolist(), strict=True))))
+        vectors = f"with left vectors in {told}"
+    else:
+        own = left[list(places.closing), 0]
+        own = own / own[int(np.argmax(np.abs(own)))]
+        seen = [f"{name} {entry:+.3g}" for name, entry in zip(names, own, strict=True) if abs(entry) > MOVES]
+        vectors = f"with the left vector {', '.join(seen)}"
+    return (
+        f"A second multiplier is 1, to {max(float(apart.min()), 1e-16):.0e}, {vectors}: that is the gradient "
+        "of what the motion conserves, such as its energy."
+    )

@@ -9,7 +9,7 @@ import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.continuation import outcomes
-from contwalk.continuation.families import in_a_family
+from contwalk.continuation.families import ONE_OF_A_FAMILY, Places, family_at, is_one_of_a_family
 from contwalk.continuation.here import Here, begin
 from contwalk.continuation.newton import Correction
 from contwalk.continuation.opening import Opening, opened
@@ -26,7 +26,6 @@ from contwalk.problems.kinks import refuse
 from contwalk.problems.orbit.beginning import orbit_at, repetitions, symmetric
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
-from contwalk.problems.orbit.protocol import Orbit
 from contwalk.problems.orbit.recurrence import AtRest, recurrent
 from contwalk.problems.problem import NO_MARGIN
 from contwalk.problems.stored_word import StoredWord
@@ -40,10 +39,6 @@ FAINT = 1e-6
 UNSTABLE = (
     "The first orbit is unstable, though the simulation was to settle on it: a motion beside it goes "
     "elsewhere, if slowly."
-)
-ONE_OF_A_FAMILY = (
-    "Declare a Neutral direction for each way in which they differ, or begin with an orbit that is alone, "
-    "such as one that meets an event."
 )
 
 
@@ -100,18 +95,19 @@ def opened_orbit(
                 here = begin(problem, z, settings)
         if not isinstance(here, Here):
             refuse(problem.kinks_of(z))
-            names = dict(enumerate(system.state_names))
-            return _not_alone(problem, z, names, "", here) or outcomes.no_start(
+            return _not_alone(problem, z, here) or outcomes.no_start(
                 here.reason, here.sentence, "a periodic orbit"
             )
         if not problem.moves(here.sample.z):
             if faint:  # the last of a motion that dies away
                 raise AtRest(state)
-            return outcomes.no_start(
+            return _family(problem, z) or outcomes.no_start(
                 "no_convergence",
                 "The correction ends at an equilibrium, which is no orbit.",
                 "a periodic orbit",
             )
+        if is_one_of_a_family(problem, here.sample.z):
+            return _family(problem, z) or _one_of_many()
         return _closed(problem, here, settings)
     except AtRest as rest:
         return _resting(opened(system, parameters, free, rest.state, settings, path, at, discretization))
@@ -181,13 +177,14 @@ def _hybrid(
         return outcomes.refused(f"{error.sentence} (word: {word})", error.remedy)
     if not isinstance(here, Here):
         refuse(problem.kinks_of(z))
-        said = f" (word: {word})"
-        return _not_alone(problem, z, _states_by_place(problem), said, here) or outcomes.no_start(
-            here.reason, here.sentence + said, "a periodic orbit"
+        return _not_alone(problem, z, here) or outcomes.no_start(
+            here.reason, f"{here.sentence} (word: {word})", "a periodic orbit"
         )
     collapsed = problem.collapsed(here.sample.z)
     if collapsed:
-        return _collapsed(problem, here.sample.z, collapsed, word)
+        return _family(problem, z) or _collapsed(problem, here.sample.z, collapsed, word)
+    if is_one_of_a_family(problem, here.sample.z):
+        return _family(problem, z) or _one_of_many()
     shorter, z = least(problem, here.sample.z)
     if shorter is not problem:  # it was looked at for longer than its period, or than half of it
         return _hybrid(shorter, z, settings, settled)
@@ -214,24 +211,43 @@ def _hybrid(
     return Opening(adapted, Here(sample, here.s, here.step), message)
 
 
-def _not_alone(
-    problem: Orbit, z: np.ndarray, names: Mapping[int, str], said: str, failure: Correction
-) -> Outcome | None:
+def _not_alone(problem: HybridOrbit | PeriodicOrbit, z: np.ndarray, failure: Correction) -> Outcome | None:
     """The outcome where orbits near a start come in a family; None where something else keeps it."""
-    if failure.reason != "no_convergence":
+    return None if failure.reason != "no_convergence" else _family(problem, z)
+
+
+def _family(problem: HybridOrbit | PeriodicOrbit, z: np.ndarray) -> Outcome | None:
+    """The outcome of a start whose neighbours are orbits at the same parameters; None where they are not."""
+    hybrid = isinstance(problem, HybridOrbit)
+    found = family_at(problem, z, _hybrid_places(problem) if hybrid else _smooth_places(problem))
+    if found is None:
         return None
-    family = in_a_family(problem, z, names)
-    return outcomes.refused(family + said, ONE_OF_A_FAMILY) if family else None
+    word = f" (word: {folded(problem.signature) or 'no events'})" if hybrid else ""
+    return outcomes.refused(found.sentence + word, found.remedy)
 
 
-def _states_by_place(problem: HybridOrbit) -> dict[int, str]:
-    """Names of the states by their places among the unknowns."""
-    names = problem.system.state_names
-    return {
+def _one_of_many() -> Outcome:
+    """The outcome of an orbit beside which there are others, where nothing tells why."""
+    return outcomes.refused("Other orbits lie beside the first one, at the same parameters.", ONE_OF_A_FAMILY)
+
+
+def _smooth_places(problem: PeriodicOrbit) -> Places:
+    """States at the starts of segments, and the equations of the last segment's end."""
+    n, m, names = problem.states, problem.segments, problem.system.state_names
+    unknowns = {i: names[i % n] for i in range(m * n)}
+    return Places(unknowns, {(m - 1) * n + i: name for i, name in enumerate(names)})
+
+
+def _hybrid_places(problem: HybridOrbit) -> Places:
+    """States at the starts of legs, and the equations of the last leg's end."""
+    names, layout = problem.system.state_names, problem.layout
+    unknowns = {
         place: names[state]
-        for own, passage in zip(problem.layout.states, problem.passages, strict=True)
+        for own, passage in zip(layout.states, problem.passages, strict=True)
         for place, state in zip(range(own.start, own.stop), passage.states, strict=True)
     }
+    last, first = layout.matches[-1], problem.passages[0].states
+    return Places(unknowns, {last.start + k: names[state] for k, state in enumerate(first)})
 
 
 def _collapsed(problem: HybridOrbit, z: np.ndarray, event: str, word: str) -> Outcome:

@@ -11,7 +11,7 @@ from hybrid_runs import machine
 from contwalk.branch import Outcome
 from contwalk.continuation.opening_orbits import opened_orbit
 from contwalk.continuation.settings import Settings
-from contwalk.system import Neutral, Transition
+from contwalk.system import Mode, Neutral, Parameter, State, System, Transition
 
 # A shaken mass on a spring (x, v), and a ball in a cage on it (y, w) that nothing moves between impacts.
 
@@ -86,3 +86,87 @@ def test_two_events_at_once_are_named():
     assert isinstance(outcome, Outcome)
     assert "'ka' and 'kb' happen at once" in outcome.message
     assert "another value of a parameter" in outcome.message
+
+
+def smooth(field, names, **parameters):
+    return System(
+        name="small",
+        states=tuple(State(name) for name in names),
+        parameters=tuple(Parameter(name, value) for name, value in parameters.items()),
+        modes=(Mode("only", field),),
+    )
+
+
+def refused(system, free, state, **given):
+    parameters = system.defaults()
+    value = parameters[free]
+    outcome = opened_orbit(
+        system, parameters, free, np.array(state), Settings(range=(0.5 * value, 2.0 * value)), **given
+    )
+    assert isinstance(outcome, Outcome)
+    assert (outcome.status, outcome.reason) == ("failed", "no_convergence")
+    return outcome.message
+
+
+def pendulum(t, x, p, dx):
+    dx[0] = x[1]
+    dx[1] = -p.g * math.sin(x[0])
+
+
+def test_what_a_pendulum_conserves_is_seen_in_its_second_multiplier():
+    """A year of periods would do: each amplitude has its own, and none is the one that is meant."""
+    message = refused(smooth(pendulum, "qw", g=9.81), "g", [1.0, 0.0], until="settled")
+    assert "they differ in q, w. They last differently long. A second multiplier is 1" in message
+    assert "conserved=(Conserved(" in message
+    assert "continue: {parameter: energy}" in message
+    assert "images of each other" not in message
+
+
+def test_the_left_vector_is_the_gradient_of_the_energy():
+    """Two oscillators on an axis of the plane: (omega^2 x, v) at the start, whichever it is."""
+
+    def springs(t, x, p, dx):
+        dx[0], dx[1] = x[2], x[3]
+        dx[2], dx[3] = -4.0 * x[0] - p.k * x[0] ** 3, -3.0 * x[1] * (1.0 + p.k * x[0] ** 2)
+
+    system, period = smooth(springs, "xyuv", k=0.0), math.pi
+    parameters = {"k": 0.0}
+    outcome = opened_orbit(
+        system, parameters, "k", np.array([1.0, 0.0, 0.5, 0.0]), Settings(range=(-1, 1)), period=period
+    )
+    assert isinstance(outcome, Outcome)
+    assert "with the left vector x +1, u +0.125:" in outcome.message  # 4 x = 4, u = 0.5
+
+
+def test_orbits_that_last_equally_long_may_be_images_too():
+    """Of a linear oscillator the scaling is a neutral direction as well: both are offered."""
+
+    def oscillator(t, x, p, dx):
+        dx[0], dx[1] = p.w * x[1], -p.w * x[0]
+
+    message = refused(smooth(oscillator, "xy", w=2.0), "w", [1.0, 0.0], period=math.pi)
+    assert "last differently long" not in message
+    assert "conserved=(Conserved(" in message
+    assert "If they are images of each other instead: Declare a Neutral direction" in message
+
+
+def test_a_ball_without_losses_is_told_what_it_conserves():
+    def falls(t, x, p, dx):
+        dx[0], dx[1] = x[1], -p.g
+
+    def returned(t, x, p, after):
+        after[0], after[1] = x[0], -x[1]
+
+    bounce = Transition("bounce", "flight", "flight", lambda t, x, p: x[0], reset=returned)
+    system = machine(["y", "v"], {"g": 9.81}, {"flight": falls}, [bounce])
+    message = refused(system, "g", [1.0, 0.0], until="settled")
+    assert "shrink to nothing" not in message
+    # After the bounce the gradient of g y + v^2/2 is (g, v): v = sqrt(2 g) there.
+    assert f"with the left vector y +1, v {math.sqrt(2.0 / 9.81):+.3g}:" in message
+    assert "(word: bounce)" in message
+
+
+def test_a_solution_that_converges_at_once_may_be_one_of_many():
+    """Newton's method does not move from an exact solution; a system of its kind has no branch there."""
+    message = refused(smooth(pendulum, "qw", g=1.0), "g", [0.0, 1e-3], period=2.0 * math.pi)
+    assert "come in a family" in message
