@@ -88,7 +88,8 @@ def family_at(problem: Orbit, z: np.ndarray, places: Places) -> Family | None:
     if max(lasting) > LASTS * abs(problem.duration(z)):
         return Family(f"{sentence} They last differently long. {own}", ONE_OF_EACH_VALUE)
     return Family(
-        f"{sentence} {own}", f"{ONE_OF_EACH_VALUE} If they are images of each other instead: {ONE_OF_A_FAMILY}"
+        f"{sentence} {own}",
+        f"{ONE_OF_EACH_VALUE} If they are images of each other instead: {ONE_OF_A_FAMILY}",
     )
 
 

@@ -218,11 +218,13 @@ def _not_alone(problem: HybridOrbit | PeriodicOrbit, z: np.ndarray, failure: Cor
 
 def _family(problem: HybridOrbit | PeriodicOrbit, z: np.ndarray) -> Outcome | None:
     """The outcome of a start whose neighbours are orbits at the same parameters; None where they are not."""
-    hybrid = isinstance(problem, HybridOrbit)
-    found = family_at(problem, z, _hybrid_places(problem) if hybrid else _smooth_places(problem))
+    if isinstance(problem, HybridOrbit):
+        places, word = _hybrid_places(problem), f" (word: {folded(problem.signature) or 'no events'})"
+    else:
+        places, word = _smooth_places(problem), ""
+    found = family_at(problem, z, places)
     if found is None:
         return None
-    word = f" (word: {folded(problem.signature) or 'no events'})" if hybrid else ""
     return outcomes.refused(found.sentence + word, found.remedy)
 
 

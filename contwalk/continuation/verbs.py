@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields
+from math import isnan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -67,7 +68,8 @@ def continue_branch(
     """
     chosen = _settings(problem, range, marks, settings)
     opening = _opened(problem, state, chosen, period, until)
-    start = Start(problem.system, problem.free, dict(problem.parameters), opening, "continue_branch")
+    parameters = dict(opening.problem.parameters)
+    start = Start(problem.system, problem.free, parameters, opening, "continue_branch")
     return _single(start, Plan(chosen, frozenset(), 0, _direction(direction)))
 
 
@@ -176,7 +178,18 @@ def _opened(
         )
     if isinstance(opening, Outcome):
         raise StartError(opening.message)
+    # The value of a conserved quantity is known now where it is the start's own.
+    _check_within(problem.free, opening.here.sample.parameter, settings.range)
     return opening
+
+
+def _check_within(name: str, value: float, range: tuple[float, float]) -> None:
+    low, high = range
+    if not low <= value <= high or not low < high:
+        raise StartError(
+            f"The start has {name} = {value:g}, the range is ({low:g}, {high:g}).",
+            "Give the lower end first, and a range that contains the start.",
+        )
 
 
 def _single(start: Start, plan: Plan) -> Branch:
@@ -212,11 +225,7 @@ def _settings(
             )
     low, high = _range(problem) if range is None else (float(range[0]), float(range[1]))
     value = problem.parameters.get(problem.free, low) if start is None else start
-    if not low <= value <= high or not low < high:
-        raise StartError(
-            f"The start has {problem.free} = {value:g}, the range is ({low:g}, {high:g}).",
-            "Give the lower end first, and a range that contains the start.",
-        )
+    _check_within(problem.free, low if isnan(value) else value, (low, high))
     return Settings(range=(low, high), marks=chosen, **settings)
 
 

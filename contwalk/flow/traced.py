@@ -36,6 +36,22 @@ def field_of(system: System, mode: str | None = None) -> CompiledField:
     return Field(field_program(system, chosen.name), states, groups, time=(TIME, 0))
 
 
+_CONSERVED: dict[tuple[int, str], tuple[System, Field]] = {}
+
+
+def conserved_map(system: System, mode: str) -> Field:
+    """The conserved quantities as a map of the states that exist in a mode, compiled."""
+
+    def made() -> tuple[System, Field]:
+        states, copies = system.states_of(mode), [rebound(entry.of(mode)) for entry in system.conserved]
+        program = trace(lambda tracer: [copy(*arguments(tracer, system, mode)) for copy in copies])
+        groups = {PARAMETER: len(system.parameters)}
+        inputs = [(STATE, i) for i in states]
+        return system, Field(program, inputs, groups, time=(TIME, 0), outputs=len(copies))
+
+    return remembered(_CONSERVED, (id(system), mode), _MOST_SHARED, made)[1]
+
+
 _GENERATORS: dict[tuple[int, str, str], tuple[System, Field]] = {}
 
 

@@ -336,6 +336,8 @@ class Problem(Protocol):
     # Whether solutions are discretised, so that what they tell has errors of steps.
     discretized: bool
     free: str
+    # Values of all parameters where the branch begins.
+    parameters: dict[str, float]
     path: tuple[Mapping[str, float], Mapping[str, float]] | None
     # How far from a branch point that a walk begins at its side is looked at, in parts of the first step.
     beside: float

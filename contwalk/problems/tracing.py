@@ -60,6 +60,25 @@ def refuse_time(system: System, mode: str, function: Callable[..., Any], what: s
         raise time_refused(system, function, what)
 
 
+def refuse_time_of(system: System, mode: str, function: Callable[..., Any], what: str) -> None:
+    """As `refuse_time`, of a function of the form `f(t, x, p)` that returns a number.
+
+    Raises
+    ------
+    SystemDefinitionError
+        With the line at which the function begins.
+    """
+    copy, names, constants = rebound(function), system.parameter_names, system.mode(mode).constants
+
+    def value(tracer: Tracer) -> list[Any]:
+        p = {name: tracer.symbol("b", k) for k, name in enumerate(names)}
+        x = state_symbols(tracer, len(system.states))
+        return [copy(tracer.symbol("t", 0), x, ParameterValues(**p, **constants))]
+
+    if trace(value).reads("t"):
+        raise time_refused(system, function, what)
+
+
 def time_refused(system: System, function: Callable[..., Any], what: str) -> SystemDefinitionError:
     """That a function depends on time in a system that has no period."""
     return SystemDefinitionError(

@@ -6,6 +6,7 @@ last argument; everything else is a declaration around them. See `docs/reference
 
 from contwalk.system.declarations import (
     Condition,
+    Conserved,
     Mode,
     Neutral,
     Observable,
@@ -24,6 +25,7 @@ from contwalk.system.loading import list_systems, load_system
 __all__ = [
     "Choice",
     "Condition",
+    "Conserved",
     "Family",
     "Mode",
     "Neutral",

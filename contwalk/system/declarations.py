@@ -24,7 +24,7 @@ from difflib import get_close_matches
 from functools import cached_property
 from itertools import combinations
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -154,6 +154,8 @@ class Parameter:
     unit: str = "1"
     bounds: tuple[float | None, float | None] = (None, None)
     about: str = ""
+    # Whether it is the value of a conserved quantity.
+    conserved: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         _require_name("A parameter", self.name)
@@ -174,7 +176,7 @@ class Parameter:
             raise SystemDefinitionError(
                 f"Parameter '{self.name}' has bounds {self.bounds}.", "The lower bound comes first."
             )
-        if not self.allows(self.default):
+        if not self.allows(self.default) and not (self.conserved and math.isnan(self.default)):
             raise SystemDefinitionError(
                 f"Parameter '{self.name}' has the default {self.default}, outside its bounds "
                 f"{self.interval()}.",
@@ -192,6 +194,12 @@ class Parameter:
         left = "(-inf" if low is None else f"[{low:g}"
         right = "inf)" if high is None else f"{high:g}]"
         return f"{left}, {right}"
+
+
+class ConservedValue(Parameter):
+    """The value of a conserved quantity: its default may be NaN, for what the start has of it."""
+
+    conserved = True
 
 
 @dataclass(frozen=True)
@@ -350,6 +358,37 @@ class Neutral:
 
 
 @dataclass(frozen=True)
+class Conserved:
+    """A quantity that no motion changes, such as an energy: `function(t, x, p)` returns its value.
+
+    Periodic orbits come in families then, one for each value. The value is a parameter of the quantity's
+    name: orbits are continued at a given value of it, by default that of the start, or along it. `function`
+    may be a mapping from modes to functions; transitions keep its value.
+    """
+
+    name: str
+    function: Callable[..., float] | Mapping[str, Callable[..., float]]
+    unit: str = "1"
+    about: str = ""
+
+    def __post_init__(self) -> None:
+        _require_name("A conserved quantity", self.name)
+        _require_texts(f"Conserved quantity '{self.name}'", self, "unit", "about")
+        if not isinstance(self.function, Mapping):
+            _require_callable(f"The function of conserved quantity '{self.name}'", self.function)
+            return
+        for mode, function in self.function.items():
+            _require_callable(f"The function of conserved quantity '{self.name}' in mode '{mode}'", function)
+
+    def __hash__(self) -> int:
+        return hash(self.name)
+
+    def of(self, mode: str) -> Callable[..., float]:
+        """Its function in a mode."""
+        return self.function[mode] if isinstance(self.function, Mapping) else self.function
+
+
+@dataclass(frozen=True)
 class Condition:
     """What must be positive at an event for the motion to be the machine's: `function(t, x, p)`.
 
@@ -467,7 +506,7 @@ class System:
     ----------
     name : str
     states, parameters, modes, transitions, symmetries, neutral, observables, starts, conditions : tuple
-    signals : tuple
+    signals, conserved : tuple
         The declarations of this module.
     period : callable, optional
         `period(p)`, in seconds, of the forcing of a time-periodic system.
@@ -499,6 +538,7 @@ class System:
     conditions: tuple[Condition, ...] = ()
     signals: tuple[Signal, ...] = ()
     study: Study | None = None
+    conserved: tuple[Conserved, ...] = ()
 
     def __post_init__(self) -> None:
         _require_name("A system", self.name)
@@ -528,6 +568,7 @@ class System:
                     f"System '{self.name}': {what} has '{twice[0][0]}' twice{where}.", "Names must differ."
                 )
             object.__setattr__(self, what, entries)
+        self._add_conserved()
         if self.period is not None:
             _require_callable(f"The period of system '{self.name}'", self.period)
         if self.draw is not None:
@@ -539,6 +580,20 @@ class System:
             if not getattr(self, what):
                 raise SystemDefinitionError(f"System '{self.name}' has no {what}.", f"Declare {what}=(...,).")
         self._check_references()
+
+    def _add_conserved(self) -> None:
+        """The values of conserved quantities are parameters, declared or not."""
+        known, quantities = set(self.parameter_names), {entry.name for entry in self.conserved}
+        declared = [
+            ConservedValue(**vars(parameter)) if parameter.name in quantities else parameter
+            for parameter in self.parameters
+        ]
+        added = [
+            ConservedValue(entry.name, math.nan, entry.unit, about=entry.about)
+            for entry in self.conserved
+            if entry.name not in known
+        ]
+        object.__setattr__(self, "parameters", (*declared, *added))
 
     def __repr__(self) -> str:
         counted = {
@@ -593,6 +648,8 @@ class System:
                         f"Mode '{mode.name}' has the state '{name}', which is not declared.",
                         f"Declared states: {', '.join(state_names)}. {nearest(name, state_names)}".strip(),
                     )
+        for quantity in self.conserved:
+            self._check_conserved(quantity)
         happening = list(dict.fromkeys(transition.name for transition in self.acting))
         places = {entry.name: entry.at for entry in self.conditions}
         places |= {entry.name: entry.at for entry in self.observables if entry.at is not None}
@@ -613,6 +670,28 @@ class System:
                     f"Neutral direction '{neutral.name}' takes its value from '{neutral.value}', "
                     "which is not a parameter.",
                     nearest(neutral.value, parameter_names),
+                )
+
+    def _check_conserved(self, quantity: Conserved) -> None:
+        what = f"Conserved quantity '{quantity.name}'"
+        if self.period is not None:
+            raise SystemDefinitionError(
+                f"{what} belongs to a system with a period.",
+                "What a forced machine conserves is not continued: leave conserved out.",
+            )
+        if isinstance(quantity.function, Mapping):
+            modes = [mode.name for mode in self.modes]
+            for mode in quantity.function:
+                if mode not in modes:
+                    raise SystemDefinitionError(
+                        f"{what} has a function for mode '{mode}', which is not declared.",
+                        nearest(str(mode), modes) or f"Declared modes: {', '.join(modes)}.",
+                    )
+            missing = [mode for mode in modes if mode not in quantity.function]
+            if missing:
+                raise SystemDefinitionError(
+                    f"{what} has no function for mode '{missing[0]}'.",
+                    "Give one for each mode, or one function for all.",
                 )
 
     def _check_presets(self) -> None:
@@ -640,7 +719,8 @@ class System:
 
     def _check_names(self) -> None:
         """A name stands for one thing in branches, tables and figures."""
-        kinds = {"state": self.state_names, "parameter": self.parameter_names}
+        own = tuple(name for name in self.parameter_names if name not in self.conserved_names)
+        kinds = {"state": self.state_names, "parameter": own, "conserved quantity": self.conserved_names}
         kinds |= {"observable": tuple(observable.name for observable in self.observables)}
         for kind, names in kinds.items():
             for name in names:
@@ -707,6 +787,11 @@ class System:
                 f"Known: {', '.join(known)}. {nearest(str(name), known)}".strip(),
             )
 
+    @cached_property
+    def conserved_names(self) -> tuple[str, ...]:
+        """Names of the parameters that are values of conserved quantities."""
+        return tuple(quantity.name for quantity in self.conserved)
+
     def all_parameters(self, given: Mapping[str, Any]) -> dict[str, float]:
         """Values of all parameters, in their order, from a mapping that has them all.
 
@@ -715,6 +800,7 @@ class System:
         SystemDefinitionError
             If one is missing, unknown, or no number.
         """
+        given = dict.fromkeys(self.conserved_names, math.nan) | dict(given)
         missing = [name for name in self.parameter_names if name not in given]
         if missing:
             raise SystemDefinitionError(
@@ -892,4 +978,5 @@ _TUPLES: dict[str, type] = {
     "starts": Start,
     "conditions": Condition,
     "signals": Signal,
+    "conserved": Conserved,
 }

@@ -17,6 +17,7 @@ from contwalk.system.loading import is_path, load_declaration
 from contwalk.workflow import check_declarations as declarations
 from contwalk.workflow.check_absent import check_absent
 from contwalk.workflow.check_at_events import check_at_event
+from contwalk.workflow.check_conserved import check_conserved
 from contwalk.workflow.check_events import Happening, check_transition
 from contwalk.workflow.check_findings import Finding, Report, place_of, place_of_error, split_place
 from contwalk.workflow.check_functions import check_map
@@ -109,6 +110,8 @@ def check_system(system: System, sources: Sequence[Path] = (), model: str = "") 
     for neutral in system.neutral:
         what, form = f"neutral direction '{neutral.name}'", vector_form(system, "generator", "v")
         check_map(report, what, neutral.generator, system, samples, form)
+    for quantity in system.conserved:
+        check_conserved(report, quantity, system, fields, samples)
     for observable in system.observables:
         if observable.at is None:
             declarations.check_observable(report, observable, system, samples)

@@ -21,7 +21,7 @@ from contwalk.system import System
 from contwalk.system.loading import load_declaration
 from contwalk.workflow import run_settings as settings
 from contwalk.workflow.run_model import RunModel
-from contwalk.workflow.run_parameters import given_values, path_ends, sweep_values
+from contwalk.workflow.run_parameters import differ, given_values, path_ends, sweep_values
 from contwalk.workflow.run_problems import Problems, translate
 from contwalk.workflow.run_settings import FigureSpec, Mark, ReportAt
 from contwalk.workflow.run_starts import StartReader, StartSpec
@@ -242,7 +242,9 @@ def _checked(problems: Problems, model: RunModel, system: System, path: Path, ou
     free = settings.free_parameter(problems, system, model)
     ends = None if model.path is None else path_ends(problems, system, model.path, parameters)
     varying = (
-        tuple(n for n in parameters if ends[0][n] != ends[1][n]) if ends else tuple(filter(None, [free]))
+        tuple(n for n in parameters if differ(ends[0][n], ends[1][n]))
+        if ends
+        else tuple(filter(None, [free]))
     )
     low, high = settings.continued_range(problems, system, model, free)
     at_start = parameters if ends is None else {n: a + low * (ends[1][n] - a) for n, a in ends[0].items()}

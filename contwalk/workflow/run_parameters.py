@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from fractions import Fraction
 
@@ -79,6 +80,11 @@ def path_ends(
     if ends[0] == ends[1]:
         problems.add(("path",), "both ends have the same parameters.", "Give ends that differ.")
     return ends[0], ends[1]
+
+
+def differ(a: float, b: float) -> bool:
+    """Whether a parameter changes from one value to another: what nobody gives (NaN) does not."""
+    return a != b and not (math.isnan(a) and math.isnan(b))
 
 
 def _evenly(first: float, last: float, count: int) -> tuple[float, ...]:

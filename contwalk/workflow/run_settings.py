@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -139,8 +140,9 @@ def check_starts_in_range(
     """Note a problem for a start outside the range; that of a stored point is not known here."""
     low, high = ends
     for start in starts:
-        value = start.parameters.get(free)
-        if start.kind != "from" and value is not None and low < high and not low <= value <= high:
+        value = start.parameters.get(free, math.nan)
+        known = start.kind != "from" and not math.isnan(value)
+        if known and low < high and not low <= value <= high:
             problems.add(
                 ("continue", "range"),
                 f"the start has {free} = {value:.12g}, outside the range [{low:.12g}, {high:.12g}].",

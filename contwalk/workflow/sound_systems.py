@@ -15,6 +15,7 @@ from contwalk.errors import SystemDefinitionError
 from contwalk.system import System
 from contwalk.system import load_system as load_declared
 from contwalk.workflow.check_at_events import traced_at_event
+from contwalk.workflow.check_conserved import check_conserved
 from contwalk.workflow.check_declarations import check_period, check_repeats
 from contwalk.workflow.check_events import check_soft, check_states, traced_reset
 from contwalk.workflow.check_findings import Finding, Report
@@ -83,6 +84,8 @@ def _findings(system: System) -> list[Finding]:
     for neutral in system.neutral:
         form = vector_form(system, "generator", "v")
         traced(report, f"neutral direction '{neutral.name}'", neutral.generator, system, form)
+    for quantity in system.conserved:
+        check_conserved(report, quantity, system, fields, samples)
     for name, field in fields.items():
         what = f"field of mode '{name}'"
         if check_never_finite(report, what, field, samples) and period is not None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -48,7 +48,7 @@ def places(run_file: RunFile) -> tuple[list[Place], list[str]]:
     notes: list[str] = []
     for spec in run_file.starts:
         try:
-            found += _places(run_file, spec)
+            found += [_with_own_values(run_file, place) for place in _places(run_file, spec)]
         except StartError as error:
             if not spec.optional:
                 where = f"{run_file.path}, line {spec.line}, key start: " if spec.line else ""
@@ -87,6 +87,25 @@ def _places(run_file: RunFile, spec: StartSpec) -> list[Place]:
             event=spec.at,
         )
     ]
+
+
+def _with_own_values(run_file: RunFile, place: Place) -> Place:
+    """The place with what its state has of conserved quantities whose values the run file does not give."""
+    system = run_file.system
+    if not system.conserved:
+        return place
+    from contwalk.problems.conserving import with_own_values  # compiled functions
+
+    mode = place.mode or system.modes[0].name
+    parameters = with_own_values(system, place.parameters, place.state, mode)
+    low, high = run_file.range
+    value = parameters.get(run_file.free)
+    if run_file.parameter_path is None and value is not None and not low <= value <= high:
+        raise StartError(
+            f"the start has {run_file.free} = {value:.10g}, outside the range [{low:g}, {high:g}].",
+            "Widen continue.range, or start from another state.",
+        )
+    return replace(place, parameters=parameters)
 
 
 def _stored_place(run_file: RunFile, spec: StartSpec) -> Place:

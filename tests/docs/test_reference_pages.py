@@ -80,6 +80,7 @@ def test_every_declaration_is_explained():
         "Transition",
         "Symmetry",
         "Neutral",
+        "Conserved",
         "Observable",
         "Signal",
         "Start",

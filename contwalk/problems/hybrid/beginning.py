@@ -13,6 +13,7 @@ from contwalk.problems.angles import whole_turns
 from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.lap import Lap
+from contwalk.problems.orbit.beginning import started
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
@@ -33,6 +34,8 @@ def orbit_of(
     discretization: Discretization | None = None,
 ) -> tuple[HybridOrbit, np.ndarray]:
     """The problem of a lap's word, discretised for it, and the lap as its unknowns."""
+    first = lap.stretches[0]
+    parameters, path = started(system, parameters, path, at, first.state, first.leg.mode)
     values = at_start(parameters, path, at)
     _check_zeros(hybrid_machine(system, values), lap)
     pins = _neutral(system, values, free, lap, path) if system.neutral else []

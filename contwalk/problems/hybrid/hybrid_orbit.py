@@ -14,7 +14,7 @@ from contwalk import quantities
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.errors import NotFinite
 from contwalk.memory import remembered, unowned
-from contwalk.problems import kinks
+from contwalk.problems import conserving, kinks
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.hybrid import (
@@ -593,8 +593,11 @@ class HybridOrbit:
 
     @property
     def spectrum_size(self) -> int:
-        """Number of multipliers: dimension of the smallest section, pinned directions left out."""
-        return self.layout.sizes[self.smallest] - 1 + int(self.forced) - len(self.pins)
+        """Number of multipliers: dimension of the smallest section, pinned directions and those across the
+        surfaces of what is conserved left out.
+        """
+        left_out = len(self.pins) + len(self.system.conserved)
+        return self.layout.sizes[self.smallest] - 1 + int(self.forced) - left_out
 
     @property
     def smallest(self) -> int:
@@ -690,10 +693,18 @@ class HybridOrbit:
         return list((np.vstack([own, np.zeros((1, own.shape[1]))]) if self.timed(i) else own).T)
 
     def neutral_directions(self, z: np.ndarray, i: int) -> np.ndarray:
-        """The flow's own direction, if there is one, and pinned ones, at the start of leg i, as columns."""
+        """The flow's own direction, if there is one, pinned ones, and gradients of what is conserved at the
+        start of leg i, as columns.
+        """
         still = self.forced and not self.timed(i)
         directions = [] if still else [self.flow_direction(z, i)]
         directions += self.pinned_directions(z, i)
+        if self.system.conserved:
+            passage = self.passages[i]
+            x = passage.full(self.layout.inputs(i, z)[0])
+            gradients = conserving.gradients_of(self.system, passage.leg.mode, x, self.values_of(z))
+            own = gradients[:, list(passage.states)]
+            directions += list(conserving.raised(own, self.extended(i)).T)
         return np.array(directions).reshape(len(directions), len(self.extended(i))).T
 
     def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
@@ -706,7 +717,8 @@ class HybridOrbit:
             )
         neutral = self.neutral_directions(z, smallest)
         tolerance = self.mesh.growth * self.mesh.tolerance
-        found = multipliers([product], [neutral], self.extended(smallest), tolerance)
+        gradients = len(self.system.conserved)
+        found = multipliers([product], [neutral], self.extended(smallest), tolerance, gradients=gradients)
         if self._arrives_without_rate(jacobian):
             endless = np.abs(found.values) > 0.01 / NO_RATE
             limit = np.where(endless, complex(np.inf, 0.0), found.values)
@@ -961,7 +973,21 @@ class HybridOrbit:
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
         """Why the branch ends between two neighbouring solutions; limits are the engine's business."""
         at_rest = None if self.word.eventful else ending.at_a_point(self, a, b)
-        return at_rest or homoclinic(self, a, b)
+        return ending.not_conserved(self, a, b) or at_rest or homoclinic(self, a, b)
+
+    def not_conserved(self, sample: Sample) -> str:
+        """Name of a quantity that is not at its value on the orbit, though it is declared to be conserved."""
+        if not self.system.conserved:
+            return ""
+        z, parameters, most = sample.z, self.values_of(sample.z), np.zeros(self.states)
+        errors = self._errors(self.linearize(z))
+        for passage, rows in zip(self.passages, self.layout.matches, strict=True):
+            most[list(passage.following)] += errors[rows]
+        for passage, place in zip(self.passages, self.layout.states, strict=True):
+            name = conserving.off(self.system, passage.leg.mode, passage.full(z[place]), parameters, most)
+            if name:
+                return name
+        return ""
 
     def velocity(self, z: np.ndarray) -> np.ndarray:
         """dx/dt at the start."""

@@ -22,6 +22,7 @@ from contwalk.fields.switching import Switching, choices_of
 from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow import CompiledField, Field, Restricted
 from contwalk.memory import remembered
+from contwalk.problems import conserving
 from contwalk.problems.hybrid.watching import Watched
 from contwalk.problems.hybrid.word import Leg
 from contwalk.problems.kinks import Kink
@@ -121,7 +122,11 @@ class Passage:
         for j, pin in enumerate(self.pins):
             out = _written(rebound(pin.generator), f"'{pin.name}'", states, t, x, p)
             rates = [r + tracer.symbol("a", j) * v for r, v in zip(rates, out, strict=True)]
-        return [tracer.symbol("T", 0) * r for r in rates]
+        rates = [tracer.symbol("T", 0) * r for r in rates]
+        if not self.system.conserved:
+            return rates
+        away = conserving.returning(tracer, self.system, mode.name, t, x, p)
+        return [r - away[i] for r, i in zip(rates, states, strict=True)]
 
     @cached_property
     def program(self) -> Program:
@@ -215,7 +220,9 @@ class Passage:
     def _shared(self) -> SharedField:
         """What the modes of this one's field have in common."""
         mode, free = self.system.mode(self.leg.mode), (self._free, self._moving)
-        key = id(self.system), mode.field, tuple(mode.constants), free, tuple(id(pin) for pin in self.pins)
+        kept = tuple(quantity.of(mode.name) for quantity in self.system.conserved)
+        pins = tuple(id(pin) for pin in self.pins)
+        key = id(self.system), mode.field, tuple(mode.constants), free, pins, kept
         return remembered(_SHARED, key, _MOST_SHARED, lambda: SharedField(self))
 
     def whole_program(self) -> Program:

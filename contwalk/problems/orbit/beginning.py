@@ -9,6 +9,7 @@ import numpy as np
 from contwalk.errors import StartError, called
 from contwalk.flow.hybrid_machine import hybrid_machine
 from contwalk.flow.method import choose
+from contwalk.problems.conserving import with_own_values
 from contwalk.problems.hybrid import families
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.discretization import Discretization
@@ -64,11 +65,12 @@ def orbit_at(
     NotFinite
         If the motion from the state ends within one period.
     """
+    x = np.asarray(state, dtype=float)
+    parameters, path = started(system, parameters, path, at, x, system.modes[0].name)
     value = float(at or 0.0) if path is not None else float(parameters[free])
     if system.period is not None and period is not None:
         own = float(called("period", system.period, ParameterValues(**parameters)))
         subharmonic = max(round(period / own), 1)
-    x = np.asarray(state, dtype=float)
     if pins is None:
         pins = _neutral(system, at_path(parameters, path, at), free, path, x)
     problem = PeriodicOrbit(system, parameters, free, path, pins, x, subharmonic, discretization)
@@ -79,6 +81,28 @@ def orbit_at(
     turns, mesh = _once_round(problem, x, values)
     z = np.concatenate([x, scalars])
     return cut(problem.closing(turns).on(mesh, None), z, mesh.magnitudes)
+
+
+def started(
+    system: System,
+    parameters: Mapping[str, float],
+    path: Path | None,
+    at: float | None,
+    x: np.ndarray,
+    mode: str,
+) -> tuple[dict[str, float], Path | None]:
+    """Parameters and path with the start's own values of conserved quantities, where no others are given."""
+    if not system.conserved:
+        return dict(parameters), path
+    given = {**parameters, **at_path(parameters, path, at)}
+    own = with_own_values(system, given, x, mode)
+    told = {name: own[name] for name in system.conserved_names}
+
+    def filled(values: Mapping[str, float]) -> dict[str, float]:
+        known = {name: value for name, value in values.items() if not np.isnan(value)}
+        return {name: known.get(name, told.get(name, value)) for name, value in values.items()}
+
+    return filled({**told, **parameters}), None if path is None else (filled(path[0]), filled(path[1]))
 
 
 def at_path(parameters: Mapping[str, float], path: Path | None, at: float | None) -> dict[str, float]:

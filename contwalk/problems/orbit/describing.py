@@ -22,6 +22,12 @@ RESONANT = 1e-6
 VANISHES = 1e-9
 # How well a coefficient is known is told by steps of this many times the tolerance: some ten times its error.
 COARSER = 10.0
+# Multipliers that meet are known to the root of rounding only.
+MEET = 1e-3
+PAIR = (
+    "multipliers come in pairs mu, 1/mu here, and a pair meets: the branch that leaves tells by its own "
+    "multipliers which side is stable"
+)
 
 Form = tuple[str | None, str | None, dict[str, Any], str | None]
 
@@ -71,6 +77,9 @@ def described(problem: Orbit, label: str, located: Located, sample: Sample, s: f
 def _normal_form(problem: Orbit, label: str, located: Located, sample: Sample) -> Form:
     """Kind, criticality, coefficients and note of a located point."""
     z = located.z
+    critical = {"LP": 1.0, "BP": 1.0, "PD": -1.0, "SB": -1.0}.get(label)
+    if critical is not None and problem.system.conserved and _double(sample, critical):
+        return _of_a_pair(problem, label, located, sample)
     if label == "LP":
         return None, None, normal_forms.fold(problem.return_map(z)), None
     if label in ("PD", "SB"):
@@ -86,6 +95,22 @@ def _normal_form(problem: Orbit, label: str, located: Located, sample: Sample) -
     if label == "BP":
         return _branch_point(problem, located, sample)
     return None, None, {}, None
+
+
+def _double(sample: Sample, critical: float) -> bool:
+    """Whether two multipliers meet at a critical value, as those of a pair mu, 1/mu do."""
+    return int(np.sum(np.abs(sample.eigenvalues - critical) < MEET)) > 1
+
+
+def _of_a_pair(problem: Orbit, label: str, located: Located, sample: Sample) -> Form:
+    """As `_normal_form`, where the critical multiplier is double.
+
+    Coefficients on the critical direction alone do not exist there, and their signs tell no stability.
+    """
+    if label != "BP" or located.vectors.get("fallen_back"):
+        return ("symmetry-breaking" if label == "SB" else None), None, {}, PAIR
+    c = normal_forms.branch_point(problem.return_map(located.z), float(sample.weights[-1]))
+    return ("transcritical" if c["c11"] != 0.0 else "pitchfork"), None, {}, PAIR
 
 
 def _known(

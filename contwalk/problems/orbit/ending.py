@@ -32,7 +32,7 @@ ASIDE, STAYS = 1e-3, 0.03
 
 def ended(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:
     """Why the branch ends between two neighbouring orbits, if it does."""
-    reasons = (unborn, held, at_a_point, homoclinic)
+    reasons = (unborn, held, not_conserved, at_a_point, homoclinic)
     return next((outcome for reason in reasons if (outcome := reason(problem, a, b)) is not None), None)
 
 
@@ -46,6 +46,20 @@ def held(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:
         f"Beyond {problem.free} = {a.z[-1]:.10g}, holding the undeclared neutral direction takes a force: "
         "the motion does not come back but drifts along it with every round, and is no periodic orbit. "
         "Declare the direction with neutral=(Neutral(...),) to follow orbits that drift along it.",
+    )
+
+
+def not_conserved(problem: PeriodicOrbit | HybridOrbit, a: Sample, b: Sample) -> Outcome | None:
+    """A quantity that is declared to be conserved, and is not along an orbit."""
+    name = problem.not_conserved(b)
+    if not name:
+        return None
+    return Outcome(
+        "failed",
+        "no_convergence",
+        f"Beyond {problem.free} = {a.z[-1]:.10g}, '{name}' is not conserved: holding it at its value takes a "
+        "force, and what closes with that is no periodic orbit of the machine. Correct its function in the "
+        "plugin, or the equations, or remove it from conserved=(...).",
     )
 
 

@@ -33,8 +33,15 @@ from contwalk.fields.switching import Inputs, Switching, choices_of
 from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow import Field
 from contwalk.memory import remembered
+from contwalk.problems import conserving
 from contwalk.problems.kinks import Course, Kink, inputs
-from contwalk.problems.tracing import parameter_symbols, refuse_time, state_symbols, written
+from contwalk.problems.tracing import (
+    parameter_symbols,
+    refuse_time,
+    refuse_time_of,
+    state_symbols,
+    written,
+)
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 
@@ -61,10 +68,18 @@ class Motion:
         Pinned neutral directions; drift_j times their generator is added to the field.
     periods : float
         A forced machine's closure lasts so many of its periods.
+    holding : bool
+        Whether conserved quantities are held at their values, as the equations of an orbit ask for.
     """
 
     def __init__(
-        self, system: System, free: str | None, moving: Sequence[int], pins: Sequence[Neutral], periods: float
+        self,
+        system: System,
+        free: str | None,
+        moving: Sequence[int],
+        pins: Sequence[Neutral],
+        periods: float,
+        holding: bool = False,
     ) -> None:
         self.system = system
         self.states = len(system.states)
@@ -72,7 +87,7 @@ class Motion:
         self.forced = system.period is not None
         self._free = free
         self._moving = frozenset(moving)
-        self._periods = periods
+        self._periods, self._holding = periods, holding and bool(system.conserved)
         self._field = rebound(system.modes[0].field)
         self._generators = [rebound(pin.generator) for pin in pins]
         self._period = None if system.period is None else rebound(system.period)
@@ -106,7 +121,11 @@ class Motion:
         for j, pin in enumerate(self.pins):
             v = written(self._generators[j], pin.name, t, x, p)
             result = [r + tracer.symbol("a", j) * v[i] for i, r in enumerate(result)]
-        return [duration * r for r in result]
+        rates = [duration * r for r in result]
+        if not self._holding:
+            return rates
+        away = conserving.returning(tracer, self.system, self.system.modes[0].name, t, x, p)
+        return [r - a for r, a in zip(rates, away, strict=True)]
 
     @cached_property
     def program(self) -> Program:
@@ -114,6 +133,10 @@ class Motion:
         mode = self.system.modes[0]
         if not self.forced:
             refuse_time(self.system, mode.name, mode.field, f"field of mode '{mode.name}'")
+        for quantity in self.system.conserved if self._holding else ():
+            refuse_time_of(
+                self.system, mode.name, quantity.of(mode.name), f"conserved quantity '{quantity.name}'"
+            )
         for pin in () if self.forced else self.pins:
             refuse_time(self.system, mode.name, pin.generator, f"neutral direction '{pin.name}'")
         return trace(self._right_side)
@@ -236,9 +259,14 @@ _MOST_KNOWN = 64
 
 
 def motion_of(
-    system: System, free: str | None, moving: Sequence[int], pins: Sequence[Neutral], periods: float
+    system: System,
+    free: str | None,
+    moving: Sequence[int],
+    pins: Sequence[Neutral],
+    periods: float,
+    holding: bool = False,
 ) -> Motion:
     """As `Motion(...)`, traced and compiled only once for the same arguments."""
-    key = (id(system), free, tuple(moving), tuple(id(pin) for pin in pins), periods)
+    key = (id(system), free, tuple(moving), tuple(id(pin) for pin in pins), periods, holding)
     # It keeps its system, and so its id.
-    return remembered(_KNOWN, key, _MOST_KNOWN, lambda: Motion(system, free, moving, pins, periods))
+    return remembered(_KNOWN, key, _MOST_KNOWN, lambda: Motion(system, free, moving, pins, periods, holding))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,6 +20,8 @@ GLOBAL = 0.3
 UNKNOWN = 0.3
 # Two ways to leave the flow out that differ by less in all segments are one.
 LITTLE = 1e-6
+# Two multipliers whose product is one but for this are a pair.
+PAIRED = 1e-7
 # No size is smaller.
 LEAST = 1e-300
 
@@ -35,25 +37,44 @@ class Multipliers:
         What rounding does to them: on its own steps, a branch's multipliers are smooth beyond that.
     accuracy : float
         Estimated absolute error of the first one against the flow itself, that of the steps included.
+    paired : ndarray of bool, shape (r,), optional
+        Those that come in pairs mu, 1/mu: see `reciprocal`. Their errors are those of their measures.
     """
 
     values: np.ndarray
     errors: np.ndarray
     accuracy: float
+    paired: np.ndarray | None = None
 
     @property
     def measures(self) -> np.ndarray:
-        """Modulus minus one: negative for stability."""
-        return np.abs(self.values) - 1.0
+        """Modulus minus one: negative for stability.
+
+        Of a pair on the unit circle it would be noise. Its measure is |mu + 1/mu| / 2 - 1: negative there,
+        positive of a real pair, and smooth where one becomes the other.
+        """
+        moduli = np.abs(self.values) - 1.0
+        if self.paired is None:
+            return moduli
+        with np.errstate(divide="ignore", invalid="ignore"):
+            half = 0.5 * np.abs((self.values + 1.0 / self.values).real) - 1.0
+        return np.where(self.paired & (np.abs(self.values) >= self._within), half, moduli)
+
+    @property
+    def _within(self) -> np.ndarray:
+        """The modulus from which on one of a pair has the pair's measure: not the smaller one of two real
+        ones.
+        """
+        return np.where(self.values.imag != 0.0, 0.0, 1.0)
 
     def doubted(self, error: float) -> Multipliers:
         """The same, none known better than to an absolute error."""
-        return Multipliers(self.values, np.maximum(self.errors, error), max(self.accuracy, error))
+        return replace(self, errors=np.maximum(self.errors, error), accuracy=max(self.accuracy, error))
 
     def unstable(self, before: int | None) -> int:
         """Number of multipliers outside the unit circle; doubtful ones count as at the neighbouring point."""
         measures = self.measures
-        if before is None:
+        if before is None or self.paired is not None:
             return int(np.sum(measures > self.errors))
         known = np.abs(measures) > self.errors
         return int(np.sum(np.where(known, measures > 0.0, np.arange(len(measures)) < before)))
@@ -65,6 +86,7 @@ def multipliers(
     magnitudes: np.ndarray,
     tolerance: float,
     arriving: Sequence[np.ndarray] | None = None,
+    gradients: int = 0,
 ) -> Multipliers:
     """Multipliers of the product of the segments' derivatives.
 
@@ -83,6 +105,10 @@ def multipliers(
         The same directions at the end of each segment, which is the next one's start but for the gap that a
         solution has left. Where deviations grow, what has grown lies along the flow there, and what is left
         of it beside the flow is a small part: at the state that it has arrived at, not at that next to it.
+    gradients : int
+        So many of the last directions are gradients of conserved quantities (`conserving.raised`): what is at
+        a right angle to them stays so, and they themselves are carried elsewhere. Moduli of one are common
+        then: no multiplier counts as better known than the steps allow.
     """
     scaled = [factor / magnitudes[:, None] * magnitudes for factor in factors]
     sizes = [max(float(np.linalg.norm(factor, 2)), LEAST) for factor in scaled]
@@ -92,14 +118,44 @@ def multipliers(
     if not len(quotients[0]):
         return Multipliers(np.zeros(0, dtype=complex), np.zeros(0), 0.0)
     values, errors = _eigenvalues(quotients, sizes)
-    accuracy = float(errors[0] * (1.0 + GLOBAL * tolerance / ROUNDING))
+    coarser = 1.0 + GLOBAL * tolerance / ROUNDING
+    accuracy = float(errors[0] * coarser)
     leak = np.zeros(len(values))
     if arriving is not None and neutral[0].shape[1]:
-        leak = _leak(scaled, begin, quotients, values)
+        leak = _leak(scaled, begin, end, quotients, values, gradients)
     lost = leak > UNKNOWN * np.abs(values)
-    return Multipliers(
+    found = Multipliers(
         values, np.where(lost, np.maximum(errors, leak / UNKNOWN), errors), max(accuracy, float(leak[0]))
     )
+    return reciprocal(found, ROUNDING * coarser * max(1.0, *sizes)) if gradients else found
+
+
+def reciprocal(found: Multipliers, error: float) -> Multipliers:
+    """Multipliers of a motion that conserves something, which may come in pairs mu, 1/mu, by moduli.
+
+    Of a Hamiltonian or a reversible machine they do: as complex pairs on the unit circle and as real ones.
+    `error` is that of the sum of a pair.
+    """
+    values, paired = found.values.copy(), np.zeros(len(found.values), dtype=bool)
+    near = max(PAIRED, 30.0 * error * max(1.0, float(np.abs(values[0]))))
+    for i, value in enumerate(values):
+        if paired[i]:
+            continue
+        others = [j for j in range(len(values)) if j != i and not paired[j]]
+        if value.imag != 0.0:
+            others = [j for j in others if values[j] == np.conj(value)]
+        else:
+            others = [j for j in others if values[j].imag == 0.0]
+        partner = min(others, key=lambda j: abs(values[i] * values[j] - 1.0), default=None)
+        if partner is not None and abs(value * values[partner] - 1.0) <= near:
+            paired[[i, partner]] = True
+    if not paired.any():
+        return found
+    errors = np.where(paired, error, found.errors)
+    told = replace(found, errors=errors, paired=paired)
+    circle = paired & (values.imag != 0.0)
+    order = np.lexsort((-values.imag, -told.measures, -np.where(circle, 1.0, np.abs(values))))
+    return Multipliers(values[order], errors[order], found.accuracy, paired[order])
 
 
 def _eigenvalues(quotients: Sequence[np.ndarray], sizes: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
@@ -127,15 +183,23 @@ def _quotients(
 def _leak(
     factors: Sequence[np.ndarray],
     begin: Sequence[np.ndarray],
+    end: Sequence[np.ndarray],
     quotients: Sequence[np.ndarray],
     values: np.ndarray,
+    gradients: int,
 ) -> np.ndarray:
     """By how much moduli change if the directions that the factors carry along are left out instead.
 
     Both are the same but for the errors of the steps. What has grown comes to lie along these directions;
     where far more has decayed beside them, what is left there is these errors.
     """
-    carried = [factor @ directions for factor, directions in zip(factors, begin, strict=True)]
+    k = begin[0].shape[1] - gradients
+    if not k:
+        return np.zeros(len(values))
+    carried = [
+        np.hstack([factor @ directions[:, :k], there[:, k:]])
+        for factor, directions, there in zip(factors, begin, end, strict=True)
+    ]
     if not all(np.all(np.any(directions, axis=0)) for directions in carried):
         return np.zeros(len(values))
     others = _quotients(factors, begin, carried)

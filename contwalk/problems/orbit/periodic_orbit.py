@@ -13,7 +13,7 @@ from contwalk import quantities
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.errors import called, measured
 from contwalk.memory import remembered, unowned
-from contwalk.problems import kinks
+from contwalk.problems import conserving, kinks
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.kinks import Kink
@@ -136,7 +136,7 @@ class PeriodicOrbit:
     def _motion(self, fold: int) -> Motion:
         moving = tuple(np.flatnonzero(self._direction).tolist())
         free = None if self.path is not None else self.free
-        return motion_of(self.system, free, moving, self.pins, self.subharmonic / fold)
+        return motion_of(self.system, free, moving, self.pins, self.subharmonic / fold, holding=True)
 
     def _closed(self, turns: np.ndarray, symmetry: Any = None, power: int = 1, fold: int = 1) -> Closure:
         return Closure(self._motion(fold), turns, symmetry, power, fold)
@@ -396,7 +396,7 @@ class PeriodicOrbit:
 
     def branch_facts(self) -> dict[str, Any]:
         """What is true of a whole branch of these orbits, as fields of `BranchInfo`."""
-        neutral = len(self.pins) + (0 if self.forced else 1)
+        neutral = len(self.pins) + len(self.system.conserved) + (0 if self.forced else 1)
         return {
             "problem": self.kind,
             "observables": self.observable_names,
@@ -517,8 +517,11 @@ class PeriodicOrbit:
         return self._with_pins(z, ends, [] if self.forced else list(flow))
 
     def _with_pins(self, z: np.ndarray, states: np.ndarray, flow: Sequence[np.ndarray]) -> list[np.ndarray]:
-        """The flow's directions and those that pins hold at some states, each of shape (n, k)."""
-        values = ParameterValues(**self.values_of(z))
+        """At some states, the flow's directions, those that pins hold, and gradients of what is conserved,
+        each of shape (n, k).
+        """
+        parameters = self.values_of(z)
+        values, mode = ParameterValues(**parameters), self.system.modes[0].name
         result = []
         for i, x in enumerate(states):
             directions = list(flow[i : i + 1])
@@ -526,6 +529,9 @@ class PeriodicOrbit:
                 v = np.zeros(self.states)
                 called(f"generator of '{pin.name}'", pin.generator, 0.0, x.copy(), values, v)
                 directions.append(v)
+            if self.system.conserved:
+                gradients = conserving.gradients_of(self.system, mode, x, parameters)
+                directions += list(conserving.raised(gradients, self.mesh.variation).T)
             result.append(np.array(directions).reshape(len(directions), self.states).T)
         return result
 
@@ -549,7 +555,10 @@ class PeriodicOrbit:
         factors = self.factors(jacobian)
         neutral = self.neutral_directions(z, factors)
         arriving = self.arriving_directions(z, self.linearize(z).residual)
-        return multipliers(factors, neutral, self.mesh.variation, self.mesh.tolerance, arriving)
+        gradients = len(self.system.conserved)
+        return multipliers(
+            factors, neutral, self.mesh.variation, self.mesh.tolerance, arriving, gradients=gradients
+        )
 
     def trivial_error(self, z: np.ndarray, jacobian: np.ndarray) -> float:
         """|M f - f| / |f|: how well the flow carries its own velocity once round; NaN where there is none.
@@ -869,6 +878,16 @@ class PeriodicOrbit:
         except np.linalg.LinAlgError:  # a branch point of the pinned equations: its neighbours tell
             return False
         return False
+
+    def not_conserved(self, sample: Sample) -> str:
+        """Name of a quantity that is not at its value on the orbit, though it is declared to be conserved."""
+        if not self.system.conserved:
+            return ""
+        parameters, mode = self.values_of(sample.z), self.system.modes[0].name
+        errors = self._errors(self.linearize(sample.z))[: self.segments * self.states]
+        most = errors.reshape(self.segments, self.states).sum(axis=0)
+        found = (conserving.off(self.system, mode, x, parameters, most) for x in self.starts(sample.z))
+        return next(filter(None, found), "")
 
     def slow_place(self, z: np.ndarray) -> SlowPlace:
         """Where the orbit is slowest, and the field there."""

@@ -36,14 +36,22 @@ def of_moduli(problem: Orbit, z: np.ndarray, tangent: np.ndarray, found: Multipl
         paired = k > 0 and value.imag != 0.0 and value == np.conj(found.values[k - 1])
         first = k - 1 if paired else k
         if first not in known:
-            known[first] = of_modulus(problem, z, tangent, complex(found.values[first]))
+            known[first] = of_modulus(problem, z, tangent, complex(found.values[first]), pair(first))
         return known[first]
+
+    def pair(k: int) -> bool:
+        return found.paired is not None and bool(found.paired[k])
 
     return Rates(len(found.values), rate)
 
 
-def of_modulus(problem: Orbit, z: np.ndarray, tangent: np.ndarray, value: complex) -> float:
-    """Derivative of |mu| along the branch, exact on the steps: mu' = psi* L_s v / psi* v."""
+def of_modulus(
+    problem: Orbit, z: np.ndarray, tangent: np.ndarray, value: complex, paired: bool = False
+) -> float:
+    """Derivative of |mu| along the branch, exact on the steps: mu' = psi* L_s v / psi* v.
+
+    Of one of a pair mu, 1/mu that of |mu + 1/mu| / 2.
+    """
     multiplier = value if value.imag else value.real
     matrix = problem.cycle_matrix(problem.linearize(z).jacobian, multiplier)
     v, psi = null_vectors(problem, matrix, *problem.cycle_scales)
@@ -54,6 +62,9 @@ def of_modulus(problem: Orbit, z: np.ndarray, tangent: np.ndarray, value: comple
     if scale == 0.0:
         return float("nan")
     rate = complex(psi.conj() @ moved) / scale
+    if paired:
+        half = 0.5 * (rate * (1.0 - value**-2)).real
+        return float(np.sign((value + 1.0 / value).real) * half)
     return float((np.conj(value) * rate).real / abs(value))
 
 

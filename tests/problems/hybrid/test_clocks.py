@@ -247,4 +247,4 @@ def test_a_clock_that_never_passes_zero_leaves_a_family_of_orbits_which_is_said(
     told = opened(system, "K", [0.3, 0.3, 0.0], until=200.0)
     assert isinstance(told, Outcome)
     assert told.reason == "no_convergence"
-    assert "others lie beside it at the same parameters" in told.message
+    assert "Orbits come in a family there, at the same parameters" in told.message
