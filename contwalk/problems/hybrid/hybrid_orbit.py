@@ -857,6 +857,7 @@ class HybridOrbit:
         length = float(np.linalg.norm(tangent / weights))
         unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
         found = self.multipliers(z, linearization.jacobian)
+        found = found.beside(float(unit[-1] / weights[-1]))
         trivial = self.trivial_error(z, linearization.jacobian)
         orientation, error = linearization.orientation_and_error(unit, weights, self._errors(linearization))
         margins, met = self.margins(z), self.kinks_of(z) if known is None else known.kinks

@@ -22,6 +22,8 @@ UNKNOWN = 0.3
 LITTLE = 1e-6
 # Two multipliers whose product is one but for this are a pair.
 PAIRED = 1e-7
+# With a smaller share of the parameter in its tangent a family keeps it, as well as orbits are known.
+STILL = 1e-7
 # No size is smaller.
 LEAST = 1e-300
 
@@ -70,6 +72,18 @@ class Multipliers:
     def doubted(self, error: float) -> Multipliers:
         """The same, none known better than to an absolute error."""
         return replace(self, errors=np.maximum(self.errors, error), accuracy=max(self.accuracy, error))
+
+    def beside(self, share: float) -> Multipliers:
+        """The same on a family along which the parameter has this share of the unit tangent.
+
+        Where the parameter stands still one multiplier is 1, the family's own: what it differs by is errors
+        of the steps, and so is what share there is. It counts as at the neighbouring point.
+        """
+        if abs(share) > STILL:
+            return self
+        own = (np.abs(self.values - 1.0) <= self.accuracy) & (self.values.imag == 0.0)
+        errors = np.where(own, np.maximum(self.errors, self.accuracy), self.errors)
+        return replace(self, errors=errors)
 
     def unstable(self, before: int | None) -> int:
         """Number of multipliers outside the unit circle; doubtful ones count as at the neighbouring point."""

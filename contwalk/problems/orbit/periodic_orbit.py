@@ -452,6 +452,7 @@ class PeriodicOrbit:
         unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
         trivial = self.trivial_error(z, linearization.jacobian)
         found = self._known(self.multipliers(z, linearization.jacobian), trivial, linearization.jacobian)
+        found = found.beside(float(unit[-1] / weights[-1]))
         met = self.kinks_of(z) if known is None else ()
         kinks.refuse(met)
         orientation, error = linearization.orientation_and_error(unit, weights, self._errors(linearization))

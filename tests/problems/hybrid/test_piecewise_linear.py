@@ -129,6 +129,21 @@ class TestChua:
         assert [p.label for p in first.special_points] == ["EP", "PD", "EP"]
         assert first.outcome.reason == "bound"
 
+    def test_the_family_of_cycles_of_the_outer_region_is_no_fold(self):
+        """At its Hopf point the linear region has cycles of all sizes, with a multiplier that is 1."""
+        (branch,) = diagram(
+            chua(), "alpha", (5.0, 8.8), [2.0, 0.1, -2.0], until="settled", mode="right", direction="down"
+        )
+        assert branch.outcome.reason == "shrunk"
+        assert [p.label for p in branch.special_points] == ["EP"]
+        assert set(branch.points["unstable"].tolist()) == {0}
+        # s^3 + (c + 1) s^2 + (c + beta - alpha) s + c beta, c = alpha (1 + slope), has two imaginary roots.
+        k = 1.0 + OUTER
+        hopf = brentq(lambda a: (k * a + 1.0) * (k * a + BETA - a) - k * a * BETA, 6.0, 7.5)
+        standing = np.abs(branch["alpha"] - hopf) < 100.0 * WALKED
+        assert np.ptp(branch["amp:x"][standing]) > 0.49  # from x = 1.5 to the corner at 1
+        assert np.abs(branch.points["spectrum"][standing, 0] - 1.0).max() < 100.0 * WALKED
+
     def test_rows_are_orbits_with_the_multipliers_of_the_exponentials(self):
         for branch in chua_branches():
             for k in range(0, len(branch), 9):
