@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -14,10 +14,11 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocato
 
 from contwalk.branch import ORBITS, Branch
 from contwalk.plotting.labels import Label, place_labels
-from contwalk.plotting.quantities import axis_label, default_x, values, with_names
+from contwalk.plotting.quantities import axis_label, called, default_x, values, with_names
 from contwalk.plotting.segments import position, runs
+from contwalk.plotting.smooth_spectra import Loci
 from contwalk.plotting.special_points import marker
-from contwalk.plotting.spectrum import SHADE, choose, track
+from contwalk.plotting.spectrum import SHADE, choose, loci_of
 from contwalk.plotting.style import INK, PALETTE, dark, dress, light, new_axes
 
 OTHER = "for equilibria use the figure `eigenvalues`"
@@ -38,6 +39,7 @@ def plot_multiplier_moduli(
     ax: Axes | None = None,
     *,
     units: Mapping[str, str] | None = None,
+    told: Callable[[str], None] = lambda text: None,
 ) -> Axes:
     """Draw the moduli of multipliers over a parameter, on a logarithmic axis.
 
@@ -54,6 +56,8 @@ def plot_multiplier_moduli(
         Where to draw; new axes by default.
     units : mapping, optional
         Units by name, as from `units_of(system)`.
+    told : callable
+        Given a sentence that lists the special points for whose names there is no room.
 
     Raises
     ------
@@ -70,24 +74,25 @@ def plot_multiplier_moduli(
     drawn: set[tuple[int, bool]] = set()
     curves, labels, largest, least = [], [], 1.0, 1.0
     below, endless = [], False
-    for branch in chosen:
+    for branch, name in zip(chosen, called(chosen), strict=True):
         across = np.asarray(values(branch, x))
-        loci = track(branch.points["spectrum"])
+        fine = loci_of(branch, x)
+        loci = fine.values
         moduli = np.maximum(np.abs(loci), LEAST / 10.0)  # zero has no place on the axis
-        drawn |= _draw(ax, branch, across, loci, moduli)
+        drawn |= _draw(ax, branch, name, fine, moduli)
         finite = moduli[np.isfinite(moduli)]
-        told = finite[finite >= LEAST]
-        largest, least = max(largest, finite.max(initial=0.0)), min(least, told.min(initial=1.0))
+        on_axis = finite[finite >= LEAST]
+        largest, least = max(largest, finite.max(initial=0.0)), min(least, on_axis.min(initial=1.0))
         below.append(int(np.sum(np.isfinite(moduli) & (moduli < LEAST), axis=1).max(initial=0)))
         endless |= bool(np.isinf(loci).any())
-        curves += [np.stack([across, column], axis=1) for column in moduli.T]
+        curves += [np.stack([fine.across, column], axis=1) for column in moduli.T]
         for point in branch.special_points:
             if point.label in CROSSING:
                 at = position(branch, across, point.index, point.s)
                 look = marker(point.label, PALETTE[-1], located=point.status == "located")
-                ax.plot([at], [1.0], gid=f"{branch.name}-{point.name}", **look)
+                ax.plot([at], [1.0], gid=f"{name}-{point.name}", **look)
                 plain, color = len(chosen) == 1, dark(PALETTE[-1])
-                labels.append(Label(point.name, at, 1.0, color, owner=branch.name, plain=plain))
+                labels.append(Label(point.name, at, 1.0, color, owner=name, plain=plain))
     ax.margins(x=0.04)
     ax.autoscale_view(scaley=False)
     _scale(ax, least, largest)
@@ -95,7 +100,13 @@ def plot_multiplier_moduli(
     ax.axhspan(1.0, 1e300, color=SHADE, linewidth=0, zorder=0)
     ax.axhline(1.0, color=INK, linewidth=1.2, zorder=1, gid="unit-modulus")
     _legend(ax, drawn)
-    place_labels(ax, labels, [*curves, np.array([[at, 1.0] for at in ax.get_xlim()])])
+    without = place_labels(ax, labels, [*curves, np.array([[at, 1.0] for at in ax.get_xlim()])])
+    if without:
+        _legend(ax, drawn, f"names left out: {len(without)}")
+        told(
+            f"There is no room for the names of {len(without)} points in the figure of multipliers: "
+            f"{', '.join(without)}. Draw fewer branches, or look them up with `contwalk show`."
+        )
     return ax
 
 
@@ -127,18 +138,16 @@ def _scale(ax: Axes, least: float, largest: float) -> None:
         ax.yaxis.set_minor_locator(NullLocator())
 
 
-def _draw(
-    ax: Axes, branch: Branch, across: np.ndarray, loci: np.ndarray, moduli: np.ndarray
-) -> set[tuple[int, bool]]:
+def _draw(ax: Axes, branch: Branch, name: str, fine: Loci, moduli: np.ndarray) -> set[tuple[int, bool]]:
     """Draw the multipliers of one branch; which kinds there are, and whether admissible."""
-    kinds = np.where(loci.imag != 0.0, 2, np.where(loci.real < 0.0, 1, 0))
+    kinds = np.where(fine.values.imag != 0.0, 2, np.where(fine.values.real < 0.0, 1, 0))
     found = set()
     for run in runs(branch):
-        rows = range(run.first, run.last + 1)
+        first, last = np.searchsorted(fine.rows, [run.first, run.last])
         pieces: dict[int, list[np.ndarray]] = {}
-        for column in range(loci.shape[1]):
-            for a, b in pairwise(rows):
-                ends = np.array([[across[a], moduli[a, column]], [across[b], moduli[b, column]]])
+        for column in range(moduli.shape[1]):
+            for a, b in pairwise(range(first, last + 1)):
+                ends = np.array([[fine.across[a], moduli[a, column]], [fine.across[b], moduli[b, column]]])
                 signs = {int(kinds[a, column]), int(kinds[b, column])}
                 # A real multiplier that changes its sign passes zero, which no line can show.
                 if np.isfinite(ends).all() and signs != {0, 1}:
@@ -146,13 +155,13 @@ def _draw(
         for kind, segments in pieces.items():
             color = PALETTE[kind] if run.admissible else light(PALETTE[kind], WHITE)
             lines = LineCollection(segments, colors=color, linewidths=1.6, zorder=3, capstyle="round")
-            lines.set_gid(f"{branch.name}-{KINDS[kind]}")
+            lines.set_gid(f"{name}-{KINDS[kind]}")
             ax.add_collection(lines)
             found.add((kind, run.admissible))
     return found
 
 
-def _legend(ax: Axes, drawn: set[tuple[int, bool]]) -> None:
+def _legend(ax: Axes, drawn: set[tuple[int, bool]], besides: str = "") -> None:
     handles = [
         Line2D([], [], color=PALETTE[kind], linewidth=1.6, label=name)
         for kind, name in enumerate(KINDS)
@@ -160,6 +169,8 @@ def _legend(ax: Axes, drawn: set[tuple[int, bool]]) -> None:
     ]
     if any(not admissible for _, admissible in drawn):
         handles.append(Line2D([], [], color=light(INK, WHITE), linewidth=1.6, label="light: not admissible"))
+    if besides:
+        handles.append(Line2D([], [], linestyle="none", label=besides))
     ax.legend(
         handles=handles,
         loc="lower left",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,6 +10,7 @@ from matplotlib.patches import Circle
 
 from contwalk.branch import ORBITS, Branch
 from contwalk.plotting.multiplier_moduli import OTHER, plot_multiplier_moduli
+from contwalk.plotting.quantities import called
 from contwalk.plotting.spectrum import SHADE, choose, draw_spectra, with_margin
 from contwalk.plotting.style import INK, dress, new_axes, new_grid
 
@@ -21,7 +22,10 @@ MOST_BRANCHES = 6
 
 
 def plot_multiplier_panels(
-    branches: Sequence[Branch], *, units: Mapping[str, str] | None = None
+    branches: Sequence[Branch],
+    *,
+    units: Mapping[str, str] | None = None,
+    told: Callable[[str], None] = lambda text: None,
 ) -> list[Axes]:
     """Draw the multipliers of each branch in the plane and, beside it, their moduli over the parameter.
 
@@ -29,6 +33,8 @@ def plot_multiplier_panels(
     ----------
     branches, units
         As for `plot_multipliers`. More than six branches share one pair of panels.
+    told : callable
+        As for `plot_multiplier_moduli`.
 
     Returns
     -------
@@ -46,10 +52,10 @@ def plot_multiplier_panels(
     for number, group in enumerate(groups):
         plane, moduli = axes[2 * number : 2 * number + 2]
         plot_multipliers(group, plane, units=units)
-        plot_multiplier_moduli(group, ax=moduli, units=units)
+        plot_multiplier_moduli(group, ax=moduli, units=units, told=told)
         if len(chosen) > 1 and len(group) == 1:
             info = group[0].info
-            text = info.name + (f", from {info.origin}" if info.origin else "")
+            text = called(chosen)[number] + (f", from {info.origin}" if info.origin else "")
             plane.text(0.02, 0.98, text, transform=plane.transAxes, va="top", fontsize=9.5, color=INK)
     return axes
 

@@ -41,7 +41,7 @@ def curve_of(branch: Branch, names: tuple[str, str], points: np.ndarray) -> Curv
     if len(points) < 2 or not _has_tangents(branch):
         return corners
     s = branch["s"]
-    slopes = np.stack([_slope(branch, name, s, points[:, i]) for i, name in enumerate(names)], axis=1)
+    slopes = np.stack([slope_of(branch, name, s, points[:, i]) for i, name in enumerate(names)], axis=1)
     finite = points[np.isfinite(points).all(axis=1)]
     size = np.ptp(finite, axis=0) if len(finite) else np.ones(2)
     size = np.where(size > 0.0, size, 1.0)
@@ -57,8 +57,10 @@ def _has_tangents(branch: Branch) -> bool:
     return bool(np.any(np.nan_to_num(branch["tangent"])))
 
 
-def _slope(branch: Branch, name: str, s: np.ndarray, values: np.ndarray) -> np.ndarray:
+def slope_of(branch: Branch, name: str, s: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Derivative of a quantity by the arclength at the points."""
+    if not _has_tangents(branch):
+        return akima(s, values)
     tangent = branch["tangent"]
     if name == branch.info.free[0]:
         last = np.isfinite(branch["unknowns"]).sum(axis=1)

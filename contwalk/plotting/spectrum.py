@@ -15,6 +15,8 @@ from contwalk.branch import Branch
 from contwalk.errors import ContwalkError
 from contwalk.plotting.quantities import axis_label, default_x, values, with_names
 from contwalk.plotting.segments import admissible_segments
+from contwalk.plotting.smooth_curves import slope_of
+from contwalk.plotting.smooth_spectra import Loci, smooth_loci
 from contwalk.plotting.style import INK
 
 _MARK: dict[str, Any] = {"linestyle": "none", "color": INK, "markerfacecolor": "none", "zorder": 4}
@@ -92,7 +94,7 @@ def draw_spectra(ax: Axes, branches: Sequence[Branch], units: Mapping[str, str] 
     colors = [np.asarray(values(branch, parameter)) for branch in chosen]
     norm = _norm(np.concatenate(colors))
     for branch, color in zip(chosen, colors, strict=True):
-        _draw(ax, branch, color, norm)
+        _draw(ax, branch, parameter, color, norm)
     dots = LineCollection([], cmap=COLORS, norm=norm)
     dots.set_array(np.empty(0))
     bar = ax.figure.colorbar(dots, ax=ax, pad=0.02, aspect=28)
@@ -112,22 +114,31 @@ def _norm(color: np.ndarray) -> Normalize:
     return Normalize(low, high)
 
 
-def _draw(ax: Axes, branch: Branch, color: np.ndarray, norm: Normalize) -> None:
+def loci_of(branch: Branch, x: str) -> Loci:
+    """The spectra of a branch over a quantity, drawn as curves."""
+    across, s = np.asarray(values(branch, x)), branch["s"]
+    slope = slope_of(branch, x, s, across) if len(s) > 1 else across
+    return smooth_loci(s, track(branch.points["spectrum"]), across, slope)
+
+
+def _draw(ax: Axes, branch: Branch, parameter: str, color: np.ndarray, norm: Normalize) -> None:
     if len(branch) == 0:
         return
-    loci = track(branch.points["spectrum"])
+    fine = loci_of(branch, parameter)
     admissible = admissible_segments(branch)
     pieces = [
-        (_joined(a, b), (color[row] + color[row + 1]) / 2, WIDTH if admissible[row] else THIN)
-        for row in range(len(loci) - 1)
-        for a, b in zip(loci[row], loci[row + 1], strict=True)
+        (_joined(a, b), (fine.across[i] + fine.across[i + 1]) / 2, WIDTH if admissible[row] else THIN)
+        for i, row in enumerate(fine.rows[:-1].tolist())
+        for a, b in zip(fine.values[i], fine.values[i + 1], strict=True)
         if np.isfinite(a) and np.isfinite(b)
     ]
     lines = LineCollection([piece for piece, _, _ in pieces], cmap=COLORS, norm=norm, zorder=3)
+    lines.set_capstyle("round")
     lines.set_linewidth([width for _, _, width in pieces])
     lines.set_array([shade for _, shade, _ in pieces])
     lines.set_gid(f"{branch.name}-loci")
     ax.add_collection(lines)
+    loci = track(branch.points["spectrum"])
     ax.scatter(
         loci.real.ravel(),
         loci.imag.ravel(),

@@ -79,7 +79,7 @@ def _draw(
     elif name == "eigenvalues":
         axes = plotting.plot_eigenvalues(branches, units=units)
     elif name == "multipliers":
-        axes = plotting.plot_multiplier_panels(branches, units=units)
+        axes = plotting.plot_multiplier_panels(branches, units=units, told=told)
     elif name == "stability_map":
         axes = plotting.plot_stability_map(branches, x or branches[0].info.free[0], str(y), units=units)
     elif name in _OF_MACHINES:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 import pytest
@@ -10,7 +10,12 @@ from synthetic_branches import branch, hopf
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import ContwalkError
-from contwalk.plotting import plot_eigenvalues, plot_multiplier_moduli, plot_multipliers
+from contwalk.plotting import (
+    plot_eigenvalues,
+    plot_multiplier_moduli,
+    plot_multiplier_panels,
+    plot_multipliers,
+)
 from contwalk.plotting.spectrum import track
 
 
@@ -261,3 +266,34 @@ def test_all_multipliers_zero_still_shows_the_circle_and_says_so():
     low, high = ax.get_ylim()
     assert low < 1.0 < high
     assert "2 of modulus below" in by_gid(ax, "left-out").get_text()
+
+
+def test_names_of_many_points_lie_within_the_axes_and_the_others_are_told():
+    special = tuple(SpecialPoint(label, 10.0 + k) for k in range(12) for label in ("PD", "LP"))
+    many = [
+        branch(
+            {"mu": np.linspace(0.2, 0.21 + j, 61), "x": np.linspace(0.0, 1.0, 61)},
+            spectrum=np.linspace(0.5, 2.0, 61)[:, None].astype(complex),
+            problem="periodic_orbit",
+            special=special,
+            name=f"b{j + 1}",
+        )
+        for j in range(9)
+    ]
+    told = []
+    ax = plot_multiplier_moduli(many, told=told.append)
+    ax.figure.canvas.draw()
+    names = [text for text in ax.texts if "/" in text.get_text()]
+    assert len(names) > 5
+    for text in names:
+        box = text.get_window_extent()
+        assert ax.bbox.x0 <= box.x0 <= box.x1 <= ax.bbox.x1
+        assert ax.bbox.y0 <= box.y0 <= box.y1 <= ax.bbox.y1
+    assert not any(a.get_window_extent().overlaps(b.get_window_extent()) for a, b in combinations(names, 2))
+    assert any("left out" in text.get_text() for text in ax.get_legend().get_texts())
+    assert "no room for the names" in told[0]
+
+
+def test_multipliers_of_branches_of_one_name_are_told_apart():
+    axes = plot_multiplier_panels([orbits(0.5 + MU), orbits(0.4 + MU)])
+    assert [axes[k].texts[-1].get_text().split(",")[0] for k in (0, 2)] == ["b1", "b2"]
