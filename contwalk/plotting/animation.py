@@ -17,6 +17,7 @@ from matplotlib.artist import Artist
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.transforms import Bbox
 
 from contwalk.errors import ContwalkError
 from contwalk.plotting.film_page import PageWriter
@@ -29,9 +30,13 @@ ANIMATIONS = (".gif", ".mp4", ".html")
 MOST_FRAMES = 5000
 # Inches, and dots in an inch; 600 x 600 dots, even numbers as MP4 demands.
 SIZE, DPI = (6.0, 6.0), 100
-# Within the figure: the machine, and the line of time below it. Fixed, so that nothing jumps between frames.
+# Within the figure: the machine with its numbers, and the line of time below it, with a legend in rows above
+# it. Fixed, so that nothing jumps between frames.
 MACHINE, CLOCK = (0.01, 0.14, 0.98, 0.80), (0.06, 0.085, 0.88, 0.03)
+ROW, IN_A_ROW = 0.035, 4
+MOST_BESIDE = 0.25  # what numbers and labels beside the axes may take on each side at most
 LOOKED_AT = 24  # instants, for limits that hold all of them
+MEASURED_AT = 5  # instants, for the room that numbers take
 # Times between frames of a GIF are whole hundredths of a second, and browsers play none below two.
 HUNDREDTHS, LEAST_HUNDREDTHS = 100.0, 2
 EVENTS = (*PALETTE[2:], *PALETTE[:2])  # colours; not the first ones, which a machine may well have
@@ -174,18 +179,22 @@ class _Film:
         self.clock = clock
         self.hand = self._draw_clock()
         self.limits = self._limits()
+        self._make_room()
 
     def show(self, time: float) -> None:
         """Draw an instant."""
-        self._draw(time)
-        if self.limits is not None:
-            self.stage.set(xlim=self.limits[:2], ylim=self.limits[2:])
-        self.stage.set_aspect("equal", adjustable="box")
+        self._frame(time)
         since = time - self.motion.begin
         self.hand.set_data([since], [0.0])
         self.clock.set_xlabel(f"time  {self.motion.system.lasting(since, '.3f')}", fontsize=9, color=INK)
         just = [name for at, name in self.events if 0.0 <= time - at <= self.linger]
         self.said.set(text=just[-1] if just else "", color=self.colors[just[-1]] if just else INK)
+
+    def _frame(self, time: float) -> None:
+        self._draw(time)
+        if self.limits is not None:
+            self.stage.set(xlim=self.limits[:2], ylim=self.limits[2:])
+        self.stage.set_aspect("equal", adjustable="box")
 
     def _draw(self, time: float) -> None:
         self.stage.clear()
@@ -210,6 +219,32 @@ class _Film:
         least, largest = np.min(found, axis=0), np.max(found, axis=0)
         return np.array([least[0], largest[1], least[2], largest[3]])
 
+    def _make_room(self) -> None:
+        """Place the machine so that the numbers and labels beside its axes, if it has any, are not cut."""
+        left, low, width, height = MACHINE
+        rows = -(-len(self.colors) // IN_A_ROW)
+        low, height = low + rows * ROW, height - rows * ROW
+        self.stage.set_position((left, low, width, height))
+        beside = np.zeros(4)
+        for time in np.linspace(self.motion.begin, self.motion.end, MEASURED_AT).tolist():
+            self._frame(time)
+            beside = np.maximum(beside, self._beside())
+        beside = np.minimum(beside, MOST_BESIDE)
+        self.stage.set_position(
+            (left + beside[0], low + beside[1], width - beside[[0, 2]].sum(), height - beside[[1, 3]].sum())
+        )
+
+    def _beside(self) -> np.ndarray:
+        """What stands beside the axes at the left, below, at the right and above, in parts of the figure."""
+        if not self.stage.axison:
+            return np.zeros(4)
+        self.stage.apply_aspect()
+        inner, whole = self.stage.get_window_extent(), self.figure.bbox
+        boxes = [axis.get_tightbbox() for axis in (self.stage.xaxis, self.stage.yaxis)]
+        outer = Bbox.union([inner, *(box for box in boxes if box is not None)])
+        low, high = np.subtract(inner.min, outer.min), np.subtract(outer.max, inner.max)
+        return np.asarray(np.concatenate([low, high]) / np.tile([whole.width, whole.height], 2))
+
     def _draw_clock(self) -> Line2D:
         """The line of time with its events; the hand on it."""
         ax, begin = self.clock, self.motion.begin
@@ -228,7 +263,7 @@ class _Film:
                 loc="lower right",
                 bbox_to_anchor=(1.0, 1.0),
                 borderaxespad=0.0,
-                ncols=len(self.colors),
+                ncols=min(len(self.colors), IN_A_ROW),
                 frameon=False,
                 fontsize=8.5,
                 labelcolor=INK,

@@ -1,14 +1,19 @@
-"""A film as a page of HTML: frames and what plays them in one file, which asks no network for anything."""
+"""A film as a page of HTML: frames and what plays them in one file, which asks no network for anything.
+
+Frames are drawings (SVG), not pictures: sharp at any size, and small, since what frames have in common is
+stored once. Each is a list of pieces, of which it tells those that the frame before had not.
+"""
 
 from __future__ import annotations
 
 import json
-from base64 import b64encode
+import re
 from io import BytesIO
 from pathlib import Path
 from string import Template
 from typing import Any
 
+import matplotlib
 from matplotlib.animation import AbstractMovieWriter
 from matplotlib.figure import Figure
 
@@ -20,14 +25,14 @@ PAGE = Template("""\
 <title>$title</title>
 <style>
 body { margin: 1em auto; max-width: ${width}px; font-family: sans-serif; color: #222222; background: white; }
-img { display: block; width: 100%; }
+#frame svg { display: block; width: 100%; height: auto; }
 #controls { display: flex; gap: 0.5em; align-items: center; }
 #place { flex: 1; }
 button { min-width: 3em; font-size: 1em; }
 </style>
 </head>
 <body>
-<img id="frame" alt="$title">
+<div id="frame" role="img" aria-label="$title"></div>
 <div id="controls">
 <button id="play" title="play or pause (space)" aria-label="play or pause">&#9208;</button>
 <input id="place" type="range" min="0" max="$last" value="0" aria-label="frame (left and right keys)">
@@ -37,16 +42,22 @@ button { min-width: 3em; font-size: 1em; }
 </select>
 </div>
 <script>
-const frames = [
-$frames
-];
+/* A frame is a list of numbers of pieces, or an object of those that differ from the frame before. */
+const pieces = $pieces;
+const changes = $changes;
+const frames = [];
+for (const change of changes)
+  frames.push(Array.isArray(change) ? change : Object.assign([...frames[frames.length - 1]], change));
+const drawing = number => frames[number].map(piece => pieces[piece]).join("");
+</script>
+<script>
 const interval = $interval;
 const image = document.getElementById("frame"), place = document.getElementById("place");
 const play = document.getElementById("play"), speed = document.getElementById("speed");
 let at = 0, playing = true, since = null;
 function show(number) {
   at = ((number % frames.length) + frames.length) % frames.length;
-  image.src = frames[at];
+  image.innerHTML = drawing(at);
   place.value = at;
 }
 function turn(on) {
@@ -78,9 +89,20 @@ requestAnimationFrame(tick);
 </html>
 """)
 
+# Text stays text, and equal things have equal names in all frames.
+_WRITING: dict[Any, Any] = {
+    "svg.fonttype": "none",
+    "svg.hashsalt": "contwalk",
+    "font.sans-serif": ["DejaVu Sans", "Verdana", "sans-serif"],
+}
+_NAMESPACES = re.compile(r'\s+xmlns(?::\w+)?="[^"]*"')
+_ASIDE = re.compile(r"<!--.*?-->|<metadata>.*?</metadata>", re.DOTALL)
+_PIECE = re.compile(r"(<[^>]+>)([^<]*)")
+_LONG_NUMBER = re.compile(r"-?\d+\.\d{3,}(?!\d*[a-zA-Z%])")
+
 
 class PageWriter(AbstractMovieWriter):
-    """Collects frames as PNG and writes the page when it is finished."""
+    """Collects frames as drawings and writes the page when it is finished."""
 
     def __init__(self, fps: float, title: str) -> None:
         super().__init__(fps=fps)  # type: ignore[arg-type]
@@ -89,13 +111,16 @@ class PageWriter(AbstractMovieWriter):
     def setup(self, fig: Figure, outfile: str | Path, dpi: float | None = None) -> None:
         """Begin a film of a figure."""
         super().setup(fig, outfile, dpi)
-        self.frames: list[str] = []
+        self.pieces: dict[str, int] = {}
+        self.frames: list[list[int]] = []
 
     def grab_frame(self, **kwargs: Any) -> None:
         """Keep what the figure shows now."""
-        picture = BytesIO()
-        self.fig.savefig(picture, format="png", dpi=self.dpi, **kwargs)
-        self.frames.append(b64encode(picture.getvalue()).decode("ascii"))
+        drawing = BytesIO()
+        with matplotlib.rc_context(_WRITING):
+            self.fig.savefig(drawing, format="svg", metadata={"Date": None}, **kwargs)
+        found = pieces_of(drawing.getvalue().decode("utf-8"))
+        self.frames.append([self.pieces.setdefault(piece, len(self.pieces)) for piece in found])
 
     def finish(self) -> None:
         """Write the page."""
@@ -103,10 +128,41 @@ class PageWriter(AbstractMovieWriter):
             title=_escaped(self.title or "contwalk"),
             width=round(self.fig.get_figwidth() * self.dpi),
             last=len(self.frames) - 1,
-            frames=",\n".join(json.dumps("data:image/png;base64," + frame) for frame in self.frames),
+            pieces=_in_script(list(self.pieces)),
+            changes=_in_script(changes_of(self.frames)),
             interval=repr(1000.0 / self.fps),
         )
         Path(self.outfile).write_text(text, encoding="utf-8")
+
+
+def pieces_of(drawing: str) -> list[str]:
+    """The elements of a drawing in SVG, as a page of HTML takes them; numbers to a hundredth of a point."""
+    drawing = drawing[drawing.index("<svg") :]
+    drawing = _ASIDE.sub("", drawing).replace("xlink:href", "href")
+    found = _PIECE.findall(_NAMESPACES.sub("", drawing))
+    return [re.sub(r"\s+", " ", _LONG_NUMBER.sub(_shortened, tag) + text) for tag, text in found]
+
+
+def changes_of(frames: list[list[int]]) -> list[Any]:
+    """Each frame as it is, or, where that is shorter, as what differs from the one before."""
+    told: list[Any] = []
+    before: list[int] = []
+    for frame in frames:
+        different = {str(i): piece for i, piece in enumerate(frame) if before[i : i + 1] != [piece]}
+        told.append(different if len(before) == len(frame) and 2 * len(different) < len(frame) else frame)
+        before = frame
+    return told
+
+
+def _shortened(number: re.Match[str]) -> str:
+    """A number with as many digits as one sees."""
+    value = float(number[0])
+    return f"{round(value, 2):g}" if 1.0 <= abs(value) < 1e4 else f"{value:.4g}"
+
+
+def _in_script(value: object) -> str:
+    """A value as JSON that may stand in a script of a page: nothing in it ends the script."""
+    return json.dumps(value, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")
 
 
 def _escaped(text: str) -> str:

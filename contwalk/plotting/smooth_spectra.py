@@ -41,7 +41,7 @@ class Loci:
 
 
 def smooth_loci(s: np.ndarray, tracked: np.ndarray, across: np.ndarray, slope: np.ndarray) -> Loci:
-    """Tracked spectra, shape (k, m), as smooth functions of the arclength s; so is `across`, with its slope."""
+    """Tracked spectra, shape (k, m), as smooth functions of the arclength; so is `across`, with its slope."""
     if len(s) < 2:
         return Loci(tracked, across, np.arange(len(s)))
     with np.errstate(all="ignore"):  # what is not finite is not drawn

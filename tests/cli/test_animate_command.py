@@ -107,7 +107,7 @@ def test_a_smooth_orbit_is_played_as_a_page(contwalk, circle, folder):
     assert done.code == 0
     assert done.out.startswith("Wrote turn.html: 6 frames, 1 period of 6.283 s in 3 s.")
     text = (folder / "turn.html").read_text(encoding="utf-8")
-    assert text.count("data:image/png;base64") == 6
+    assert 'max="5"' in text
 
 
 def test_a_mode_is_shown_beside_it(contwalk, wheel, circle, folder):
