@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -27,7 +28,10 @@ SHADE, THIN, STRONG = 0.4, 0.5, 0.8
 AIR = 0.12  # beside the outermost instants, in heights of the picture
 # Inches: height of the picture, its least and greatest width, what text around it takes, and events above it.
 HEIGHT, NARROWEST, WIDEST, AROUND, ABOVE = 2.7, 5.6, 15.0, 0.85, 0.75
-COLUMNS = 4
+# Side by side: the area of an instant and its least and greatest width and height, what its title and numbers
+# take, and the greatest width of all; inches.
+AREA, SIDES, TITLE, NUMBERS, WHOLE = 4.5, (1.1, 3.6), 0.35, 0.45, 10.0
+BACK = 1e-3  # how near to its beginning a motion is there again, in parts of the range of each state
 BELOW_NUMBERS = -0.13  # where the legend begins if the plugin leaves the axes on, in heights of the axes
 
 
@@ -126,26 +130,55 @@ def plot_stick_panels(
         If `draw` raises.
     """
     motion = Playback(system, times, states, parameters)
-    chosen = instants(motion, events)
-    if not len(events) and len(chosen) > 1 and np.allclose(motion.states[0], motion.states[-1]):
-        chosen = chosen[:-1]  # the motion is at its beginning again
-    axes = new_grid("stick_panels", len(chosen), COLUMNS)
+    chosen = instants(motion, events) if len(events) else _evenly(motion)
+    limits, numbered = _common_limits(motion, chosen)
+    axes = _panels(len(chosen), limits, numbered)
     names = dict(events)
-    free: list[Axes] = []
     for ax, time in zip(axes, chosen, strict=True):
         motion.draw(ax, time)
         ax.set_aspect("equal", adjustable="box")
-        if ax.get_autoscale_on():
-            free.append(ax)
+        if ax.get_autoscale_on():  # the plugin leaves the limits open: the same for all instants
+            ax.set(xlim=limits[:2], ylim=limits[2:])
         name = f", {names[time]}" if time in names else ""
         write_title(ax, f"{motion.system.lasting(time - motion.begin, '.4g')}{name}")
-    if free:  # the plugin leaves the limits open: the same for all instants
-        box = np.array([[*ax.get_xlim(), *ax.get_ylim()] for ax in free])
-        for ax in free:
-            ax.set_xlim(box[:, 0].min(), box[:, 1].max())
-            ax.set_ylim(box[:, 2].min(), box[:, 3].max())
     if title:
         whole_title(axes[0].figure, title)
+    return axes
+
+
+def _evenly(motion: Playback) -> list[float]:
+    """Instants of a motion without events; its end not where the motion is at its beginning again."""
+    apart = motion.states[-1] - motion.states[0]
+    turns = np.array([state.period or np.inf for state in motion.system.states])
+    finite = np.isfinite(turns)
+    apart[finite] -= turns[finite] * np.round(apart[finite] / turns[finite])
+    back = len(motion.times) > 1 and bool(np.all(np.abs(apart) <= BACK * np.ptp(motion.states, axis=0)))
+    return np.unique(np.linspace(motion.begin, motion.end, OF_A_MOTION + back)[:OF_A_MOTION]).tolist()
+
+
+def _common_limits(motion: Playback, times: Sequence[float]) -> tuple[np.ndarray, bool]:
+    """Limits that hold the machine at all instants, and whether its axes have numbers."""
+    found, ax = [], Figure().add_subplot()
+    for time in times:
+        ax.clear()
+        motion.draw(ax, time)
+        found.append([*ax.get_xlim(), *ax.get_ylim()])
+    box = np.array(found)
+    return np.array([box[:, 0].min(), box[:, 1].max(), box[:, 2].min(), box[:, 3].max()]), ax.axison
+
+
+def _panels(number: int, limits: np.ndarray, numbered: bool) -> list[Axes]:
+    """Axes in rows, each of the proportions of what is shown; rows of nearly the same number."""
+    aspect = (limits[1] - limits[0]) / (limits[3] - limits[2])
+    sides = np.clip([np.sqrt(AREA * aspect), np.sqrt(AREA / aspect)], *SIDES)
+    width, height = min(sides[0], aspect * sides[1]), min(sides[1], sides[0] / aspect)
+    width, height = max(width, SIDES[0]) + NUMBERS * numbered, height + TITLE + NUMBERS * numbered
+    rows = -(-number // int(np.clip(WHOLE // width, 1, number)))
+    columns = -(-number // rows)
+    axes = new_grid("stick_panels", number, columns)
+    figure = axes[0].figure
+    assert isinstance(figure, Figure)
+    figure.set_size_inches(width * columns, height * rows + TITLE)
     return axes
 
 
@@ -224,7 +257,10 @@ def _legend(ax: Axes) -> None:
 
 
 def _entry(artist: Artist, name: str) -> Artist:
-    """A line of the look of a drawn one, as strong as at an event."""
+    """A line of the look of a drawn one, as strong as at an event; a marker where there is no line."""
     if not isinstance(artist, Line2D):
         return artist
+    if str(artist.get_linestyle()).lower() in ("none", "", " "):
+        look: dict[str, Any] = {"linestyle": "none", "marker": artist.get_marker(), "markersize": 6.0}
+        return Line2D([], [], color=artist.get_color(), label=name, **look)
     return Line2D([], [], color=artist.get_color(), linewidth=2.2, label=name)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -12,6 +13,7 @@ from contwalk.errors import ContwalkError, PluginError
 from contwalk.plotting import new_axes, plot_stick_figure, plot_stick_panels
 from contwalk.plotting.playback import Playback
 from contwalk.plotting.slanted import APART, spread
+from contwalk.system import State
 
 
 def by_gid(ax, gid):
@@ -116,22 +118,54 @@ def test_texts_of_events_at_one_place_do_not_overlap():
 
 def test_a_machine_that_stays_has_panels_on_equal_scales():
     axes = plot_stick_panels(CLOCK, TURN_TIMES, TURN_STATES, {"height": 1.0}, title="a turn")
-    assert len(axes) == 9  # the states are not the first ones again, to the plugin's eyes
+    assert len(axes) == 8  # the states are not the first ones again, to the plugin's eyes: the end is shown
     assert len({ax.get_xlim() for ax in axes}) == len({ax.get_ylim() for ax in axes}) == 1
-    assert [ax.get_title(loc="left") for ax in axes[:3]] == ["0 s", "0.5 s", "1 s"]
+    assert [ax.get_title(loc="left") for ax in axes[:3]] == ["0 s", "0.5714 s", "1.143 s"]
     tips = [by_gid(ax, "hand")[0].get_xdata()[1] for ax in axes]
-    np.testing.assert_allclose(tips, np.cos(np.linspace(0.0, 2.0 * np.pi, 9)), atol=1e-12)
+    np.testing.assert_allclose(tips, np.cos(np.linspace(0.0, 2.0 * np.pi, 8)), atol=1e-12)
 
 
 def test_a_motion_that_comes_back_is_not_shown_twice():
     states = 0.1 * np.sin(TURN_STATES)
     axes = plot_stick_panels(CLOCK, TURN_TIMES, states, {})
-    assert len(axes) == 8
+    assert [ax.get_title(loc="left") for ax in axes] == [f"{0.5 * k:.4g} s" for k in range(8)]
+    # A computed orbit closes but for its error; an angle is where it was after a turn.
+    assert len(plot_stick_panels(CLOCK, TURN_TIMES, states + 1e-5 * TURN_STATES, {})) == 8
+    angle = replace(CLOCK, states=(State("x", "rad", period=2.0 * np.pi),))
+    axes = plot_stick_panels(angle, TURN_TIMES, TURN_STATES, {})
+    assert axes[-1].get_title(loc="left") == "3.5 s"
+
+
+@pytest.mark.parametrize(("width", "height"), [(1.0, 8.0), (8.0, 1.0), (1.0, 1.0), (1.0, 100.0)])
+def test_panels_have_the_proportions_of_what_they_show(width, height):
+    def draw(axes, t, x, p):
+        axes.plot([0.0, width], [0.0, height])
+        axes.set(xlim=(0.0, width), ylim=(0.0, height))
+
+    axes = plot_stick_panels(machine(draw), TURN_TIMES, TURN_STATES, {})
+    axes[0].figure.canvas.draw()
+    figure = axes[0].figure.bbox
+    for ax in axes:
+        box = ax.get_window_extent()
+        assert box.width / box.height == pytest.approx(width / height, rel=0.02)  # whole pixels
+    shown = sum(ax.get_window_extent().width * ax.get_window_extent().height for ax in axes)
+    # What is between them is titles, numbers, and the least width of a title.
+    assert shown > (0.25 if height / width < 50.0 else 0.02) * figure.width * figure.height
+    assert figure.width / axes[0].figure.dpi < 12.0
 
 
 def test_events_are_told_above_panels():
     axes = plot_stick_panels(CLOCK, TURN_TIMES, TURN_STATES, {}, events=[(2.0, "noon")])
     assert "2 s, noon" in [ax.get_title(loc="left") for ax in axes]
+
+
+def test_what_is_a_marker_is_one_in_the_legend():
+    def draw(axes, t, x, p, so_far=None):
+        axes.plot([x[0]], [0.0], "o", label="ball")
+        axes.set(xlim=(-1.0, 2.0), ylim=(-1.0, 1.0))
+
+    (entry,) = plot_stick_figure(machine(draw), TIMES, STATES, {}).get_legend().get_lines()
+    assert (entry.get_marker(), entry.get_linestyle()) == ("o", "None")
 
 
 def test_a_motion_of_one_instant():
