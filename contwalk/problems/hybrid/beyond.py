@@ -35,6 +35,8 @@ STEPS = (1e-3, 1e-4, 1e-5, 1e-2)
 SHORTEST = 0.8
 # What has not come back after so many closures is no orbit near it: a walker that has fallen, for example.
 LONGEST = 20.0
+# Of the orbit's variation: what a state that is zero has of rounding.
+ROUNDED = 1e-12
 
 
 def seeds(problem: HybridOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
@@ -69,6 +71,7 @@ def _simulated(problem: HybridOrbit, guess: np.ndarray, outward: np.ndarray, lab
 
     values = problem.values_of(guess)
     x = problem.passages[0].full(problem.layout.inputs(0, guess)[0])
+    x = np.where(np.abs(x) < ROUNDED * problem.mesh.variation, 0.0, x)  # no magnitude of a state
     word, time = problem.word, float(problem.starting_times(guess)[0])
     event = word.leading_in(problem.system, 0)
     if event and _goes_back(problem, values, event, time, x):

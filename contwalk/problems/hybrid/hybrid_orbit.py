@@ -1122,7 +1122,7 @@ class HybridOrbit:
         """Which of the limits a special point is one of."""
         z = np.array(point.unknowns)
         there = self if self._mesh is not None else switching.discretized(self, z)
-        return limits.nearest(there.margins(z), point)
+        return limits.nearest(there, point)
 
     def stopped(self, label: str, located: Located, sample: Sample) -> str:
         """Why an orbit beyond a limit is not the machine's, and what lies next to it."""

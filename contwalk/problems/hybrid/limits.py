@@ -28,9 +28,11 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.errors import StartError
 from contwalk.problems.hybrid.shooting import Piece
+from contwalk.problems.hybrid.solving import newton_on
 from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.hybrid.word import imaged_leg
 from contwalk.problems.orbit import augmented
+from contwalk.problems.orbit.branching import filled_magnitudes
 from contwalk.problems.orbit.motion import PLAIN
 from contwalk.problems.problem import NO_MARGIN, Located, Sample
 from contwalk.system import System, Transition
@@ -44,10 +46,15 @@ AT_START = ("start", "leaving", "past")
 DERIVED = ("rate", "duration", "leaving", "past")
 # Margins larger than this are not those that a special point is a zero of.
 HIDDEN = 1e-6
+# Limits that do not show at a point are looked for so far beside it, in the metric, and are those nearer
+# than this.
+BESIDE, NEAR = 1e-4, 1e-2
 # Parts of a guard's largest value: zero to rounding; below zero beyond doubt.
 ZERO, BELOW = 1e-9, 1e-7
 # A little time, and none, in parts of the closure's.
 LITTLE, NO_TIME = 1e-3, 1e-12
+# Of what typical changes of the states make of a guard: its rounding, and a rate that is no more than that.
+ROUNDED, STILL = 1e-13, 1e-8
 # A rate below this part of the guard's largest one is zero but for what the instants of events are known to.
 NO_RATE = 1e-7
 
@@ -447,24 +454,45 @@ def guard_scales(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
     return scales
 
 
-def nearest(found: Margins, point: SpecialPoint) -> int:
+def nearest(problem: HybridOrbit, point: SpecialPoint) -> int:
     """The limit that a special point is one of: the smallest margin under its label, and kind where
     it has one.
+
+    `problem` has the point's steps.
     """
+    z = np.array(point.unknowns)
+    found = problem.margins(z)
 
     def fits(limit: Limit) -> bool:
         return limit.label == point.label and (limit.label == "OC" or limit.kind == point.kind)
 
-    def off(k: int) -> float:
-        """How far from zero; a guard that is zero at a leg's end is left out of the margins just there."""
-        if np.isfinite(found.values[k]):
-            return abs(float(found.relative[k]))
-        return HIDDEN if found.limits[k].test == "end" else np.inf
+    fitting = [k for k, limit in enumerate(found.limits) if fits(limit)]
+    off = {k: abs(float(found.relative[k])) for k in fitting if np.isfinite(found.values[k])}
+    best = min(off, key=lambda k: (off[k], found.limits[k].rank), default=None)
+    if best is None or off[best] > HIDDEN:
+        # A guard that is zero at a leg's start or end is left out of the margins just there.
+        left_out = [k for k in fitting if k not in off and found.limits[k].test in ("start", "end")]
+        shown = _beside(problem, z, np.array(point.tangent), left_out)
+        best = min(shown, key=lambda k: (shown[k], found.limits[k].rank), default=best)
+    if best is None:
+        raise StartError(f"{point.label} at {dict(point.parameters)} is no limit of these orbits.", "")
+    return best
 
-    fitting = [k for k in range(len(found.limits)) if fits(found.limits[k]) and off(k) < np.inf]
-    if fitting:
-        return min(fitting, key=lambda k: (off(k), found.limits[k].rank))
-    raise StartError(f"{point.label} at {dict(point.parameters)} is no limit of these orbits.", "")
+
+def _beside(problem: HybridOrbit, z: np.ndarray, tangent: np.ndarray, which: list[int]) -> dict[int, float]:
+    """How far from zero some limits are a little beside a point, on both sides; those that are nowhere near
+    it are left out, and those that are zero there as well.
+    """
+    weights = filled_magnitudes(problem, z)
+    off: dict[int, float] = {}
+    step = BESIDE * tangent / float(np.linalg.norm(tangent / weights))
+    for there in (z + step, z - step) if which else ():
+        values = problem.margins(there)
+        for k in which:
+            share = abs(float(values.relative[k]))
+            if np.isfinite(values.values[k]) and share < NEAR:
+                off[k] = min(share, off.get(k, np.inf))
+    return off
 
 
 # -- locating ----------------------------------------------------------------------------------------------
@@ -482,8 +510,10 @@ def located(problem: HybridOrbit, which: int, sample: Sample) -> Located | None:
 
 def _system(problem: HybridOrbit, which: int, limit: Limit, sample: Sample) -> augmented.Augmented | None:
     """The orbit's equations with those of the limit."""
-    if limit.test in ("rate", "duration") and _vanishes(problem, limit, sample.z):
-        return _vanishing(problem, which, limit, sample)
+    if limit.test in ("rate", "duration"):
+        for leg in (limit.leg, (limit.leg + 1) % problem.layout.legs)[: 1 if limit.test == "duration" else 2]:
+            if _vanishes(problem, leg, sample):
+                return _vanishing(problem, which, leg, sample)
     i, size = limit.leg, problem.size
     start, scale = sample.z, sample.weights
     share = 1.0
@@ -510,17 +540,34 @@ def _system(problem: HybridOrbit, which: int, limit: Limit, sample: Sample) -> a
     return augmented.Augmented(evaluate, start, scale, vectors)
 
 
-def _vanishes(problem: HybridOrbit, limit: Limit, z: np.ndarray) -> bool:
-    """Whether a leg that its own guard has begun, too, is nearly none.
+def _vanishes(problem: HybridOrbit, i: int, sample: Sample) -> bool:
+    """Whether leg i, at whose start its own guard is zero, too, is nearly none.
 
     Then guard and rate at its end are zero wherever it lasts no time: its equation says nothing there.
     """
-    i, view = limit.leg, problem.view(z)[limit.leg]
-    transition = problem.word.legs[i].transition
-    if transition is None or abs(view.duration) > LITTLE * problem.mesh.total or collapses(problem, i):
+    transition, duration = problem.word.legs[i].transition, float(sample.z[problem.layout.durations][i])
+    if transition is None or abs(duration) > LITTLE * problem.mesh.total or collapses(problem, i):
         return False
+    view = problem.view(_solution(problem, sample))[i]  # of a guess no guard is zero
     _, values, rates = view.guard(transition)
-    return abs(float(values[0])) <= BELOW * largest(values, rates, view.duration, problem.mesh.total)
+    most = largest(values, rates, view.duration, problem.mesh.total)
+    rounding = ROUNDED * _typical(problem, i, transition, sample)
+    return abs(float(values[0])) <= max(BELOW * most, rounding)
+
+
+def _solution(problem: HybridOrbit, sample: Sample) -> np.ndarray:
+    """The solution nearest to a sample, which may be a guess."""
+    try:
+        return newton_on(problem, sample.z, sample.weights)
+    except StartError:
+        return sample.z
+
+
+def _typical(problem: HybridOrbit, i: int, transition: Transition, sample: Sample) -> float:
+    """What typical changes of the states make of a guard where leg i begins."""
+    piece, (x, scalars) = problem.pieces[i], problem.layout.inputs(i, sample.z)
+    own = problem.layout.inputs(i, sample.weights)[0]
+    return float(np.abs(_at_entry(piece, transition, x, scalars)[1][: len(x)]) @ own)
 
 
 def collapses(problem: HybridOrbit, i: int) -> bool:
@@ -540,30 +587,95 @@ def collapses(problem: HybridOrbit, i: int) -> bool:
     return not armed and leg.name not in system.left_at_zero(before.name, leg.mode)
 
 
-def _vanishing(problem: HybridOrbit, which: int, limit: Limit, sample: Sample) -> augmented.Augmented:
-    """The equations of an orbit one of whose legs lasts no time, between zeros of a guard that turns there.
+def _vanishing(problem: HybridOrbit, which: int, i: int, sample: Sample) -> augmented.Augmented:
+    """The equations of an orbit whose leg i lasts no time, between zeros of a guard that turns there.
 
-    In place of the guard at its end stands its duration; the guard's rate at its start is zero.
+    Its duration is zero, and so is the guard's rate at its start, or the second derivative of one that its
+    motion begins without rate. Legs that vanish with it have no duration either: those of its image, where
+    nobody has declared the symmetry. Of the orbit's own equations as many say nothing new there, mostly those
+    of the guards at the ends of these legs: they are unfolded by unknowns that are zero.
     """
-    i, size = limit.leg, problem.size
+    size, gone = problem.size, [i, *_vanishing_with(problem, i, sample)]
+    transition = problem.word.legs[i].transition
+    assert transition is not None
+    bends = _begins_without_rate(problem, i, transition, sample)
 
-    def evaluate(there: Any, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        own, guard, duration = there.linearize(z), there.layout.guards + i, there.layout.durations.start + i
-        residual, jacobian = own.residual.copy(), own.jacobian.copy()
-        jacobian[guard], residual[guard] = np.eye(size + 1)[duration], z[duration]
-        piece, (x, scalars) = there.pieces[i], there.layout.inputs(i, z)
-        # Over the leg's own time the rate would be zero with it.
-        scalars = np.append(1.0, scalars[1:])
-        transition = problem.transition_of(limit)
-        watched = piece.passage.watched(transition.name, transition.guard)
-        n = len(x)
-        found, slopes = watched.differentiated(0.0, x, np.eye(n, n + len(scalars)), piece.values(scalars))
-        slopes[:, n] = 0.0
-        return np.append(residual, found[1]), np.vstack([jacobian, there.layout.spread(i, slopes[1:2])])
+    def conditions(there: Any, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The orbit's equations with those of the legs that have gone."""
+        own, lasting = there.linearize(z), np.array(gone) + there.layout.durations.start
+        value, slopes = _starting(there, i, transition, z, bends)
+        rows = np.vstack([np.eye(size + 1)[lasting], there.layout.spread(i, slopes[None])])
+        return np.concatenate([own.residual, z[lasting], [value]]), np.vstack([own.jacobian, rows])
 
-    return augmented.Augmented(
-        evaluate, sample.z, sample.weights, lambda there, z: {"limit": which, "seconds": 0.0}
+    unfolding = _redundant(
+        conditions(problem, sample.z)[1], problem.equation_scales, sample.weights, len(gone)
     )
+
+    def evaluate(there: Any, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        residual, jacobian = conditions(there, y[: size + 1])
+        columns = np.zeros((len(residual), len(gone)))
+        columns[:size] = there.equation_scales[:, None] * unfolding
+        return residual + columns @ y[size + 1 :], np.hstack([jacobian, columns])
+
+    def vectors(there: Any, y: np.ndarray) -> dict:
+        return {"limit": which, "seconds": float(y[there.layout.durations][there.limits[which].leg])}
+
+    start, scale = (np.append(v, np.full(len(gone), w)) for v, w in ((sample.z, 0.0), (sample.weights, 1.0)))
+    return augmented.Augmented(evaluate, start, scale, vectors)
+
+
+def _redundant(jacobian: np.ndarray, rows: np.ndarray, columns: np.ndarray, count: int) -> np.ndarray:
+    """Combinations of an orbit's equations that say nothing new beside further ones, shape (N, count)."""
+    scaled = jacobian * columns
+    scaled[: len(rows)] /= rows[:, None]
+    sizes = np.linalg.norm(scaled, axis=1)
+    scaled /= np.where(sizes > 0.0, sizes, 1.0)[:, None]
+    left = np.linalg.svd(scaled)[0][: len(rows), -count:]
+    return left / np.linalg.norm(left, axis=0)
+
+
+def _vanishing_with(problem: HybridOrbit, i: int, sample: Sample) -> list[int]:
+    """The other legs that vanish, and last as long as leg i."""
+    lasting = sample.z[problem.layout.durations]
+    return [
+        k
+        for k in range(problem.layout.legs)
+        if k != i
+        and abs(lasting[k] - lasting[i]) < LITTLE * abs(lasting[i])
+        and _vanishes(problem, k, sample)
+    ]
+
+
+def _begins_without_rate(problem: HybridOrbit, i: int, transition: Transition, sample: Sample) -> bool:
+    """Whether a guard's rate is zero where a short leg begins, as after a release from rest, however long it
+    lasts.
+
+    Otherwise a guard that is zero again after T has begun with the rate -b T / 2, b its second derivative.
+    """
+    z = _solution(problem, sample)
+    rate, bend = (float(_starting(problem, i, transition, z, bends)[0]) for bends in (False, True))
+    rounding = STILL * _typical(problem, i, transition, sample) / problem.mesh.total
+    return abs(rate) < max(LITTLE * abs(bend * float(z[problem.layout.durations][i])), rounding)
+
+
+def _starting(
+    problem: HybridOrbit, i: int, transition: Transition, z: np.ndarray, bends: bool
+) -> tuple[float, np.ndarray]:
+    """A guard's rate where leg i begins, or its second derivative, with derivatives by the leg's inputs."""
+    piece, (x, scalars) = problem.pieces[i], problem.layout.inputs(i, z)
+    n = len(x)
+    # Over the leg's own time they would be zero with it.
+    scalars = np.append(1.0, scalars[1:])
+    if bends:
+        map_ = piece.passage.bending(transition)
+        values, derivative = map_.linearized(0.0, x, map_.constants(piece.values(scalars)))
+        value, slopes = float(values[0]), derivative[0].copy()
+    else:
+        watched = piece.passage.watched(transition.name, transition.guard)
+        found, derivative = watched.differentiated(0.0, x, np.eye(n, n + len(scalars)), piece.values(scalars))
+        value, slopes = float(found[1]), derivative[1].copy()
+    slopes[n] = 0.0
+    return value, slopes
 
 
 def _rows(problem: HybridOrbit, limit: Limit, y: np.ndarray, share: float) -> tuple[np.ndarray, np.ndarray]:

@@ -13,12 +13,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.errors import ContwalkError, NotFinite
+from contwalk.errors import ContwalkError, NotFinite, StartError
 from contwalk.problems.hybrid import beyond, limits
 from contwalk.problems.hybrid.following import follows
 from contwalk.problems.hybrid.least import least
@@ -45,6 +45,10 @@ SECANTS = 12
 VISITED = 1e-5
 # Legs begin or cease to last together where their margins are this small.
 TOGETHER = 1e-8
+# Guards are touched together whose margins are this small, in an orbit that nobody has declared to be its own
+# image: one of them is located, the others as well as the orbit is symmetric; rates to the root of that.
+# States so far apart, in its variation, are not the same touch.
+TOUCHES, TOUCHED, ARRIVED, SAME_TOUCH = ("dip", "rate"), 1e-6, 1e-4, 1e-2
 # Directions of a branch before and after an exchange that differ by more make a corner.
 CORNER = 1e-5
 # How far along the new branch its orbits are looked at, in the metric: the first that is admissible counts.
@@ -65,39 +69,134 @@ class _None(Exception):
 
 
 def found(problem: HybridOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
-    """The branch of the neighbouring word that leaves a limit, and in words what was found, or tried."""
+    """The branches of neighbouring words that leave a limit, and in words what was found, or tried."""
     try:
         limit, place = _limit_of(problem, point)
-        seed = _leaving(*_turned(problem, np.array(point.unknowns), limit), place, point.label)
+        seeds = _leaving(*_turned(problem, np.array(point.unknowns), limit), place, point.label)
     except _None as reason:
         simulated, told = beyond.seeds(problem, point)
         return simulated, f"No orbit of another signature passes there: {reason} {told}"
     except (NotFinite, np.linalg.LinAlgError) as error:
         return (), f"No neighbour to switch to: its equations have no solution there ({error})."
-    words = folded(seed.problem.signature) or "no events"  # type: ignore[attr-defined]  # over its period
-    return (seed,), f"The orbits with signature [{words}] leave there: a branch of their own."
+    words = [_words(cast("HybridOrbit", seed.problem)) for seed in seeds]
+    branches = "a branch of their own" if len(words) == 1 else "branches of their own"
+    return seeds, f"The orbits with signature {' and '.join(words)} leave there: {branches}."
 
 
-def _leaving(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, place: float, label: str) -> Seed:
-    """The branch that leaves a limit. Where several legs begin or cease to last there, all of them do if
-    they can, as in an orbit that is its own image.
+def _words(problem: HybridOrbit) -> str:
+    """The signature, over the whole period."""
+    return f"[{folded(problem.signature) or 'no events'}]"
+
+
+def _leaving(
+    problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, place: float, label: str
+) -> list[Seed]:
+    """The branches that leave a limit. Where several limits are met there, as by an orbit that is its own
+    image, all of them may be passed, or one.
 
     Raises
     ------
     _None
         If there is none; the text says why the first one tried is none.
     """
-    alike = _collapsing(problem, z, limit)
+    alike = _together(problem, z, limit)
+    seeds: list[Seed] = []
     reasons = []
-    for changing in ([limit, *alike], [limit], *([other] for other in alike)):
+    for changing in ([limit, *alike], *([each] for each in (limit, *alike) if alike)):
         try:
-            together = len(changing) > 1 or changing[0] is not limit
-            neighbour = _collapsed(problem, z, changing) if together else _built(problem, z, limit, place)
-            words = folded(neighbour.problem.signature) or "no events"
-            return _seed(neighbour, label, words)
+            neighbour = _all_built(problem, z, changing, place)
+            seed = _seed(neighbour, label, _words(neighbour.problem))
+            if not any(_one(seed, other) for other in seeds):
+                seeds.append(seed)
         except _None as reason:
             reasons.append(reason)
-    raise reasons[0]
+        except StartError as reason:
+            reasons.append(
+                _None(f"the equations of the word beyond have no solution there: {reason.sentence}")
+            )
+    if not seeds:
+        raise reasons[0]
+    return seeds
+
+
+def _one(a: Seed, b: Seed) -> bool:
+    """Whether two branches that leave a point are one: their orbits go through the same word alike."""
+    one, other = cast("HybridOrbit", a.problem), cast("HybridOrbit", b.problem)
+    mine, lasting, _ = _whole(one, a.z)
+    theirs, alike, _ = _whole(other, b.z)
+    for k in range(len(one.word)):
+        if one.word.rotated(one.system, k) != other.word:
+            continue
+        shifted = [*mine[k:], *mine[:k]]
+        scale = one.mesh.variation
+        apart = max(float(np.linalg.norm((x - y) / scale)) for x, y in zip(shifted, theirs, strict=True))
+        turned = np.array([*lasting[k:], *lasting[:k]])
+        if apart < SAME_TOUCH and float(np.abs(turned - alike).max()) < SAME_TOUCH * one.mesh.total:
+            return True
+    return False
+
+
+def _together(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> list[limits.Limit]:
+    """The other limits of the kind of one that are met where it is."""
+    if limit.test not in TOUCHES:
+        return _collapsing(problem, z, limit)
+    found = discretized(problem, z).margins(z)
+    return [
+        other
+        for other, share in zip(found.limits, found.relative.tolist(), strict=True)
+        if other.test == limit.test and other.acts and (other.leg, other.name) != (limit.leg, limit.name)
+        if abs(share) < (TOUCHED if limit.test == "dip" else ARRIVED)
+    ]
+
+
+def _all_built(
+    problem: HybridOrbit, z: np.ndarray, changing: Sequence[limits.Limit], place: float
+) -> Neighbour:
+    """The neighbour beyond all of some limits; `place` is that of the first on its leg, where it turns.
+
+    Raises
+    ------
+    _None
+    """
+    first, *others = changing
+    if others and first.test not in TOUCHES:
+        return _collapsed(problem, z, changing)
+    touched = [_touched(problem, z, other) for other in others]
+    neighbour = _built(problem, z, first, place)
+    for other, state in zip(others, touched, strict=True):
+        there, unknowns = neighbour.problem, neighbour.z
+        again = [o for o in there.limits if (o.test, o.name) == (other.test, other.name)]
+        apart = [float(np.linalg.norm(_touched(there, unknowns, o) - state)) for o in again]
+        apart = [each if np.isfinite(each) else np.inf for each in apart]
+        if not apart or not min(apart) < SAME_TOUCH:
+            if other.test == "rate":
+                continue  # it has gone with the first: a mode is not visited any more
+            raise _None(f"'{first.name}' and '{other.name}' are met at once, and cannot both be passed.")
+        nearest = again[int(np.argmin(apart))]
+        neighbour = _built(there, unknowns, nearest, _place(there, unknowns, nearest))
+    return neighbour
+
+
+def _touched(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> np.ndarray:
+    """Where a guard is touched, or arrives; NaN where it does not turn.
+
+    The phase of the force, as a place on a circle, and the full state in units of the orbit's variation.
+    """
+    there = discretized(problem, z)
+    share = 1.0 if limit.test == "rate" else float(there.margins(z).places[there.limits.index(limit)])
+    if not np.isfinite(share):
+        return np.full(2 + len(there.mesh.variation), np.nan)
+    instant = there.starting_times(z)[limit.leg] + share * z[there.layout.durations][limit.leg]
+    phase = 2.0 * np.pi * instant / (there.rounds * there.duration(z)) if there.forced else 0.0
+    state = _at(there, z, limit.leg, share) / there.mesh.variation
+    return np.array([np.cos(phase), np.sin(phase), *state])
+
+
+def _place(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> float:
+    """Where on its leg a limit is met, 0..1."""
+    there = discretized(problem, z)
+    place = float(there.margins(z).places[there.limits.index(limit)])
+    return _turning(there, z, limit, place) if limit.test == "dip" else place
 
 
 def _collapsing(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> list[limits.Limit]:
@@ -120,6 +219,10 @@ def corners(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, tangent: n
     `tangent` is that of the branch that arrives. Compared are the parameter and the starts of all other legs,
     across the flow.
     """
+    found = discretized(problem, z).margins(z)
+    which = found.limits.index(limit)
+    if _arrival(found, which, problem.layout.legs) != which:
+        return False  # a visit begins or ceases, as the root of the distance
     try:
         if problem.word.image:
             problem, z, limit = _turned(problem, z, limit)
@@ -198,12 +301,26 @@ def _limit_of(problem: HybridOrbit, point: SpecialPoint) -> tuple[limits.Limit, 
     """Which limit a stored point is, and where on its leg, 0..1."""
     z = np.array(point.unknowns)
     there = discretized(problem, z)
-    values = there.margins(z)
-    k = limits.nearest(values, point)
+    values, k = there.margins(z), limits.nearest(there, point)
+    k = _arrival(values, k, problem.layout.legs)
     limit, place = values.limits[k], float(values.places[k])
     if not limit.acts:
         raise _None("the event that is met there acts on nothing.")
     return limit, _turning(there, z, limit, place) if limit.test == "dip" else place
+
+
+def _arrival(found: limits.Margins, which: int, legs: int) -> int:
+    """The limit that tells what happens at limit number `which`: of a leg that lasts no time the rate of the
+    event that leads into it, where that is zero.
+
+    The guard turns there: the leg is a visit that ceases. It is not passed in no time beyond.
+    """
+    limit, before = found.limits[which], (found.limits[which].leg - 1) % legs
+    if limit.test != "duration":
+        return which
+    shares = found.relative.tolist()
+    rates = [k for k, other in enumerate(found.limits) if (other.leg, other.test) == (before, "rate")]
+    return next((k for k in rates if abs(shares[k]) < ARRIVED), which)
 
 
 def _turning(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, place: float) -> float:
@@ -241,7 +358,7 @@ def _built(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, place: floa
     if limit.test == "past" or _collapses(problem, limit):
         return _collapsed(problem, z, [limit])
     if limit.test == "duration":
-        return _exchanged(problem, z, limit)
+        return _gone(problem, z, limit)
     if limit.test == "leaving":
         raise _None(f"'{limit.name}' would happen again at once, for ever: the machine rests there.")
     raise _None(
@@ -490,6 +607,20 @@ def _exchanged(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> Neig
     return Neighbour(other, unknowns, _own(other, i, "duration"))
 
 
+def _gone(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> Neighbour:
+    """A leg that lasts no time: the events at its ends happen in the other order, or do not happen where it
+    was a visit in another mode.
+    """
+    try:
+        return _exchanged(problem, z, limit)
+    except _None:
+        m, legs = problem.layout.legs, problem.word.legs
+        first = _visit(problem, z, (limit.leg - 1) % m)
+        if first is None or legs[first].mode == legs[(first + 1) % m].mode:
+            raise
+        return _without_visit(problem, z, first)
+
+
 def _like(one: Transition, other: Transition) -> bool:
     """Whether two transitions are the same event out of different modes: they have the same guard."""
     return one.guard is other.guard or one.name == other.name
@@ -539,7 +670,7 @@ def _seed(neighbour: Neighbour, label: str, words: str) -> Seed:
         direction = way * tangent
         return Seed(label, z, direction, amplitude(direction), walking, one_sided=True)
     reasons = told_once(tried)
-    raise _None(f"orbits with signature [{words}] solve the equations there, but beside it {reasons}.")
+    raise _None(f"orbits with signature {words} solve the equations there, but beside it {reasons}.")
 
 
 def _looks(

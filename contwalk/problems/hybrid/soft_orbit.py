@@ -372,7 +372,7 @@ class SoftOrbit(HybridOrbit):
     def limit_of(self, point: SpecialPoint) -> int:
         """Which of the limits a special point is one of."""
         there, _, _ = self._stored(point)
-        return limits.nearest(there.margins(np.array(point.unknowns)), point)
+        return limits.nearest(there, point)
 
     # -- special points ----------------------------------------------------------------------------------
 
