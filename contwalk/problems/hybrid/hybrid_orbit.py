@@ -524,6 +524,9 @@ class HybridOrbit:
         """Half the range of each state over the orbit; declared scales where there are any."""
         every = np.concatenate([view.full(view.nodes) for view in self.view(z)])
         half = 0.5 * np.ptp(every, axis=0)
+        if self.word.image and not np.all(half > 0.0):  # held until the image follows
+            whole = np.vstack([every, self._images(z, every)])
+            half = np.where(half > 0.0, half, 0.5 * np.ptp(whole, axis=0))
         largest = np.maximum(np.abs(every).max(axis=0), self.mesh.magnitudes)
         shares = half / largest
         moves = float(shares.max()) > AT_REST
@@ -541,6 +544,11 @@ class HybridOrbit:
         result[self.layout.drifts] = self._drift_scales(z) * np.sqrt(m)
         result[-1] = abs(z[-1])
         return result
+
+    def _images(self, z: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """States of the part of the orbit that follows."""
+        symmetry, p = self.system.symmetry(self.word.image), ParameterValues(**self.values_of(z))
+        return np.array([imaged(symmetry, x, p) for x in states])
 
     def _drift_scales(self, z: np.ndarray) -> np.ndarray:
         """Drifts that move states by their variation in a closure, or those that there are, if larger."""

@@ -114,11 +114,17 @@ class Passage:
         return self._moving_states(tracer, self.states, *self._arguments(tracer))
 
     def _moving_states(
-        self, tracer: Tracer, states: Sequence[int], t: Any, x: np.ndarray, p: ParameterValues
+        self,
+        tracer: Tracer,
+        states: Sequence[int],
+        t: Any,
+        x: np.ndarray,
+        p: ParameterValues,
+        rest: float | None = None,
     ) -> list[Any]:
-        """Rates of some states over the leg's own time."""
+        """Rates of some states over the leg's own time; `rest` is that of states that do not exist."""
         mode = self.system.mode(self.leg.mode)
-        rates = _written(rebound(mode.field), f"the field of mode '{mode.name}'", states, t, x, p)
+        rates = _written(rebound(mode.field), f"the field of mode '{mode.name}'", states, t, x, p, rest)
         for j, pin in enumerate(self.pins):
             out = _written(rebound(pin.generator), f"'{pin.name}'", states, t, x, p)
             rates = [r + tracer.symbol("a", j) * v for r, v in zip(rates, out, strict=True)]
@@ -234,7 +240,7 @@ class Passage:
             x = np.array([tracer.symbol("u", i) for i in range(n)], dtype=object)
             constants = {name: tracer.symbol("m", k) for k, name in enumerate(names)}
             given = self._time(tracer), x, self._parameters(tracer, constants)
-            return self._moving_states(tracer, range(n), *given)
+            return self._moving_states(tracer, range(n), *given, rest=0.0)
 
         return trace(whole)
 
@@ -381,10 +387,18 @@ class Passage:
 
 
 def _written(
-    function: Callable[..., Any], what: str, states: Sequence[int], t: Any, x: np.ndarray, p: ParameterValues
+    function: Callable[..., Any],
+    what: str,
+    states: Sequence[int],
+    t: Any,
+    x: np.ndarray,
+    p: ParameterValues,
+    rest: float | None = None,
 ) -> list[Any]:
-    """What a function writes into its last argument, in the states that exist."""
-    out = np.full(len(x), None, dtype=object)
+    """What a function writes into its last argument, in these states; `rest` stands where it writes nothing,
+    which is wrong if that is None.
+    """
+    out = np.full(len(x), rest, dtype=object)
     function(t, x, p, out)
     for i in states:
         if out[i] is None:

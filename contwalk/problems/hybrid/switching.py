@@ -10,7 +10,7 @@ import numpy as np
 
 from contwalk import flow
 from contwalk.branch import SpecialPoint
-from contwalk.errors import NotFinite
+from contwalk.problems.hybrid.shooting import AT_REST
 from contwalk.problems.hybrid.word import imaged_leg
 from contwalk.problems.orbit.branching import amplitude, crossing, filled_magnitudes
 from contwalk.problems.orbit.closure import imaged
@@ -28,6 +28,8 @@ UNSEEN, ROUGH = 1e-2, 1e-7
 # Even steps of a leg for magnitudes of states that are zero wherever one starts, but for rounding: below this
 # part of them.
 PILOT, NOTHING = (16, 32), 1e-9
+# A state below this is zero in any unit.
+NO_UNIT = 1e-30
 # Images that differ by less than this part of the variation are one.
 ALIKE = 1e-6
 # Shifts along pinned directions that are tried, and how little they leave of the residual.
@@ -36,22 +38,23 @@ MOST_SHIFTS, SHIFTED = 5, 2.0
 
 def seeds(problem: HybridOrbit, point: SpecialPoint) -> Sequence[Seed]:
     """The branches that leave a special point."""
-    z = np.array(point.unknowns)
-    try:
-        there = discretized(problem, z)
-        if point.label == "PD":
-            return _doubled(there, z)
-        if point.label == "BP" and point.kind == "symmetry-breaking":
-            return _unfolded(there, z)
-        if point.label == "BP" and point.coefficients:
-            return crossing(there, z, point)
-    except (NotFinite, np.linalg.LinAlgError):
+    if point.label not in ("BP", "PD"):
         return ()
-    return ()
+    z = np.array(point.unknowns)
+    there = discretized(problem, z)
+    if point.label == "PD":
+        return _doubled(there, z)
+    if point.kind == "symmetry-breaking":
+        return _unfolded(there, z)
+    return crossing(there, z, point) if point.coefficients else ()
 
 
-def discretized(problem: HybridOrbit, z: np.ndarray) -> HybridOrbit:
-    """The problem on fine steps for a stored solution."""
+def discretized(problem: HybridOrbit, z: np.ndarray, parent: HybridOrbit | None = None) -> HybridOrbit:
+    """The problem on fine steps for a stored solution.
+
+    A solution at rest may be a rounding of zero, which is no scale. What its states are measured in is known
+    where the problem, or the parent that it is an orbit of, has been walked along.
+    """
     layout = problem.layout
     reached = np.zeros(problem.states)
     for place, passage in zip(layout.states, problem.passages, strict=True):
@@ -60,7 +63,11 @@ def discretized(problem: HybridOrbit, z: np.ndarray) -> HybridOrbit:
     between = _between(problem, z)
     if float(reached.max()) < NOTHING * float(between.max()):  # a mass that rests wherever a leg starts
         reached = between
-    largest = float(reached.max()) or 1.0
+    mesh = problem._mesh or (None if parent is None else parent._mesh)
+    typical, least = (np.ones(problem.states), NO_UNIT) if mesh is None else (mesh.magnitudes, AT_REST)
+    if np.all(reached <= least * typical):
+        reached = typical
+    largest = float(reached.max())
     # What is zero at the starts of legs is not zero on them.
     reached = np.maximum(reached, UNSEEN * largest)
     rough = problem.adapted_to(z, problem.weighted(reached), max(problem.discretization.walking, ROUGH))
@@ -97,7 +104,7 @@ def _doubled(problem: HybridOrbit, z: np.ndarray) -> Sequence[Seed]:
     v = null_vectors(problem, matrix, *problem.cycle_scales)[0].real
     name = _reversing(problem, z, v)
     if name:
-        there = discretized(problem.of_word(replace(problem.word, image=name), 2), z)
+        there = discretized(problem.of_word(replace(problem.word, image=name), 2), z, problem)
         size = float(np.linalg.norm(v / there.cycle_scales[1]))
         tangent = np.append(v, 0.0) / size
         walking = there.adapted_to(z, filled_magnitudes(there, z))
@@ -166,7 +173,7 @@ def _alternating(
     twice, alternating = _joined(problem, z[lasting], 1.0), _joined(problem, v[lasting], -1.0)
     start = np.concatenate([z[states], *second, twice, z[rest], z[-1:]])
     tangent = np.concatenate([v[states], *turned, alternating, still, [0.0]])
-    there = discretized(other, start)
+    there = discretized(other, start, problem)
     weights = np.concatenate([there.cycle_scales[1], [1.0]])
     if problem.pins:
         start, tangent = _held(there, start, tangent, weights)

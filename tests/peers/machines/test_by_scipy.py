@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from peers.form import Value
 from peers.machines.double_pendulum import BY_HAND
+from peers.machines.hopper import pushes_on_ground
 from peers.machines.shooting_by_scipy import Cycle, multipliers_test, touching
 from peers.running import machines
 
@@ -72,6 +73,8 @@ def plugin(machine: str) -> System:
 
 
 TURN = Transition("turn", "free", "free", lambda t, x, p: x[1])
+TURNED = Transition("turn", "loose", "loose", lambda t, x, p: x[1])
+SCROLL = [("right", "in_right"), ("middle", "out_right")]
 HALF = {"image": inverted, "periods": 0.5}
 CONVERSION = [("off", "switch_on"), ("on", "tick_on")]
 SWING = [("free", "strike")]
@@ -149,6 +152,36 @@ SHOTS = [
         [("free", TURN), ("free", "high"), ("free", "low")],
         [-1.0, 4.555, 0.505, 0.402, 0.35, 0.601, 27.89],
     ),
+    Shot(
+        "gear_rattle",
+        0.44,
+        "PD",
+        [("loose", "rattles"), ("loose", "drives")],
+        [0.0, 0.4878, 4.229, 2.054, 11.08, 0.4403],
+    ),
+    Shot(
+        "gear_rattle",
+        0.622,
+        touching(lambda t, x, p: x[0]),
+        [("loose", TURNED), ("loose", "rattles"), ("loose", "drives")],
+        [0.0, 0.5878, 2.64, 2.07, 1.573, 10.858, 0.622],
+    ),
+    Shot(
+        "hopper",
+        0.272,
+        touching(pushes_on_ground),
+        [("stance", "thrust"), ("thrust", "liftoff"), ("flight", "touchdown")],
+        [0.7, -1.896, 0.0, 0.272, 0.067, 0.334, 0.272],
+    ),
+    Shot(
+        "bilinear_oscillator",
+        2.2885,
+        "PD",
+        [("pushed", "release"), ("pulled", "press")],
+        [0.0, 0.6289, 0.8628, 1.8827, 0.9103, 2.2885],
+    ),
+    Shot("chua", 8.173, "PD", SCROLL, [1.0, 0.2467, -0.2196, 1.34, 0.94, 8.173]),
+    Shot("chua", 8.397, "PD", SCROLL * 2, [1.0, 0.1489, -0.0835, 1.412, 1.164, 1.327, 0.693, 8.397]),
 ]
 
 

@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 from contwalk.branch import Outcome
 from contwalk.continuation.opening import Opening
 from contwalk.flow.hybrid import arcs, hybrid_machine
-from contwalk.system import System, Transition
+from contwalk.system import Symmetry, System, Transition
 
 # A walk's solutions are known to a hundred times the accuracy.
 WALKED = 100.0 * ACCURACY
@@ -124,6 +124,51 @@ def test_a_state_at_rest_under_sampled_control(name):
     for k in range(0, len(branch), 5):
         expected = np.poly(sampled_multipliers(branch["K"][k]))
         np.testing.assert_allclose(np.poly(branch.points["spectrum"][k]), expected, rtol=0, atol=WALKED)
+
+
+@pytest.mark.parametrize("mirrored", [True, False])
+def test_a_period_doubling_of_a_state_at_rest_is_followed(mirrored):
+    """The control is held over each sample: what leaves at D = coth(T / 2) swings from one to the next.
+
+    All states of the parent are zero but for rounding, which is no scale for the steps of what leaves it; and
+    a torque that is constant until its image follows has one.
+    """
+
+    def free(t, x, p, dx):
+        dx[0], dx[1] = x[1], math.sin(x[0]) + x[2]
+        dx[2] = 0.0
+
+    def held(t, x, p, after):
+        after[0], after[1], after[2] = x[0], x[1], -2.5 * x[0] - p.D * x[1]
+
+    guard, direction = CLOCKS["sine, rising"]
+    system = machine(
+        ["angle", "rate", "torque"],
+        {"D": 1.0, "T": SAMPLING},
+        {"on": free},
+        [Transition("sample", "on", "on", guard, direction, reset=held)],
+        period=lambda p: p.T,
+        symmetries=(Symmetry("inversion", "spatial", turned_over),) if mirrored else (),
+    )
+    rest, swinging = diagram(
+        system,
+        "D",
+        (4.05, 4.15),
+        [0.01, 0.0, 0.0],
+        {"D": 4.06},
+        until="settled",
+        follow=("PD",),
+        max_points=60,
+    )
+    assert_met(next(p for p in rest.special_points if p.label == "PD"), "D", 1.0 / math.tanh(0.5 * SAMPLING))
+    assert swinging.info.closure == ("inversion" if mirrored else "full")
+    # Steps are parts of the orbit's own size, also of the torque: amplitudes grow by factors, not by sums.
+    sizes = swinging["amp:rate"]
+    assert sizes[-1] > 1.5 * sizes[-11]
+
+
+def turned_over(t, x, p, image):
+    image[:] = -x
 
 
 # -- a clock that switches on and off ------------------------------------------------------------------------

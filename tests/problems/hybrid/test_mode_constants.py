@@ -151,3 +151,15 @@ def test_a_mode_without_states_is_refused_with_what_to_do():
             modes=(Mode("up", free), Mode("rest", free, states=())),
         )
     assert "a rate of zero" in told.value.remedy
+
+
+def test_a_mode_with_constants_does_not_write_what_does_not_exist_in_it():
+    """Of a field of its own, too: the follower's rate is missing from `free`."""
+    system = machine(False)
+    modes = (Mode("free", free, states=("q", "v"), constants={"touching": 0.0}), system.modes[1])
+    start = {"mode": "free", "until": "settled", "marks": {"force": [0.4]}}
+    found = diagram(
+        System(**{**vars_of(system), "modes": modes}), "force", (0.3, 0.5), [0.0, 0.0, 0.0], **start
+    )
+    points = [[p.parameters["force"] for p in b.special_points] for b in found]
+    assert points == [[p.parameters["force"] for p in b.special_points] for b in branches(False)]
