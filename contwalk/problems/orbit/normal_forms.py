@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contwalk import flow
+from contwalk.errors import NotFinite
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.linear import Factored
 from contwalk.problems.orbit.motion import JET, PLAIN, TANGENT
@@ -30,6 +31,9 @@ from contwalk.system.declarations import ParameterValues
 if TYPE_CHECKING:
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 
+EPSILON = float(np.finfo(float).eps)
+# Beside deviations that are rounded by so much nothing is known of one that is one.
+LOST = 100.0
 # c11 this small against its terms is zero: a pitchfork.
 EQUAL = 1e-5
 # And where the cubic term takes over from the parameter, the quadratic one is this small a part of both,
@@ -74,7 +78,17 @@ class SectionMap(ABC):
     def critical(self, value: complex) -> tuple[np.ndarray, np.ndarray]:
         """q and p of an eigenvalue of A, |q| = 1 over the orbit and p @ q = 1; the largest entry of q is
         positive.
+
+        Raises
+        ------
+        NotFinite
+            If deviations grow so much that nothing is left of the critical one.
         """
+        growth = float(np.linalg.norm(self.a, 2))
+        if not growth * EPSILON < LOST:
+            raise NotFinite(
+                f"deviations grow by {growth:.1e} in a round, and the critical one is lost in them"
+            )
         u, _, vh = np.linalg.svd(self.a - value * np.eye(len(self.a)))
         q, p = vh[-1].conj(), u[:, -1].conj()
         largest = q[np.argmax(np.abs(q))]

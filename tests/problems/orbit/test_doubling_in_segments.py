@@ -41,3 +41,22 @@ def test_a_doubled_orbit_is_never_integrated_in_one_piece(segments):
     # Of a' = (lam - 1 - a^2) a over two rounds, and the growing state's.
     assert last["spectrum"][1].real == pytest.approx(math.exp(-4.0 * math.pi * (HIGH - 1.0)), rel=1e-4)
     assert math.log(abs(last["spectrum"][0])) == pytest.approx(2.0 * math.pi * RATE, rel=1e-5)
+
+
+def test_a_normal_form_that_is_lost_beside_what_grows_is_no_degenerate_one():
+    """Beside exp(20 pi) = 2e27 the coefficient, which is pi, was 4e-20 with an error of 2e-21."""
+
+    def faster(t, x, p, dx):
+        growing(t, x, p, dx)
+        dx[4] += (20.0 - RATE) * x[4]
+
+    states = ("x", "y", *(State(name, scale=1.0) for name in "zwu"))
+    system = small_system(faster, states, {"lam": LOW})
+    problem = cw.PeriodicOrbit(system, system.defaults(), "lam")
+    branch = cw.continue_branch(problem, [1.0, 0.0, 0.0, 0.0, 0.0], (LOW, HIGH), period=math.pi)
+    (point,) = labelled(branch, "PD")
+    assert point.parameters["lam"] == pytest.approx(1.0, rel=1e-8)
+    assert point.criticality is None
+    assert "c" not in point.coefficients
+    assert "degenerate" not in point.note
+    assert "deviations grow by" in point.note
