@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
 # With this share of the parameter in it, in the metric, or less, the tangent is that of the fold nearby.
 TURNING = 1e-2
+# Eigenvalues this small against what they become in a unit of arclength have vanished.
+VANISHED = 1e-12
 
 
 def _solve(
@@ -88,9 +90,10 @@ def multiple_zero(problem: Equilibrium, sample: Sample) -> Located | None:
     if located is None:
         return None
     values = np.linalg.eigvals(balanced(problem.jacobian(located.z)[:, : problem.size])[0])
-    # Where all of them vanish together, what they are a little further along the branch is a measure.
-    size = max(np.abs(values).max(), *(abs(sample.rates[k]) for k in range(len(sample.eigenvalues))))
-    count = int(np.sum(np.abs(values) < 1e-6 * size))
+    # Where all of them vanish together, what they become along the branch is a measure.
+    fastest = max((abs(sample.rates[k]) for k in range(len(sample.eigenvalues))), default=0.0)
+    nothing = max(1e-6 * np.abs(values).max(), VANISHED * np.nan_to_num(fastest))
+    count = int(np.sum(np.abs(values) < nothing))
     if count < 2:
         return None
     refine_fold = located.refine
