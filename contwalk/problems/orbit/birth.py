@@ -42,6 +42,7 @@ class CycleSizes:
         pair = nearest_eigenpair(self._a, 1j * self._omega)
         self.right = pair.right / np.linalg.norm(pair.right)
         self._first = 2.0 * np.abs(self.right)
+        self._by_itself = self._first > FAINT * self._first.max()
         self._shift = np.abs(equilibrium.solve_states(z, jacobian[:n, -1]))
         self._inverses = [self._inverse(k, pair.left) for k in range(HARMONICS + 1)]
 
@@ -66,10 +67,9 @@ class CycleSizes:
             if moved is not None:
                 break
             rho *= 0.5
-        by_itself = self._first > FAINT * self._first.max()
         # What is found of a smaller amplitude follows with its square at least.
-        higher = np.zeros(len(by_itself)) if moved is None else moved * (wanted / rho) ** 2
-        sizes = np.where(by_itself, wanted * self._first, higher + self._shift * change)
+        higher = np.zeros(len(self._first)) if moved is None else moved * (wanted / rho) ** 2
+        sizes = np.where(self._by_itself, wanted * self._first, higher + self._shift * change)
         still = 1e-12 * np.abs(self._z[: len(sizes)])
         least = np.maximum(FAINT * wanted * self._first.max(), still)
         return np.where(sizes > 0.0, np.maximum(sizes, still), least)
@@ -81,7 +81,6 @@ class CycleSizes:
         first = np.zeros((HARMONICS + 1, n), dtype=complex)
         first[1] = 2.0 * rho * self.right
         harmonics = first.copy()
-        by_itself = self._first > FAINT * self._first.max()
         for _ in range(n + 2):
             fields = self._fields((turn @ harmonics).real)
             if fields is None:
@@ -93,7 +92,7 @@ class CycleSizes:
             bends[1:] *= 2.0
             harmonics = first + np.array([m @ b for m, b in zip(self._inverses, bends, strict=True)])
             higher = np.abs(harmonics - first).sum(axis=0)
-            if not np.all(higher[by_itself] <= MOST * rho * self._first[by_itself].max()):
+            if not np.all(higher[self._by_itself] <= MOST * rho * self._first.max()):
                 return None
         size = 0.5 * np.ptp((turn @ harmonics).real, axis=0) + np.abs(harmonics[0])
         noise = NOISE * sum(np.abs(m) for m in self._inverses) @ (np.abs(self._a) @ size)

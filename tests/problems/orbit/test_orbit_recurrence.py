@@ -36,6 +36,19 @@ def test_a_given_time_of_simulation():
     assert found.period == pytest.approx(math.pi, rel=NEAR)
 
 
+@pytest.mark.parametrize("until", [10.0, 2.0 * math.pi, 0.3])
+def test_a_forced_motion_is_looked_at_from_the_phase_on_that_it_has_then(until):
+    """x = 1 + 2 sin t, whenever the search begins: at the phase zero, where orbits begin, it is one."""
+
+    def field(t, x, p, dx):
+        dx[0] = 2.0 * np.cos(t)
+
+    system = small_system(field, "x", {"mu": 1.0}, period=lambda p: 2.0 * math.pi)
+    found = recurrent(system, system.defaults(), np.array([1.0]), until=until)
+    assert found.state == pytest.approx([1.0], abs=2.0 * NEAR)
+    assert found.period == pytest.approx(2.0 * math.pi, rel=1e-15)
+
+
 def test_a_motion_with_several_loops_a_period():
     """x = sin t + 0.8 sin 3 t beside the cycle: the section is crossed more than once before it closes."""
 

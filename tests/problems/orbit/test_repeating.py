@@ -4,7 +4,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from small_systems import circle, small_system
 
+from contwalk.problems.orbit.beginning import orbit_at
 from contwalk.problems.orbit.repeating import repeating
 
 
@@ -26,3 +28,12 @@ def test_steps_too_short_for_a_later_part_are_left_out_of_all(parts, segments):
         # Times are rounded at the size of the closure, one.
         assert lengths[1:] == pytest.approx(np.broadcast_to(lengths[0], lengths[1:].shape), abs=5e-16)
         assert lengths[0].min() < 1e-11  # and no longer ones are lost than need be
+
+
+def test_steps_of_an_orbit_are_alike_in_its_halves():
+    """So that pitchforks of orbits stay pitchforks, though nobody has declared a symmetry."""
+    system = small_system(circle, "xy", {"mu": 0.5})
+    problem, _ = orbit_at(system, system.defaults(), "mu", np.array([np.sqrt(0.5), 0.0]), 2.0 * np.pi)
+    (steps,) = problem.mesh.steps
+    first, second = np.diff(steps).reshape(2, -1)
+    assert second == pytest.approx(first, abs=5e-16)  # times are rounded at the size of the closure, one

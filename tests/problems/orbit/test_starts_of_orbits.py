@@ -5,6 +5,7 @@ import pytest
 from small_systems import labelled, small_system
 
 import contwalk as cw
+from contwalk.problems.orbit.beginning import orbit_at
 from contwalk.system import Neutral
 
 
@@ -34,6 +35,19 @@ def test_a_declared_neutral_direction_is_held():
     # Only the cycle's own multiplier is left: neither the flow's nor that of the place.
     assert branch.points["spectrum"].shape[1] == 1
     assert branch.points["spectrum"][:, 0].real == pytest.approx(np.exp(-4.0 * np.pi * mu), abs=1e-4)
+
+
+def test_whether_a_direction_is_neutral_is_asked_near_the_start():
+    """The field does not exist from mu = 0.6 on; at the start, and beside it, the direction is neutral."""
+
+    def field(t, x, p, dx):
+        drifting(t, x, p, dx)
+        dx[2] += np.sqrt(0.6 - p.mu)
+
+    system = small_system(field, "xyz", {"mu": 0.5}, neutral=(Neutral("along", along),))
+    start = np.array([np.sqrt(0.5), 0.0, 3.0])
+    problem, _ = orbit_at(system, system.defaults(), "mu", start, 2.0 * np.pi)
+    assert [pin.name for pin in problem.pins] == ["along"]
 
 
 def test_pins_of_the_given_problem_are_used():

@@ -1,0 +1,46 @@
+"""The error of a point that is solved for again on finer steps, of made-up equations."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from contwalk.problems.linear import EPSILON, Factored
+from contwalk.problems.orbit import augmented
+
+LEVEL = 1e-12
+
+
+def made_up(steepness):
+    """x = steepness lam, known to LEVEL, on steps that do not matter."""
+    jacobian = np.array([[1.0, -steepness]])
+    problem = SimpleNamespace(
+        size=1,
+        mesh=SimpleNamespace(tolerance=1e-6),
+        discretization=SimpleNamespace(accuracy=1e-9, locating=1e-8),
+        linearize=lambda z: SimpleNamespace(levels=(np.array([LEVEL]), None)),
+        jacobian=lambda z: jacobian,
+        factored=Factored,
+    )
+    problem.refined = lambda *given: problem
+    return problem, jacobian
+
+
+@pytest.mark.parametrize("steepness", [0.1, 10.0])
+def test_where_finer_steps_change_nothing_rounding_is_left(steepness):
+    """At x = 1/3: the parameter is known no better than the equation tells it, and than a float holds it."""
+    problem, jacobian = made_up(steepness)
+
+    def evaluate(there, y):
+        return np.append(jacobian @ y, y[0] - 1.0 / 3.0), np.vstack([jacobian, [1.0, 0.0]])
+
+    start = np.array([0.3, 0.4 / steepness])
+    system = augmented.Augmented(evaluate, start, np.abs(start), lambda there, y: {})
+    sample = SimpleNamespace(z=start, weights=np.array([1.0, 1.0]))
+    rough = augmented.solved(problem, system, sample)
+    found = rough.settled()
+    assert found.z == pytest.approx([1.0 / 3.0, 1.0 / 3.0 / steepness], rel=2.0 * EPSILON)
+    # The equation's own level, or the rounding of its terms where that is less, and no more than both.
+    assert min(LEVEL, 1e2 * EPSILON) / steepness < found.error < (LEVEL + 1e2 * EPSILON) / steepness
