@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 import pytest
-from made_up import at, line
+from made_up import MadeUp, at, line
 
-from contwalk.continuation.marks import Observer, _extremum_error, marked, marks_at
+from contwalk.continuation.marks import Observer, _extremum_error, _parameter_at, marked, marks_at
 from contwalk.continuation.settings import Mark
 
 PARAMETER = Observer("lam", ())
@@ -130,3 +130,19 @@ def test_the_error_of_an_extremum_at_an_end_of_a_step_is_told_by_what_is_beside_
     error, sloping = _extremum_error(segment, end, lambda sample: math.cos(sample.parameter))
     assert sloping
     assert error < 1e-12
+
+
+def test_the_solution_at_a_value_of_the_parameter_is_looked_for_along_the_branch():
+    """y = 2 + 50 x^2 with x = lam, and the same pi higher, 2 pi higher and so on: the nearest is meant."""
+
+    def f(z):
+        return [z[0] - z[2], math.sin(z[1] - 2.0 - 50.0 * z[0] ** 2)]
+
+    def df(z):
+        slope = math.cos(z[1] - 2.0 - 50.0 * z[0] ** 2)
+        return [[1.0, 0.0, -1.0], [-100.0 * z[0] * slope, slope, 0.0]]
+
+    segment = MadeUp(f, df).segment((0.1, 2.5, 0.1), (0.3, 6.5, 0.3))
+    located = _parameter_at(segment, 0.2, segment.a)
+    assert located is not None
+    assert located.z.tolist() == pytest.approx([0.2, 4.0, 0.2], rel=1e-15)

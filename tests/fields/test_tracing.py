@@ -248,3 +248,15 @@ def test_both_and_either_of_two_comparisons_are_what_they_say(x):
         return both * (5.0 if np.logical_or(v[0] > 0.0, v[1] > 0.0) else 7.0)
 
     assert kernel_of(chosen, 2)(x) == chosen(x)
+
+
+@pytest.mark.parametrize("known", [True, False])
+@pytest.mark.parametrize("value", [-1.0, 1.0])
+def test_comparisons_are_combined_with_what_is_known_already(known, value):
+    """As NumPy does with its bools; a switch that is set in the plugin's text is one."""
+
+    def chosen(v):
+        either, both = (v[0] > 0.0) | known, (v[0] > 0.0) & known
+        return (2.0 if either else 3.0) * (5.0 if both else 7.0)
+
+    assert kernel_of(chosen, 1)((value,)) == chosen((np.bool_(value > 0.0) * 2.0 - 1.0,))

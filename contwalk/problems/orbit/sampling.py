@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 # Parabolas through three instants, each nearer together than the last by the second number.
 PASSES, NARROWER = 2, 0.03
 MOST_BISECTIONS = 60
+# An orbit's ends are one place but for its error, far below this part of what a state varies by.
+CLOSED = 1e-6
 
 
 def with_extrema(curve: Curve, times: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -60,7 +62,9 @@ def crossing(
     side = (x[:, index] - value) * direction
     passes = np.flatnonzero((side[:-1] < 0.0) & (side[1:] >= 0.0))
     if not len(passes):
-        return np.full(problem.states, np.nan)
+        # An orbit that begins right where it passes may end before it: its ends agree but for rounding.
+        begins = side[-1] < 0.0 <= side[0] and side[0] - side[-1] <= CLOSED * np.ptp(side)
+        return x[0] if begins else np.full(problem.states, np.nan)
     k = int(passes[0])
     duration = problem.duration(z)
     piece = int(t[k] // duration)

@@ -7,15 +7,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from contwalk.problems.hybrid.limits import _of_watch
+from contwalk.problems.hybrid.limits import LITTLE, _of_watch, _sign, largest
 
 
 def watched(values, dips, **rest):
-    """A guard of size one for which both ways across zero matter."""
-    told = {"own": False, "opens": False, "edges": False, **rest}
+    """A guard of some scale for which both ways across zero matter."""
+    told = {"own": False, "opens": False, "edges": False, "scale": 1.0, **rest}
     values = np.array(values)
     times = np.linspace(0.0, 1.0, len(values))
-    return SimpleNamespace(scale=1.0, values=values, rates=0.0 * values, times=times, dips=dips, **told)
+    return SimpleNamespace(values=values, rates=0.0 * values, times=times, dips=dips, **told)
 
 
 @pytest.mark.parametrize("begin", [0.0, 0.7])
@@ -31,6 +31,40 @@ def test_what_has_just_been_zero_and_leaves_is_no_dip():
     assert _of_watch("dip", watched([0.0, 0.9], [(0, 1e-6, -1e-16)]), 1.0)[0] == np.inf
 
 
-def test_what_turns_just_before_its_own_event_is_no_dip():
-    watch = watched([0.8, 0.5, 0.8, 0.0], [(0, 0.3, 0.5), (2, 1.0, 0.0)], own=True)
-    assert _of_watch("dip", watch, 1.0) == (0.5, 1.0, 0.3)
+@pytest.mark.parametrize("scale", [1e-8, 1.0, 1e8])
+def test_what_turns_just_before_its_own_event_is_no_dip(scale):
+    """Its own event is where it is zero but for rounding, in whatever units it is."""
+    values = scale * np.array([0.8, 0.5, 0.8, 1e-10])
+    watch = watched(values, [(0, 0.3, 0.5 * scale), (2, 1.0, 0.0)], own=True, scale=scale)
+    assert _of_watch("dip", watch, 1.0) == (0.5 * scale, scale, 0.3)
+
+
+@pytest.mark.parametrize("scale", [1e-8, 1.0, 1e8])
+def test_a_turn_of_its_own_guard_above_zero_is_a_dip_also_right_before_the_end(scale):
+    values = scale * np.array([0.8, 0.5, 0.8, 0.3])
+    watch = watched(values, [(0, 0.3, 0.5 * scale), (2, 0.9, 0.2 * scale)], own=True, scale=scale)
+    assert _of_watch("dip", watch, 1.0) == (0.2 * scale, scale, 0.9)
+
+
+@pytest.mark.parametrize(
+    ("direction", "falls", "values", "sign"),
+    [
+        ("falling", None, [1.0, -3.0], 1.0),
+        ("rising", None, [1.0, 3.0], -1.0),
+        ("both", True, [1.0, -3.0], 1.0),
+        ("both", False, [1.0, 3.0], -1.0),
+        ("both", None, [1.0, -3.0], -1.0),  # it is mostly below zero: what matters is how near it comes to it
+        ("both", None, [3.0, -1.0], 1.0),
+    ],
+)
+def test_a_guard_is_positive_before_its_event(direction, falls, values, sign):
+    assert _sign(SimpleNamespace(direction=direction), falls, np.array(values)) == sign
+
+
+@pytest.mark.parametrize("duration", [1e-3, 1e-6, 1e-9])
+def test_on_a_leg_of_nearly_no_time_a_guard_is_measured_by_its_rate(duration):
+    """A guard 3 t, on legs of an orbit of two seconds: by what it is after a little of these."""
+    share = np.linspace(0.0, 1.0, 5)
+    values, rates = 3.0 * duration * share, np.full(5, 3.0 * duration)  # over the leg's own time
+    expected = 3.0 * max(duration, 2.0 * LITTLE)
+    assert largest(values, rates, duration, 2.0) == pytest.approx(expected, rel=1e-14)

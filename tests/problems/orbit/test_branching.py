@@ -22,12 +22,14 @@ def made_up(jacobian):
 
 
 def test_there_is_a_second_direction_where_the_equations_lose_a_rank():
-    """x = 0 twice: y and the parameter are free. Of x = 0 and y = 0 only the parameter is."""
-    second = branching.second_direction(made_up([[1.0, 0.0, 0.0], [0.5, 0.0, 0.0]]), Z)
+    """x = y = x + y = 0: z and the parameter are free. Of x = y = 1e-6 z = 0 only the parameter is."""
+    lost = [[1.0, 0.0, 0.0, 0.0], [0.0, 0.5, 0.0, 0.0], [1.0, 1.0, 0.0, 0.0]]
+    second = branching.second_direction(made_up(lost), np.zeros(4))
     assert second is not None
-    assert second[0] == pytest.approx(0.0, abs=1e-15)
+    assert second[:2] == pytest.approx([0.0, 0.0], abs=1e-15)
     assert np.linalg.norm(second) == pytest.approx(1.0)
-    assert branching.second_direction(made_up([[1.0, 0.0, 0.0], [0.0, 1e-6, 0.0]]), Z) is None
+    whole = [[1.0, 0.0, 0.0, 0.0], [0.0, 0.5, 0.0, 0.0], [0.0, 0.0, 1e-6, 0.0]]
+    assert branching.second_direction(made_up(whole), np.zeros(4)) is None
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
-from contwalk.problems.orbit.extrema import Smooth, extremes_of, turns
+from contwalk.problems.orbit.extrema import Smooth, _cubic, extremes_of, turns
 
 
 def stretch(asked, name, first, second):
@@ -63,3 +63,13 @@ def test_a_cubic_turns_where_its_derivative_is_zero(turn, other, sign):
     value, h = slope.integ(), 3.0
     given = [np.array([v]) for v in (2.0, 5.0, h * value(0.0), h * value(1.0), slope(0.0), slope(1.0))]
     assert turns(*given)[0] == pytest.approx(2.0 + h * turn, abs=1e-13)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.25, 0.6, 1.0])
+def test_a_cubic_is_told_by_its_values_and_rates_at_both_ends(share):
+    """1 - 2 t + 3 t^2 - t^3 from 2 on, over a step of three."""
+    cubic = Polynomial([1.0, -2.0, 3.0, -1.0])
+    slope, a, b = cubic.deriv(), 2.0, 5.0
+    given = [np.array([v]) for v in (share, b - a, cubic(a), cubic(b), slope(a), slope(b))]
+    # The values are of the order of 60.
+    assert _cubic(*given)[0] == pytest.approx(cubic(a + share * (b - a)), abs=1e-13)

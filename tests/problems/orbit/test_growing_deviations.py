@@ -10,7 +10,7 @@ import contwalk as cw
 from contwalk.branch import Branch
 from contwalk.continuation import outcomes
 from contwalk.continuation.reopening import reopened
-from contwalk.problems.orbit.transport import growth
+from contwalk.problems.orbit.transport import MOST_GROWTH, growth, segments_of_growth
 
 # A point is a solution if its residual is at most so many times its own error (docs/theory.md).
 SOLVED = 20.0
@@ -119,3 +119,12 @@ def test_what_grows_up_to_somewhere_counts_and_what_grows_from_somewhere_on(a):
     there, sample = reopened(system, branch, int(np.flatnonzero(branch["s"] == 0.0)[0]))
     # What holds z near one damps a deviation too: by some thousandths.
     assert growth(there, sample.z) == pytest.approx(np.exp(2.0 * abs(a)), rel=0.05)
+
+
+@pytest.mark.parametrize("growth_of_all", [1.5, 1e3, 1e5, 1e9, 1e20])
+def test_over_each_segment_deviations_grow_by_no_more_than_allowed(growth_of_all):
+    """And by more than that over fewer segments."""
+    exponent = np.log(growth_of_all)
+    count = segments_of_growth(exponent)
+    assert np.exp(exponent / count) <= MOST_GROWTH * (1.0 + 1e-12)
+    assert count == 1 or np.exp(exponent / (count - 1)) > MOST_GROWTH

@@ -1,0 +1,39 @@
+"""What a point has cost: its own evaluations, and not those before it."""
+
+from __future__ import annotations
+
+from itertools import islice
+
+from made_up import MadeUp, line
+
+from contwalk.continuation.arclength import Point, walk
+from contwalk.continuation.here import Here
+from contwalk.continuation.marks import Observer
+from contwalk.continuation.settings import Settings
+
+
+class Counting(MadeUp):
+    """Tells how often it was evaluated, and has been already."""
+
+    size = 1
+
+    @property
+    def evaluations(self) -> int:
+        return 1000 + self.evaluated
+
+    @evaluations.setter
+    def evaluations(self, value: int) -> None: ...
+
+    def adapted(self, sample):
+        return self, sample
+
+
+def test_the_evaluations_of_the_points_are_those_of_the_walk():
+    straight = line(lambda z: [-1.0])
+    problem = Counting(straight.f, straight.df, straight.eigenvalues)
+    here = Here(problem.sample((0.0, 0.0), (0.0, 1.0)), 0.0, 0.1)
+    before = problem.evaluated
+    found = walk(problem, here, Settings(range=(-1.0, 1.0), step=0.1), Observer("lam", ()), 1.0, 100)
+    costs = [item.here.sample.evaluations for item in islice(found, 5) if isinstance(item, Point)]
+    assert len(costs) == 5
+    assert sum(costs) == problem.evaluated - before

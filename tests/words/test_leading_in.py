@@ -1,0 +1,15 @@
+"""Which event leads into a leg of a word."""
+
+from __future__ import annotations
+
+from hybrid_systems import DAMPER
+
+from contwalk.problems.hybrid.word import Leg, Word
+
+
+def test_it_is_the_one_that_ends_the_leg_before():
+    legs = tuple(Leg(transition.source, transition) for transition in DAMPER.transitions)
+    word = Word(legs)
+    names = [leg.name for leg in legs]
+    assert len(set(names)) == len(names) > 1
+    assert [word.leading_in(DAMPER, i) for i in range(len(legs))] == [names[-1], *names[:-1]]
