@@ -260,3 +260,13 @@ def test_comparisons_are_combined_with_what_is_known_already(known, value):
         return (2.0 if either else 3.0) * (5.0 if both else 7.0)
 
     assert kernel_of(chosen, 1)((value,)) == chosen((np.bool_(value > 0.0) * 2.0 - 1.0,))
+
+
+@pytest.mark.parametrize("factor", [0.0, 1.0, -1.0, 0.5, -0.5, 1.5, -1.5, 2.0, -2.0])
+def test_products_and_quotients_with_constants_are_what_they_say(factor):
+    """Those with one and minus one are left out of the code."""
+
+    def scaled(v):
+        return factor * v[0] + v[0] * factor, v[0] / (factor or 3.0), factor / v[0]
+
+    assert tuple(kernel_of(scaled, 1)((0.7,))) == scaled((0.7,))

@@ -10,6 +10,7 @@ import pytest
 from contwalk.branch import Outcome
 from contwalk.errors import ContwalkError, DatabaseError
 from contwalk.storage import write_tables
+from contwalk.storage.shown import html_of, line_of
 
 
 @pytest.fixture
@@ -97,3 +98,12 @@ def test_real_pandas(run):
     table = run["b1"].to_pandas()
     assert isinstance(table, pandas.DataFrame)
     assert len(table) == 3
+
+
+def test_a_database_shows_itself_by_its_line_and_its_branches(run):
+    """In notebooks as a table of HTML: the line without its angle brackets is the caption."""
+    line = line_of(run)
+    assert (line[0], line[-1]) == ("<", ">")
+    shown = html_of(run)
+    assert line[1:-1].replace("&", "&amp;") in shown
+    assert "b1" in shown

@@ -73,3 +73,13 @@ def test_a_cubic_is_told_by_its_values_and_rates_at_both_ends(share):
     given = [np.array([v]) for v in (share, b - a, cubic(a), cubic(b), slope(a), slope(b))]
     # The values are of the order of 60.
     assert _cubic(*given)[0] == pytest.approx(cubic(a + share * (b - a)), abs=1e-13)
+
+
+def test_turns_are_looked_for_between_the_samples_where_a_rate_changes_its_sign():
+    times = np.linspace(0.0, 5.0, 6)
+    rates = np.array([[1.0, -1.0], [2.0, -2.0], [-1.0, -1.0], [-3.0, 1.0], [4.0, 2.0], [5.0, 3.0]])
+    smooth = Smooth(times, np.zeros((6, 2)), rates, lambda t: t, lambda t, x: x)
+    which, low, high, *_ = smooth.brackets(np.array([0, 1]))
+    found = sorted(zip(which.tolist(), low.tolist(), high.tolist(), strict=True))
+    assert found == [(0, 1.0, 2.0), (0, 3.0, 4.0), (1, 2.0, 3.0)]
+    assert smooth.brackets(np.array([1]))[0].tolist() == [1]

@@ -2,6 +2,8 @@
 maps.
 """
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -9,7 +11,9 @@ from small_systems import small_system
 
 import contwalk as cw
 from contwalk.problems.orbit.beginning import orbit_at
-from contwalk.problems.orbit.normal_forms import ReturnMap
+from contwalk.problems.orbit.describing import _criticality
+from contwalk.problems.orbit.normal_forms import ReturnMap, units
+from contwalk.system import State
 
 
 def field(t, x, p, dx):
@@ -139,3 +143,28 @@ def test_critical_vectors(at_orbit, which):
     largest = q[np.argmax(np.abs(q))]
     assert largest.real > 0.0
     assert abs(largest.imag) <= 1e-14 * largest.real
+
+
+def test_deviations_are_measured_in_what_the_orbit_moves_by_or_in_what_it_moves_by_most():
+    """A state at rest has its declared scale, or its magnitude; where neither is known, the largest range."""
+    states = np.array([[2.0, 0.0, -0.25, 3.0, 0.0], [-2.0, 0.0, 0.25, 3.0, 0.0]])
+    names = (State("a"), State("b"), State("c"), State("d"), State("e", scale=7.0))
+    found = units(SimpleNamespace(states=names), states, np.array([2.0, 0.0, 0.25, 3.0, 7.0]))
+    assert found.tolist() == [2.0, 2.0, 0.25, 3.0, 7.0]
+
+
+@pytest.mark.parametrize(
+    ("coefficient", "error", "expected"),
+    [
+        (-2.0, None, "supercritical"),
+        (2.0, None, "subcritical"),
+        (-2.0, 1.0, "supercritical"),
+        (1.0, 2.0, None),
+    ],
+)
+def test_a_negative_cubic_coefficient_is_supercritical_where_it_is_known_not_to_vanish(
+    coefficient, error, expected
+):
+    criticality, note = _criticality(coefficient, error)
+    assert criticality == expected
+    assert (note is None) == (expected is not None)
