@@ -18,31 +18,38 @@ class Orbits(MadeUp):
 
 
 def cubic():
-    """lam = x + x^3: no straight line leads to a value of the parameter."""
-    return Orbits(lambda z: [z[1] - z[0] - z[0] ** 3], lambda z: [[-1.0 - 3.0 * z[0] ** 2, 1.0]])
+    """lam = x + x^3 and y = -lam: no straight line leads to a value of the parameter."""
+    return Orbits(
+        lambda z: [z[2] - z[0] - z[0] ** 3, z[1] + z[2]],
+        lambda z: [[-1.0 - 3.0 * z[0] ** 2, 0.0, 1.0], [0.0, 1.0, 1.0]],
+    )
+
+
+def place(x):
+    return x, -x - x**3, x + x**3
 
 
 def at(problem, x):
-    return problem.sample((x, x + x**3), (1.0, 1.0))
+    return problem.sample(place(x), (1.0, -1.0, 1.0))
 
 
 def test_a_step_over_the_parameter_of_the_beginning_passes_it():
     problem = cubic()
-    segment = problem.segment((0.5, 0.625), (0.7, 0.7 + 0.343))
+    segment = problem.segment(place(0.5), place(0.7))
     assert _comes_back(segment, at(problem, 0.6))
     assert not _comes_back(segment, at(problem, 0.8))
 
 
 def test_a_step_the_other_way_does_not():
     problem = cubic()
-    segment = problem.segment((0.7, 0.7 + 0.343), (0.5, 0.625))
+    segment = problem.segment(place(0.7), place(0.5))
     assert not _comes_back(segment, at(problem, 0.6))
 
 
 def test_the_search_ends_where_it_is_there():
     """Newton's method gets there in a few corrections, each of a few evaluations; it does not go on."""
     problem = cubic()
-    segment = problem.segment((0.5, 0.625), (0.7, 0.7 + 0.343))
+    segment = problem.segment(place(0.5), place(0.7))
     origin, before = at(problem, 0.6), problem.evaluated
     assert _comes_back(segment, origin)
     assert problem.evaluated - before < 30
