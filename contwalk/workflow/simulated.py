@@ -10,6 +10,7 @@ from contwalk.flow.events import Event
 
 LONGEST = 500_000  # steps, after which a motion that has not settled is given up
 PARTS = 4  # samples to a step where extremes are looked for
+DRAWN, MOST_DRAWN = 8, 200_000  # samples to a step in figures, and in all
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +31,9 @@ class Simulated:
     steps, evaluations : int
     note : str
         What to know of the start.
+    drawn : tuple of ndarray, optional
+        Times, states and modes for figures, so near to each other that curves have no corners; those that are
+        stored if there are none.
     """
 
     times: np.ndarray
@@ -42,3 +46,12 @@ class Simulated:
     steps: int
     evaluations: int
     note: str = ""
+    drawn: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+
+
+def drawn_at(steps: np.ndarray, points: int) -> np.ndarray:
+    """Instants at which a motion is drawn: some in each of its steps, whose ends are given, and those stored."""
+    number = max(min(DRAWN, MOST_DRAWN // max(len(steps) - 1, 1)), 1)
+    shares = np.linspace(0.0, 1.0, number + 1)[:-1]
+    inner = (steps[:-1, None] + shares * np.diff(steps)[:, None]).ravel()
+    return np.union1d(inner, np.linspace(steps[0], steps[-1], points))

@@ -92,7 +92,10 @@ def simulate(
     trajectory = _trajectory(run, parameters, motion)
     write_trajectory(database, trajectory)
     _write_tables(trajectory, tables)
-    drawn = [_drawn(run, spec, path, trajectory) for spec, path in names]
+    fine = trajectory
+    if motion.drawn is not None:
+        fine = replace(trajectory, **dict(zip(("times", "values", "modes"), motion.drawn, strict=True)))
+    drawn = [_drawn(run, spec, path, fine) for spec, path in names]
     counts = motion.settled, motion.steps, motion.evaluations
     return SimulationResult(trajectory, [database, *tables], drawn, *counts, motion.reason, motion.note)
 
@@ -139,7 +142,7 @@ def _smoothly(
     from contwalk.flow.blaming import told
     from contwalk.flow.motion import magnitudes, pieces
     from contwalk.flow.settling import Settling
-    from contwalk.workflow.simulated import LONGEST, PARTS, Simulated
+    from contwalk.workflow.simulated import LONGEST, PARTS, Simulated, drawn_at
 
     system, settings = run.system, run.simulation
     machine = _machine(run, parameters)
@@ -166,10 +169,12 @@ def _smoothly(
                 break
     times = np.concatenate([parts[0].times, *(part.times[1:] for part in parts[1:])])
     states = np.concatenate([parts[0].states, *(part.states[1:] for part in parts[1:])])
-    at, values = times, states
+    at, values, fine, curve = times, states, times, states
     if len(times) > 1:
-        at = np.linspace(times[0], times[-1], settings.points)
-        values = dense(machine.field, machine.c, times, states, at, settings.method)
+        at, fine = np.linspace(times[0], times[-1], settings.points), drawn_at(times, settings.points)
+        values, curve = (
+            dense(machine.field, machine.c, times, states, each, settings.method) for each in (at, fine)
+        )
     return Simulated(
         times=at,
         values=values,
@@ -180,6 +185,7 @@ def _smoothly(
         settled=settled if settles else None,
         steps=len(times) - 1,
         evaluations=sum(part.evaluations for part in parts),
+        drawn=(fine, curve, np.zeros(len(fine), dtype=int)),
     )
 
 

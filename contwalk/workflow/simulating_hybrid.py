@@ -18,7 +18,7 @@ from contwalk.problems.hybrid.layout import Layout
 from contwalk.problems.stored_word import StoredWord
 from contwalk.system import System, Transition
 from contwalk.workflow.run_settings import ReportAt
-from contwalk.workflow.simulated import LONGEST, PARTS, Simulated
+from contwalk.workflow.simulated import LONGEST, PARTS, Simulated, drawn_at
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +104,9 @@ def simulated(
             settled = settling.add(_between(machine, part, even, method), own)
             if settled or steps >= LONGEST:
                 break
-    times, values, modes = _stored(machine, found, points, method)
+    begin, finish = found[0].times[0], found[-1].times[-1]
+    times, values, modes = _stored(machine, found, np.linspace(begin, finish, points), method)
+    steps_taken = np.unique(np.concatenate([part.times for part in found]))
     return Simulated(
         times=times,
         values=values,
@@ -116,6 +118,7 @@ def simulated(
         steps=steps,
         evaluations=sum(part.evaluations for part in found),
         note=note,
+        drawn=_stored(machine, found, drawn_at(steps_taken, points), method),
     )
 
 
@@ -164,10 +167,9 @@ def _events(machine: HybridMachine, found: list[Arc]) -> list[Event]:
 
 
 def _stored(
-    machine: HybridMachine, found: list[Arc], points: int, method: str
+    machine: HybridMachine, found: list[Arc], grid: np.ndarray, method: str
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Evenly spaced instants and both sides of each transition: times, states, numbers of modes."""
-    grid = np.linspace(found[0].times[0], found[-1].times[-1], points)
+    """Given instants and both sides of each transition: times, states, numbers of modes."""
     numbers = [mode.name for mode in machine.system.modes]
     times, values, modes = [], [], []
     begins = True

@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pytest
 
+from contwalk import plotting
 from contwalk.storage.trajectory import read_trajectory
 
 # x'' = -x with x = cos t; `high` is passed twice within 0.1, far less than a step.
@@ -183,3 +184,22 @@ def test_warmup_says_what_it_did_and_where(contwalk, monkeypatch, tmp_path):
     monkeypatch.setenv("CONTWALK_CACHE_DIR", str(tmp_path / "none"))
     monkeypatch.setattr("contwalk.flow.explicit.warmup", nothing)
     assert [part.state for part in warming.warm()[0]] == ["not kept"] * 5
+
+
+@pytest.mark.parametrize("system", ["./spring.py", "./hard.py"])
+def test_portraits_have_no_corners_however_few_instants_are_stored(contwalk, spring, monkeypatch, system):
+    seen, draw = [], plotting.plot_phase_portrait
+
+    def watched(curves, *given, **options):
+        seen.extend(curves)
+        return draw(curves, *given, **options)
+
+    monkeypatch.setattr(plotting, "plot_phase_portrait", watched, raising=False)
+    given = (f"system={system}", "parameters.level=0.5", "simulate.points=7", "simulate.until=20")
+    assert contwalk("simulate", "s.yaml", *(word for one in given for word in ("--set", one))).code == 0
+    assert len(read_trajectory("s_trajectory.h5").times) < 60  # both sides of each impact among them
+    (curve,) = seen
+    radius, way = np.hypot(*curve.T), np.hypot(*np.diff(curve, axis=0).T)
+    np.testing.assert_allclose(radius[np.isfinite(radius)], 1.0, atol=1e-6)  # x = cos t, reflected by impacts
+    # A step of order eight is one to two radians long, and eight parts of it are drawn.
+    assert np.nanmax(way) < 0.35
