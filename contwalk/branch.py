@@ -85,7 +85,7 @@ class BranchInfo:
                 ("tangent", "f8", (self.unknowns + 1,)),  # unit vector, towards growing s
                 ("weights", "f8", (self.unknowns + 1,)),  # of the metric
                 ("step", "f8"),  # next step length from here
-                ("error", "f8"),  # estimated error of the point in its metric
+                ("error", "f8"),  # estimated error of the point in its metric; NaN where the branch is born
                 ("residual", "f8"),  # residual over its own rounding error
                 ("iterations", "i4"),
                 ("rhs", "i8"),  # evaluations of the vector field spent on this point

@@ -38,7 +38,8 @@ def to_row(info: BranchInfo, problem: Problem, here: Here, sign: float, special:
         row[column] = np.nan
         row[column][0, : len(values)] = values
     row["step"] = here.step
-    row["error"] = sample.error
+    born = info.parent is not None and here.s == 0.0  # the equations are singular there, and tell no error
+    row["error"] = np.nan if born else sample.error
     row["residual"] = sample.excess
     row["iterations"] = sample.iterations
     row["rhs"] = sample.evaluations

@@ -97,7 +97,6 @@ def switch_branch(
         If no other branch leaves that point.
     """
     special = branch.special(point) if isinstance(point, str) else point
-    chosen = _settings(problem, range, marks, settings, float(special.unknowns[-1]))
     pinned = [pin.name for pin in problem.pins]
     # Its orbits may close up to a symmetry, the given problem's fully; it may have found neutral directions.
     if branch.info.problem != "equilibrium" or pinned != list(branch.info.settings.get("pins", ())):
@@ -110,6 +109,9 @@ def switch_branch(
             "Branches leave branch points (BP), Hopf points (HB) and period doublings (PD).",
         )
     seed = seeds[0]
+    # What is watched along the new branch: of cycles that are born at a Hopf point more than of equilibria.
+    born: Any = seed.problem
+    chosen = _settings(born, range, marks, settings, float(special.unknowns[-1]))
     here = begin(seed.problem, seed.z, chosen, seed.tangent, seed.reach)
     opening = Opening(seed.problem, here, one_sided=seed.one_sided)  # type: ignore[arg-type]  # a seed lies on the branch already
     parent = (branch.name, special.s)

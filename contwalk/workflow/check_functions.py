@@ -27,15 +27,22 @@ def check_field(report: Report, what: str, mode: Mode, system: System, samples: 
     if found is None or not check_values(report, what, found, samples):
         return None
     check_derivatives(report, what, found, samples)
-    if system.period is None and 0 in found.depends():
+    check_clock(report, what, found, system, function)
+    report.ok(what, f"writes {_count(form, system)} and can be differentiated.", place_of(function))
+    return found
+
+
+def check_clock(
+    report: Report, what: str, field: Traced, system: System, function: Callable[..., Any]
+) -> None:
+    """Check that a field that depends on the time belongs to a system with a period."""
+    if system.period is None and 0 in field.depends():
         report.error(
             what,
             "It depends on t, but the system declares no period. Declare period=function of p, as "
             "period=lambda p: 2 * math.pi / p.omega.",
             place_of(function),
         )
-    report.ok(what, f"writes {_count(form, system)} and can be differentiated.", place_of(function))
-    return found
 
 
 def traced_field(report: Report, what: str, mode: Mode, system: System) -> Traced | None:

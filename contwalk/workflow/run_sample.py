@@ -10,6 +10,7 @@ from pathlib import Path
 from contwalk.errors import RunFileError, StartError
 from contwalk.system import System
 from contwalk.workflow import run_settings as settings
+from contwalk.workflow.file_names import beside
 from contwalk.workflow.run_file import opened
 from contwalk.workflow.run_motions import Sampling
 from contwalk.workflow.run_parameters import check_bounds, given_values
@@ -53,7 +54,7 @@ class SampleFile:
 
     def file(self, what: str) -> Path:
         """The file of this ending, as `samples.h5`."""
-        return self.output.with_name(f"{self.output.stem}_{what}")
+        return beside(self.output, what)
 
 
 def read_sampling(path: str | Path, overrides: Sequence[str] = (), output: str | None = None) -> SampleFile:

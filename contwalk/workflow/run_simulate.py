@@ -10,6 +10,7 @@ import numpy as np
 
 from contwalk.system import System
 from contwalk.workflow import run_settings as settings
+from contwalk.workflow.file_names import beside
 from contwalk.workflow.run_file import need_start, opened
 from contwalk.workflow.run_model import RunModel
 from contwalk.workflow.run_motions import Simulation
@@ -63,7 +64,7 @@ class SimulationFile:
 
     def file(self, what: str) -> Path:
         """The file of this ending, as `trajectory.h5`."""
-        return self.output.with_name(f"{self.output.stem}_{what}")
+        return beside(self.output, what)
 
 
 def read_simulation(

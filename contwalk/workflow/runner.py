@@ -25,9 +25,11 @@ from contwalk.storage.hdf5 import Hdf5Database
 from contwalk.system.loading import plugin_files
 from contwalk.workflow.equations import equations_hash, equations_text
 from contwalk.workflow.figures import draw_figure
+from contwalk.workflow.file_names import beside
 from contwalk.workflow.going_on import WIDENED, Claims, differences, header_of_both
 from contwalk.workflow.run_file import RunFile
 from contwalk.workflow.starting import Place, places, starts
+from contwalk.workflow.sweep_notes import lost_values
 
 
 class Reporter:
@@ -103,6 +105,11 @@ def run(
         )
         _Recorder(db, reporter, result, run_file).record(diagram)
         result.branches = db.branches()
+        lost = lost_values(run_file.sweep, result.branches, run_file.output.name)
+        if lost and not result.interrupted:
+            db.write_note("sweep", lost)
+        for text in db.notes().values():  # those of an earlier process too, of branches that it finished
+            reporter.note(text)
     if figures and not result.interrupted:
         result.figures = list(_figures(run_file, result, reporter))
     return result
@@ -343,18 +350,21 @@ def check_figures(run_file: RunFile, replacing: bool) -> None:
 
 
 def _figure_paths(run_file: RunFile) -> list[Path]:
-    """Files beside the database, `<output>_<figure>.png` unless the run file names them."""
+    """Files beside the database, `X_<figure>.png` of `X.h5` unless the run file names them."""
     output, paths = run_file.output, []
     for number, figure in enumerate(run_file.figures):
         same = [f.name for f in run_file.figures[:number]].count(figure.name)
         suffix = f"_{same + 1}" if same else ""
-        file = figure.options.get("file") or f"{output.stem}_{figure.name}{suffix}.png"
-        paths.append(output.parent / str(file))
+        own = beside(output, f"{figure.name}{suffix}.png")
+        paths.append(output.parent / str(figure.options["file"]) if figure.options.get("file") else own)
     return paths
 
 
 def _figures(run_file: RunFile, result: RunResult, reporter: Reporter) -> Iterator[Path]:
     """The figures of the run file, drawn."""
+    if run_file.figures and not any(len(branch) for branch in result.branches):
+        reporter.note("No branch has a point, so no figure was drawn.")
+        return
     for figure, path in zip(run_file.figures, _figure_paths(run_file), strict=True):
         options = dict(figure.options)
         if figure.name == "stability_map" and "y" not in options and run_file.sweep is not None:

@@ -50,7 +50,7 @@ class Simulated:
 
 
 def drawn_at(steps: np.ndarray, points: int) -> np.ndarray:
-    """Instants at which a motion is drawn: some in each of its steps, whose ends are given, and those stored."""
+    """Instants at which a motion is drawn: some in each of its steps, by their ends, and those stored."""
     number = max(min(DRAWN, MOST_DRAWN // max(len(steps) - 1, 1)), 1)
     shares = np.linspace(0.0, 1.0, number + 1)[:-1]
     inner = (steps[:-1, None] + shares * np.diff(steps)[:, None]).ravel()

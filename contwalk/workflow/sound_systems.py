@@ -19,7 +19,7 @@ from contwalk.workflow.check_conserved import check_conserved
 from contwalk.workflow.check_declarations import check_period, check_repeats
 from contwalk.workflow.check_events import check_soft, check_states, traced_reset
 from contwalk.workflow.check_findings import Finding, Report
-from contwalk.workflow.check_functions import check_never_finite, traced_guard
+from contwalk.workflow.check_functions import check_clock, check_never_finite, traced_guard
 from contwalk.workflow.check_modes import CheckedFields, distinct_transitions
 from contwalk.workflow.check_samples import samples_of
 from contwalk.workflow.check_symmetry import compare_symmetry
@@ -90,9 +90,15 @@ def _findings(system: System) -> list[Finding]:
         what = f"field of mode '{name}'"
         if check_never_finite(report, what, field, samples) and period is not None:
             check_repeats(report, what, field, samples, period)
+    symmetric = Report()
     for symmetry in system.symmetries:
         form = vector_form(system, "map", "x_image")
-        image = traced(report, f"symmetry '{symmetry.name}'", symmetry.map, system, form)
+        image = traced(symmetric, f"symmetry '{symmetry.name}'", symmetry.map, system, form)
         if image is not None and fields.complete:
-            compare_symmetry(report, symmetry, image, system, fields, samples, period)
-    return report.findings
+            compare_symmetry(symmetric, symmetry, image, system, fields, samples, period)
+    if any(finding.level == "error" for finding in symmetric.findings):  # for want of a period, perhaps
+        for mode in system.modes:
+            found = dict(fields.items()).get(mode.name)
+            if found is not None:
+                check_clock(report, f"field of mode '{mode.name}'", found, system, mode.field)
+    return report.findings + symmetric.findings

@@ -15,6 +15,7 @@ from contwalk.continuation.verification import Comparison
 from contwalk.errors import ContwalkError
 from contwalk.storage.failures import refuse_existing
 from contwalk.storage.hdf5 import Hdf5Database
+from contwalk.workflow.file_names import beside
 from contwalk.workflow.pairing import counted, paired, value_of
 from contwalk.workflow.run_file import RunFile
 from contwalk.workflow.run_values import LOWEST_ACCURACY
@@ -261,8 +262,7 @@ def _relative(difference: float, value: float) -> float:
 
 def names_of_files(run_file: RunFile) -> tuple[Path, Path]:
     """Table and figure, beside the run's output."""
-    output = run_file.output
-    return output.with_name(f"{output.stem}_tradeoff.csv"), output.with_name(f"{output.stem}_tradeoff.png")
+    return beside(run_file.output, "tradeoff.csv"), beside(run_file.output, "tradeoff.png")
 
 
 def write(run_file: RunFile, found: Tradeoff, figure: bool = True) -> list[Path]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shlex
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 
 from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint
 from contwalk.cli import progress
-from contwalk.storage import open_database
+from contwalk.storage import hdf5, open_database
 from contwalk.workflow import runner
 
 
@@ -230,3 +231,74 @@ def test_json_of_a_run_is_the_documents(contwalk):
     contwalk("continue", "run.yaml")
     shown = json.loads(contwalk("show", "fork.h5", "--json").out)
     assert [p["label"] for p in shown["branches"][0]["special_points"]] == ["EP", "BP", "EP"]
+
+
+def test_figures_bear_the_whole_name_of_an_output_with_another_suffix(contwalk, folder):
+    figures = ("--set", "figures=[bifurcation_diagram]", "--quiet")
+    assert contwalk("continue", "run.yaml", *figures).code == 0
+    first = (folder / "fork_bifurcation_diagram.png").read_bytes()
+    other = (*figures, "--set", "parameters.a=3.0", "--set", "continue.range=[-0.5, 0.5]")
+    assert contwalk("continue", "run.yaml", *other, "--output", "fork.txt").code == 0
+    assert (folder / "fork_bifurcation_diagram.png").read_bytes() == first
+    assert (folder / "fork.txt_bifurcation_diagram.png").is_file()
+
+
+def test_a_start_that_fails_has_no_figure_and_nothing_to_plot(contwalk, folder):
+    plugin = folder / "fork.py"
+    plugin.write_text(
+        plugin.read_text(encoding="utf-8").replace("x[:, 0].max()", "x[:, 0]"), encoding="utf-8"
+    )
+    done = contwalk("continue", "run.yaml", "--set", "figures=[bifurcation_diagram]")
+    assert done.code == 1
+    assert re.search(r"fork\.py, line \d+: TypeError", done.err)  # the observable's own line
+    assert "note: No branch has a point, so no figure was drawn." in done.out
+    assert "contwalk plot" not in done.out
+    assert not list(folder.glob("*.png"))
+
+
+def test_notes_of_finished_branches_are_told_again_by_resume(contwalk):
+    mark = ("--set", "mark={height: [0.5]}", "--set", "diagram={follow: [BP]}")
+    first = contwalk("continue", "run.yaml", *mark)
+    notes = [line for line in first.out.splitlines() if line.startswith("note: ")]
+    with open_database("fork.h5") as db:
+        stored = db.notes()
+    with hdf5.Hdf5Database.open("fork.h5", writable=True) as db:
+        db.write_note("method b1", "b1: integrated by dop853.")
+    again = contwalk("continue", "run.yaml", *mark, "--resume")
+    told = [line for line in again.out.splitlines() if line.startswith("note: ")]
+    assert set(notes) == {f"note: {text}" for text in stored.values()}
+    assert sorted(told) == sorted([*notes, "note: b1: integrated by dop853."])
+
+
+ROOTS = """\
+from contwalk.system import Mode, Parameter, State, System
+
+def field(t, x, p, dx):
+    dx[0] = p.c + 0.1 * p.r - x[0] ** 2
+
+SYSTEM = System(
+    name="roots",
+    states=(State("x", unit="1", about="root"),),
+    parameters=(Parameter("r", 0.0, unit="1", about="shift"), Parameter("c", 1.0, unit="1", about="square")),
+    modes=(Mode("only", field),),
+)
+"""
+
+
+@pytest.mark.parametrize(("values", "told"), [("[1.0, -1.0, -2.0]", "at c = -1, -2."), ("[-1.0, -2.0]", "")])
+def test_values_of_a_sweep_at_which_the_start_leads_nowhere_are_told(contwalk, folder, values, told):
+    (folder / "roots.py").write_text(ROOTS, encoding="utf-8")
+    (folder / "roots.yaml").write_text(
+        "system: ./roots.py\nstart: {state: {x: 1.0}}\ncontinue: {parameter: r, range: [-0.5, 0.5]}\n"
+        f"sweep: {{c: {values}}}\n",
+        encoding="utf-8",
+    )
+    done = contwalk("continue", "roots.yaml")
+    assert done.code == 1
+    said = [line for line in done.out.splitlines() if "begins from the same start" in line]
+    assert len(said) == bool(told)
+    assert all(told in line and "point: b1/0" in line for line in said)
+    given = ("--set", "sweep=null", "--set", "start={from: roots.h5, point: b1/0}")
+    given += ("--set", "parameters={c: 1.5}", "--output", "more.h5")
+    if told:
+        assert contwalk("continue", "roots.yaml", *given).code == 0

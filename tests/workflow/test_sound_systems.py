@@ -276,3 +276,23 @@ class TestNeverFinite:
 
     def test_one_that_is_a_number_elsewhere_is_not(self):
         refuse_unsound(self.hit(lambda t, x, p: (x[0] - 100.0) ** 0.5 - 1.0))
+
+
+def point_mirror(t, x, p, image):
+    image[0], image[1] = -x[0], -x[1]
+
+
+def test_a_forced_system_without_a_period_is_told_so_before_its_symmetry():
+    def forced(t, x, p, dx):
+        dx[0], dx[1] = x[1], -x[0] + p.a * math.cos(p.w * t)
+
+    # Half a period later the mirror holds; without a period it cannot.
+    mirrored = oscillator(forced, symmetries=(Symmetry("mirror", "spatial", point_mirror),))
+    with pytest.raises(SystemDefinitionError, match="depends on t, but the system declares no period"):
+        refuse_unsound(mirrored)
+
+    def growing(t, x, p, dx):
+        dx[0], dx[1] = x[1], -p.a * x[0] * (1.0 + math.exp(-t))
+
+    # One that holds at each instant is no reason to ask for a period: such a motion can be simulated.
+    refuse_unsound(oscillator(growing, symmetries=(Symmetry("mirror", "spatial", point_mirror),)))
