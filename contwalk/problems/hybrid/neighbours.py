@@ -104,7 +104,8 @@ def _leaving(
     reasons = []
     for changing in ([limit, *alike], *([each] for each in (limit, *alike) if alike)):
         try:
-            neighbour = _all_built(problem, z, changing, place)
+            at = place if changing[0] is limit else _place(problem, z, changing[0])
+            neighbour = _all_built(problem, z, changing, at)
             seed = _seed(neighbour, label, _words(neighbour.problem))
             if not any(_one(seed, other) for other in seeds):
                 seeds.append(seed)
@@ -161,12 +162,13 @@ def _all_built(
     first, *others = changing
     if others and first.test not in TOUCHES:
         return _collapsed(problem, z, changing)
-    touched = [_touched(problem, z, other) for other in others]
+    scale = discretized(problem, z).mesh.variation
+    touched = [_touched(problem, z, other, scale) for other in others]
     neighbour = _built(problem, z, first, place)
     for other, state in zip(others, touched, strict=True):
         there, unknowns = neighbour.problem, neighbour.z
         again = [o for o in there.limits if (o.test, o.name) == (other.test, other.name)]
-        apart = [float(np.linalg.norm(_touched(there, unknowns, o) - state)) for o in again]
+        apart = [float(np.linalg.norm(_touched(there, unknowns, o, scale) - state)) for o in again]
         apart = [each if np.isfinite(each) else np.inf for each in apart]
         if not apart or not min(apart) < SAME_TOUCH:
             if other.test == "rate":
@@ -177,18 +179,18 @@ def _all_built(
     return neighbour
 
 
-def _touched(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> np.ndarray:
+def _touched(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, scale: np.ndarray) -> np.ndarray:
     """Where a guard is touched, or arrives; NaN where it does not turn.
 
-    The phase of the force, as a place on a circle, and the full state in units of the orbit's variation.
+    The phase of the force, as a place on a circle, and the full state in units of `scale`.
     """
     there = discretized(problem, z)
     share = 1.0 if limit.test == "rate" else float(there.margins(z).places[there.limits.index(limit)])
     if not np.isfinite(share):
-        return np.full(2 + len(there.mesh.variation), np.nan)
+        return np.full(2 + len(scale), np.nan)
     instant = there.starting_times(z)[limit.leg] + share * z[there.layout.durations][limit.leg]
     phase = 2.0 * np.pi * instant / (there.rounds * there.duration(z)) if there.forced else 0.0
-    state = _at(there, z, limit.leg, share) / there.mesh.variation
+    state = _at(there, z, limit.leg, share) / scale
     return np.array([np.cos(phase), np.sin(phase), *state])
 
 
