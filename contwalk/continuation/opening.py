@@ -64,6 +64,12 @@ def opened(
     discretization : Discretization, optional
         Of the orbits that are born on the branch.
     """
+    if free in system.conserved_names:
+        return outcomes.refused(
+            f"An equilibrium has one value of '{free}', and is not continued along it.",
+            "To follow orbits along it, start at one, with start: {simulate: {state: {...}}}, or continue "
+            "the equilibrium along another parameter.",
+        )
     try:
         problem, z = solution_at(system, parameters, free, state, path, at, discretization)
         here = begin(problem, z, settings)

@@ -15,6 +15,7 @@ from contwalk.continuation.newton import Correction
 from contwalk.continuation.opening import Opening, opened
 from contwalk.continuation.settings import Settings
 from contwalk.errors import NotFinite, PluginError, StartError
+from contwalk.problems.conserving import with_own_values
 from contwalk.problems.hybrid.beginning import at_start, orbit_of
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.least import least, unused_symmetries
@@ -34,6 +35,8 @@ from contwalk.system import Neutral, System
 
 Path = tuple[Mapping[str, float], Mapping[str, float]]
 
+# Values of a conserved quantity that differ by more than this part are two.
+OTHER = 1e-6
 # A motion this small against its place may be the last of one that comes to rest.
 FAINT = 1e-6
 UNSTABLE = (
@@ -73,6 +76,58 @@ def opened_orbit(
     subharmonic, pins
         Of smooth orbits, as for `orbit.beginning.orbit_at`.
     """
+    found = _opened_orbit(
+        system,
+        parameters,
+        free,
+        state,
+        settings,
+        path,
+        at,
+        discretization,
+        period,
+        until,
+        mode,
+        event,
+        subharmonic,
+        pins,
+    )
+    if not isinstance(found, Outcome) or found.reason != "no_convergence":
+        return found
+    asked = _other_values(system, at_start(parameters, path, at), state, mode or system.modes[0].name)
+    return replace(found, message=f"{found.message} {asked}".strip())
+
+
+def _other_values(system: System, values: Mapping[str, float], state: np.ndarray, mode: str) -> str:
+    """What a start has of conserved quantities of which something else is asked for, in words."""
+    given = [name for name in system.conserved_names if not np.isnan(values[name])]
+    if not given:
+        return ""
+    own = with_own_values(system, {**values, **dict.fromkeys(given, np.nan)}, state, mode)
+    told = [
+        f"The start has {name} = {own[name]:.6g}, and {values[name]:.6g} is asked for."
+        for name in given
+        if abs(own[name] - values[name]) > OTHER * max(abs(own[name]), abs(values[name]))
+    ]
+    return " ".join(told)
+
+
+def _opened_orbit(
+    system: System,
+    parameters: Mapping[str, float],
+    free: str,
+    state: np.ndarray,
+    settings: Settings,
+    path: Path | None,
+    at: float | None,
+    discretization: Discretization | None,
+    period: float | None,
+    until: float | str | None,
+    mode: str | None,
+    event: str | None,
+    subharmonic: int,
+    pins: Sequence[Neutral] | None,
+) -> Opening | Outcome:
     try:
         if system.acting:
             lap = lap_from(system, at_start(parameters, path, at), state, mode, event, until)
@@ -108,6 +163,8 @@ def opened_orbit(
             )
         if is_one_of_a_family(problem, here.sample.z):
             return _family(problem, z) or _one_of_many()
+        if name := problem.not_conserved(here.sample):
+            return _not_conserved(name)
         return _closed(problem, here, settings)
     except AtRest as rest:
         return _resting(opened(system, parameters, free, rest.state, settings, path, at, discretization))
@@ -185,6 +242,8 @@ def _hybrid(
         return _family(problem, z) or _collapsed(problem, here.sample.z, collapsed, word)
     if is_one_of_a_family(problem, here.sample.z):
         return _family(problem, z) or _one_of_many()
+    if name := problem.not_conserved(here.sample):
+        return _not_conserved(name)
     shorter, z = least(problem, here.sample.z)
     if shorter is not problem:  # it was looked at for longer than its period, or than half of it
         return _hybrid(shorter, z, settings, settled)
@@ -226,6 +285,15 @@ def _family(problem: HybridOrbit | PeriodicOrbit, z: np.ndarray) -> Outcome | No
     if found is None:
         return None
     return outcomes.refused(found.sentence + word, found.remedy)
+
+
+def _not_conserved(name: str) -> Outcome:
+    """The outcome of an orbit along which something that is declared to be conserved is not."""
+    return outcomes.refused(
+        f"'{name}' is not conserved along the first orbit, at these parameters.",
+        "Correct its function in the plugin, or the equations, change the parameters that make it lose or "
+        "gain, or remove it from conserved=(...).",
+    )
 
 
 def _one_of_many() -> Outcome:

@@ -26,6 +26,7 @@ from contwalk.problems.problem import MAX_RE, Linearization, Located, Rates, Sam
 from contwalk.problems.spectrum import EPSILON, Spectrum, spectrum
 from contwalk.problems.switching import branch_point_seeds, second_direction, tangent_through
 from contwalk.problems.unbounded import escape
+from contwalk.python_functions import plain
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 
@@ -93,7 +94,8 @@ class Equilibrium:
         names = system.parameter_names
         begin, end = map(system.all_parameters, path or (self.parameters, self.parameters))
         self._base = [float(begin[name]) for name in names]
-        self._direction = [float(end[name]) - float(begin[name]) for name in names]
+        # What nobody gives of a conserved quantity is the equilibrium's own: NaN, which does not move.
+        self._direction = [float(np.nan_to_num(end[name] - begin[name])) for name in names]
         moving = [k for k, d in enumerate(self._direction) if d != 0.0]
         self._held = self._held_values()
         declared = [(i, s.scale) for i, s in enumerate(system.states) if s.scale is not None]
@@ -145,12 +147,17 @@ class Equilibrium:
         return list(z[: self.size]), [z[self.size]], *constants
 
     def values_of(self, z: np.ndarray) -> dict[str, float]:
-        """All parameters at z, by name."""
+        """All parameters at z, by name; of what is conserved, what the equilibrium has of it."""
         lam = float(z[-1])
         if self.path is None:
-            return {**self.parameters, self.free: lam}
-        names = self.system.parameter_names
-        return {n: b + lam * d for n, b, d in zip(names, self._base, self._direction, strict=True)}
+            values = {**self.parameters, self.free: lam}
+        else:
+            each = zip(self.system.parameter_names, self._base, self._direction, strict=True)
+            values = {name: b + lam * d for name, b, d in each}
+        for quantity in self.system.conserved:
+            function = plain(quantity.of(self.system.modes[0].name))
+            values[quantity.name] = float(function(0.0, z[: self.states], ParameterValues(**values)))
+        return values
 
     def jacobian(self, z: np.ndarray) -> np.ndarray:
         """DF(z), shape (N, N + 1), for critical vectors: entries of df/dx that are rounding noise are zero.

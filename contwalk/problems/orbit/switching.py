@@ -38,9 +38,11 @@ def from_hopf(equilibrium: Equilibrium, point: SpecialPoint) -> Sequence[Seed]:
     sizes = CycleSizes(equilibrium, point)
     magnitudes = sizes(abs(float(z[-1])) or 1.0)
     q = _turned(sizes.right, magnitudes)
+    known = equilibrium.values_of(z)
+    own = {name: known[name] for name in equilibrium.system.conserved_names}
     orbit = PeriodicOrbit(
         equilibrium.system,
-        equilibrium.parameters,
+        equilibrium.parameters | own,
         equilibrium.free,
         equilibrium.path,
         equilibrium.pins,
