@@ -897,17 +897,18 @@ class System:
 
         They are edges: where the guard goes on that way, it has to come back before they happen again.
         """
-        ways = {(t.guard, t.direction) for t in self.transitions if t.name == last and t.target == mode}
+        ways = self._entering.get((last, mode), {})
         return frozenset(
-            t.name for t in self.leaving(mode) if not t.at_entry and (t.guard, t.direction) in ways
+            t.name for t in self.leaving(mode) if not t.at_entry and t.direction in ways.get(t.guard, ())
         )
 
     @cached_property
-    def _entering(self) -> dict[tuple[str, str], set[Callable[..., float]]]:
-        """Guards of the transitions of a name into a mode."""
-        found: dict[tuple[str, str], set[Callable[..., float]]] = {}
+    def _entering(self) -> dict[tuple[str, str], dict[Callable[..., float], set[str]]]:
+        """Guards of the transitions of a name into a mode, and the directions in which they pass zero."""
+        found: dict[tuple[str, str], dict[Callable[..., float], set[str]]] = {}
         for transition in self.transitions:
-            found.setdefault((transition.name, transition.target), set()).add(transition.guard)
+            into = found.setdefault((transition.name, transition.target), {})
+            into.setdefault(transition.guard, set()).add(transition.direction)
         return found
 
     @property
