@@ -14,6 +14,9 @@ from contwalk.continuation.settings import Settings
 from contwalk.problems.linear import kernel_direction
 from contwalk.problems.problem import Problem, Sample
 
+# A magnitude this many times an unknown's size and how far it moves is none.
+FAR = 100.0
+
 
 @dataclass(frozen=True)
 class Here:
@@ -63,6 +66,9 @@ def begin(
     if reach is not None:
         moved = reach(span)
         magnitudes = np.where(np.isfinite(magnitudes) | ~(moved > 0.0), magnitudes, moved)
+        # Where equations are singular, what they tell of an unknown may be far more than it ever moves by.
+        size = np.maximum(np.abs(z), moved)
+        magnitudes = np.where((moved > 0.0) & (magnitudes > FAR * size), size, magnitudes)
     weights = updated(None, crowded(problem, magnitudes), settings, np.abs(z), float(z[-1]))
     tangent = toward if toward is not None else first_tangent(linearization.jacobian, weights)
     sample = problem.examine(z, tangent, weights, linearization, None)

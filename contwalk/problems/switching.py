@@ -148,12 +148,16 @@ def branch_point_seeds(problem: Equilibrium, point: SpecialPoint) -> Sequence[Se
 
     vertical = keep_parameter(problem, z, weights)
 
+    declared = [i for i, state in enumerate(problem.system.states) if state.scale is not None]
+
     def moved(change: float) -> np.ndarray:
-        """How far the branch moves; what it leaves at rest moves on the parent."""
+        """How far the branch moves; what it leaves at rest moves on the parent. Declared scales stay."""
         if vertical:  # however far: the parameter does not move with it
             return np.append(np.zeros(problem.size), change)
         own = reach(problem, z, tangent, change)
-        return np.where(own > 0.0, own, reach(problem, z, parent, change))
+        far = np.where(own > 0.0, own, reach(problem, z, parent, change))
+        far[declared] = 0.0
+        return far
 
     return (Seed("BP", z, tangent, moved, problem),)
 

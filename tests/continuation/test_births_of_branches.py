@@ -10,6 +10,7 @@ from contwalk.continuation.diagram import Diagram, Plan
 from contwalk.continuation.opening import opened
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.work import Start
+from contwalk.system import State
 
 
 def away_from_zero(critical, sign):
@@ -41,3 +42,32 @@ def test_the_count_of_a_branch_that_is_born_is_told_where_it_is_certain(critical
     assert labelled(born, "LP", "BP", "HB") == []
     beside = born.points["s"] != 0.0
     assert born.points["unstable"][beside].tolist() == [unstable] * int(beside.sum())
+
+
+@pytest.mark.parametrize("critical", [0.3, 1.1])
+def test_a_branch_away_from_zero_is_measured_by_how_far_it_goes(critical):
+    """Its equations, singular there, told of magnitudes of 3000 for states of 0.6: it took 400 points."""
+    system = small_system(away_from_zero(critical, -1.0), "xy", {"lam": 0.0})
+    settings, parameters = Settings(range=(0.75 * critical, 1.25 * critical)), {"lam": 0.8 * critical}
+    opening = opened(system, parameters, "lam", np.array([0.79, 0.7]) / 1.28, settings)
+    diagram = Diagram([Start(system, "lam", parameters, opening, "start")], Plan(settings, depth=1))
+    assert list(diagram.events())
+    _, born = diagram.branches
+    assert born.outcome.reason == "bound"
+    assert born.points["weights"][:, :2].max() < 2.0
+    assert (
+        len(born) < 2 * 64
+    )  # steps move the parameter by at most a 64th of the range, over half of it twice
+
+
+@pytest.mark.parametrize("scale", [0.1, 1e4])
+def test_declared_scales_stay(scale):
+    system = small_system(
+        away_from_zero(0.3, -1.0), [State(name, scale=scale) for name in "xy"], {"lam": 0.0}
+    )
+    settings, parameters = Settings(range=(0.2, 0.4), max_points=40), {"lam": 0.25}
+    opening = opened(system, parameters, "lam", np.array([0.79, 0.7]) / 1.28, settings)
+    diagram = Diagram([Start(system, "lam", parameters, opening, "start")], Plan(settings, depth=1))
+    assert list(diagram.events())
+    _, born = diagram.branches
+    assert born.points["weights"][born["s"] == 0.0, :2].tolist() == [[scale, scale]]
