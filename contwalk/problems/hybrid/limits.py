@@ -510,10 +510,9 @@ def located(problem: HybridOrbit, which: int, sample: Sample) -> Located | None:
 
 def _system(problem: HybridOrbit, which: int, limit: Limit, sample: Sample) -> augmented.Augmented | None:
     """The orbit's equations with those of the limit."""
-    if limit.test in ("rate", "duration"):
-        for leg in (limit.leg, (limit.leg + 1) % problem.layout.legs)[: 1 if limit.test == "duration" else 2]:
-            if _vanishes(problem, leg, sample):
-                return _vanishing(problem, which, leg, sample)
+    for leg in _doubtful(problem, limit):
+        if _vanishes(problem, leg, sample):
+            return _vanishing(problem, which, leg, sample)
     i, size = limit.leg, problem.size
     start, scale = sample.z, sample.weights
     share = 1.0
@@ -538,6 +537,14 @@ def _system(problem: HybridOrbit, which: int, limit: Limit, sample: Sample) -> a
         return {"limit": which, "seconds": 0.0 if limit.test in AT_START else seconds}
 
     return augmented.Augmented(evaluate, start, scale, vectors)
+
+
+def _doubtful(problem: HybridOrbit, limit: Limit) -> tuple[int, ...]:
+    """The legs that may have vanished where a limit is met: its own, or the one that its event leads to."""
+    if limit.test == "rate":
+        return limit.leg, (limit.leg + 1) % problem.layout.legs
+    own = problem.word.legs[limit.leg].name == limit.name
+    return (limit.leg,) if limit.test == "duration" or (limit.test == "dip" and own) else ()
 
 
 def _vanishes(problem: HybridOrbit, i: int, sample: Sample) -> bool:
