@@ -90,7 +90,10 @@ def walk(
         reason = "plugin_error" if isinstance(error, PluginError) else "not_finite"
         singular = f"The equations there are singular: {error}."
         sentence = error.sentence if isinstance(error, ContwalkError) else singular
-        outcome = outcomes.stuck(reason, sentence, here.step, observer.parameter, here.sample.parameter)
+        known = problem.obstacle(here.sample.z) if reason == "not_finite" else ""
+        outcome = outcomes.stuck(
+            reason, sentence, here.step, observer.parameter, here.sample.parameter, known
+        )
     yield End(outcome, end_record(problem, here, outcome, sign))
 
 

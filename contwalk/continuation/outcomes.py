@@ -90,7 +90,9 @@ def stuck(reason: str, sentence: str, step: float, name: str, value: float, know
     where = f"at {name} = {value:.10g}"
     if reason == "not_finite":
         return Outcome(
-            "failed", "not_finite", f"{sentence} The last good point is {where}; end the range before it."
+            "failed",
+            "not_finite",
+            " ".join(f"{sentence} {known} The last good point is {where}; end the range before it.".split()),
         )
     if reason == "plugin_error":
         return Outcome("failed", "plugin_error", f"{sentence} The last good point is {where}.")

@@ -63,6 +63,8 @@ MOST_VIEWS = 4
 MISSED = 3e4
 # A guard that changes by less than this part of itself in a closure, at its rate at the event, has no rate.
 NO_RATE = 1e-7
+# Growth of deviations over a leg that is told where a branch cannot go on.
+STRETCHED = 1e3
 # A leg this short, against the closure, is none.
 COLLAPSED = 1e-13
 # An orbit that moves less than this part of its states is a point.
@@ -570,8 +572,22 @@ class HybridOrbit:
         return result
 
     def obstacle(self, z: np.ndarray) -> str:
-        """Where the field is smooth by pieces only; nothing else is known of that."""
-        return next((kink.sentence("orbits") for kink in self.kinks_of(z)), "")
+        """Where the field is smooth by pieces only, or over which leg deviations grow."""
+        kink = next(iter(self.kinks_of(z)), None)
+        if kink is not None:
+            return kink.sentence("orbits")
+        grown = self.mesh.grown
+        if not grown or max(grown) < STRETCHED:
+            return ""
+        most = int(np.argmax(grown))
+        name, mode = self.word.legs[most].name, self.word.legs[most].mode
+        ends = f"ends with '{name}'" if name else "no event ends"
+        return (
+            f"Deviations grow by {grown[most]:.0e} over the leg in mode '{mode}' that {ends}: where it "
+            "passes beside a saddle, or along what repels it (a canard, or a homoclinic orbit nearby), the "
+            "parameter stands still while the orbit changes, and beyond some of this growth no start of the "
+            "leg tells its end. A smaller `tolerance` (`engine`) goes a little further."
+        )
 
     def explain(self, z: np.ndarray) -> str:
         """Where a residual at z is not finite."""
@@ -981,8 +997,13 @@ class HybridOrbit:
 
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
         """Why the branch ends between two neighbouring solutions; limits are the engine's business."""
-        at_rest = None if self.word.eventful else ending.at_a_point(self, a, b)
-        return ending.not_conserved(self, a, b) or at_rest or homoclinic(self, a, b)
+        shrunk = (ending.in_no_time if self.word.eventful else ending.at_a_point)(self, a, b)
+        return ending.not_conserved(self, a, b) or shrunk or homoclinic(self, a, b)
+
+    @property
+    def eventful(self) -> bool:
+        """Whether events happen on it."""
+        return self.word.eventful
 
     def not_conserved(self, sample: Sample) -> str:
         """Name of a quantity that is not at its value on the orbit, though it is declared to be conserved."""
@@ -1007,8 +1028,14 @@ class HybridOrbit:
         return float(tangent[self.layout.durations].sum())
 
     def parameter_error(self, sample: Sample) -> float:
-        """Estimated error of the free parameter."""
-        return sample.error * float(sample.weights[-1])
+        """What errors of the steps do to the free parameter of an orbit of this period."""
+        held = np.zeros(len(sample.z))
+        held[self.layout.durations] = 1.0
+        return ending.error_at_period(self, sample, held, self.errors_at(sample.z))
+
+    def errors_at(self, z: np.ndarray) -> np.ndarray:
+        """Estimated error of each equation at a solution."""
+        return self._errors(self.linearize(z))
 
     def slow_place(self, z: np.ndarray) -> SlowPlace:
         """Where the orbit is slowest, and the field there."""
@@ -1061,7 +1088,9 @@ class HybridOrbit:
             c = self.passages[0].field(PLAIN).constants(np.concatenate([scalars, self.fixed]))
             own = self.passages[0].field(PLAIN)(0.0, x, c)
             section = section_at(x, own, magnitudes[list(self.passages[0].states)])
-        problem = self.on(replace(mesh, total=abs(self.duration(z))), section)
+        # An orbit that has shrunk to no time at all has the unit of those beside it.
+        total = abs(self.duration(z)) or (1.0 if self._mesh is None else self._mesh.total)
+        problem = self.on(replace(mesh, total=total), section)
         # Its views need the steps, and the units of its equations need the views.
         problem._mesh = replace(problem.mesh, guards=limits.guard_scales(problem, z))
         return problem

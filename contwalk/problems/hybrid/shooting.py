@@ -15,6 +15,7 @@ from functools import lru_cache
 import numpy as np
 
 from contwalk import flow
+from contwalk.errors import NotFinite
 from contwalk.flow.method import Carried, choose
 from contwalk.problems.hybrid.passage import Passage
 from contwalk.problems.orbit.discretization import TIGHTEST
@@ -23,6 +24,8 @@ from contwalk.problems.orbit.shooting import CONSTANT, LEAST_SHARE, Mesh, arrive
 
 # An orbit that moves less than this part of typical magnitudes is at rest: solutions are known to 1e-10.
 AT_REST = 1e-9
+# A motion that ends beyond this part of a leg may have passed the leg's own event.
+AT_ITS_END = 1.0 - 1e-6
 # Local errors may grow by so much over a leg before its steps are made finer.
 SAFE = 30.0
 # Steps of a leg at most: of any, and against those of the orbit that it is a neighbour of.
@@ -34,10 +37,12 @@ class LegMesh(Mesh):
     """Steps of each leg, in its own time from 0 to 1.
 
     `growth` is what local errors grow by at most over a leg, in units of the tolerance.
+    `grown` is how much a deviation grows at most over each leg, from any time on.
     `total` is the duration of the closure, `guards` the largest value of each leg's own guard on it, shape
     (m,): the units of durations and of guards.
     """
 
+    grown: tuple[float, ...] = ()
     total: float = 1.0
     guards: np.ndarray | None = None
 
@@ -219,7 +224,8 @@ def meshed(
         for i in range(half):
             longer = max(steps[i], steps[i + half], key=len)
             steps[i] = steps[i + half] = longer
-    return LegMesh(tuple(steps), chosen, tolerance, variation, magnitudes, amplified, reason)
+    grown = tuple(_growth([p], [path], variation) for p, path in zip(passages, paths, strict=True))
+    return LegMesh(tuple(steps), chosen, tolerance, variation, magnitudes, amplified, reason, grown)
 
 
 def _growth(passages: Sequence[Passage], paths: Sequence[flow.Path], variation: np.ndarray) -> float:
@@ -256,19 +262,20 @@ def _passed(
     most: int,
 ) -> tuple[list[flow.Path], str, str]:
     """The path of every leg with a generic neighbour, the integrator, and why this one."""
-    runs = []
+    runs, values = [], []
     for passage, x, own in zip(passages, starts, scalars, strict=True):
         field, k = passage.field(TANGENT), len(passage.columns)
         c = field.constants(np.concatenate([own, fixed, np.zeros(k)]))
+        values.append(np.concatenate([own, fixed]))
         sizes = variation[list(passage.states)]
         generic = sizes * np.cos(np.arange(1.0, len(sizes) + 1.0))
         runs.append((passage, field, c, np.concatenate([x, generic]), np.concatenate([sizes, sizes])))
     if method == "auto":
         choices = []
-        for p, field, c, y, weights in runs:
+        for (p, field, c, y, weights), own in zip(runs, values, strict=True):
             carried = Carried(p.field(PLAIN), len(y))
             choices.append(choose(field, c, 0.0, y, 1.0, tolerance, weights, most, carried, far_out=True))
-            arrived(choices[-1].path)  # where one leg does not, the others are not asked
+            _arrived(p, own, choices[-1].path)  # where one leg does not, the others are not asked
         stiffest = max(choices, key=lambda choice: choice.stability_limited)
         method, reason = stiffest.method, stiffest.reason
         if len({choice.method for choice in choices}) == 1:
@@ -276,10 +283,32 @@ def _passed(
     else:
         reason = "as the run file says"
     paths = [
-        arrived(flow.adaptive(field, c, 0.0, y, 1.0, tolerance, weights, method, most, far_out=True))
-        for _, field, c, y, weights in runs
+        _arrived(p, own, flow.adaptive(field, c, 0.0, y, 1.0, tolerance, weights, method, most, far_out=True))
+        for (p, field, c, y, weights), own in zip(runs, values, strict=True)
     ]
     return paths, method, reason
+
+
+def _arrived(passage: Passage, values: np.ndarray, path: flow.Path) -> flow.Path:
+    """As `arrived`; a motion that ends right after its event, for which its instant is too steep, is told."""
+    transition = passage.leg.transition
+    if path.status in ("ok", "too_many_steps") or transition is None or path.times[-1] < AT_ITS_END:
+        return arrived(path)
+    n = len(passage.states)
+    state = np.nan_to_num(path.states[-1:, :n])
+    after = float(
+        passage.watched(transition.name, transition.guard).along(
+            path.times[-1:], state, values, np.zeros((1, n))
+        )[0, 0]
+    )
+    if (after < 0.0) != (transition.direction == "falling"):
+        return arrived(path)
+    raise NotFinite(
+        f"The motion ceases to exist {1.0 - path.times[-1]:.0e} of its duration after '{transition.name}', "
+        "as a spike does that runs to a pole: so near to it the event's instant is not known well enough. "
+        "Let the guard act earlier on the way up, and the reset stand for the rest of it.",
+        "Start elsewhere, or mend the plugin.",
+    )
 
 
 def most_steps(mesh: LegMesh | None, tolerance: float) -> int:

@@ -249,8 +249,7 @@ class SoftOrbit(HybridOrbit):
         along, own = there.direction(unit), self._explicit_weights(explicit, weights)
         # Solved where it is, the explicit orbit is a solution as far as this one is.
         found = explicit.examine(unknowns, along, own, explicit.linearize(unknowns), before, known)
-        levels = there.levels(explicit._errors(explicit.linearize(unknowns)))
-        orientation, error = linearization.orientation_and_error(unit, weights, levels)
+        orientation, error = linearization.orientation_and_error(unit, weights, self.errors_at(z))
         return replace(
             found,
             z=z,
@@ -264,6 +263,11 @@ class SoftOrbit(HybridOrbit):
             sizes=np.nan_to_num(linearization.magnitudes),
             margins=self.margins(z).relative,
         )
+
+    def errors_at(self, z: np.ndarray) -> np.ndarray:
+        """Estimated error of each equation at a solution."""
+        there = self._at(z)
+        return there.levels(there.explicit.errors_at(there.unknowns))
 
     def _explicit_sample(self, sample: Sample) -> tuple[HybridOrbit, Sample, float]:
         """A sample as one of the explicit orbit, and how much faster arclength grows there."""

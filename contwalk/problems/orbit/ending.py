@@ -19,6 +19,7 @@ from contwalk.system.declarations import ParameterValues
 if TYPE_CHECKING:
     from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
+    from contwalk.problems.orbit.protocol import Orbit
     from contwalk.problems.problem import Sample
 
 # An orbit that goes a smaller part of its metric in one closure is a point: solutions are known to 1e-10.
@@ -98,6 +99,33 @@ def at_a_point(problem: PeriodicOrbit | HybridOrbit, a: Sample, b: Sample) -> Ou
         "shrunk",
         f"The orbit shrinks onto an equilibrium, at a Hopf point near {problem.free} = {value:.6g}: "
         "the family ends there. Nothing to do.",
+    )
+
+
+def error_at_period(problem: Orbit, sample: Sample, held: np.ndarray, errors: np.ndarray) -> float:
+    """What errors of the equations do to the free parameter of an orbit whose period is held.
+
+    `held` is the gradient of the period.
+    """
+    try:
+        bordered = problem.factored(np.vstack([problem.jacobian(sample.z), held]), sample.weights)
+        row = bordered.solve_adjoint(np.eye(len(held))[-1])[:-1]
+    except np.linalg.LinAlgError:
+        return float("inf")
+    return float(np.abs(row) @ errors)
+
+
+def in_no_time(problem: HybridOrbit, a: Sample, b: Sample) -> Outcome | None:
+    """The closure shrinks to no time at all: its events follow each other at once, for ever."""
+    if not a.period > 0.0 >= b.period:
+        return None
+    share = a.period / (a.period - b.period)
+    value = float(a.z[-1] + share * (b.z[-1] - a.z[-1]))
+    return Outcome(
+        "complete",
+        "shrunk",
+        f"The orbit lasts no time any more near {problem.free} = {value:.6g}: its events follow each other "
+        "at once, and the family ends there. Nothing to do.",
     )
 
 

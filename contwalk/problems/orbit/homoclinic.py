@@ -37,6 +37,8 @@ CREEPING = 1e-2
 PASSED, AT_REST = 2e-2, 1e-3
 # A parameter this near to its limit, relative to itself, is at it.
 LEAST_REST = 1e-10
+# A parameter below this part of its magnitude tends to zero.
+NEAR_ZERO = 1e-3
 # The extrapolated limit is better than the last value by more than this.
 REST = 10.0
 # Rates times periods are not larger: the rest is not asked for before the slope can be small enough.
@@ -143,13 +145,15 @@ def homoclinic(problem: Orbit, a: Sample, b: Sample) -> Outcome | None:
         return None
     slopes = np.array([float(s.tangent[-1]) / rise for s, rise in zip((a, b), rises, strict=True)])
     value = float(b.z[-1])
-    wanted = max(REST * problem.discretization.accuracy, LEAST_REST) * max(abs(value), 1e-300)
+    # A limit at zero is known to a part of what the parameter is elsewhere.
+    size = max(abs(value), NEAR_ZERO * float(b.weights[-1]))
+    wanted = max(REST * problem.discretization.accuracy, LEAST_REST) * size
     if not np.all(np.isfinite(slopes)) or abs(slopes[1]) * b.period > MOST_TURNS * wanted:
         return None
     after = problem.slow_place(b.z)
     if after.slowness > CREEPING:
         return None
-    limit, obeyed = _limit(after, (a, b), slopes)
+    limit, obeyed = _limit(after, (a, b), slopes, problem.eventful)
     if limit is None or limit.swing > wanted or not obeyed(problem.slow_place(a.z)):
         return None
     error = limit.error + problem.parameter_error(b)
@@ -157,10 +161,16 @@ def homoclinic(problem: Orbit, a: Sample, b: Sample) -> Outcome | None:
         "stopped",
         "homoclinic",
         f"The period runs off ({problem.system.lasting(b.period, '.4g')} here) while the orbit creeps past "
-        "an equilibrium: a "
-        f"homoclinic or heteroclinic orbit at {problem.free} = {value + limit.rest:.12g} +- {error:.1e}, by "
+        f"an equilibrium: {_of_what(problem.eventful)} at "
+        f"{problem.free} = {value + limit.rest:.12g} +- {error:.1e}, by "
         f"extrapolation from {value:.12g}.{_doubt(b)} Nothing to do; a finer accuracy follows it further.",
     )
+
+
+def _of_what(eventful: bool) -> str:
+    if not eventful:
+        return "a homoclinic or heteroclinic orbit"
+    return "a homoclinic or heteroclinic orbit, or one that an event begins or ends at that equilibrium,"
 
 
 def _doubt(sample: Sample) -> str:
@@ -173,7 +183,7 @@ def _doubt(sample: Sample) -> str:
 
 
 def _limit(
-    after: SlowPlace, samples: tuple[Sample, Sample], slopes: np.ndarray
+    after: SlowPlace, samples: tuple[Sample, Sample], slopes: np.ndarray, eventful: bool
 ) -> tuple[Limit | None, Obeyed]:
     """The limit by the law of the equilibrium that is passed, None where it is not obeyed; what else has
     to be true of the orbit before, at which nobody needs to look until then.
@@ -187,23 +197,36 @@ def _limit(
         old = before.equilibrium()
         return old is not None and distance < before.distance(old)
 
-    return _passing(after.jacobian(rest), distance, samples, slopes), nearer
+    return _passing(after.jacobian(rest), distance, samples, slopes, eventful), nearer
 
 
 def _passing(
-    jacobian: np.ndarray, distance: float, samples: tuple[Sample, Sample], slopes: np.ndarray
+    jacobian: np.ndarray,
+    distance: float,
+    samples: tuple[Sample, Sample],
+    slopes: np.ndarray,
+    eventful: bool = False,
 ) -> Limit | None:
-    """The limit of orbits that pass an equilibrium, by its leading eigenvalue."""
+    """The limit of orbits that pass an equilibrium, by its leading eigenvalue.
+
+    A reset may put the state beside the equilibrium, or an event take it away from there, and forget how it
+    came: then either of the leading ones may tell, and there may be one only.
+    """
     values = np.linalg.eigvals(jacobian)
     growing, falling = values[values.real > 0.0], values[values.real < 0.0]
-    if not (len(growing) and len(falling)):
-        return None
-    leading = min(
-        growing[np.argmin(growing.real)], falling[np.argmax(falling.real)], key=lambda v: abs(v.real)
-    )
-    if abs(leading.imag) > 1e-9 * abs(leading):
-        return _swinging(complex(-abs(leading.real), abs(leading.imag)), samples, slopes)
-    return _falling(float(abs(leading.real)), samples, slopes, distance < AT_REST)
+    leading = [growing[np.argmin(growing.real)]] if len(growing) else []
+    leading += [falling[np.argmax(falling.real)]] if len(falling) else []
+    leading.sort(key=lambda v: abs(v.real))
+    if not eventful:
+        leading = leading[:1] if len(leading) == 2 else []
+    for value in leading:
+        if abs(value.imag) > 1e-9 * abs(value):
+            found = _swinging(complex(-abs(value.real), abs(value.imag)), samples, slopes)
+        else:
+            found = _falling(float(abs(value.real)), samples, slopes, distance < AT_REST)
+        if found is not None:
+            return found
+    return None
 
 
 def _falling(rate: float, samples: tuple[Sample, Sample], slopes: np.ndarray, at_rest: bool) -> Limit | None:

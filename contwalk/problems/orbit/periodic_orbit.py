@@ -94,6 +94,7 @@ class PeriodicOrbit:
     """
 
     kind = "periodic_orbit"
+    eventful = False
     discretized = True
     blur = 1e-3  # solutions are solved for to a part of the tolerance only
     # Stability grows with the square of the amplitude, and drowns in the error of the steps nearer by.
@@ -849,15 +850,9 @@ class PeriodicOrbit:
 
     def parameter_error(self, sample: Sample) -> float:
         """What errors of the steps do to the free parameter of an orbit of this period."""
-        linearization = self.linearize(sample.z)
         held = np.zeros(len(sample.z))
         held[self.segments * self.states] = 1.0
-        try:
-            bordered = self.factored(np.vstack([linearization.jacobian, held]), sample.weights)
-            row = bordered.solve_adjoint(np.eye(len(held))[-1])[:-1]
-        except np.linalg.LinAlgError:
-            return float("inf")
-        return float(np.abs(row) @ self._errors(linearization))
+        return ending.error_at_period(self, sample, held, self._errors(self.linearize(sample.z)))
 
     def held_by_force(self, sample: Sample) -> bool:
         """Whether there is a drift along a pinned direction that nobody declared, beyond errors of the steps.

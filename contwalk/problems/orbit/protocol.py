@@ -130,6 +130,11 @@ class Orbit(Protocol):
         """The whole motion: times and states."""
         ...
 
+    @property
+    def eventful(self) -> bool:
+        """Whether events happen on it."""
+        ...
+
     def lengthening(self, tangent: np.ndarray) -> float:
         """How fast the closure's duration grows along a tangent."""
         ...

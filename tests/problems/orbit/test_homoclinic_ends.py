@@ -108,6 +108,9 @@ def test_the_law_of_a_saddle_focus():
     assert limit.error >= limit.swing
 
 
+AT = {"z": np.array([2.0]), "weights": np.array([2.0])}
+
+
 def place(speed):
     """A slow place with a speed, and nothing else."""
     return SlowPlace(speed, 1.0, np.zeros(1), np.ones(1), np.zeros((1, 1)), lambda x: x, lambda x: np.eye(1))
@@ -126,9 +129,10 @@ def test_the_law_of_a_saddle_node_that_has_gone():
 def test_only_an_orbit_that_creeps_is_compared_with_the_one_before():
     """Along a canard the parameter hardly moves for hundreds of points: each is looked at once."""
     asked = []
-    orbits = [SimpleNamespace(z=np.array([2.0]), tangent=np.array([1e-12]), period=t) for t in (9.0, 10.0)]
+    orbits = [SimpleNamespace(**AT, tangent=np.array([1e-12]), period=t) for t in (9.0, 10.0)]
     problem = SimpleNamespace(
         forced=False,
+        eventful=False,
         discretization=SimpleNamespace(accuracy=1e-8),
         lengthening=lambda tangent: 1.0,
         slow_place=lambda z: asked.append(z) or place(0.5),
@@ -143,9 +147,10 @@ def test_the_orbit_before_is_not_looked_at_while_the_limit_is_far():
     asked = []
     # The slope falls by a third while the period grows by a tenth: a limit 2e-5 away, far beyond 1e-7.
     pair = zip((9.0, 10.0), (3e-6, 2e-6), strict=True)
-    orbits = [SimpleNamespace(z=np.array([2.0]), tangent=np.array([slope]), period=t) for t, slope in pair]
+    orbits = [SimpleNamespace(**AT, tangent=np.array([slope]), period=t) for t, slope in pair]
     problem = SimpleNamespace(
         forced=False,
+        eventful=False,
         discretization=SimpleNamespace(accuracy=1e-8),
         lengthening=lambda tangent: 1.0,
         slow_place=lambda z: asked.append(z) or place(1e-3),
