@@ -64,8 +64,11 @@ bench: install-bench
 # The pictures of the README.
 docs-image: demo
 	$(BIN)/contwalk continue runs/autobalancer_cascade.yaml --set mark=null --output $(DEMO)/autobalancer_cascade.h5 --force
+	$(BIN)/contwalk continue runs/planar_slope.yaml --output $(DEMO)/planar_slope.h5 --force
 	cp $(DEMO)/autobalancer_load_bifurcation_diagram.png docs/images/autobalancer_load.png
 	cp $(DEMO)/autobalancer_cascade_bifurcation_diagram.png docs/images/autobalancer_cascade.png
+	cp $(DEMO)/planar_slope_bifurcation_diagram.png docs/images/planar_slope.png
+	cp $(DEMO)/planar_slope_stick_figure.png docs/images/planar_walker.png
 
 clean:
 	rm -rf $(VENV) $(DEMO) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

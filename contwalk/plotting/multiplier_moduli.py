@@ -28,6 +28,7 @@ KINDS = ("positive", "negative", "complex pair")
 CROSSING = ("LP", "BP", "PD", "NS")
 LEAST = 1e-4  # modulus below which it does not matter how small
 MARGIN = 0.5  # modulus down to which the axis goes at least, in parts of the largest
+BAND = 0.1  # of the axis at its lower end, for what is told of multipliers that are not shown
 PLAIN = 100.0  # ratio of the largest to the least up to which numbers are written out
 PAPER: dict[str, Any] = {"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.0}
 WHITE = 0.55  # share of white in the colour of what is not admissible
@@ -115,6 +116,8 @@ def _left_out(ax: Axes, below: int, endless: bool) -> None:
     told = f"{below} of modulus below {LEAST:g}" if below else ""
     told = ", ".join(filter(None, [told, "some infinite" if endless else ""]))
     if told:
+        low, high = ax.get_ylim()
+        ax.set_ylim(low / (high / low) ** BAND, high)
         look: dict[str, Any] = {
             "ha": "right",
             "va": "bottom",

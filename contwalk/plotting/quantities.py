@@ -11,11 +11,11 @@ from contwalk import quantities
 from contwalk.branch import Branch
 from contwalk.errors import ContwalkError
 from contwalk.system import System
-from contwalk.system.declarations import nearest
+from contwalk.system.declarations import SPLIT, nearest
 from contwalk.system.units import time_unit
 
-# Observables that every branch has. They say how stable a motion is, not what it looks like.
-BUILT_IN_OBSERVABLES = ("max_re", "max_abs")
+# Observables that branches have of themselves. They say how stable a motion is, not what it looks like.
+BUILT_IN_OBSERVABLES = ("max_re", "max_abs", SPLIT)
 
 
 def units_of(system: System) -> dict[str, str]:
@@ -119,11 +119,12 @@ def default_x(branches: Sequence[Branch]) -> str:
 
 
 def default_y(branches: Sequence[Branch]) -> str:
-    """The first observable of the system's own, else the first state."""
+    """The first observable of the system's own, which a margin is not, else the first state."""
     _require_some(branches)
     for branch in branches:
+        margins = {name for point in branch.special_points for name in point.margin}
         for name in branch.info.observables:
-            if name not in BUILT_IN_OBSERVABLES and not quantities.of_orbit(name):
+            if name not in (*BUILT_IN_OBSERVABLES, *margins) and not quantities.of_orbit(name):
                 return name
     for branch in branches:
         if branch.info.states:

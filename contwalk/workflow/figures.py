@@ -161,13 +161,14 @@ def _time_series(branches: Sequence[Branch], system: System, options: Mapping[st
     from contwalk.plotting.style import whole_title
     from contwalk.workflow.orbit_motions import motion_along
     from contwalk.workflow.quantities import check_names, listed, values_along
-    from contwalk.workflow.stored_orbits import titled
+    from contwalk.workflow.stored_orbits import titled, without_absent
 
     names = listed(options.get("y")) or list(system.state_names)
     check_names(system, names)
     orbit = _orbit(branches, system, options, "time series")
     motion = motion_along(system, orbit)
-    times, values = motion.broken(values_along(system, names, motion.times, motion.states, orbit.parameters))
+    values = values_along(system, names, motion.times, motion.states, orbit.parameters)
+    times, values = motion.broken(without_absent(system, names, values, motion.there))
     happened: dict[str, list[float]] = {}
     for time, name in motion.events:
         happened.setdefault(name, []).append(time)

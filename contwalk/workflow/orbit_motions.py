@@ -24,6 +24,8 @@ class Motion:
         Seconds.
     begins : str
         Name of the event that it begins right after; empty where there is none.
+    there : ndarray of bool, shape (k, n), optional
+        Which states exist at the instants, where not all do in each mode.
     """
 
     times: np.ndarray
@@ -31,6 +33,7 @@ class Motion:
     events: tuple[tuple[float, str], ...]
     period: float
     begins: str = ""
+    there: np.ndarray | None = None
 
     @property
     def marks(self) -> tuple[tuple[float, str], ...]:
@@ -52,6 +55,7 @@ def motion_along(system: System, orbit: Orbit, periods: int = 1) -> Motion:
     growth = _growth(system, orbit)
     starts = np.array([*orbit.breaks, len(orbit.times)], dtype=int)
     times: list[np.ndarray] = []
+    there: list[np.ndarray] = []
     states: list[np.ndarray] = []
     events: list[tuple[float, str]] = []
     for number in range(rounds):
@@ -64,10 +68,12 @@ def motion_along(system: System, orbit: Orbit, periods: int = 1) -> Motion:
         first = 0 if orbit.events or not times else 1
         times.append(own[first:])
         states.append(again[first:])
+        there += [] if orbit.there is None else [orbit.there[first:]]
         events += [(float(own[row - 1]), name) for row, name in zip(starts, orbit.events, strict=False)]
     begins = orbit.events[-1] if orbit.events else ""
     period = orbit.closures * length
-    return Motion(np.concatenate(times), np.concatenate(states), tuple(events), period, begins)
+    exist = np.concatenate(there) if there else None
+    return Motion(np.concatenate(times), np.concatenate(states), tuple(events), period, begins, exist)
 
 
 def _growth(system: System, orbit: Orbit) -> np.ndarray:

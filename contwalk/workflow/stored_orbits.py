@@ -59,6 +59,8 @@ class Orbit:
         Whether the machine can move so.
     parameters : mapping
         All of the system's, by name.
+    there : ndarray of bool, shape (k, n), optional
+        Which states exist at the instants, where not all do in each mode.
     """
 
     branch: str
@@ -73,6 +75,7 @@ class Orbit:
     turns: np.ndarray | None = None
     admissible: bool = True
     parameters: Mapping[str, float] = field(default_factory=dict)
+    there: np.ndarray | None = None
 
     @property
     def period(self) -> float:
@@ -182,7 +185,10 @@ def orbit_at(system: System, branch: Branch, point: SpecialPoint | int) -> Orbit
         with np.errstate(all="ignore"):  # what is not finite is told in a sentence
             given, sample = reopened(system, branch, point, PICTURE)
             problem: Any = given
-            times, states, breaks = _arcs(problem, sample.z) if hybrid else (*_motion(problem, sample.z), ())
+            if hybrid:
+                times, states, breaks, there = _arcs(problem, sample.z)
+            else:
+                times, states, breaks, there = *_motion(problem, sample.z), (), None
     except (ArithmeticError, ValueError) as error:  # numpy.linalg.LinAlgError is a ValueError
         raise ContwalkError(
             f"The orbit of {branch.name}/{name} cannot be integrated once more ({error}).",
@@ -207,6 +213,7 @@ def orbit_at(system: System, branch: Branch, point: SpecialPoint | int) -> Orbit
         turns=problem.growth(sample.z) if hybrid else None,
         admissible=admissible,
         parameters=problem.values_of(sample.z),
+        there=there,
     )
 
 
@@ -232,17 +239,19 @@ def _motion(problem: Any, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return times[kept], states[kept]
 
 
-def _arcs(problem: Any, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[int, ...]]:
-    """Times and states of a hybrid orbit, and the rows with which an arc begins, without the first."""
-    times, states = [], []
+def _arcs(problem: Any, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[int, ...], np.ndarray]:
+    """Times and states of a hybrid orbit, the rows with which an arc begins, without the first, and which
+    states exist."""
+    times, states, there = [], [], []
     for stretch in problem.stretches(z):
         own_times, own_states = stretch.at(np.union1d(stretch.view.times, np.linspace(0.0, 1.0, SMOOTH + 1)))
         times.append(own_times)
         states.append(own_states)
+        there.append(np.tile(np.isin(np.arange(own_states.shape[1]), stretch.exists), (len(own_times), 1)))
     for before, after in pairwise(times):  # both sides of an event have one time, to the last bit
         after[0] = before[-1]
     breaks = np.cumsum([len(t) for t in times])[:-1]
-    return np.concatenate(times), np.concatenate(states), tuple(breaks.tolist())
+    return np.concatenate(times), np.concatenate(states), tuple(breaks.tolist()), np.concatenate(there)
 
 
 def columns_of(system: System, orbit: Orbit, names: Sequence[str]) -> np.ndarray:
@@ -269,7 +278,7 @@ def columns_of(system: System, orbit: Orbit, names: Sequence[str]) -> np.ndarray
 
 def jumps_of(system: System, orbit: Orbit, names: Sequence[str]) -> np.ndarray:
     """Some states and signals before and after each event, shape (j, 2, m), folded as those of `columns_of`
-    are.
+    are; events at which one of them begins or ceases to exist are left out.
 
     Raises
     ------
@@ -282,17 +291,29 @@ def jumps_of(system: System, orbit: Orbit, names: Sequence[str]) -> np.ndarray:
     for column, period in enumerate(periods):
         if period:
             ends[..., column] -= np.floor(ends[..., column] / period + 0.5) * period
-    return ends
+    return ends[np.isfinite(ends).all(axis=(1, 2))]
 
 
 def _values(system: System, orbit: Orbit, names: Sequence[str]) -> np.ndarray:
     times = orbit.times if len(orbit.times) else np.zeros(len(orbit.states))
-    return values_along(system, names, times, orbit.states, orbit.parameters)
+    found = values_along(system, names, times, orbit.states, orbit.parameters)
+    return without_absent(system, names, found, orbit.there)
+
+
+def without_absent(
+    system: System, names: Sequence[str], values: np.ndarray, there: np.ndarray | None
+) -> np.ndarray:
+    """Values (k, m) of quantities, NaN where they are states that do not exist in the mode."""
+    for column, name in enumerate(names if there is not None else ()):
+        if there is not None and name in system.state_names:
+            values[~there[:, system.state_names.index(name)], column] = np.nan
+    return values
 
 
 def _folded(system: System, orbit: Orbit, names: Sequence[str]) -> list[float]:
     """Periods of the angles that go all the way round; 0 of what is drawn as it is."""
     states = system.state_names
     periods = [(system.states[states.index(name)].period or 0.0) if name in states else 0.0 for name in names]
-    ranges = np.ptp(_values(system, orbit, names), axis=0)
+    found = _values(system, orbit, names)
+    ranges = np.nanmax(found, axis=0, initial=-np.inf) - np.nanmin(found, axis=0, initial=np.inf)
     return [p if 0.0 < p * (1.0 - 1e-9) <= r else 0.0 for p, r in zip(periods, ranges, strict=True)]

@@ -88,3 +88,17 @@ def test_angles_go_on_turning():
 def test_a_title_tells_what_is_not_admissible():
     assert titled(hybrid()) == "b1/3:  a = 1,  T = 3 s"
     assert titled(hybrid(admissible=False)) == "b1/3:  a = 1,  T = 3 s,  not admissible"
+
+
+def test_states_that_do_not_exist_in_a_mode_are_not_drawn():
+    # y exists in the first of both arcs only: what the others store of it is no motion.
+    there = np.array([[True, True]] * 2 + [[True, False]] * 3)
+    orbit = hybrid(there=there)
+    np.testing.assert_array_equal(
+        columns_of(SYSTEM, orbit, ["y"])[:, 0], [0.0, 1.0, np.nan, np.nan, np.nan, np.nan]
+    )
+    assert len(jumps_of(SYSTEM, orbit, ["y"])) == 0
+    assert len(jumps_of(SYSTEM, orbit, ["angle"])) == 2
+    motion = motion_along(SYSTEM, orbit, 2)
+    np.testing.assert_array_equal(motion.there, np.concatenate([there, there]))
+    assert motion_along(SYSTEM, smooth()).there is None

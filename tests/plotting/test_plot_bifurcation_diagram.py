@@ -376,3 +376,13 @@ def test_does_not_change_the_branch():
     before = made.points.copy()
     plot_bifurcation_diagram([made])
     assert before.tobytes() == made.points.tobytes()
+
+
+def test_what_branches_tell_of_themselves_is_not_what_is_drawn_by_default():
+    mu = np.linspace(0.0, 1.0, 11)
+    columns = {"mu": mu, "x": mu, "clearance": mu, "split": mu}
+    margin = (SpecialPoint("EP", 10.0, margin={"clearance": 0.5}),)
+    made = branch(columns, observables=("clearance", "split"), special=margin)
+    assert plot_bifurcation_diagram([made]).get_ylabel() == "x"
+    own = branch({**columns, "height": mu}, observables=("clearance", "split", "height"), special=margin)
+    assert plot_bifurcation_diagram([own]).get_ylabel() == "height"
