@@ -16,6 +16,7 @@ from contwalk.problems.orbit.closure import images_of
 from contwalk.problems.orbit.extrema import Smooth, extremes_of
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.sampling import MOST_BISECTIONS
+from contwalk.problems.passing import Place
 from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
@@ -222,7 +223,7 @@ def reported(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
         found = at_event(problem, z, *event)
         x = np.full(problem.states, np.nan) if found is None else found[1]
     elif place is not None:
-        x = _passing(problem, z, *place)
+        x = _passing(problem, z, Place.of(problem.system, *place))
     elif not problem.word.eventful:
         return problem.first_state(z)
     else:
@@ -241,28 +242,32 @@ def held(problem: HybridOrbit, z: np.ndarray, x: np.ndarray) -> np.ndarray:
     return x
 
 
-def _passing(problem: HybridOrbit, z: np.ndarray, index: int, value: float, direction: float) -> np.ndarray:
-    """The state at which state number `index` first passes a value inside a leg; NaN if it never does."""
-    for stretch in problem.stretches(z):
+def _passing(problem: HybridOrbit, z: np.ndarray, place: Place) -> np.ndarray:
+    """The state at which the motion first passes a value of a state inside a leg; NaN if it never does."""
+    stretches = problem.stretches(z)
+    if not problem.word.eventful:
+        begun = place.begun_at(np.concatenate([stretch.motion[1] for stretch in stretches]))
+        if begun is not None:
+            return begun
+    for stretch in stretches:
         t, x = stretch.motion
-        side = (x[:, index] - value) * direction
-        passes = np.flatnonzero((side[:-1] < 0.0) & (side[1:] >= 0.0))
-        if not len(passes):
+        found = place.passed(x)
+        if found is None:
             continue
-        view, k = stretch.view, int(passes[0])
+        view, (k, turn) = stretch.view, found
         low, high = ((t[j] - stretch.later - view.start) / view.duration for j in (k, k + 1))
         for _ in range(MOST_BISECTIONS):
             middle = 0.5 * (low + high)
             there = stretch.at(np.array([middle]))[1][0]
-            low, high = (middle, high) if (there[index] - value) * direction < 0.0 else (low, middle)
+            low, high = (middle, high) if place.beyond(there) < turn else (low, middle)
             if high - low < NEARLY:
                 break
-        return _refined(stretch, index, value, low)
+        return place.told(_refined(stretch, place, turn, low), turn)
     return np.full(problem.states, np.nan)
 
 
-def _refined(stretch: Stretch, index: int, value: float, near: float) -> np.ndarray:
-    """The state at which state number `index` has a value, on steps that end there: by the secant method."""
+def _refined(stretch: Stretch, place: Place, turn: float, near: float) -> np.ndarray:
+    """The state at which a value is passed, on steps that end there: by the secant method."""
 
     def at(share: float) -> np.ndarray:
         time = stretch.view.start + stretch.view.duration * share
@@ -271,7 +276,7 @@ def _refined(stretch: Stretch, index: int, value: float, near: float) -> np.ndar
     a, b = near, near + NEARLY if near < 0.5 else near - NEARLY
     here, there = at(a), at(b)
     for _ in range(MOST_SECANTS):
-        before, after = float(here[index]) - value, float(there[index]) - value
+        before, after = (float(place.beyond(x)) - turn for x in (here, there))
         if after == before or b == a:
             break
         a, b, here = b, b - after * (b - a) / (after - before), there

@@ -107,11 +107,12 @@ class Closure:
 
     def images(self, x: np.ndarray, parameters: ParameterValues) -> list[np.ndarray]:
         """Pieces of the whole motion in the order of time, from the integrated one, each of shape (k, n)."""
-        pieces = [x]
-        for j in range(1, self.fold):  # S x(T) = x(0): the next piece is the inverse image
-            power = (self.power * (self.fold - j)) % self.fold if self.fold > 1 else 0
-            pieces.append(images_of(self.symmetry, x, parameters, power))
-        return pieces
+        return [self.image(x, parameters, j) for j in range(self.fold)]
+
+    def image(self, x: np.ndarray, parameters: ParameterValues, number: int) -> np.ndarray:
+        """One piece of the whole motion, from the integrated one, which is number 0."""
+        # S x(T) = x(0): the next piece is the inverse image
+        return images_of(self.symmetry, x, parameters, (self.power * (self.fold - number)) % self.fold)
 
 
 def imaged(

@@ -33,6 +33,7 @@ from contwalk.problems.orbit.shooting import Curve, Mesh, Shooting, meshed, velo
 from contwalk.problems.orbit.solution import Solution
 from contwalk.problems.orbit.transport import closed, moved, recut
 from contwalk.problems.passed_over import passed_over
+from contwalk.problems.passing import Place
 from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
@@ -382,7 +383,7 @@ class PeriodicOrbit:
         if place is None:
             return z[: self.states]
         t, x = self.motion_of(z)
-        return crossing(self, z, t, x, *place)
+        return crossing(self, z, t, x, Place.of(self.system, *place))
 
     @property
     def _most_unknowns(self) -> int:

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contwalk.problems.orbit.shooting import Curve
+from contwalk.problems.passing import Place
+from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
@@ -14,8 +16,6 @@ if TYPE_CHECKING:
 # Parabolas through three instants, each nearer together than the last by the second number.
 PASSES, NARROWER = 2, 0.03
 MOST_BISECTIONS = 60
-# An orbit's ends are one place but for its error, far below this part of what a state varies by.
-CLOSED = 1e-6
 
 
 def with_extrema(curve: Curve, times: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -49,34 +49,22 @@ def with_extrema(curve: Curve, times: np.ndarray, states: np.ndarray) -> tuple[n
     return every[order], np.concatenate([states, curve.at(best)])[order]
 
 
-def crossing(
-    problem: PeriodicOrbit,
-    z: np.ndarray,
-    t: np.ndarray,
-    x: np.ndarray,
-    index: int,
-    value: float,
-    direction: float,
-) -> np.ndarray:
-    """The state at which state number `index` first passes a value in a direction; NaN if it never does."""
-    side = (x[:, index] - value) * direction
-    passes = np.flatnonzero((side[:-1] < 0.0) & (side[1:] >= 0.0))
-    if not len(passes):
-        # An orbit that begins right where it passes may end before it: its ends agree but for rounding.
-        begins = side[-1] < 0.0 <= side[0] and side[0] - side[-1] <= CLOSED * np.ptp(side)
-        return x[0] if begins else np.full(problem.states, np.nan)
-    k = int(passes[0])
-    duration = problem.duration(z)
-    piece = int(t[k] // duration)
-    if piece:  # beyond the integrated part: an image, between two samples of it
-        share = side[k] / (side[k] - side[k + 1])
-        return x[k] + share * (x[k + 1] - x[k])
-    low, high = t[k] / duration, min(t[k + 1] / duration, 1.0)
-    curve = problem.curve(z)
+def crossing(problem: PeriodicOrbit, z: np.ndarray, t: np.ndarray, x: np.ndarray, place: Place) -> np.ndarray:
+    """The state at which a sampled motion first passes a value of a state; NaN if it never does."""
+    begun = place.begun_at(x)
+    if begun is not None:
+        return begun
+    found = place.passed(x)
+    if found is None:
+        return np.full(problem.states, np.nan)
+    k, turn = found
+    closure, p, curve = problem.closure, ParameterValues(**problem.values_of(z)), problem.curve(z)
+    piece = k // (len(t) // closure.fold)
+    low, high = t[k : k + 2] / problem.duration(z) - piece
     for _ in range(MOST_BISECTIONS):
         middle = 0.5 * (low + high)
-        there = curve.at(np.array([middle]))[0]
-        low, high = (middle, high) if (there[index] - value) * direction < 0.0 else (low, middle)
+        there = closure.image(curve.at(np.array([min(middle, 1.0)])), p, piece)[0]
+        low, high = (middle, high) if place.beyond(there) < turn else (low, middle)
         if high - low < 1e-15:
             break
-    return there
+    return place.told(there, turn)

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from contwalk_systems.bouncing_ball import SYSTEM as BALL
 from hybrid_machines import CASES, TANK, orbit
-from hybrid_runs import ACCURACY, assert_met, branch_of, solution
+from hybrid_runs import ACCURACY, assert_met, branch_of, machine, solution
 
 import contwalk as cw
 from contwalk.branch import Branch
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
-from contwalk.system import Condition
+from contwalk.system import Condition, State, Transition
 
 G, OMEGA, E, A = 9.81, 35.0, 0.5, 0.0095
 SPEED = math.pi * G / OMEGA  # after a bounce, and down before it
@@ -117,6 +117,38 @@ class TestReported:
         )
         np.testing.assert_allclose(found["v"], SPEED, rtol=0, atol=KNOWN)
         np.testing.assert_array_equal(found["v"], found.points["unknowns"][:, 1])
+
+
+def swinging(t, x, p, dx):
+    """A pendulum in honey, and what follows cos t: (cos t + sin t) / 2."""
+    dx[0] = p.a * np.cos(t) - np.sin(x[0])
+    dx[1] = -x[1] + np.cos(t)
+
+
+def test_an_angle_passes_a_value_in_any_turn_and_where_the_orbit_begins():
+    """Of a machine whose motion meets no event."""
+    system = machine(
+        (State("phi", period=2.0 * math.pi), "y"),
+        {"a": 0.5},
+        {"run": swinging},
+        [Transition("far", "run", "run", lambda t, x, p: x[1] + 100.0)],
+        period=lambda p: 2.0 * math.pi,
+    )
+    problem, z = solution(system, "a", [0.3, 0.0], until="settled")
+
+    def told(value, direction):
+        chosen = replace(problem.discretization, report_at=(0, value, direction))
+        return problem._varied(discretization=chosen).reported(z)
+
+    turn = np.array([2.0 * math.pi, 0.0])
+    for direction in (1.0, -1.0):
+        here = told(0.1, direction)
+        assert here[0] == pytest.approx(0.1, abs=1e-13)  # stepped to, by the secant method
+        assert told(0.1 + turn[0], direction) == pytest.approx(here + turn, abs=1e-13)
+        assert told(0.1 - turn[0], direction) == pytest.approx(here - turn, abs=1e-13)
+    # It begins on its way up, at y = 1 / 2.
+    assert told(z[0], 1.0) == pytest.approx([z[0], 0.5], abs=KNOWN)
+    assert told(z[0] + turn[0], 1.0) == pytest.approx([z[0] + turn[0], 0.5], abs=KNOWN)
 
 
 @pytest.mark.parametrize("name", CASES)

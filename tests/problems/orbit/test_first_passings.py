@@ -7,47 +7,128 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from small_systems import circle, small_system
 
+import contwalk as cw
+from contwalk.problems.orbit.closure import Closure
 from contwalk.problems.orbit.sampling import crossing
+from contwalk.problems.passing import Place
+from contwalk.system import State, Symmetry
 
-PERIOD = 2.0
+PERIOD, TURN = 2.0, 2.0 * math.pi
 
 
-def circle(share):
-    turn = 2.0 * math.pi * np.asarray(share)
+def round_once(share):
+    turn = TURN * np.asarray(share)
     return np.column_stack([np.cos(turn), np.sin(turn)])
 
 
-CIRCLE = SimpleNamespace(states=2, duration=lambda z: PERIOD, curve=lambda z: SimpleNamespace(at=circle))
+def orbit(at=round_once, closure=None):
+    """As much of an orbit as is asked for: of a closure that is a part of it, if one is given."""
+    closure = closure or Closure(None, np.zeros(2))
+    return SimpleNamespace(
+        states=2,
+        closure=closure,
+        duration=lambda z: PERIOD / closure.fold,
+        curve=lambda z: SimpleNamespace(at=at),
+        values_of=lambda z: {},
+    )
+
+
+def passing(index, value, direction, period=0.0, at=round_once, samples=14):
+    shares = np.linspace(0.0, 1.0, samples)
+    place = Place(index, value, direction, period)
+    return crossing(orbit(at), np.zeros(3), PERIOD * shares, at(shares), place)
 
 
 @pytest.mark.parametrize("value", [0.0, 0.5, -0.8])
 @pytest.mark.parametrize("direction", [1.0, -1.0])
 def test_it_is_where_the_motion_is_and_goes_that_way(value, direction):
-    shares = np.linspace(0.0, 1.0, 14)
-    found = crossing(CIRCLE, np.zeros(3), PERIOD * shares, circle(shares), 1, value, direction)
     # On the way up the first state is that of the right half.
-    assert found == pytest.approx([direction * math.sqrt(1.0 - value**2), value], abs=1e-14)
+    expected = [direction * math.sqrt(1.0 - value**2), value]
+    assert passing(1, value, direction) == pytest.approx(expected, abs=1e-14)
 
 
-def test_an_orbit_that_begins_where_it_passes_passes_there():
-    """Its end is before its beginning by rounding: between its instants there is no passing."""
-    shares = np.linspace(0.0, 1.0, 14)
-    states = circle(shares)
-    assert states[-1, 1] < 0.0 <= states[0, 1]
-    found = crossing(CIRCLE, np.zeros(3), PERIOD * shares, states, 1, 0.0, 1.0)
-    np.testing.assert_array_equal(found, states[0])
+@pytest.mark.parametrize("size", [1e-16, 1e-9])
+@pytest.mark.parametrize("late", [-1.0, 0.0, 1.0])
+@pytest.mark.parametrize("gap", [-1.1, 1.1])
+def test_an_orbit_that_begins_where_it_passes_passes_there(size, late, gap):
+    """Wherever rounding, or what it closes up to, puts its beginning and its end: not at the other place
+    where the curve (cos t, sin 2 t) rises through zero.
+    """
+
+    def eight(share):
+        turn = TURN * np.asarray(share)
+        return np.column_stack([np.cos(turn), np.sin(2.0 * turn) + size * (late + gap * share)])
+
+    x, y = passing(1, 0.0, 1.0, at=eight)
+    # The instant is off by less than `size`, and the cosine by less than that.
+    assert (x, y) == (pytest.approx(1.0, abs=size + 1e-15), pytest.approx(0.0, abs=1e-15))
 
 
 def test_a_jump_from_the_end_to_the_beginning_is_no_passing():
-    """An angle that goes round never comes back down to where it was."""
-    shares = np.linspace(0.0, 1.0, 14)
-    turning = np.column_stack([shares, 6.0 * shares])
-    found = crossing(CIRCLE, np.zeros(3), PERIOD * shares, turning, 1, 3.0, -1.0)
-    assert np.all(np.isnan(found))
+    """A state that only grows never comes back down to where it was."""
+    assert np.all(np.isnan(passing(1, 3.0, -1.0, at=lambda s: np.column_stack([s, 6.0 * s]))))
 
 
 def test_what_is_not_passed_has_no_state():
-    shares = np.linspace(0.0, 1.0, 14)
-    found = crossing(CIRCLE, np.zeros(3), PERIOD * shares, circle(shares), 1, 1.5, 1.0)
-    assert np.all(np.isnan(found))
+    assert np.all(np.isnan(passing(1, 1.5, 1.0)))
+
+
+@pytest.mark.parametrize("value", [0.3, 0.3 + TURN, 0.3 - 7.0 * TURN])
+@pytest.mark.parametrize("begin", [0.0, 2.0, 0.3, -20.0])
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_an_angle_passes_the_value_in_each_turn(value, begin, direction):
+    """Wherever it begins, and told as the value that was asked for; the other state tells where it is."""
+
+    def turning(share):
+        angle = begin + direction * TURN * np.asarray(share)
+        return np.column_stack([angle, np.sin(angle)])
+
+    found = passing(0, value, direction, TURN, at=turning)
+    # The angle has lost what is rounded at the size of some turns.
+    assert found == pytest.approx([value, math.sin(0.3)], abs=1e-13)
+    assert np.all(np.isnan(passing(0, value, -direction, TURN, at=turning)))
+
+
+@pytest.mark.parametrize("value", [0.5, -0.8])
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_images_of_what_is_integrated_are_as_exact(value, direction):
+    """The second half of the circle is the first one's image in its centre."""
+
+    def opposite(t, x, p, image):
+        image[:] = -x
+
+    closure = Closure(None, np.zeros(2), Symmetry("opposite", "spatial", opposite), 1, 2)
+    shares = np.linspace(0.0, 1.0, 9)
+    times = 0.5 * PERIOD * np.concatenate([shares, 1.0 + shares])
+    half = orbit(lambda s: round_once(0.5 * np.asarray(s)), closure)
+    found = crossing(half, np.zeros(3), times, round_once(times / PERIOD), Place(1, value, direction, 0.0))
+    assert found == pytest.approx([direction * math.sqrt(1.0 - value**2), value], abs=1e-14)
+
+
+def test_a_branch_of_orbits_that_begin_there_is_told_there():
+    """The section through the start is y = 0: rounding puts each orbit's ends on either side of it."""
+    system = small_system(circle, "xy", {"mu": 0.5})
+    there = cw.Discretization(report_at=(1, 0.0, 1.0))
+    problem = cw.PeriodicOrbit(system, system.defaults(), "mu", discretization=there)
+    branch = cw.continue_branch(problem, [math.sqrt(0.5), 0.0], (0.4, 0.8), period=TURN)
+    # On steps of 1e-6.
+    np.testing.assert_allclose(branch["x"], np.sqrt(branch["mu"]), rtol=1e-5)
+    np.testing.assert_allclose(branch["y"], 0.0, rtol=0.0, atol=1e-13)
+
+
+def test_a_turning_angle_is_told_where_the_run_asks():
+    """dphi/dt = w + cos(phi) / 2, from phi = 0.3 on, which is behind zero and in front of the next one."""
+
+    def field(t, x, p, dx):
+        dx[0] = p.w + 0.5 * np.cos(x[0])
+        dx[1] = -x[1] + p.w * np.sin(x[0])
+
+    system = small_system(field, (State("phi", period=TURN), State("y")), {"w": 2.0})
+    there = cw.Discretization(report_at=(0, 0.0, 1.0))
+    problem = cw.PeriodicOrbit(system, system.defaults(), "w", discretization=there)
+    period = TURN / math.sqrt(4.0 - 0.25)
+    branch = cw.continue_branch(problem, [0.3, 0.0], (1.9, 2.1), period=period, max_points=6)
+    np.testing.assert_allclose(branch["phi"], 0.0, rtol=0.0, atol=1e-13)
+    assert np.ptp(branch["y"]) < 0.2 * np.abs(branch["y"]).max()
