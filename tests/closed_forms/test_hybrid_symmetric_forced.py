@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -126,3 +127,20 @@ def test_the_only_impact_of_a_half_ceases_where_the_linear_motion_touches_both_s
     # |1 - omega^2 + 0.2 i omega| is the force that moves the mass by 1.
     assert_met(grazing, "beta", abs(1.0 - 0.8**2 + 0.2j * 0.8))
     assert (quiet.info.signature, quiet.info.closure, quiet.info.subharmonic) == ((), "full", 1)
+
+
+@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("value", [0.1, -0.3])
+def test_a_place_in_the_half_that_is_an_image_is_told_as_its_image(name: str, value: float) -> None:
+    """What passes a value on its way up in one half passes its negative on its way down in the other."""
+    state, values, mode = start(name)
+    system = block() if name == "block" else pair()
+    problem, z = solution(system, "beta", state, values, mode=mode)
+    up, down = (
+        problem._varied(
+            discretization=replace(problem.discretization, report_at=(0, sign * value, sign))
+        ).reported(z)
+        for sign in (1.0, -1.0)
+    )
+    assert up[0] == pytest.approx(value, abs=1e-13)  # stepped to, by the secant method
+    assert up == pytest.approx(-down, abs=1e-12)  # its rounding, times velocities and accelerations

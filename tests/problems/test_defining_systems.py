@@ -18,6 +18,7 @@ from contwalk.problems.switching import (
     second_direction,
     tangent_through,
 )
+from contwalk.system import State
 
 
 def sample_at(problem: Equilibrium, *z: float) -> Sample:
@@ -228,10 +229,13 @@ def test_the_tangent_through_is_the_nearest_one_and_faces_the_same_way(sign):
     assert tangent_through(problem, np.zeros(3), np.ones(3), steep) == pytest.approx(expected, abs=1e-14)
 
 
-def test_the_seed_is_the_branch_that_the_parent_is_not():
+@pytest.mark.parametrize("size", [0.01, 1.0, 100.0])
+def test_the_seed_is_the_branch_that_the_parent_is_not(size):
+    """In the units of the states: where x is small, x = -2 lam is hardly told from x = 0 in others."""
     from contwalk.branch import SpecialPoint
 
-    problem = fork_problem(b=0.5)
+    states, values = (State("x", scale=size), "y"), {"lam": 0.1, "b": 0.5, "c": 0.0}
+    problem = small_problem(fork, states, values, "lam")
     for parent, other in (((0.0, 0.0, 1.0), (-2.0, 0.0, 1.0)), ((2.0, 0.0, -1.0), (0.0, 0.0, 1.0))):
         point = SpecialPoint("BP", 0.0, unknowns=(0.0, 0.0, 0.0), tangent=parent)
         (seed,) = branch_point_seeds(problem, point)

@@ -136,18 +136,17 @@ def turns(
     a: np.ndarray, b: np.ndarray, va: np.ndarray, vb: np.ndarray, ra: np.ndarray, rb: np.ndarray
 ) -> np.ndarray:
     """Where the cubics through two values with their rates, of opposite signs, turn between them."""
-    h = b - a
-    d = (vb - va) / h
+    h, steepest = b - a, np.maximum(np.abs(ra), np.abs(rb))
+    # In units in which no product of two overflows, or is lost.
+    d, ra, rb = (vb - va) / h / steepest, ra / steepest, rb / steepest
     # derivative of the Hermite cubic: ra + 2 (3 d - 2 ra - rb) s + 3 (ra + rb - 2 d) s^2
     c1, c2 = 2.0 * (3.0 * d - 2.0 * ra - rb), 3.0 * (ra + rb - 2.0 * d)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        simple = ra / (ra - rb)
-        # The one of two zeros that keeps its digits, and lies between.
+        # Two zeros that keep their digits; the one at which it goes to the sign of rb lies between.
         root = np.sqrt(np.maximum(c1 * c1 - 4.0 * c2 * ra, 0.0))
         q = -0.5 * (c1 + np.where(c1 >= 0.0, root, -root))
-        one, other = q / c2, ra / q
-    s = np.where((one >= 0.0) & (one <= 1.0), one, np.where((other >= 0.0) & (other <= 1.0), other, simple))
-    return a + h * s
+        between = np.where((c1 >= 0.0) == (rb > 0.0), ra / q, q / c2)
+    return a + h * np.clip(between, 0.0, 1.0)
 
 
 def _cubic(

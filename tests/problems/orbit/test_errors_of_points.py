@@ -24,7 +24,12 @@ def made_up(steepness):
         jacobian=lambda z: jacobian,
         factored=Factored,
     )
-    problem.refined = lambda *given: problem
+
+    def refined(z, weights, tolerance):
+        assert len(z) == len(weights) == 2  # unknowns of the orbit, not those that belong to the point
+        return problem
+
+    problem.refined = refined
     return problem, jacobian
 
 
@@ -34,11 +39,13 @@ def test_where_finer_steps_change_nothing_rounding_is_left(steepness):
     problem, jacobian = made_up(steepness)
 
     def evaluate(there, y):
-        return np.append(jacobian @ y, y[0] - 1.0 / 3.0), np.vstack([jacobian, [1.0, 0.0]])
+        """With an unknown of the point's own, as an angle is."""
+        rows = np.vstack([np.append(jacobian, 0.0), [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+        return rows @ y - [0.0, 1.0 / 3.0, 0.7], rows
 
-    start = np.array([0.3, 0.4 / steepness])
+    start = np.array([0.3, 0.4 / steepness, 0.5])
     system = augmented.Augmented(evaluate, start, np.abs(start), lambda there, y: {})
-    sample = SimpleNamespace(z=start, weights=np.array([1.0, 1.0]))
+    sample = SimpleNamespace(z=start[:2], weights=np.array([1.0, 1.0]))
     rough = augmented.solved(problem, system, sample)
     found = rough.settled()
     assert found.z == pytest.approx([1.0 / 3.0, 1.0 / 3.0 / steepness], rel=2.0 * EPSILON)

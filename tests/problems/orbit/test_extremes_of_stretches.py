@@ -56,13 +56,22 @@ def test_what_no_stretch_has_is_told_so():
 
 @pytest.mark.parametrize("turn", [0.2, 0.45, 0.9])
 @pytest.mark.parametrize("other", [-0.5, 1.4, 3.0])
-@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("sign", [1.0, -1.0, 1e-200, -1e200])
 def test_a_cubic_turns_where_its_derivative_is_zero(turn, other, sign):
     """Between 2 and 5, of one whose derivative is sign (s - turn) (s - other) in the share s of the way."""
     slope = sign * Polynomial([turn * other, -turn - other, 1.0])
     value, h = slope.integ(), 3.0
     given = [np.array([v]) for v in (2.0, 5.0, h * value(0.0), h * value(1.0), slope(0.0), slope(1.0))]
     assert turns(*given)[0] == pytest.approx(2.0 + h * turn, abs=1e-13)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_cubic_that_turns_at_an_end_but_for_rounding_turns_there(sign):
+    """It falls by 0.15 sign, from rates of 3e-20 to 3e-17: at its other end it would turn beside its way."""
+    rates = np.array([-3e-20 * sign]), np.array([3e-17 * sign])
+    here = np.array([0.0]), np.array([1.0]), np.array([0.0])
+    assert turns(*here, np.array([-0.15 * sign]), *rates) == pytest.approx([1.0], abs=1e-15)
+    assert turns(*here, np.array([0.15 * sign]), *rates) == pytest.approx([0.0], abs=1e-15)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.25, 0.6, 1.0])

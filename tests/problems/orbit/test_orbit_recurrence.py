@@ -30,6 +30,22 @@ def test_a_cycle_is_found_with_its_period(omega):
     np.testing.assert_allclose(found.variation, 2.0 * math.sqrt(omega), rtol=0.01)
 
 
+def test_no_stretch_is_integrated_more_coarsely_than_what_the_motion_has_reached(monkeypatch):
+    """From near rest to a cycle of a tenth, in several stretches."""
+    given, run = [], recurrence.Simulation.run
+
+    def noted(self, t, x, end, weights):
+        given.append(weights)
+        return run(self, t, x, end, weights)
+
+    monkeypatch.setattr(recurrence.Simulation, "run", noted)
+    system = small_system(stuart_landau, "xy", {"mu": 0.01, "omega": 1.0})
+    found = recurrent(system, system.defaults(), np.array([1e-3, 0.0]))
+    assert found.period == pytest.approx(2.0 * math.pi, rel=NEAR)
+    assert len(given) > 2
+    assert np.max(given) < 0.1
+
+
 def test_a_given_time_of_simulation():
     system = small_system(stuart_landau, "xy", {"mu": 1.0, "omega": 2.0})
     found = recurrent(system, system.defaults(), np.array([0.1, 0.1]), until=30.0)

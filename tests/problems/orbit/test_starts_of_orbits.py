@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from small_systems import labelled, small_system
+from small_systems import circle, labelled, small_system
 
 import contwalk as cw
 from contwalk.problems.orbit.beginning import orbit_at
+from contwalk.problems.orbit.switching import _at
 from contwalk.system import Neutral
 
 
@@ -102,3 +103,20 @@ def test_an_autonomous_orbit_is_told_with_its_least_period():
     problem = cw.PeriodicOrbit(system, system.defaults(), "mu")
     branch = cw.continue_branch(problem, [np.sqrt(0.1), 0.0], (0.05, 0.2), period=6.0 * np.pi)
     assert branch["period"] == pytest.approx(2.0 * np.pi, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("time", "place", "sign"),
+    [(0.25, 0.25, 1.0), (0.999, 0.999, 1.0), (1.0, 0.0, -1.0), (1.0 - 1e-13, 0.0, -1.0), (1.75, 0.75, -1.0)],
+)
+def test_doubled_orbits_begin_with_deviations_that_change_their_sign_each_round(time, place, sign):
+    """Of the circle, where what is off outwards turns with it and dies out like exp(-2 mu t)."""
+    system = small_system(circle, "xy", {"mu": 0.1})
+    size = np.sqrt(0.1)
+    problem, z = orbit_at(system, system.defaults(), "mu", np.array([size, 0.0]), 2.0 * np.pi)
+    x, v = _at(problem, z, np.array([1.0, 0.0, 0.0, 0.0]), time)
+    angle = 2.0 * np.pi * place
+    way = np.array([np.cos(angle), np.sin(angle)])
+    # On steps of 1e-6.
+    assert x == pytest.approx(size * way, abs=1e-5)
+    assert v == pytest.approx(sign * np.exp(-0.2 * angle) * way, abs=1e-5)

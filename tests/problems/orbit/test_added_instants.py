@@ -1,0 +1,26 @@
+"""Instants at which states are largest and smallest, added to the samples of a motion."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from contwalk.problems.orbit.sampling import with_extrema
+
+
+@pytest.mark.parametrize("top", [0.008, 0.013, 0.1, 0.48, 0.97])
+def test_the_instants_of_extremes_are_added(top):
+    """Of a cosine that is largest at `top`, and smallest half a round later, between samples."""
+
+    def at(times):
+        return np.column_stack([np.cos(2.0 * np.pi * (times - top)), times])
+
+    times = np.linspace(0.0, 1.0, 129)
+    found, states = with_extrema(SimpleNamespace(at=at), times, at(times))
+    assert np.all(np.diff(found) >= 0.0)
+    assert set(times) <= set(found)
+    np.testing.assert_array_equal(states, at(found))
+    # The second parabola is 3e-4 of a round wide: the fourth power of its angle.
+    assert [states[:, 0].max(), states[:, 0].min()] == pytest.approx([1.0, -1.0], abs=1e-12)
