@@ -139,3 +139,9 @@ def test_a_guard_that_is_steep_where_it_passes_zero_is_seen_although_it_is_flat_
     assert result.crossed[0]
     # Tens of steps of local error 1e-10; x falls by 0.5 in a unit of time there.
     assert result.crossed_at[0] == pytest.approx(math.log(4.0), abs=1e-7)
+
+
+def test_a_guard_without_a_value_at_the_start_is_told():
+    made = motions(OSCILLATOR, lambda t, x, p: x[0] + math.log(t), [[1.0, 0.0]], [1.0, 0.0, 0.0])
+    result = measure(made, 1e-8, np.ones(2))
+    assert (result.ended[0], result.ended_at[0]) == (plan.NOT_FINITE, 0.0)

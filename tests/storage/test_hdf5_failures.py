@@ -361,3 +361,10 @@ def test_a_failed_rewrite_leaves_the_file_and_no_draft(stored, monkeypatch):
     assert [path.name for path in stored.parent.iterdir()] == [stored.name]
     with open_database(stored) as again:
         assert len(again.rows("b1")) == 20
+
+
+@pytest.mark.parametrize(("soft", "most"), [(1000, 1000), (resource.RLIM_INFINITY, None)])
+def test_the_limit_on_the_size_of_files_is_the_one_that_is_enforced(monkeypatch, soft, most):
+    """A process may raise it up to the hard one, but has not."""
+    monkeypatch.setattr(resource, "getrlimit", lambda which: (soft, 5000))
+    assert failures.largest_file() == most
