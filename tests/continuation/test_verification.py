@@ -24,7 +24,7 @@ from contwalk.continuation.verification import (
 )
 from contwalk.errors import DatabaseError
 from contwalk.problems.orbit.discretization import Discretization
-from contwalk.system import Neutral, State, Symmetry, System
+from contwalk.system import Neutral, Observable, State, Symmetry, System
 
 STEPS = Discretization(accuracy=1e-7)
 
@@ -328,3 +328,22 @@ def test_an_extremum_is_found_again_from_beside_it(aside):
     assert found is not None
     assert found.z[-1] == pytest.approx(0.3, abs=1e-12)
     assert abs(found.z[-1] - 0.3) <= found.error
+
+
+def test_an_extremum_of_an_observable_is_checked_as_what_it_is():
+    """x = mu, and 1 - (x - 0.3)^2 is largest at 0.3; it has no extremum beside it, and a value is not one."""
+
+    def field(t, x, p, dx):
+        dx[0] = p.mu - x[0]
+
+    hill = Observable("hill", lambda t, x, p: (1.0 - (x[:, 0] - 0.3) ** 2).max())
+    system = small_system(field, "x", {"mu": 0.0}, observables=(hill,))
+    problem = cw.Equilibrium(system, system.defaults(), "mu")
+    marks = {"hill": [0.96, "extremum"]}
+    branch = cw.continue_branch(problem, [0.0], (-0.2, 0.6), marks=marks)
+    points = {point.kind: point for point in labelled(branch, "UZ")}
+    for kind in ("extremum", "observable"):
+        assert checked(system, branch, points[kind], marks=marks).verdict == AGREES
+    lost = checked(system, branch, points["extremum"], marks={"hill": [0.96]})
+    assert lost.verdict == LOST
+    assert "does not tell what is marked" in lost.reason

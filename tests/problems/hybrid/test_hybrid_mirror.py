@@ -9,6 +9,7 @@ either.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -129,6 +130,18 @@ def test_symmetry_breaking_and_doubling_are_those_of_the_smooth_orbit(travels):
     assert breaking.kind == "symmetry-breaking"
     assert breaking.period_full == pytest.approx(2.0 * breaking.period, rel=1e-15)
     np.testing.assert_allclose(breaking.spectrum_full, np.square(breaking.spectrum), rtol=1e-14)
+
+
+def test_a_state_that_only_the_image_passes_is_reported_there():
+    """x passes -5 on its way up in the half that is not integrated: the image of 5 on the way down."""
+    (parent, _), places = branches(False), []
+    problem, sample = reopened(two_sided(False), parent, len(parent) // 2)
+    for value, direction in ((5.0, -1.0), (-5.0, 1.0)):
+        chosen = replace(problem.discretization, report_at=(0, value, direction))
+        places.append(problem._varied(discretization=chosen).reported(sample.z))
+    ours, images = places
+    assert ours[0] == pytest.approx(5.0, abs=1e-9)
+    np.testing.assert_allclose(images, [-ours[0], -ours[1], ours[2]], rtol=1e-9)
 
 
 def test_the_whole_motion_is_told():
