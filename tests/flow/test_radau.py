@@ -303,3 +303,12 @@ def test_a_frozen_grid_that_cannot_be_followed_gives_nan(method: str) -> None:
     states = along(field, field.constants([1.0]), np.linspace(0.0, 2.0, 9), [1.0], method)
     assert np.all(np.isfinite(states[:3]))
     assert np.isnan(states[-1, 0]) or abs(states[-1, 0]) > 1.0  # never the value 1 / (1 - 2) by chance
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_stiff_motion_ends_on_the_slow_one_that_it_is_drawn_to(method: str) -> None:
+    """y' = -1e8 (y - cos t) from 0: after some 1e-7 s it is cos t, but for 1e-8 of its rate."""
+    field = field_of(lambda t, x, p: [-p[0] * (x[0] - np.cos(t))], 1, 1)
+    path = adaptive(field, field.constants([1e8]), 0.0, [0.0], 1.0, 1e-6, [1.0], method)
+    assert path.status == "ok"
+    assert path.states[-1, 0] == pytest.approx(np.cos(1.0), abs=1e-6)
