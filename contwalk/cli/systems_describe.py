@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -12,7 +13,7 @@ from contwalk.cli.model_option import model_of, model_option
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from contwalk.system import Family, System
+    from contwalk.system import Family, Parameter, System
 
 
 @click.command("describe")
@@ -62,10 +63,15 @@ def _print_choices(out: Console, family: Family, system: System) -> None:
     _section(out, ["model choice", "here", "default", "allowed", "about"], rows)
 
 
+def _default(parameter: Parameter) -> str:
+    """A parameter's default; a conserved quantity may have none."""
+    return "of start" if math.isnan(parameter.default) else f"{parameter.default:.12g}"
+
+
 def _print_numbers(out: Console, system: System) -> None:
     states = [[state.name, state.unit, state.about] for state in system.states]
     _section(out, ["state", "unit", "about"], states)
-    parameters = [[p.name, f"{p.default:.12g}", p.unit, p.interval(), p.about] for p in system.parameters]
+    parameters = [[p.name, _default(p), p.unit, p.interval(), p.about] for p in system.parameters]
     _section(out, ["parameter", "default", "unit", "bounds", "about"], parameters, right=(1,))
     observables = [[entry.name, entry.unit, entry.about] for entry in system.observables]
     _section(out, ["observable", "unit", "about"], observables)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Mapping
 
@@ -118,12 +119,20 @@ def _flow(value: object) -> str:
 
 
 def _parameter_lines(system: System, values: Mapping[str, float]) -> list[str]:
-    entries = [f"  {parameter.name}: {float(values[parameter.name])!r}" for parameter in system.parameters]
+    # What a start has of a conserved quantity need not be given: its line is a comment.
+    entries = [
+        f"  # {parameter.name}: "
+        if math.isnan(values[parameter.name])
+        else f"  {parameter.name}: {float(values[parameter.name])!r}"
+        for parameter in system.parameters
+    ]
     width = max(len(entry) for entry in entries)
     lines = []
     for entry, parameter in zip(entries, system.parameters, strict=True):
         about = _one_line(parameter.about)
         comment = f"{_one_line(parameter.unit)}, {parameter.interval()}{': ' + about if about else ''}"
+        if math.isnan(values[parameter.name]):
+            comment = f"{comment}; conserved: without a value, that of the start"
         lines.append(f"{entry:<{width}}   # {comment}")
     return lines
 
@@ -191,7 +200,8 @@ def _report_example(system: System) -> str:
 
 
 def _sweep_example(system: System, continued: Parameter) -> str:
-    others = [parameter for parameter in system.parameters if parameter is not continued]
+    known = [parameter for parameter in system.parameters if not math.isnan(parameter.default)]
+    others = [parameter for parameter in known if parameter is not continued]
     return f"{{{others[-1].name}: [{float(others[-1].default)!r}]}}" if others else "null"
 
 

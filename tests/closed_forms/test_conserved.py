@@ -127,6 +127,18 @@ def test_henon_heiles_bifurcations_of_the_orbit_on_an_axis(nodding):
         assert found[name].parameters["energy"] * 6.0 == pytest.approx(share, abs=5e-7)
 
 
+@pytest.mark.parametrize("name", ["PD1", "BP1"])
+def test_henon_heiles_branches_that_leave(nodding, name):
+    """What is born where the orbit on the axis loses its stability is stable at first."""
+    problem, point = orbits(HENON_HEILES, "energy"), nodding.special(name)
+    branch = cw.switch_branch(problem, nodding, name, (0.001, 0.166), max_points=8)
+    assert len(branch) >= 8
+    assert branch["energy"].min() >= point.parameters["energy"] * (1.0 - 1e-9)
+    assert not branch["unstable"][np.argsort(branch["energy"])[1:4]].any()
+    rounds = 2.0 if name == "PD1" else 1.0
+    assert branch["period"].min() == pytest.approx(rounds * point.period, rel=1e-3)
+
+
 def test_henon_heiles_multipliers_along_the_branch(nodding):
     """Two are left of four: on the unit circle but for the errors of the steps, or real."""
     for row in nodding.points[::12]:

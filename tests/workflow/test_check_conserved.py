@@ -148,3 +148,12 @@ def test_a_relabelling_that_keeps_it():
     (found,) = findings(system(None), "error")
     assert "'step' does not keep it" in found.sentence
     assert not findings(system(swap), "error")
+
+
+def test_what_init_writes_can_be_read(tmp_path):
+    """The value need not be given: its line is a comment, and no example sweeps over nothing."""
+    from contwalk.workflow.template import starting_file
+
+    text = starting_file(PENDULUM, "./pendulum.py")
+    assert "nan" not in text
+    assert "  # energy:" in text

@@ -24,6 +24,11 @@ VANISHES = 1e-9
 COARSER = 10.0
 # Multipliers that meet are known to the root of rounding only.
 MEET = 1e-3
+BRANCHING = ("c11", "c12", "c22", "c")
+UP_TO_A_FACTOR = (
+    "return map minus identity; c11 s^2 + 2 c12 s t + c22 t^2 = 0 for the directions s q + t h, and the "
+    "cubic c, up to a common factor: p.q is zero where a pair of multipliers meets"
+)
 PAIR = (
     "multipliers come in pairs mu, 1/mu here, and a pair meets: the branch that leaves tells by its own "
     "multipliers which side is stable"
@@ -110,7 +115,9 @@ def _of_a_pair(problem: Orbit, label: str, located: Located, sample: Sample) -> 
     if label != "BP" or located.vectors.get("fallen_back"):
         return ("symmetry-breaking" if label == "SB" else None), None, {}, PAIR
     c = normal_forms.branch_point(problem.return_map(located.z), float(sample.weights[-1]))
-    return ("transcritical" if c["c11"] != 0.0 else "pitchfork"), None, {}, PAIR
+    largest = max(abs(c[name]) for name in BRANCHING)
+    coefficients = {name: c[name] / largest for name in BRANCHING} | {"convention": UP_TO_A_FACTOR}
+    return ("transcritical" if c["c11"] != 0.0 else "pitchfork"), None, coefficients, PAIR
 
 
 def _known(

@@ -141,7 +141,10 @@ def multipliers(
     found = Multipliers(
         values, np.where(lost, np.maximum(errors, leak / UNKNOWN), errors), max(accuracy, float(leak[0]))
     )
-    return reciprocal(found, ROUNDING * coarser * max(1.0, *sizes)) if gradients else found
+    if not gradients:
+        return found
+    whole = np.linalg.multi_dot(scaled[::-1]) if len(scaled) > 1 else scaled[0]
+    return reciprocal(found, ROUNDING * coarser * max(1.0, *sizes, float(np.linalg.norm(whole, 2))))
 
 
 def reciprocal(found: Multipliers, error: float) -> Multipliers:
