@@ -18,6 +18,8 @@ PARTS = 8
 EVERY, DOUBTFUL = 4, 1e-5
 # Local errors of 1e-6 that a run asks for, a hundred of them, grown by this, are as large as the orbit.
 HOPELESS = 1e4
+# So many rows of a branch may take too long alone before others are left out in parts.
+MOST_LOST = 8
 # An orbit smaller than this part of its place is a Hopf point still.
 POINT = 1e-9
 
@@ -77,25 +79,30 @@ def rounds(machine: Machine, branch: Branch) -> list[Round]:
     largest = np.where(np.isfinite(spectrum), spectrum, 0.0).max(axis=1, initial=0.0)
     sizes = np.isfinite(branch.points["unknowns"]).sum(axis=1)
     found: list[Round] = []
+    lost: list[int] = []
     hopeful = largest <= HOPELESS
     for size in np.unique(sizes):
         chosen = np.flatnonzero((sizes == size) & hopeful)
         for part in np.array_split(chosen, -(-len(chosen) // 64)) if len(chosen) else ():
-            found += _carried_in_parts(machine, branch, part)
+            found += _carried_in_parts(machine, branch, part, lost)
     if np.any(hopeful) and not found:
         raise TooLong
     return sorted(found, key=lambda r: r.row)
 
 
-def _carried_in_parts(machine: Machine, branch: Branch, which: np.ndarray) -> list[Round]:
-    """Rows carried round in halves where all together take too long; without one that does so alone."""
+def _carried_in_parts(machine: Machine, branch: Branch, which: np.ndarray, lost: list[int]) -> list[Round]:
+    """Rows carried round in halves where all together take too long; without one that does so alone.
+
+    Those are added to `lost`; where there are many, parts are not halved any more.
+    """
     try:
         return _carried(machine, branch, which)
     except TooLong:
-        if len(which) == 1:
+        if len(which) == 1 or len(lost) >= MOST_LOST:
+            lost += which.tolist()
             return []
     halves = np.array_split(which, 2)
-    return [turn for half in halves for turn in _carried_in_parts(machine, branch, half)]
+    return [turn for half in halves for turn in _carried_in_parts(machine, branch, half, lost)]
 
 
 def _carried(machine: Machine, branch: Branch, which: np.ndarray) -> list[Round]:
