@@ -247,6 +247,13 @@ def _check_leaving(report: Report, happening: Happening, system: System, samples
         report.ok(
             what, "not checked whether its guard is left behind: no state at the event was found.", place
         )
+    elif past == len(known) and transition.reset is None and transition.relabel is None:
+        report.error(
+            what,
+            "It changes nothing: without a reset and without another mode the motion goes on through its "
+            "guard. Give it a reset, or role='watched' if it is only to be told.",
+            place,
+        )
     elif past and leaving == len(known):
         share = "at every state" if past == len(known) else f"at {past} of {len(known)} states"
         sentence = (
