@@ -63,9 +63,9 @@ def test_a_point_that_solves_nothing_is_noticed(studies):
 
 
 def test_rows_that_no_integration_can_check_are_given_up_and_counted(tmp_path, monkeypatch):
-    # A relay that nearly rests: its period goes to 4800 while its deviations shrink below all numbers.
+    # A relay that creeps past an equilibrium: the longest of its orbits are those that take the most.
     study, left_out = studied(recipe(RESTING).small(), tmp_path), []
-    monkeypatch.setattr(random_independent, "MOST", 1500)  # an eighth of the time for this test
+    monkeypatch.setattr(random_independent, "MOST", 250)  # what most of them take, and some do not
     assert list(faults(study, left_out)) == []
     assert 0 < len(left_out) < len(study.branches[0])
 
