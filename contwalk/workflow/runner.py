@@ -103,13 +103,15 @@ def run(
             lambda name: _stored(db, name),
             **_claims(db),
         )
-        _Recorder(db, reporter, result, run_file).record(diagram)
+        recorder = _Recorder(db, reporter, result, run_file)
+        recorder.record(diagram)
         result.branches = db.branches()
         lost = lost_values(run_file.sweep, result.branches, run_file.output.name)
         if lost and not result.interrupted:
-            db.write_note("sweep", lost)
-        for text in db.notes().values():  # those of an earlier process too, of branches that it finished
-            reporter.note(text)
+            recorder.note("sweep", lost)
+        for key, text in db.notes().items():
+            if key not in recorder.noted:  # of an earlier process, of branches that it finished
+                reporter.note(text)
     if figures and not result.interrupted:
         result.figures = list(_figures(run_file, result, reporter))
     return result
@@ -247,8 +249,15 @@ class _Recorder:
     def __init__(self, db: Database, reporter: Reporter, result: RunResult, run_file: RunFile) -> None:
         self.db, self.reporter, self.result, self.accuracy = db, reporter, result, run_file.accuracy
         self._observables = run_file.system.observables
+        self.noted: set[str] = set()
         self._current: BranchInfo | None = None
         self._number = 0
+
+    def note(self, key: str, text: str) -> None:
+        """Store a note, and tell it."""
+        self.noted.add(key)
+        self.db.write_note(key, text)
+        self.reporter.note(text)
 
     def record(self, diagram: Diagram) -> None:
         """Everything until the end, or until the user interrupts."""
@@ -279,8 +288,7 @@ class _Recorder:
             self._current = None
             self.reporter.branch_ended(event.branch)
         elif isinstance(event, Noted):
-            self.db.write_note(event.key, event.text)
-            self.reporter.note(event.text)
+            self.note(event.key, event.text)
 
     def _found(self, event: Found) -> None:
         name = event.info.name
@@ -309,8 +317,7 @@ class _Recorder:
                 f"{branch.name}: observable '{name}' is not a number at {np.sum(lacking)} of {len(lacking)} "
                 f"points, the first of them at {free} = {value:.10g}; marks of it cannot be found there."
             )
-            self.db.write_note(f"observable {branch.name} {name}", text)
-            self.reporter.note(text)
+            self.note(f"observable {branch.name} {name}", text)
 
     def _check_accuracy(self, info: BranchInfo, point: SpecialPoint) -> None:
         """Say where a point is known less well than was asked for."""
@@ -325,8 +332,7 @@ class _Recorder:
                 f"{point.error:.1e}, which is {point.error / value:.1e} of it: more than the "
                 f"{self.accuracy:g} that was asked for."
             )
-            self.db.write_note(f"accuracy {info.name} {point.label} {point.s!r}", text)
-            self.reporter.note(text)
+            self.note(f"accuracy {info.name} {point.label} {point.s!r}", text)
 
 
 def check_figures(run_file: RunFile, replacing: bool) -> None:
