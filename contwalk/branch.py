@@ -276,6 +276,15 @@ class Branch:
         raise KeyError(f"Branch {self.name} has no special point '{name}'. Known: {known or 'none'}.")
 
 
+def along(rows: np.ndarray) -> np.ndarray:
+    """Rows in the order of appending, in their order along the branch.
+
+    Those at one place are met in the order of appending, the other way round where the walk went backwards.
+    """
+    met = np.arange(len(rows))
+    return rows[np.lexsort((np.where(rows["s"] < 0.0, -met, met), rows["s"]))]
+
+
 def named(special_points: list[SpecialPoint], points: np.ndarray) -> list[SpecialPoint]:
     """Special points in their order along the branch, with names counted along it and their rows."""
     counts: dict[str, int] = dict.fromkeys(LABELS, 0)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint, named
+from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint, along, named
 from contwalk.continuation import outcomes
 from contwalk.continuation.here import Here
 from contwalk.continuation.opening import Opening
@@ -64,7 +64,7 @@ class Work:
     def branch(self, outcome: Outcome) -> Branch:
         """The branch as it stands, ended like this."""
         rows = np.concatenate(self.rows) if self.rows else np.zeros(0, dtype=self.info.point_dtype())
-        points = rows[np.argsort(rows["s"], kind="stable")]
+        points = along(rows)
         cost = {"seconds": float(rows["seconds"].sum()), "rhs": int(rows["rhs"].sum())}
         return Branch(self.info, points, named(self.special_points, points), outcome, cost)
 
