@@ -10,9 +10,10 @@ import pytest
 from small_systems import circle, small_system
 
 import contwalk as cw
+from contwalk.continuation import diagram
 from contwalk.continuation.diagram import Diagram, Noted, Plan
 from contwalk.continuation.here import begin
-from contwalk.continuation.opening import opened
+from contwalk.continuation.opening import Opening, opened
 from contwalk.continuation.recognition import images, known_branch
 from contwalk.continuation.reopening import reopened
 from contwalk.continuation.settings import Settings
@@ -235,3 +236,30 @@ def test_an_orbit_is_known_on_its_branch_if_its_period_is_as_often_that_of_the_f
     assert known_branch(there, sample, [branch]) == branch.name
     other = replace(branch, info=replace(branch.info, subharmonic=2))
     assert known_branch(there, sample, [other]) is None
+
+
+class TestBeginningsAtHopfPoints:
+    """An orbit's start at a Hopf point: known by a family that ends there, or else by the way it goes."""
+
+    @pytest.fixture
+    def recognised(self, branches, monkeypatch):
+        problem, straight = problem_of(), branches[0]
+        here = begin(problem, np.array([0.0, 0.0, 0.3]), SETTINGS)
+        values, opening = problem.system.defaults(), Opening(problem, here)
+        start = Start(problem.system, "mu", values, opening, "b9/HB1", ("b9", 0.0), label="HB")
+        walks = []
+
+        def told(ends_there):
+            found = Diagram([], Plan(SETTINGS))
+            found.branches = [straight]
+            monkeypatch.setattr(diagram, "_ends_at_point", lambda branch, at: ends_there)
+            monkeypatch.setattr(found, "_beside", lambda *given: walks.append(given) or here.sample)
+            return found._recognised(start), len(walks)
+
+        return told
+
+    def test_where_a_family_ends_there_nothing_is_walked(self, recognised, branches):
+        assert recognised(True) == (branches[0].name, 0)
+
+    def test_where_none_does_both_ways_are_looked_at(self, recognised, branches):
+        assert recognised(False) == (branches[0].name, 2)

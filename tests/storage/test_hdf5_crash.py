@@ -5,12 +5,15 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
 
 import h5py
 import numpy as np
 import pytest
 
+from contwalk.branch import Outcome
 from contwalk.storage import Hdf5Database, open_database
+from contwalk.storage.hdf5_branch import StoredBranch
 from contwalk.storage.records import RecordLog
 
 WRITER = """
@@ -142,3 +145,42 @@ def test_an_append_that_was_interrupted_leaves_no_gap(tmp_path, header, make_inf
         assert db.rows("b1")["s"].tolist() == [0.0]
         db.append("b1", make_row(info, 2.0))
         assert db.rows("b1")["s"].tolist() == [0.0, 2.0]
+
+
+@contextmanager
+def finished_branch(tmp_path, header, make_info, make_row, spoil):
+    """A finished branch of two points, as another process sees it after something was done to its points."""
+    path = tmp_path / "finished.h5"
+    with Hdf5Database.create(path, header) as db:
+        db.start_branch(make_info())
+        for s in (0.0, 1.0):
+            db.append("b1", make_row(make_info(), s))
+        db.finish("b1", Outcome("complete", "bound", "Reached the end."), {"seconds": 1.0, "rhs": 80})
+    with h5py.File(path, "r+") as file:
+        spoil(file["branches/b1/points"])
+    with h5py.File(path) as file:
+        yield StoredBranch.open(file["branches/b1"])
+
+
+def doubled(points):
+    points[1] = points[0]  # each row is whole, as its checksum says
+
+
+@pytest.mark.parametrize(
+    ("spoil", "told"),
+    [
+        (doubled, "the rows of branch b1 are not those that it was finished with"),
+        (lambda points: points.resize((1,)), "has 1 of its 2 rows"),
+    ],
+)
+def test_other_rows_than_those_that_a_branch_was_finished_with_are_refused(
+    tmp_path, header, make_info, make_row, spoil, told
+):
+    finished = finished_branch(tmp_path, header, make_info, make_row, spoil)
+    with finished as branch, pytest.raises(ValueError, match=told):
+        branch.rows()
+
+
+def test_a_finished_branch_has_its_rows(tmp_path, header, make_info, make_row):
+    with finished_branch(tmp_path, header, make_info, make_row, lambda points: None) as branch:
+        assert branch.rows()["s"].tolist() == [0.0, 1.0]

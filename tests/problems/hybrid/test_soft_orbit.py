@@ -16,7 +16,9 @@ from hybrid_runs import ACCURACY, diagram, machine, solution
 
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.problems.hybrid.grouping import Grouping
-from contwalk.problems.hybrid.soft_orbit import SoftOrbit
+from contwalk.problems.hybrid.soft_orbit import SoftOrbit, softened_seed
+from contwalk.problems.hybrid.switching import rotated
+from contwalk.problems.problem import Seed
 from contwalk.system import System, Transition
 
 ZETA, OMEGA, WALL, GAP, STIFFNESS, RESTITUTION = 0.05, 1.2, 0.2, 1.2, 6.0, 0.7
@@ -159,4 +161,24 @@ def test_unknowns_are_split_and_joined_again():
         by_own @ direction[0] + by_soft @ direction[1],
         rtol=1e-12,
         atol=1e-12,
+    )
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize("other", [1.0, -1.0])
+def test_a_seed_that_begins_with_another_event_keeps_its_way(way, other):
+    """Its null direction is computed anew: of that, the sign of the parameter's component is the seed's."""
+    problem, z = solution(system(), "force", START, {"force": 1.5}, until="settled")
+    assert isinstance(problem, SoftOrbit)
+    explicit, unknowns = rotated(*problem.explicit(z), 1)
+    assert explicit.word.legs[-1].soft
+    tangent = np.zeros(len(unknowns))
+    tangent[-2:] = other, way
+    found = softened_seed(Seed("GR", unknowns, tangent, np.abs, explicit))
+    assert isinstance(found.problem, SoftOrbit)
+    assert np.sign(found.tangent[-1]) == way
+    jacobian = found.problem.jacobian(found.z)
+    # A null vector, to the rounding of sums whose terms these are.
+    assert np.abs(jacobian @ found.tangent) == pytest.approx(
+        0.0, abs=1e-10 * float(np.max(np.abs(jacobian) @ np.abs(found.tangent)))
     )
