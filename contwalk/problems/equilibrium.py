@@ -184,10 +184,26 @@ class Equilibrium:
         derivatives = np.abs(jacobian)
         # Beside the rounding of the evaluation: z itself is only known to half an ulp ...
         level = EPSILON * (self.kernels.rounding(*inputs) + derivatives @ np.abs(z)) + np.finfo(float).tiny
-        magnitudes = self._magnitudes(z, derivatives, level / EPSILON)
+        magnitudes = self._magnitudes(z, derivatives, self._telling(z, derivatives, level / EPSILON))
         # ... and an unknown that is zero only to half an ulp of what would matter.
         level = level + EPSILON * (derivatives @ np.where(magnitudes > 0, magnitudes, 0.0))
         return level, magnitudes
+
+    def _telling(self, z: np.ndarray, derivatives: np.ndarray, terms: np.ndarray) -> np.ndarray:
+        """The sizes of the equations' terms, shape (N,), zero where they are nothing but noise of zero.
+
+        An unknown that another equation cannot tell from zero may be zero; an equation that has no terms
+        then tells no magnitudes either, as where it is zero exactly.
+        """
+        known = np.isfinite(derivatives) & (derivatives > 1e-100) & np.isfinite(terms)[:, None]
+        seen = np.divide(terms[:, None], derivatives, out=np.zeros_like(derivatives), where=known).max(axis=0)
+        noise = (z != 0.0) & (np.abs(z) < EPSILON * seen)
+        noise[-1] = False  # the parameter is what it is
+        if not np.any(noise):
+            return terms
+        zeroed = np.where(noise, 0.0, z)
+        left = self.kernels.rounding(*self.inputs(zeroed)) + np.abs(self.jacobian(zeroed)) @ np.abs(zeroed)
+        return np.where(left > 0.0, terms, 0.0)
 
     @cached_property
     def _switching(self) -> Switching | None:
