@@ -53,8 +53,9 @@ BESIDE, NEAR = 1e-4, 1e-2
 ZERO, BELOW = 1e-9, 1e-7
 # A little time, and none, in parts of the closure's.
 LITTLE, NO_TIME = 1e-3, 1e-12
-# Of what typical changes of the states make of a guard: its rounding, and a rate that is no more than that.
-ROUNDED, STILL = 1e-13, 1e-8
+# Of what typical changes of the states make of a guard: its rounding, a rate that is no more than that, and
+# what one that turns within a little time changes by at most in the closure's.
+ROUNDED, STILL, SLOWLY = 1e-13, 1e-8, 0.1
 # A rate below this part of the guard's largest one is zero but for what the instants of events are known to.
 NO_RATE = 1e-7
 
@@ -558,8 +559,10 @@ def _vanishes(problem: HybridOrbit, i: int, sample: Sample) -> bool:
     view = problem.view(_solution(problem, sample))[i]  # of a guess no guard is zero
     _, values, rates = view.guard(transition)
     most = largest(values, rates, view.duration, problem.mesh.total)
-    rounding = ROUNDED * _typical(problem, i, transition, sample)
-    return abs(float(values[0])) <= max(BELOW * most, rounding)
+    typical = _typical(problem, i, transition, sample)
+    # One that passes zero with a rate is near it all along a short leg; rates are over the leg's own time.
+    turns = abs(float(rates[0])) * problem.mesh.total <= SLOWLY * typical * abs(view.duration)
+    return turns and abs(float(values[0])) <= max(BELOW * most, ROUNDED * typical)
 
 
 def _solution(problem: HybridOrbit, sample: Sample) -> np.ndarray:
@@ -638,7 +641,10 @@ def _redundant(jacobian: np.ndarray, rows: np.ndarray, columns: np.ndarray, coun
     sizes = np.linalg.norm(scaled, axis=1)
     scaled /= np.where(sizes > 0.0, sizes, 1.0)[:, None]
     left = np.linalg.svd(scaled)[0][: len(rows), -count:]
-    return left / np.linalg.norm(left, axis=0)
+    lengths = np.linalg.norm(left, axis=0)
+    if not np.all(lengths > 0.0):
+        raise np.linalg.LinAlgError("None of the orbit's equations says nothing new.")
+    return left / lengths
 
 
 def _vanishing_with(problem: HybridOrbit, i: int, sample: Sample) -> list[int]:
