@@ -1,0 +1,40 @@
+"""Leaky integrate-and-fire neuron with a constant current: it fires ever more rarely, and no more at I = 1.
+
+v' = I - v, and at v = 1 it becomes 0: the period is log(I / (I - 1)), without bound where the equilibrium
+v = I comes to the threshold. Its only multiplier is that of the phase.
+"""
+
+from peers.form import CLOSED_FORM, Ending, Peer, Study
+from peers.machines.forced_integrate_and_fire import below_threshold, fire
+
+from contwalk.system import Mode, Parameter, State, System, Transition
+
+
+def field(t, x, p, dx):
+    dx[0] = p.current - x[0]
+
+
+SYSTEM = System(
+    name="leaky_neuron",
+    states=(State("v"),),
+    parameters=(Parameter("current", 1.5),),
+    modes=(Mode("charging", field),),
+    transitions=(Transition("spike", "charging", "charging", below_threshold, reset=fire),),
+    reference="Gerstner & Kistler (2002), Spiking Neuron Models, section 4.1",
+)
+
+PEER = Peer(
+    "Integrate-and-fire neuron",
+    SYSTEM.reference,
+    (
+        Study(
+            "",
+            {
+                "start": {"simulate": {"state": {"v": 0.0}, "until": "settled"}},
+                "continue": {"parameter": "current", "range": [0.5, 3.0]},
+            },
+            values=(),
+            endings=(Ending("homoclinic", CLOSED_FORM, 1.0),),
+        ),
+    ),
+)
