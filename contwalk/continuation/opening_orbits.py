@@ -16,7 +16,7 @@ from contwalk.continuation.opening import Opening, opened
 from contwalk.continuation.settings import Settings
 from contwalk.errors import NotFinite, PluginError, StartError
 from contwalk.problems.conserving import with_own_values
-from contwalk.problems.hybrid.beginning import at_start, orbit_of
+from contwalk.problems.hybrid.beginning import orbit_of
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.least import least, unused_symmetries
 from contwalk.problems.hybrid.recurrence import lap_from
@@ -28,12 +28,11 @@ from contwalk.problems.orbit.beginning import orbit_at, repetitions, symmetric
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.problems.orbit.recurrence import AtRest, recurrent
+from contwalk.problems.paths import Path, at_path
 from contwalk.problems.problem import NO_MARGIN
 from contwalk.problems.stored_word import StoredWord
 from contwalk.signatures import folded
 from contwalk.system import Neutral, System
-
-Path = tuple[Mapping[str, float], Mapping[str, float]]
 
 # Values of a conserved quantity that differ by more than this part are two.
 OTHER = 1e-6
@@ -94,7 +93,7 @@ def opened_orbit(
     )
     if not isinstance(found, Outcome) or found.reason != "no_convergence":
         return found
-    asked = _other_values(system, at_start(parameters, path, at), state, mode or system.modes[0].name)
+    asked = _other_values(system, at_path(parameters, path, at), state, mode or system.modes[0].name)
     return replace(found, message=f"{found.message} {asked}".strip())
 
 
@@ -130,12 +129,12 @@ def _opened_orbit(
 ) -> Opening | Outcome:
     try:
         if system.acting:
-            lap = lap_from(system, at_start(parameters, path, at), state, mode, event, until)
+            lap = lap_from(system, at_path(parameters, path, at), state, mode, event, until)
             explicit = orbit_of(system, parameters, free, lap, path, at, discretization)
             return _hybrid(*softened(*explicit), settings, until == "settled")
         faint = False
         if until is not None:
-            found = recurrent(system, at_start(parameters, path, at), state, until)
+            found = recurrent(system, at_path(parameters, path, at), state, until)
             faint = bool(np.all(found.variation <= FAINT * np.abs(found.state).max()))
             state, period = found.state, found.period
         given = path, at, discretization, subharmonic, pins

@@ -17,6 +17,7 @@ from pydantic import ValidationError
 from ruamel.yaml import YAML
 
 from contwalk.errors import ContwalkError, RunFileError
+from contwalk.problems.paths import at_path
 from contwalk.system import System
 from contwalk.system.loading import load_declaration
 from contwalk.workflow import run_settings as settings
@@ -247,7 +248,7 @@ def _checked(problems: Problems, model: RunModel, system: System, path: Path, ou
         else tuple(filter(None, [free]))
     )
     low, high = settings.continued_range(problems, system, model, free)
-    at_start = parameters if ends is None else {n: a + low * (ends[1][n] - a) for n, a in ends[0].items()}
+    at_start = at_path(parameters, ends, low)
     reader = StartReader(problems, system, path.parent, at_start, given, varying, settable=ends is None)
     starts = reader.read(model.start)
     measured = None

@@ -15,13 +15,12 @@ from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.lap import Lap
 from contwalk.problems.orbit.beginning import started
 from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.paths import Path, at_path
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 
 # A guard that is more than this part of its typical changes where its event has found it has jumped.
 JUMPED = 1e-3
-
-Path = tuple[Mapping[str, float], Mapping[str, float]]
 
 
 def orbit_of(
@@ -36,7 +35,7 @@ def orbit_of(
     """The problem of a lap's word, discretised for it, and the lap as its unknowns."""
     first = lap.stretches[0]
     parameters, path = started(system, parameters, path, at, first.state, first.leg.mode)
-    values = at_start(parameters, path, at)
+    values = at_path(parameters, path, at)
     _check_zeros(hybrid_machine(system, values), lap)
     pins = _neutral(system, values, free, lap, path) if system.neutral else []
     lap = _placed(system, pins, lap, values)
@@ -102,14 +101,6 @@ def _neutral(
 def _beside(value: float) -> float:
     """A value of a parameter near another one, at which what holds for that one only does not."""
     return 1.01 * value if value else 0.01
-
-
-def at_start(parameters: Mapping[str, float], path: Path | None, at: float | None) -> dict[str, float]:
-    """All parameters where the branch begins; `at` is a place on the path."""
-    if path is None:
-        return dict(parameters)
-    begin, end = path
-    return {name: begin[name] + float(at or 0.0) * (end[name] - begin[name]) for name in begin}
 
 
 def _placed(system: System, pins: Sequence[Neutral], lap: Lap, parameters: dict[str, float]) -> Lap:

@@ -18,6 +18,7 @@ from contwalk.problems.orbit.own_image import OWN_IMAGE, carries
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.problems.orbit.shooting import Mesh, arrived, velocity
 from contwalk.problems.orbit.transport import carried_to, segments_for
+from contwalk.problems.paths import Path, at_path
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 
@@ -33,8 +34,6 @@ BESIDE = 1e-3
 
 # Tolerance of the first look at a motion.
 ROUGH = 1e-7
-
-Path = tuple[Mapping[str, float], Mapping[str, float]]
 
 
 def orbit_at(
@@ -103,13 +102,6 @@ def started(
         return {name: known.get(name, told.get(name, value)) for name, value in values.items()}
 
     return filled({**told, **parameters}), None if path is None else (filled(path[0]), filled(path[1]))
-
-
-def at_path(parameters: Mapping[str, float], path: Path | None, at: float | None) -> dict[str, float]:
-    """Values of all parameters at a position on a path."""
-    if path is None:
-        return dict(parameters)
-    return {name: begin + float(at or 0.0) * (path[1][name] - begin) for name, begin in path[0].items()}
 
 
 def _neutral(
