@@ -195,9 +195,9 @@ class Equilibrium:
         An unknown that another equation cannot tell from zero may be zero; an equation that has no terms
         then tells no magnitudes either, as where it is zero exactly.
         """
-        known = np.isfinite(derivatives) & (derivatives > 1e-100) & np.isfinite(terms)[:, None]
-        seen = np.divide(terms[:, None], derivatives, out=np.zeros_like(derivatives), where=known).max(axis=0)
-        noise = (z != 0.0) & (np.abs(z) < EPSILON * seen)
+        shares = derivatives * np.abs(z)
+        unseen = (shares > 0.0) & (shares < EPSILON * terms[:, None]) & (derivatives > 1e-100)
+        noise = unseen.any(axis=0)
         noise[-1] = False  # the parameter is what it is
         if not np.any(noise):
             return terms
