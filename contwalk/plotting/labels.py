@@ -44,7 +44,9 @@ class Label:
         return f"{self.owner}/{self.text}" if self.owner else self.text
 
 
-def place_labels(ax: Axes, labels: Sequence[Label], curves: Sequence[np.ndarray] = ()) -> list[str]:
+def place_labels(
+    ax: Axes, labels: Sequence[Label], curves: Sequence[np.ndarray] = (), settled: bool = False
+) -> list[str]:
     """Write the labels next to their points, with a thin leader line to those that had to move away.
 
     Labels of one colour at one place, as where a branch passes through its own mirror image, become one text.
@@ -58,6 +60,8 @@ def place_labels(ax: Axes, labels: Sequence[Label], curves: Sequence[np.ndarray]
         Labels of points that are not finite are left out.
     curves : sequence of arrays of shape (k, 2)
         Curves in data coordinates that labels should keep off.
+    settled : bool
+        The figure's layout is final: it has been laid out since the last change but for labels.
 
     Returns
     -------
@@ -71,7 +75,8 @@ def place_labels(ax: Axes, labels: Sequence[Label], curves: Sequence[np.ndarray]
     ax.set_xlim(ax.get_xlim())
     ax.set_ylim(ax.get_ylim())
     root = ax.figure.canvas.figure
-    root.draw_without_rendering()
+    if not settled:
+        root.draw_without_rendering()
     groups = _merged(ax, labels, SAME_PLACE_POINTS * root.dpi / 72.0)
     labels = [group[0] for group in groups]
     texts = [_text(ax, label, _shared(group)) for label, group in zip(labels, groups, strict=True)]

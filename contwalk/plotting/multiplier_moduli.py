@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from itertools import pairwise
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -65,6 +65,28 @@ def plot_multiplier_moduli(
     ContwalkError
         If no branch is one of orbits with a spectrum, or none has `x`.
     """
+    figure = draw_moduli(branches, ax, x, units)
+    name_points(figure, told)
+    return figure.ax
+
+
+@dataclass(frozen=True, eq=False)
+class Unnamed:
+    """Axes that are complete but for the names of the points on them."""
+
+    ax: Axes
+    labels: list[Label]
+    curves: list[np.ndarray]
+    drawn: set[tuple[int, bool]]
+
+
+def draw_moduli(
+    branches: Sequence[Branch],
+    ax: Axes | None = None,
+    x: str | None = None,
+    units: Mapping[str, str] | None = None,
+) -> Unnamed:
+    """Draw what `plot_multiplier_moduli` does, without the names of the special points."""
     chosen = choose(branches, ORBITS, "multipliers", OTHER)
     x = x or default_x(chosen)
     chosen = with_names(chosen, [x])
@@ -101,14 +123,18 @@ def plot_multiplier_moduli(
     ax.axhspan(1.0, 1e300, color=SHADE, linewidth=0, zorder=0)
     ax.axhline(1.0, color=INK, linewidth=1.2, zorder=1, gid="unit-modulus")
     _legend(ax, drawn)
-    without = place_labels(ax, labels, [*curves, np.array([[at, 1.0] for at in ax.get_xlim()])])
+    return Unnamed(ax, labels, [*curves, np.array([[at, 1.0] for at in ax.get_xlim()])], drawn)
+
+
+def name_points(figure: Unnamed, told: Callable[[str], None], settled: bool = False) -> None:
+    """Write the names of the special points; `settled` as for `place_labels`."""
+    without = place_labels(figure.ax, figure.labels, figure.curves, settled)
     if without:
-        _legend(ax, drawn, f"names left out: {len(without)}")
+        _legend(figure.ax, figure.drawn, f"names left out: {len(without)}")
         told(
             f"There is no room for the names of {len(without)} points in the figure of multipliers: "
             f"{', '.join(without)}. Draw fewer branches, or look them up with `contwalk show`."
         )
-    return ax
 
 
 def _left_out(ax: Axes, below: int, endless: bool) -> None:
@@ -143,20 +169,20 @@ def _scale(ax: Axes, least: float, largest: float) -> None:
 
 def _draw(ax: Axes, branch: Branch, name: str, fine: Loci, moduli: np.ndarray) -> set[tuple[int, bool]]:
     """Draw the multipliers of one branch; which kinds there are, and whether admissible."""
-    kinds = np.where(fine.values.imag != 0.0, 2, np.where(fine.values.real < 0.0, 1, 0))
+    kinds = np.where(fine.values.imag != 0.0, 2, np.where(fine.values.real < 0.0, 1, 0)).T
+    places = np.stack(np.broadcast_arrays(fine.across, moduli.T), axis=2)
     found = set()
     for run in runs(branch):
         first, last = np.searchsorted(fine.rows, [run.first, run.last])
-        pieces: dict[int, list[np.ndarray]] = {}
-        for column in range(moduli.shape[1]):
-            for a, b in pairwise(range(first, last + 1)):
-                ends = np.array([[fine.across[a], moduli[a, column]], [fine.across[b], moduli[b, column]]])
-                signs = {int(kinds[a, column]), int(kinds[b, column])}
-                # A real multiplier that changes its sign passes zero, which no line can show.
-                if np.isfinite(ends).all() and signs != {0, 1}:
-                    pieces.setdefault(max(signs), []).append(ends)
-        for kind, segments in pieces.items():
+        # One multiplier after the other: (multipliers, segments, both ends, place)
+        ends = np.stack([places[:, first:last], places[:, first + 1 : last + 1]], axis=2)
+        own = np.stack([kinds[:, first:last], kinds[:, first + 1 : last + 1]])
+        kind_of = own.max(axis=0)
+        # A real multiplier that changes its sign passes zero, which no line can show.
+        shown = np.isfinite(ends).all(axis=(2, 3)) & ~((own.min(axis=0) == 0) & (kind_of == 1))
+        for kind in dict.fromkeys(kind_of[shown].tolist()):
             color = PALETTE[kind] if run.admissible else light(PALETTE[kind], WHITE)
+            segments = ends[shown & (kind_of == kind)]
             lines = LineCollection(segments, colors=color, linewidths=1.6, zorder=3, capstyle="round")
             lines.set_gid(f"{name}-{KINDS[kind]}")
             ax.add_collection(lines)

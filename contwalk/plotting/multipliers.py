@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 
 from contwalk.branch import ORBITS, Branch
-from contwalk.plotting.multiplier_moduli import OTHER, plot_multiplier_moduli
+from contwalk.plotting.multiplier_moduli import OTHER, draw_moduli, name_points
 from contwalk.plotting.quantities import called
 from contwalk.plotting.spectrum import SHADE, choose, draw_spectra, with_margin
 from contwalk.plotting.style import INK, dress, new_axes, new_grid
@@ -49,14 +49,17 @@ def plot_multiplier_panels(
     chosen = choose(branches, ORBITS, "multipliers", OTHER)
     groups = [[branch] for branch in chosen] if len(chosen) <= MOST_BRANCHES else [chosen]
     axes = new_grid("multiplier_panels", 2 * len(groups), 2)
+    unnamed = []
     for number, group in enumerate(groups):
         plane, moduli = axes[2 * number : 2 * number + 2]
         plot_multipliers(group, plane, units=units)
-        plot_multiplier_moduli(group, ax=moduli, units=units, told=told)
+        unnamed.append(draw_moduli(group, moduli, units=units))
         if len(chosen) > 1 and len(group) == 1:
             info = group[0].info
             text = called(chosen)[number] + (f", from {info.origin}" if info.origin else "")
             plane.text(0.02, 0.98, text, transform=plane.transAxes, va="top", fontsize=9.5, color=INK)
+    for number, figure in enumerate(unnamed):  # they move as long as panels are added; names do not move them
+        name_points(figure, told, settled=number > 0)
     return axes
 
 
