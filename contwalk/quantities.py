@@ -2,7 +2,7 @@
 
 `max:X` and `min:X` are the largest and the least value over the whole orbit, and stored with it; `amp:X` is
 half their difference. An orbit that meets the event at which its state is reported several times has the
-state at each of them: `X` at the first, `X@2` at the second.
+state at each of them: `X` at the first, `X@2` at the second. `period` is the duration of its closure.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import numpy as np
 
 MAX, MIN, AMP = "max:", "min:", "amp:"
 VISIT = "@"
+PERIOD = "period"
 
 
 def extreme_names(states: Sequence[str]) -> tuple[str, ...]:

@@ -81,7 +81,7 @@ def family_at(problem: Orbit, z: np.ndarray, places: Places) -> Family | None:
     sentence = f"Orbits come in a family there, at the same parameters{among}."
     if problem.forced:
         return Family(sentence, ONE_OF_A_FAMILY)
-    lasting = [abs(problem.lengthening(np.append(r * weights[:-1], 0.0))) for r in free]
+    lasting = [abs(float(problem.duration_gradient(z)[:-1] @ (r * weights[:-1]))) for r in free]
     own = _conserved(problem, z, places, left[:, zero] / scales[:, None])
     if not own:
         return Family(sentence, ONE_OF_A_FAMILY)

@@ -42,6 +42,8 @@ class Observer:
         if name in self.line:
             begin, change = self.line[name]
             return begin + sample.parameter * change
+        if name == quantities.PERIOD:
+            return sample.period
         value = quantities.column(name, self.observables, sample.observables)
         return float("nan") if value is None else float(value)
 

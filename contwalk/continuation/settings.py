@@ -10,7 +10,7 @@ from functools import cached_property
 
 @dataclass(frozen=True)
 class Mark:
-    """A user's mark: points where `name` (the free parameter or an observable) has a value or is extreme."""
+    """A user's mark: points where `name`, of the parameter or an observable, has a value or is extreme."""
 
     name: str
     values: tuple[float, ...] = ()

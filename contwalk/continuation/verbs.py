@@ -53,7 +53,7 @@ def continue_branch(
     direction : str
         `both`, `forward` (growing parameter) or `backward`.
     marks : mapping, optional
-        Name of the free parameter or an observable to values, or the word `extremum`.
+        Name of the free parameter, of an observable, or `period`, to values, or the word `extremum`.
     period : float, optional
         Of orbits: seconds from the state back to it, nearly. Needed unless the system is forced.
     until : float or "settled", optional
@@ -218,7 +218,7 @@ def _settings(
             raise StartError(
                 f"There is no setting '{name}'.", f"Known: {', '.join(known)}. {nearest(name, known)}".strip()
             )
-    watched = [problem.free, *problem.observable_names]
+    watched = [problem.free, *problem.observable_names, *([quantities.PERIOD] if problem.discretized else [])]
     for name in (*[mark.name for mark in chosen], *settings.get("stop_at", {})):
         if not quantities.known(name, watched):
             raise StartError(

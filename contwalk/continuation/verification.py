@@ -313,7 +313,8 @@ def _mark(
     """Name and value of the observable that is marked at a point; no value for an extremum."""
     observables, row = branch.info.observables, branch.points["observables"][point.index]
     here = dict(zip(observables, row, strict=True))
-    here |= {name: float(branch[name][point.index]) for name in marks if quantities.known(name, observables)}
+    known = (*observables, quantities.PERIOD) if branch.info.problem in ORBITS else observables
+    here |= {name: float(branch[name][point.index]) for name in marks if quantities.known(name, known)}
     if point.kind == "extremum":
         names = [name for name, values in marks.items() if "extremum" in values and name in here]
         rates = {name: abs(problem.rate(name, sample)) / max(abs(here[name]), 1e-300) for name in names}

@@ -18,7 +18,8 @@ from contwalk.workflow.run_values import FIGURES, MOTION_FIGURES, SAMPLE_FIGURES
 from contwalk.workflow.yaml_lines import Key
 
 PATH = "path"  # the name of the free parameter of a parameter path
-BUILT_IN = ("max_re", "max_abs")  # largest real part of an equilibrium, largest modulus of an orbit
+# Largest real part of an equilibrium, largest modulus of an orbit's multipliers, and what its closure lasts.
+BUILT_IN = ("max_re", "max_abs", quantities.PERIOD)
 DIRECTIONS = {
     "both": "both",
     "forward": "forward",
@@ -235,7 +236,7 @@ def _check_file(
 
 def _check_axes(problems: Problems, system: System, key: Key, options: FigureOptions) -> None:
     observables = system.observable_names
-    known = (*system.parameter_names, *system.state_names, *observables, *BUILT_IN, "period", PATH)
+    known = (*system.parameter_names, *system.state_names, *observables, *BUILT_IN, PATH)
     more = quantities.every_extreme(system.state_names)
     what = "neither a parameter, a state nor an observable"
     if key[-1] in SAMPLE_FIGURES:

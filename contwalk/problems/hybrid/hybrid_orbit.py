@@ -30,7 +30,6 @@ from contwalk.problems.hybrid.effort import Effort
 from contwalk.problems.hybrid.layout import Layout
 from contwalk.problems.hybrid.limits import Limit, Margins
 from contwalk.problems.hybrid.passage import Passage, passage_of
-from contwalk.problems.hybrid.period import period_map
 from contwalk.problems.hybrid.return_map import EventMap
 from contwalk.problems.hybrid.shooting import AT_REST, LegMesh, Piece, meshed, most_steps
 from contwalk.problems.hybrid.solving import newton_on
@@ -46,6 +45,7 @@ from contwalk.problems.orbit.meeting import distance
 from contwalk.problems.orbit.motion import PLAIN, TANGENT
 from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers, multipliers
 from contwalk.problems.orbit.normal_forms import SectionMap
+from contwalk.problems.orbit.period import period_and_slope
 from contwalk.problems.orbit.section import Section, section_at
 from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed
 from contwalk.system import Condition, Neutral, System, Transition
@@ -449,10 +449,10 @@ class HybridOrbit:
 
     def _period(self, z: np.ndarray, lift: str = PLAIN, *directions: np.ndarray) -> Any:
         """Duration of the closure of a forced orbit, and its derivative by the free parameter."""
-        map_ = period_map(self.system, None if self.path is not None else self.free, self._direction, lift)
-        c = map_.constants(np.concatenate([z[-1:], self.fixed, *directions]))
-        values, slopes = map_(0.0, np.zeros(0), c), map_.jacobian(0.0, np.zeros(0), c)
-        return self.forcings * float(values[-1]), self.forcings * float(slopes[-1, 0])
+        free = None if self.path is not None else self.free
+        given = np.concatenate([self.fixed, *directions])
+        value, slope = period_and_slope(self.system, free, self._direction, float(z[-1]), given, lift)
+        return self.forcings * value, self.forcings * slope
 
     def _pinned(self, pin: Neutral, z: np.ndarray, row: np.ndarray) -> float:
         """Residual of a pinned direction, at the start of the first leg; its gradient is written
@@ -1023,14 +1023,15 @@ class HybridOrbit:
         """dx/dt at the start."""
         return self.flow_direction(z, 0)
 
-    def lengthening(self, tangent: np.ndarray) -> float:
-        """How fast the closure's duration grows along a tangent."""
-        return float(tangent[self.layout.durations].sum())
+    def duration_gradient(self, z: np.ndarray) -> np.ndarray:
+        """Derivative of the closure's duration by unknowns and free parameter, shape (N + 1,)."""
+        gradient = np.zeros(len(z))
+        gradient[self.layout.durations] = 1.0
+        return gradient
 
     def parameter_error(self, sample: Sample) -> float:
         """What errors of the steps do to the free parameter of an orbit of this period."""
-        held = np.zeros(len(sample.z))
-        held[self.layout.durations] = 1.0
+        held = self.duration_gradient(sample.z)
         return ending.error_at_period(self, sample, held, self.errors_at(sample.z))
 
     def errors_at(self, z: np.ndarray) -> np.ndarray:

@@ -16,9 +16,9 @@ import numpy as np
 
 from contwalk import flow
 from contwalk.problems.hybrid import families
-from contwalk.problems.hybrid.period import period_map
 from contwalk.problems.orbit.motion import JET, PLAIN, TANGENT
 from contwalk.problems.orbit.normal_forms import SectionMap, units
+from contwalk.problems.orbit.period import period_map
 from contwalk.problems.spectrum import complement
 
 if TYPE_CHECKING:

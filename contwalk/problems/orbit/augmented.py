@@ -28,6 +28,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from contwalk import quantities
 from contwalk.errors import NotFinite
 from contwalk.problems.linear import EPSILON
 from contwalk.problems.orbit.discretization import TIGHTEST
@@ -301,11 +302,25 @@ def observed(problem: Orbit, name: str, level: float, sample: Sample) -> Located
         return float(there.observables(z, found)[-1]) - level
 
     try:
-        system = _along(sample, value, rates.of_observable(problem, name, sample))
+        if name == quantities.PERIOD:
+            system: Augmented | None = _lasting(level, sample)
+        else:
+            system = _along(sample, value, rates.of_observable(problem, name, sample))
         found = None if system is None else solved(problem, system, sample)
     except (np.linalg.LinAlgError, NotFinite):
         return None
     return found if found is not None and np.all(np.isfinite(found.z[: problem.size + 1])) else None
+
+
+def _lasting(level: float, sample: Sample) -> Augmented:
+    """A closure that lasts so long; unlike other observables its derivatives are known."""
+
+    def evaluate(there: Orbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        linearization = there.linearize(z)
+        residual = np.append(linearization.residual, there.duration(z) - level)
+        return residual, np.vstack([linearization.jacobian, there.duration_gradient(z)])
+
+    return Augmented(evaluate, sample.z, sample.weights, lambda there, z: {})
 
 
 def _flat_fold(problem: Orbit, sample: Sample, which: int) -> Augmented | None:

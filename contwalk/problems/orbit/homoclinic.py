@@ -140,7 +140,7 @@ def homoclinic(problem: Orbit, a: Sample, b: Sample) -> Outcome | None:
     """The end at a homoclinic or heteroclinic orbit, where two neighbouring orbits show that it is near."""
     if problem.forced or not b.period > a.period:
         return None
-    rises = [problem.lengthening(s.tangent) for s in (a, b)]
+    rises = [float(problem.duration_gradient(s.z) @ s.tangent) for s in (a, b)]
     if 0.0 in rises:
         return None
     slopes = np.array([float(s.tangent[-1]) / rise for s, rise in zip((a, b), rises, strict=True)])

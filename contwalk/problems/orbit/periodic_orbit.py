@@ -27,6 +27,7 @@ from contwalk.problems.orbit.meeting import distance
 from contwalk.problems.orbit.motion import MIXED, TANGENT, Motion, motion_of
 from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers, multipliers
 from contwalk.problems.orbit.normal_forms import ReturnMap
+from contwalk.problems.orbit.period import period_and_slope
 from contwalk.problems.orbit.sampling import crossing, with_extrema
 from contwalk.problems.orbit.section import Reference, Section, better_phase, reference_of, section_at
 from contwalk.problems.orbit.shooting import Curve, Mesh, Shooting, meshed, velocity
@@ -845,14 +846,20 @@ class PeriodicOrbit:
         """The map that takes the section once round the orbit, for normal forms."""
         return ReturnMap(self, z)
 
-    def lengthening(self, tangent: np.ndarray) -> float:
-        """How fast the closure's duration grows along a tangent."""
-        return float(tangent[self.segments * self.states])
+    def duration_gradient(self, z: np.ndarray) -> np.ndarray:
+        """Derivative of the closure's duration by unknowns and free parameter, shape (N + 1,)."""
+        gradient = np.zeros(len(z))
+        if self.forced:
+            free = self.free if self.path is None else None
+            _, slope = period_and_slope(self.system, free, self._direction, float(z[-1]), self.fixed)
+            gradient[-1] = self.subharmonic / self.closure.fold * slope
+        else:
+            gradient[self.segments * self.states] = 1.0
+        return gradient
 
     def parameter_error(self, sample: Sample) -> float:
         """What errors of the steps do to the free parameter of an orbit of this period."""
-        held = np.zeros(len(sample.z))
-        held[self.segments * self.states] = 1.0
+        held = self.duration_gradient(sample.z)
         return ending.error_at_period(self, sample, held, self._errors(self.linearize(sample.z)))
 
     def held_by_force(self, sample: Sample) -> bool:

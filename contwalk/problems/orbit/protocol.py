@@ -135,8 +135,8 @@ class Orbit(Protocol):
         """Whether events happen on it."""
         ...
 
-    def lengthening(self, tangent: np.ndarray) -> float:
-        """How fast the closure's duration grows along a tangent."""
+    def duration_gradient(self, z: np.ndarray) -> np.ndarray:
+        """Derivative of the closure's duration by unknowns and free parameter, shape (N + 1,)."""
         ...
 
     def parameter_error(self, sample: Sample) -> float:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from contwalk import quantities
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.null_vectors import null_vectors
 from contwalk.problems.problem import Rates
@@ -72,8 +73,10 @@ def of_observable(problem: Orbit, name: str, sample: Sample) -> float:
     """Derivative of an observable along the branch.
 
     An observable is any function of the motion, so it is compared for the motions displaced along the
-    tangent to both sides; `max_abs` has an exact derivative.
+    tangent to both sides; `max_abs` and the period have exact derivatives.
     """
+    if name == quantities.PERIOD:
+        return float(problem.duration_gradient(sample.z) @ sample.tangent)
     if name == problem.observable_names[-1]:
         value, rate = complex(sample.eigenvalues[0]), sample.rates[0]
         if not np.isfinite(rate):

@@ -4,7 +4,9 @@ v' = I - v, and at v = 1 it becomes 0: the period is log(I / (I - 1)), without b
 v = I comes to the threshold. Its only multiplier is that of the phase.
 """
 
-from peers.form import CLOSED_FORM, Ending, Peer, Study
+import math
+
+from peers.form import CLOSED_FORM, Ending, Peer, Study, Value
 from peers.machines.forced_integrate_and_fire import below_threshold, fire
 
 from contwalk.system import Mode, Parameter, State, System, Transition
@@ -23,6 +25,14 @@ SYSTEM = System(
     reference="Gerstner & Kistler (2002), Spiking Neuron Models, section 4.1",
 )
 
+PERIODS = (0.5, 2.0)
+
+
+def firing(period: float) -> float:
+    """The current with which it fires once in a period."""
+    return -1.0 / math.expm1(-period)
+
+
 PEER = Peer(
     "Integrate-and-fire neuron",
     SYSTEM.reference,
@@ -32,8 +42,9 @@ PEER = Peer(
             {
                 "start": {"simulate": {"state": {"v": 0.0}, "until": "settled"}},
                 "continue": {"parameter": "current", "range": [0.5, 3.0]},
+                "mark": {"period": list(PERIODS)},
             },
-            values=(),
+            values=tuple(Value("UZ", firing(period), 1e-15, CLOSED_FORM, of="orbit") for period in PERIODS),
             endings=(Ending("homoclinic", CLOSED_FORM, 1.0),),
         ),
     ),

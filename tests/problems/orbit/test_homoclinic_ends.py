@@ -129,12 +129,12 @@ def test_the_law_of_a_saddle_node_that_has_gone():
 def test_only_an_orbit_that_creeps_is_compared_with_the_one_before():
     """Along a canard the parameter hardly moves for hundreds of points: each is looked at once."""
     asked = []
-    orbits = [SimpleNamespace(**AT, tangent=np.array([1e-12]), period=t) for t in (9.0, 10.0)]
+    orbits = [SimpleNamespace(**AT, tangent=np.array([1.0, 1e-12]), period=t) for t in (9.0, 10.0)]
     problem = SimpleNamespace(
         forced=False,
         eventful=False,
         discretization=SimpleNamespace(accuracy=1e-8),
-        lengthening=lambda tangent: 1.0,
+        duration_gradient=lambda z: np.array([1.0, 0.0]),
         slow_place=lambda z: asked.append(z) or place(0.5),
     )
     assert homoclinic(problem, *orbits) is None
@@ -147,12 +147,12 @@ def test_the_orbit_before_is_not_looked_at_while_the_limit_is_far():
     asked = []
     # The slope falls by a third while the period grows by a tenth: a limit 2e-5 away, far beyond 1e-7.
     pair = zip((9.0, 10.0), (3e-6, 2e-6), strict=True)
-    orbits = [SimpleNamespace(**AT, tangent=np.array([slope]), period=t) for t, slope in pair]
+    orbits = [SimpleNamespace(**AT, tangent=np.array([1.0, slope]), period=t) for t, slope in pair]
     problem = SimpleNamespace(
         forced=False,
         eventful=False,
         discretization=SimpleNamespace(accuracy=1e-8),
-        lengthening=lambda tangent: 1.0,
+        duration_gradient=lambda z: np.array([1.0, 0.0]),
         slow_place=lambda z: asked.append(z) or place(1e-3),
     )
     assert homoclinic(problem, *orbits) is None

@@ -44,3 +44,29 @@ def period_map(system: System, free: str | None, change: np.ndarray, lift: str) 
     found = Field(program, [], groups, [("l", 0)], time=("t", 0), outputs=ORDERS[lift])
     _KNOWN[key] = system, found
     return found
+
+
+def period_and_slope(
+    system: System,
+    free: str | None,
+    change: np.ndarray,
+    value: float,
+    given: np.ndarray,
+    lift: str = "plain",
+) -> tuple[float, float]:
+    """The period at a value of the free parameter, and its derivative by it; of a lift, of its last output.
+
+    Parameters
+    ----------
+    system : System
+    free, change, lift
+        As of `period_map`.
+    value : float
+        Of the free parameter.
+    given : ndarray
+        Parameters at zero, their change along a path, and directions of the lift.
+    """
+    map_ = period_map(system, free, change, lift)
+    c = map_.constants(np.concatenate([[value], given]))
+    values, slopes = map_(0.0, np.zeros(0), c), map_.jacobian(0.0, np.zeros(0), c)
+    return float(values[-1]), float(slopes[-1, 0])
