@@ -8,18 +8,18 @@ from __future__ import annotations
 
 import itertools
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint
-from contwalk.continuation import outcomes
+from contwalk.continuation import mirror_images, outcomes
 from contwalk.continuation.arclength import End, Point, walk
 from contwalk.continuation.here import Here, begin, turned
 from contwalk.continuation.marks import Observer, marks_at, observer_of
 from contwalk.continuation.opening import Opening
-from contwalk.continuation.recognition import known_branch
+from contwalk.continuation.recognition import Known, known_branch
 from contwalk.continuation.records import start_record
 from contwalk.continuation.rows import from_row, to_row
 from contwalk.continuation.settings import Settings
@@ -36,7 +36,7 @@ from contwalk.continuation.work import (
     spent,
 )
 from contwalk.errors import ContwalkError
-from contwalk.problems.problem import Problem, Sample
+from contwalk.problems.problem import Mirror, Problem, Sample
 
 
 @dataclass(frozen=True)
@@ -134,9 +134,7 @@ class Diagram:
             stored = self._claim(start)
             known = None if stored else self._known(start)
             if known is not None:
-                yield Noted(
-                    f"skipped {start.origin}", f"{start.origin} lies on branch {known}, already known."
-                )
+                yield Noted(f"skipped {start.origin}", known.sentence(start.origin))
                 continue
             yield from self._branch(start, stored or self._next_name())
 
@@ -152,14 +150,14 @@ class Diagram:
             while self._seeds:
                 yield self._seeds.popleft()
 
-    def _known(self, start: Start) -> str | None:
+    def _known(self, start: Start) -> Known | None:
         try:
             return self._recognised(start)
         except outcomes.BREAKDOWNS:  # then the walk itself tells what is wrong
             return None
 
-    def _recognised(self, start: Start) -> str | None:
-        """Name of the known branch that a start lies on."""
+    def _recognised(self, start: Start) -> Known | None:
+        """The known branch that a start, or its image, lies on."""
         if isinstance(start.opening, Outcome):
             return None
         problem, here = start.opening.problem, start.opening.here
@@ -168,9 +166,10 @@ class Diagram:
         if start.label == "HB":
             ending = next((b.name for b in self.branches if _ends_at_point(b, here)), None)
             if ending is not None:
-                return ending
+                return Known(ending)
         # A branch point lies on the parent anyway: look at the first points away from it.
-        facing = (here if sign > 0 else turned(here) for sign in self._signs(start))
+        mirrored = self._mirror(start.opening, start) is not None
+        facing = (here if sign > 0 else turned(here) for sign in self._signs(start)[: 1 if mirrored else 2])
         beside = [sample for place in facing if (sample := self._beside(problem, place)) is not None]
         names = [known_branch(problem, sample, self.branches) for sample in beside]
         return names[0] if names and None not in names else None
@@ -193,8 +192,24 @@ class Diagram:
         one_sided = isinstance(start.opening, Opening) and start.opening.one_sided
         return (1.0,) if one_sided else (1.0, -1.0)
 
+    def _mirror(self, opening: Opening, start: Start) -> Mirror | None:
+        """What takes one half of a branch to the other, so that one of them is known."""
+        both = start.parent is not None and len(self._signs(start)) == 2
+        if not both or self._plan.settings.mirror_images == "walked":
+            return None
+        return opening.problem.mirror(opening.here.sample)
+
+    def _info(self, start: Start, name: str) -> BranchInfo:
+        """What is true of the whole branch of a start, its symmetry among it."""
+        info = info_of(start, name)
+        try:
+            mirror = None if isinstance(start.opening, Outcome) else self._mirror(start.opening, start)
+        except outcomes.BREAKDOWNS:  # then the walk itself tells what is wrong
+            mirror = None
+        return info if mirror is None else replace(info, settings={**info.settings, "mirror": mirror.names})
+
     def _branch(self, start: Start, name: str) -> Iterator[Event]:
-        work = Work(info_of(start, name))
+        work = Work(self._info(start, name))
         stored = self._restore(work.info.name)
         if stored is not None and stored.outcome is not None and self._is_whole(stored, stored.outcome):
             work.rows, work.special_points = [stored.rows], list(stored.special_points)
@@ -207,7 +222,7 @@ class Diagram:
             if stored is not None:
                 check_columns(stored, work.info)
             try:
-                yield from self._walked(start.opening, work, stored, self._signs(start))
+                yield from self._walked(start, start.opening, work, stored)
             except outcomes.BREAKDOWNS as error:
                 work.outcomes.append((1.0, _broken(error, "The branch cannot be followed")))
             branch = work.branch(combined(work.outcomes, start.opening.message))
@@ -220,11 +235,9 @@ class Diagram:
         """Whether nothing is to be added to a stored branch."""
         return outcome.reason != "interrupted" and not outdated(stored, self._plan.settings)
 
-    def _walked(
-        self, opening: Opening, work: Work, stored: Stored | None, signs: tuple[float, ...]
-    ) -> Iterator[Event]:
+    def _walked(self, start: Start, opening: Opening, work: Work, stored: Stored | None) -> Iterator[Event]:
         """Both directions of a branch, or what is missing of them."""
-        problem, settings = opening.problem, self._plan.settings
+        problem, settings, signs = opening.problem, self._plan.settings, self._signs(start)
         observer = observer_of(problem)
         if stored is None or not len(stored.rows):
             if stored is None:
@@ -248,22 +261,72 @@ class Diagram:
         for sign in signs:
             if sign not in places or closed(work):
                 continue
-            left = settings.max_points - spent(work, sign)
-            last = places[sign][1].sample
-            for event in walk(*places[sign], settings, observer, sign, left):
-                if isinstance(event, End):
-                    work.outcomes.append((sign, event.outcome))
-                    work.special_points.append(event.special)
-                    yield Found(work.info, None, event.special)
+            if sign < 0.0 and (mirror := self._mirror(opening, start)) is not None:
+                ended = yield from self._imaged(mirror, problem, work)
+                if ended:
                     continue
-                # Before the point itself is: a run that is killed between the two tells it again.
-                yield from self._kinks(problem, work, last, event.here.sample)
-                last = event.here.sample
-                row = to_row(work.info, problem, event.here, sign, event.special is not None)
+                side = [row[0] for row in work.rows if row["s"][0] < 0.0]
+                if side:
+                    places[sign] = from_row(problem, side[-1], sign, work.info.parent is not None)
+            yield from self._direction(problem, work, places[sign], sign, observer)
+
+    def _direction(
+        self, problem: Problem, work: Work, place: tuple[Problem, Here], sign: float, observer: Observer
+    ) -> Iterator[Event]:
+        """One direction of a branch, walked from a place to its end."""
+        settings, last = self._plan.settings, place[1].sample
+        for event in walk(*place, settings, observer, sign, settings.max_points - spent(work, sign)):
+            if isinstance(event, End):
+                work.outcomes.append((sign, event.outcome))
+                work.special_points.append(event.special)
+                yield Found(work.info, None, event.special)
+                continue
+            # Before the point itself is: a run that is killed between the two tells it again.
+            yield from self._kinks(problem, work, last, event.here.sample)
+            last = event.here.sample
+            row = to_row(work.info, problem, event.here, sign, event.special is not None)
+            work.rows.append(row)
+            if event.special is not None:
+                work.special_points.append(event.special)
+            yield Found(work.info, row, event.special)
+
+    def _imaged(self, mirror: Mirror, problem: Problem, work: Work) -> Generator[Event, None, bool]:
+        """What is missing of the half towards negative s, as images; whether it is whole then."""
+        half = mirror_images.Half.of(work.rows, work.special_points, 1.0)
+        if half is None:
+            return False
+        key, done = f"images {work.info.name}", [row for row in work.rows if row["s"][0] < 0.0]
+        numbers = mirror_images.watched(self._plan.settings, problem.free, work.info.observables)
+        other = mirror_images.differing(mirror, half, numbers)
+        if other is not None:
+            why = f"'{work.info.observables[other]}', which is looked for, is not the same there"
+            yield Noted(key, mirror_images.told_walked(work.info, mirror, why))
+            return False
+        if not mirror_images.continues(mirror, half, done):
+            return False
+        yield Noted(key, mirror_images.told(work.info, mirror, sum(map(len, half.steps))))
+        last = mirror.sample((done or work.rows)[-1 if done else 0][0])
+        for step in half.after(len(done)):
+            images = mirror_images.imaged(mirror, step)
+            if images is None:
+                value = float(step[-1][0]["free"][0, 0])
+                why = f"from {problem.free} = {value:.10g} on the images do not satisfy the equations"
+                yield Noted(key, mirror_images.told_walked(work.info, mirror, why))
+                return False
+            for row, point in images:
+                sample = mirror.sample(row[0])
+                yield from self._kinks(problem, work, last, sample)
+                last = sample
                 work.rows.append(row)
-                if event.special is not None:
-                    work.special_points.append(event.special)
-                yield Found(work.info, row, event.special)
+                if point is not None:
+                    work.special_points.append(point)
+                yield Found(work.info, row, point)
+        told = next(outcome for sign, outcome in work.outcomes if sign > 0.0)
+        outcome, end = mirror_images.end_of_image(mirror, half.end, told)
+        work.outcomes.append((-1.0, outcome))
+        work.special_points.append(end)
+        yield Found(work.info, None, end)
+        return True
 
     def _kinks(self, problem: Problem, work: Work, a: Sample, b: Sample) -> Iterator[Noted]:
         """Once a branch, that the equations of its solutions are smooth by pieces only at a plugin's line."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, cast
 
@@ -14,6 +14,7 @@ from contwalk.continuation.arc import Arc
 from contwalk.continuation.newton import correct
 from contwalk.errors import NotFinite
 from contwalk.problems.equilibrium import Equilibrium
+from contwalk.problems.images import MOST_IMAGES, Product, in_words
 from contwalk.problems.problem import Problem, Sample
 from contwalk.system.declarations import ParameterValues
 
@@ -26,7 +27,6 @@ if TYPE_CHECKING:  # compiled flows are imported only where orbits are computed
 SAME = 1e-7
 # And this near in the metric of the other branch, in which an unknown may be rounding noise.
 MET = 1e-4
-MOST_IMAGES = 24
 # A branch is compared with another by its points and its way: cosine between the two, and how far to look
 # for it. The way of an interpolated arc is known to the cube of what it turns, a thousandth after halving.
 ALONG = 0.99999
@@ -39,28 +39,45 @@ NEAR = 1e-2
 Pair = tuple[np.ndarray, np.ndarray]
 
 
-def images(problem: Equilibrium, z: np.ndarray, beyond: np.ndarray) -> Iterator[Pair]:
+@dataclass(frozen=True)
+class Known:
+    """The branch on which a solution lies, or its image under the symmetries of these names in turn."""
+
+    branch: str
+    symmetries: tuple[str, ...] = ()
+
+    def sentence(self, what: str) -> str:
+        """That a branch is not walked again; `what` tells where it would have begun."""
+        if not self.symmetries:
+            return f"{what} lies on branch {self.branch}, already known."
+        return (
+            f"{what} is the image of branch {self.branch} under {in_words(self.symmetries)}, already known."
+        )
+
+
+def images(problem: Equilibrium, z: np.ndarray, beyond: np.ndarray) -> Iterator[tuple[Product, Pair]]:
     """z and a point beside it on its branch, and their images under products of the declared symmetries."""
-    found = [(z, beyond)]
-    for current in found:
-        yield current
+    found = [(Product(), (z, beyond))]
+    for product, current in found:
+        yield product, current
         for symmetry in problem.system.symmetries:
             image = problem.image(symmetry.name, current[0])
-            new = all(not np.allclose(image, other, rtol=1e-12, atol=1e-14) for other, _ in found)
+            new = all(not np.allclose(image, other[0], rtol=1e-12, atol=1e-14) for _, other in found)
             if new and len(found) < MOST_IMAGES:
-                found.append((image, problem.image(symmetry.name, current[1])))
+                found.append((product.then(symmetry), (image, problem.image(symmetry.name, current[1]))))
 
 
-def known_branch(problem: Problem, sample: Sample, branches: list[Branch]) -> str | None:
-    """Name of the branch that a solution and its tangent lie on, or their images; None if it is new."""
+def known_branch(problem: Problem, sample: Sample, branches: list[Branch]) -> Known | None:
+    """The branch that a solution and its tangent lie on, or their images; None if it is new."""
     if problem.discretized:
         return known_orbit(cast("PeriodicOrbit | HybridOrbit", problem), sample, branches)
     assert isinstance(problem, Equilibrium)
     candidates = [b for b in branches if _comparable(problem, b)]
     beyond = sample.z + BESIDE * sample.tangent
-    for pair, branch in itertools.product(images(problem, sample.z, beyond), candidates):
-        if _on(problem, pair, sample.weights, branch):
-            return branch.name
+    for product, pair in images(problem, sample.z, beyond):
+        for branch in candidates:
+            if _on(problem, pair, sample.weights, branch):
+                return Known(branch.name, product.names)
     return None
 
 
@@ -161,8 +178,8 @@ NEAR_PERIOD = 0.05
 AT_PARAMETER, PARAMETER_STEPS = 1e-10, 8
 
 
-def known_orbit(problem: PeriodicOrbit | HybridOrbit, sample: Sample, branches: list[Branch]) -> str | None:
-    """Name of the branch that an orbit, or an image of it under a declared symmetry, lies on.
+def known_orbit(problem: PeriodicOrbit | HybridOrbit, sample: Sample, branches: list[Branch]) -> Known | None:
+    """The branch that an orbit, or an image of it under a declared symmetry, lies on.
 
     An orbit begins anywhere on itself: candidates are recomputed at the same parameter, and compared as
     curves.
@@ -179,8 +196,9 @@ def known_orbit(problem: PeriodicOrbit | HybridOrbit, sample: Sample, branches: 
             closures = 2
         if sorted(_kinds(problem, branch.info.signature) * closures) != own:
             continue
-        if _orbit_on(problem, sample, branch, closures):
-            return branch.name
+        symmetries = _orbit_on(problem, sample, branch, closures)
+        if symmetries is not None:
+            return Known(branch.name, symmetries)
     return None
 
 
@@ -202,7 +220,8 @@ def _kinds(problem: PeriodicOrbit | HybridOrbit, signature: Sequence[str] | None
 
 def _orbit_on(
     problem: PeriodicOrbit | HybridOrbit, sample: Sample, branch: Branch, closures: int = 1
-) -> bool:
+) -> tuple[str, ...] | None:
+    """The symmetries whose image of an orbit a branch passes, none of them first; None if it passes none."""
     value, period = sample.z[-1], sample.period / closures
     for k, (ta, tb) in enumerate(pairwise(branch.points["period"])):
         a, b = branch.unknowns(k), branch.unknowns(k + 1)
@@ -229,9 +248,10 @@ def _orbit_on(
 
         x, p = problem.first_state(sample.z), ParameterValues(**problem.values_of(sample.z))
         spatial = [s for s in problem.system.symmetries if s.role == "spatial"]
-        if there.passes(z, [x, *[imaged(symmetry, x, p) for symmetry in spatial]]):
-            return True
-    return False
+        passed = there.first_passed(z, [x, *[imaged(symmetry, x, p) for symmetry in spatial]])
+        if passed is not None:
+            return (spatial[passed - 1].name,) if passed else ()
+    return None
 
 
 def _at_parameter(

@@ -40,6 +40,8 @@ class Settings:
         Values of the free parameter or of observables that end the branch.
     events : mapping of str to str
         What is done at a limit of each label: `stop`, `ignore` or `switch`.
+    mirror_images : str
+        Whether the half of a branch that is the image of the other one is `known`, or `walked` like it.
     """
 
     range: tuple[float, float] = (-math.inf, math.inf)
@@ -53,6 +55,7 @@ class Settings:
     marks: tuple[Mark, ...] = ()
     stop_at: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     events: Mapping[str, str] = field(default_factory=lambda: {"GR": "stop", "OC": "switch", "AZ": "ignore"})
+    mirror_images: str = "known"
 
     @cached_property
     def sought(self) -> tuple[Mark, ...]:

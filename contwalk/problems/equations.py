@@ -55,6 +55,7 @@ class Equations:
         self._pins = tuple(pins)
         self._field = rebound(system.modes[0].field)
         self._generators = [rebound(pin.generator) for pin in pins]
+        self._symmetries: dict[Callable[..., None], Kernel] = {}
 
     # -- tracing -----------------------------------------------------------------------------------------
 
@@ -246,6 +247,29 @@ class Equations:
             return [row.get(k, graph.zero) for k in range(len(inputs))]
 
         return Kernel(program, GROUPS), Kernel(program.transformed(gradient), GROUPS)
+
+    def of_symmetry(self, function: Callable[..., None]) -> Kernel:
+        """Jacobian of a symmetry's map of the states by z, shape (n, N + 1)."""
+        if function not in self._symmetries:
+            self._symmetries[function] = self._slopes_of(function)
+        return self._symmetries[function]
+
+    def _slopes_of(self, function: Callable[..., None]) -> Kernel:
+        copy = rebound(function)
+
+        def image(tracer: Tracer) -> list[Any]:
+            x = state_symbols(tracer, self.states)
+            return written(copy, "symmetry", 0.0, x, self._parameters(tracer))
+
+        program = trace(image)
+        graph = program.graph
+        inputs = [*[graph.input("u", i) for i in range(self.size)], graph.input("l", 0)]
+
+        def change(outputs: tuple[int, ...]) -> list[int]:
+            rows = jacobian(graph, outputs, inputs)
+            return [row.get(k, graph.zero) for row in rows for k in range(len(inputs))]
+
+        return Kernel(program.transformed(change), GROUPS, (self.states, len(inputs)))
 
 
 _KNOWN: dict[tuple, Equations] = {}

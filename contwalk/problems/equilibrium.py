@@ -20,6 +20,7 @@ from contwalk.problems.description import described
 from contwalk.problems.equations import GROUPS, equations_of
 from contwalk.problems.kinks import Kink, between
 from contwalk.problems.linear import Factored
+from contwalk.problems.mirror import Mirror, mirror_of
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.problem import MAX_RE, Linearization, Located, Rates, Sample, Seed
@@ -292,15 +293,18 @@ class Equilibrium:
             self._observables[name] = self.kernels.of_observable(function)
         return self._observables[name]
 
-    def observables(self, z: np.ndarray, spectrum_: Spectrum) -> np.ndarray:
-        """Values of `observable_names`, shape (o,)."""
+    def measured(self, z: np.ndarray) -> list[float]:
+        """Values of the system's observables."""
         x = z[: self.states].reshape(1, -1)
         p = ParameterValues(**self.values_of(z))
-        values = [
+        return [
             measured(f"observable '{o.name}'", o.function, np.zeros(1), x, p) for o in self.system.observables
         ]
-        values.append(float(np.max(spectrum_.values.real)) if len(spectrum_.values) else float("nan"))
-        return np.array(values)
+
+    def observables(self, z: np.ndarray, spectrum_: Spectrum) -> np.ndarray:
+        """Values of `observable_names`, shape (o,)."""
+        largest = float(np.max(spectrum_.values.real)) if len(spectrum_.values) else float("nan")
+        return np.array([*self.measured(z), largest])
 
     def spectrum(
         self, z: np.ndarray, tangent: np.ndarray, jacobian: np.ndarray, curvature: np.ndarray | None = None
@@ -498,6 +502,10 @@ class Equilibrium:
         p = ParameterValues(**self.values_of(z))
         called(f"symmetry '{symmetry}'", declared.map, 0.0, z[: self.states].copy(), p, x)
         return np.concatenate([x, z[self.states :]])
+
+    def mirror(self, sample: Sample) -> Mirror | None:
+        """What takes one half of the branch that leaves a solution to the other, if a symmetry does."""
+        return mirror_of(self, sample)
 
     def seeds(self, point: SpecialPoint) -> Sequence[Seed]:
         """The other branch through a branch point, and the cycle that is born at a Hopf point."""

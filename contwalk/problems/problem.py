@@ -311,6 +311,27 @@ class Seed:
     one_sided: bool = False
 
 
+class Mirror(Protocol):
+    """What takes one half of a branch to the other, where they are images of each other under symmetries."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the symmetries in the order in which they are applied."""
+        ...
+
+    def row(self, row: np.void) -> np.ndarray | None:
+        """The stored image of a stored solution, shape (1,); None if it does not solve the equations."""
+        ...
+
+    def sample(self, row: np.void) -> Sample:
+        """Place and metric of a stored solution, as a sample that tells no more."""
+        ...
+
+    def special_point(self, point: SpecialPoint) -> SpecialPoint:
+        """The image of a special point."""
+        ...
+
+
 class Limit(Protocol):
     """Something that must stay positive along a branch for its solutions to be what the machine does.
 
@@ -478,6 +499,10 @@ class Problem(Protocol):
 
     def special_point(self, label: str, located: Located, sample: Sample, s: float) -> SpecialPoint:
         """The record of a located point, with its normal form."""
+        ...
+
+    def mirror(self, sample: Sample) -> Mirror | None:
+        """What takes one half of the branch that leaves a solution to the other, if a symmetry does."""
         ...
 
     def seeds(self, point: SpecialPoint) -> Sequence[Seed]:

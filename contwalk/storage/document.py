@@ -68,6 +68,7 @@ def _branch(db: Database, branch: Branch, loaded: dict[str, Branch], points: boo
         "closure": info.closure,
         "signature": _json(info.signature),
         "subharmonic": info.subharmonic,
+        "mirror": _json(info.settings.get("mirror")),
         "n_points": len(branch),
         "status": branch.outcome.status,
         "reason": branch.outcome.reason,

@@ -167,6 +167,9 @@ class Engine(Section):
     tolerance: Positive | None = Field(default=None, description="a positive number: local error of the flow")
     segments: int | None = Field(default=None, ge=1, le=200, description="a whole number from 1 to 200")
     phase: Literal["section", "integral"] | None = Field(default=None, description="section or integral")
+    mirror_images: Literal["known", "walked"] | None = Field(
+        default=None, description="known (the default) or walked"
+    )
 
     @validator_of_model(mode="after")
     def _ordered(self) -> Engine:
@@ -224,7 +227,7 @@ class RunModel(Section):
     engine: Engine = Field(
         default=Engine(),
         description="{step, min_step, max_step, max_angle, max_share, newton_iterations, method, tolerance, "
-        "segments, phase}, all optional",
+        "segments, phase, mirror_images}, all optional",
     )
     simulate: Simulation | None = Field(
         default=None, description="{until: settled, points: 1000, perturb: {state: value}, ...}"

@@ -14,7 +14,7 @@ from contwalk.continuation import diagram
 from contwalk.continuation.diagram import Diagram, Noted, Plan
 from contwalk.continuation.here import begin
 from contwalk.continuation.opening import Opening, opened
-from contwalk.continuation.recognition import images, known_branch
+from contwalk.continuation.recognition import Known, images, known_branch
 from contwalk.continuation.reopening import reopened
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.work import Start
@@ -61,7 +61,10 @@ def branches():
 def test_a_solution_between_stored_points_is_known(branches):
     straight, _ = branches
     between = 0.5 * (straight["mu"][20] + straight["mu"][21])
-    assert known_branch(problem_of(), sample_at(problem_of(), 0.0, 0.0, between), [straight]) == straight.name
+    assert (
+        known_branch(problem_of(), sample_at(problem_of(), 0.0, 0.0, between), [straight]).branch
+        == straight.name
+    )
 
 
 def test_a_solution_of_another_branch_is_not(branches):
@@ -89,7 +92,7 @@ def test_right_where_two_branches_cross_the_way_decides():
         steep = begin(problem, np.array([mu, mu]), SETTINGS).sample
         assert known_branch(problem, steep, [flat]) is None
         along = begin(problem, np.array([0.0, mu]), SETTINGS).sample
-        assert known_branch(problem, along, [flat]) == flat.name
+        assert known_branch(problem, along, [flat]) == Known(flat.name)
 
 
 @pytest.mark.parametrize(("unit", "gap"), [(1.0, 1e-4), (1e-3, 1e-8), (1e3, 1e-2)])
@@ -102,7 +105,7 @@ def test_a_branch_that_runs_close_beside_is_another_one(unit, gap):
     system = small_system(close, [State("x", scale=unit)], {"mu": 0.5})
     problem = cw.Equilibrium(system, system.defaults(), "mu")
     straight = cw.continue_branch(problem, [0.0], (-1.0, 1.0))
-    for x, expected in ((0.0, straight.name), (gap, None)):
+    for x, expected in ((0.0, Known(straight.name)), (gap, None)):
         sample = begin(problem, np.array([x, 0.3]), SETTINGS).sample
         assert sample.z[0] == pytest.approx(x, abs=1e-12 * unit)
         assert known_branch(problem, sample, [straight]) == expected
@@ -116,18 +119,18 @@ def test_an_image_is_known_only_where_the_symmetry_is_declared(branches):
     lower = sample_at(problem_of(), -x, y, mu)
     assert known_branch(problem_of(), lower, [half]) is None
     mirrored = problem_of(symmetries=(MIRROR,))
-    assert known_branch(mirrored, sample_at(mirrored, -x, y, mu), [half]) == half.name
+    assert known_branch(mirrored, sample_at(mirrored, -x, y, mu), [half]) == Known(half.name, ("mirror",))
 
 
 def test_a_solution_has_as_many_images_as_there_are_different_ones():
     """Of the mirror: two, but on the mirror itself only one."""
     mirrored, beside = problem_of(symmetries=(MIRROR,)), np.array([1e-4, 0.0, 1e-4])
     off, on = np.array(upper(0.4)), np.array([0.0, 0.0, 0.4])
-    assert [z.tolist() for z, _ in images(mirrored, off, off + beside)] == [
+    assert [z.tolist() for _, (z, _) in images(mirrored, off, off + beside)] == [
         [off[0], off[1], 0.4],
         [-off[0], off[1], 0.4],
     ]
-    assert [z.tolist() for z, _ in images(mirrored, on, on + beside)] == [on.tolist()]
+    assert [z.tolist() for _, (z, _) in images(mirrored, on, on + beside)] == [on.tolist()]
 
 
 def test_other_parameters_make_another_branch(branches):
@@ -170,6 +173,9 @@ diagram: none
         with cw.open_database(folder / "study.h5") as db:
             told = [text for text in db.notes().values() if "already known" in text]
         assert len(told) == 2 - expected
+        assert all(
+            "is the image of branch b1 under the symmetry 'mirror', already known" in text for text in told
+        )
 
 
 def test_a_start_far_away_is_found_by_damped_steps():
@@ -224,7 +230,7 @@ def test_a_solution_is_known_on_an_arc_over_which_an_unknown_turns():
     for share in (0.1, 0.3, 0.5, 0.7, 0.9):
         mu = low + share * (high - low)
         sample = begin(problem, np.array([mu, 1e3 * (1.0 - mu**2), mu]), SETTINGS).sample
-        assert known_branch(problem, sample, [arc]) == branch.name
+        assert known_branch(problem, sample, [arc]) == Known(branch.name)
 
 
 def test_an_orbit_is_known_on_its_branch_if_its_period_is_as_often_that_of_the_forcing():
@@ -233,7 +239,7 @@ def test_an_orbit_is_known_on_its_branch_if_its_period_is_as_often_that_of_the_f
     start = [math.sqrt(0.5), 0.0]
     branch = cw.continue_branch(problem, start, (0.4, 0.8), period=2.0 * math.pi, direction="forward")
     there, sample = reopened(system, branch, len(branch) // 2)
-    assert known_branch(there, sample, [branch]) == branch.name
+    assert known_branch(there, sample, [branch]) == Known(branch.name)
     other = replace(branch, info=replace(branch.info, subharmonic=2))
     assert known_branch(there, sample, [other]) is None
 
@@ -259,7 +265,7 @@ class TestBeginningsAtHopfPoints:
         return told
 
     def test_where_a_family_ends_there_nothing_is_walked(self, recognised, branches):
-        assert recognised(True) == (branches[0].name, 0)
+        assert recognised(True) == (Known(branches[0].name), 0)
 
     def test_where_none_does_both_ways_are_looked_at(self, recognised, branches):
-        assert recognised(False) == (branches[0].name, 2)
+        assert recognised(False) == (Known(branches[0].name), 2)

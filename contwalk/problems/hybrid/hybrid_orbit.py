@@ -1176,6 +1176,10 @@ class HybridOrbit:
             periods[self.layout.start] = self.rounds * self.duration(z)
         return z + whole_turns(near - z, periods)
 
+    def mirror(self, sample: Sample) -> None:
+        """Both halves of a branch of orbits are walked."""
+        return
+
     def seeds(self, point: SpecialPoint) -> Sequence[Seed]:
         """The branches that leave a special point."""
         if point.label in ("GR", "OC"):
@@ -1201,23 +1205,34 @@ class HybridOrbit:
         return self.passages[0].full(z[self.layout.states[0]])
 
     def passes(self, z: np.ndarray, points: Sequence[np.ndarray]) -> bool:
-        """Whether a leg of the orbit of z starts at one of some states; whether it passes one, if it begins
-        anywhere.
+        """Whether the orbit of z passes one of some states, as `first_passed` does."""
+        return self.first_passed(z, points) is not None
+
+    def first_passed(self, z: np.ndarray, points: Sequence[np.ndarray]) -> int | None:
+        """Number of the first of some states at which a leg of the orbit of z starts; which it passes, if it
+        begins anywhere. None if there is none.
         """
         periods = np.array([s.period or 0.0 for s in self.system.states])
         if not (self.word.eventful or self.pins):
             curve = np.concatenate([stretch.at(CLOSELY)[1] for stretch in self.stretches(z)])
             scale = self.mesh.variation
-            return any(distance(curve, x, periods, scale) < 30.0 * ALIKE for x in points)
+            near = (k for k, x in enumerate(points) if distance(curve, x, periods, scale) < 30.0 * ALIKE)
+            return next(near, None)
+        for number, x in enumerate(points):
+            if self._starts_a_leg(z, x, periods):
+                return number
+        return None
+
+    def _starts_a_leg(self, z: np.ndarray, x: np.ndarray, periods: np.ndarray) -> bool:
+        """Whether a leg of the orbit of z starts at a state, up to neutral directions."""
         for place, passage in zip(self.layout.states, self.passages, strict=True):
             start = passage.full(z[place])
-            for x in points:
-                apart = x - start
-                apart = apart - whole_turns(apart, periods)
-                along = families.directions(self.system, self.pins, start, self.values_of(z))
-                apart = families.across(apart, along, self.mesh.variation)
-                if float(np.linalg.norm(apart / self.mesh.variation)) < 30.0 * ALIKE:
-                    return True
+            apart = x - start
+            apart = apart - whole_turns(apart, periods)
+            along = families.directions(self.system, self.pins, start, self.values_of(z))
+            apart = families.across(apart, along, self.mesh.variation)
+            if float(np.linalg.norm(apart / self.mesh.variation)) < 30.0 * ALIKE:
+                return True
         return False
 
     def same(self, a: Sample, b: Sample) -> bool:

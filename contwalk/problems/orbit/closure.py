@@ -13,10 +13,10 @@ from functools import cached_property
 
 import numpy as np
 
-from contwalk.errors import called
 from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow import Field
+from contwalk.problems.images import imaged
 from contwalk.problems.mapping import mapped
 from contwalk.problems.orbit.motion import DIRECTIONS, STATES, Motion, lifted
 from contwalk.problems.tracing import state_symbols
@@ -113,17 +113,6 @@ class Closure:
         """One piece of the whole motion, from the integrated one, which is number 0."""
         # S x(T) = x(0): the next piece is the inverse image
         return images_of(self.symmetry, x, parameters, (self.power * (self.fold - number)) % self.fold)
-
-
-def imaged(
-    symmetry: Symmetry | None, x: np.ndarray, parameters: ParameterValues, power: int = 1
-) -> np.ndarray:
-    """Image of a state under a power of a symmetry, shape (n,)."""
-    for _ in range(power if symmetry is not None else 0):
-        out = np.zeros(len(x))
-        called(f"symmetry '{symmetry.name}'", symmetry.map, 0.0, x.copy(), parameters, out)  # type: ignore[union-attr]
-        x = out
-    return x
 
 
 def images_of(

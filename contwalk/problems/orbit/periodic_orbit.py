@@ -954,6 +954,10 @@ class PeriodicOrbit:
         """The same solution with its angles turned as near as possible to those of another one."""
         return z + whole_turns(near - z, self.periods)
 
+    def mirror(self, sample: Sample) -> None:
+        """Both halves of a branch of orbits are walked."""
+        return
+
     def seeds(self, point: SpecialPoint) -> Sequence[Seed]:
         """The branches that leave a special point."""
         return switching.seeds(self, point)
@@ -970,7 +974,12 @@ class PeriodicOrbit:
 
     def passes(self, z: np.ndarray, points: Sequence[np.ndarray]) -> bool:
         """Whether the orbit of z passes one of some states."""
+        return self.first_passed(z, points) is not None
+
+    def first_passed(self, z: np.ndarray, points: Sequence[np.ndarray]) -> int | None:
+        """Number of the first of some states that the orbit of z passes; None if it passes none."""
         _, curve = self.motion_of(z, 4 * SAMPLES)
         periods = np.array([s.period or 0.0 for s in self.system.states])
         scale = self.mesh.variation
-        return any(distance(curve, x, periods, scale) < 30.0 * ALIKE for x in points)
+        near = (k for k, x in enumerate(points) if distance(curve, x, periods, scale) < 30.0 * ALIKE)
+        return next(near, None)

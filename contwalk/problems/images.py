@@ -1,0 +1,71 @@
+"""Products of declared symmetries: which there are, and how they are named."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from contwalk.errors import called
+from contwalk.system import Symmetry, System
+from contwalk.system.declarations import ParameterValues
+
+# More products than this are not looked at: exchanges of four masses make 24.
+MOST_IMAGES = 24
+
+
+def imaged(
+    symmetry: Symmetry | None, x: np.ndarray, parameters: ParameterValues, power: int = 1
+) -> np.ndarray:
+    """Image of a state under a power of a symmetry, shape (n,)."""
+    for _ in range(power if symmetry is not None else 0):
+        out = np.zeros(len(x))
+        called(f"symmetry '{symmetry.name}'", symmetry.map, 0.0, x.copy(), parameters, out)  # type: ignore[union-attr]
+        x = out
+    return x
+
+
+@dataclass(frozen=True)
+class Product:
+    """Declared symmetries that are applied one after the other; the identity where there are none."""
+
+    symmetries: tuple[Symmetry, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the symmetries in the order in which they are applied."""
+        return tuple(symmetry.name for symmetry in self.symmetries)
+
+    def then(self, symmetry: Symmetry) -> Product:
+        """This product, and another symmetry after it."""
+        return Product((*self.symmetries, symmetry))
+
+    def state(self, x: np.ndarray, p: ParameterValues) -> np.ndarray:
+        """Image of a state, shape (n,)."""
+        for symmetry in self.symmetries:
+            x = imaged(symmetry, x, p)
+        return x
+
+
+def in_words(names: tuple[str, ...]) -> str:
+    """`the symmetry 'mirror'`, or `the symmetries 'swap', 'mirror' in turn`."""
+    quoted = ", ".join(f"'{name}'" for name in names)
+    return f"the symmetry {quoted}" if len(names) == 1 else f"the symmetries {quoted} in turn"
+
+
+def products(system: System, x: np.ndarray, p: ParameterValues) -> Iterator[Product]:
+    """The products of a system's symmetries that differ from each other and from the identity.
+
+    They are told apart by what they do to a state beside x that no symmetry keeps.
+    """
+    generic = x + (1.0 + np.abs(x)) * np.cos(np.arange(1.0, len(x) + 1.0))
+    found = [(Product(), generic)]
+    for product, image in found:
+        if product.symmetries:
+            yield product
+        for symmetry in system.symmetries:
+            further = imaged(symmetry, image, p)
+            new = all(not np.allclose(further, other, rtol=1e-10, atol=1e-12) for _, other in found)
+            if new and len(found) < MOST_IMAGES:
+                found.append((product.then(symmetry), further))

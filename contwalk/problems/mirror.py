@@ -1,0 +1,188 @@
+"""Equilibria whose branch leaves a symmetric one: each half is the image of the other under a symmetry.
+
+At a branch point whose state a symmetry keeps, and whose critical direction it reverses, the solutions on
+one side are the images of those on the other, at the same parameters. What is stored of an image follows from
+what is stored of the solution: its place and tangent through the map, the metric with its unknowns exchanged,
+the same spectrum. Whether it solves the equations is asked of the equations.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+from contwalk.problems.images import Product, products
+from contwalk.problems.linear import nearest_eigenpair
+from contwalk.problems.normal_forms import critical_vectors
+from contwalk.problems.passed_over import passed_over
+from contwalk.system.declarations import ParameterValues
+
+if TYPE_CHECKING:
+    from contwalk.problems.equilibrium import Equilibrium
+    from contwalk.problems.problem import Sample
+
+# In the metric, a state that is kept comes back this exactly, and a tangent that is reversed.
+KEPT, REVERSED = 1e-7, 1e-6
+# Residuals this many times above their rounding error are those of solutions, as of the corrector's.
+SOLVED = 20.0
+# A critical vector whose image is a unit vector to this needs no other coefficients.
+ISOMETRIC = 1e-12
+# How often the critical vector stands in each coefficient more than its left one does.
+DEGREES: Mapping[str, Mapping[str, int]] = {
+    "LP": {"a": 1, "b": -1},
+    "BP": {"c11": 1, "c22": -1, "c": 2, "c_error": 2},
+    "HB": {"l1": 2, "l1_error": 2},
+}
+
+
+def mirror_of(problem: Equilibrium, sample: Sample) -> Mirror | None:
+    """What takes one half of a branch to the other, by the solution that it leaves and its tangent there.
+
+    None where no declared symmetry, or product of some, does.
+    """
+    n, z = problem.states, sample.z
+    parameters = ParameterValues(**problem.values_of(z))
+    for product in products(problem.system, z[:n], parameters):
+        mirror = Mirror(problem, product, sample, np.zeros(len(z)))
+        image = mirror.image(z)
+        turned = problem.nearest_turn(image, z)
+        kept = float(np.max(np.abs(turned - z) / sample.weights)) < KEPT
+        if not kept:
+            continue
+        moved = mirror.derivative(z) @ sample.tangent + sample.tangent
+        if float(np.linalg.norm(moved / sample.weights)) < REVERSED:
+            return Mirror(problem, product, sample, turned - image)
+    return None
+
+
+class Mirror:
+    """The map from one half of a branch of equilibria to the other.
+
+    Parameters
+    ----------
+    problem : Equilibrium
+    product : Product
+        The symmetries that make it.
+    born : Sample
+        The solution that the branch leaves.
+    turns : ndarray, shape (N + 1,)
+        What is added to the image, so that angles are turned as on the branch.
+    """
+
+    def __init__(self, problem: Equilibrium, product: Product, born: Sample, turns: np.ndarray) -> None:
+        self._problem, self._product, self._born, self._turns = problem, product, born, turns
+        self._maps = [problem.kernels.of_symmetry(symmetry.map) for symmetry in product.symmetries]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the symmetries in the order in which they are applied."""
+        return self._product.names
+
+    def image(self, z: np.ndarray) -> np.ndarray:
+        """Image of a solution, shape (N + 1,)."""
+        x = self._product.state(z[: self._problem.states], ParameterValues(**self._problem.values_of(z)))
+        return np.concatenate([x, z[self._problem.states :]]) + self._turns
+
+    def derivative(self, z: np.ndarray) -> np.ndarray:
+        """Derivative of the image by z, shape (N + 1, N + 1)."""
+        problem, total = self._problem, np.eye(len(z))
+        for symmetry, kernel in zip(self._product.symmetries, self._maps, strict=True):
+            own = np.eye(len(z))
+            own[: problem.states] = kernel(*problem.inputs(z))
+            total = own @ total
+            z = problem.image(symmetry.name, z)
+        return total
+
+    def row(self, row: np.void) -> np.ndarray | None:
+        """The stored image of a stored solution, shape (1,); None if it does not solve the equations."""
+        problem, began, before = self._problem, time.perf_counter(), self._problem.evaluations
+        z = np.append(row["unknowns"], row["free"])
+        there, derivative = self.image(z), self.derivative(z)
+        weights = _metric(derivative, row["weights"])
+        linearization = problem.linearize(there)
+        if not np.isfinite(linearization.residual).all():
+            return None
+        residual = linearization.excess_in(weights)
+        if not residual <= max(SOLVED, 2.0 * float(row["residual"])):
+            return None
+        tangent = -(derivative @ row["tangent"])
+        length = float(np.linalg.norm(tangent / weights))
+        states, parameters = there[None, : problem.states], problem.values_of(there)
+        image = np.array([row])
+        image["s"] = -row["s"]
+        image["state"], image["unknowns"] = there[: problem.states], there[:-1]
+        image["tangent"] = tangent if abs(length - 1.0) < 1e-14 else tangent / length
+        image["weights"] = weights
+        image["observables"] = [*problem.measured(there), row["observables"][-1]]
+        image["admissible"] = not passed_over(problem.system, np.zeros(1), states, parameters)
+        image["residual"], image["iterations"] = residual, 0
+        image["rhs"] = problem.evaluations - before
+        image["seconds"] = time.perf_counter() - began
+        return image
+
+    def sample(self, row: np.void) -> Sample:
+        """Place and metric of a stored solution, as a sample that tells no more."""
+        z = np.append(row["unknowns"], row["free"])
+        return replace(self._born, z=z, weights=np.array(row["weights"]))
+
+    def special_point(self, point: SpecialPoint) -> SpecialPoint:
+        """The image of a special point: what is counted before it there is counted after it."""
+        problem, z = self._problem, np.array(point.unknowns)
+        there, derivative = self.image(z), self.derivative(z)
+        values, names = problem.values_of(there), problem.system.state_names
+        conserved = {name: values[name] for name in problem.system.conserved_names}
+        return replace(
+            point,
+            s=-point.s,
+            parameters={**point.parameters, **conserved},
+            state=dict(zip(names, there[: problem.states].tolist(), strict=True)),
+            unstable_before=point.unstable_after,
+            unstable_after=point.unstable_before,
+            coefficients=self._coefficients(point, z, there, derivative),
+            unknowns=tuple(there.tolist()),
+            tangent=tuple((-(derivative @ np.array(point.tangent))).tolist()),
+        )
+
+    def _coefficients(
+        self, point: SpecialPoint, z: np.ndarray, there: np.ndarray, derivative: np.ndarray
+    ) -> Mapping[str, object]:
+        """Coefficients of the normal form, for the critical vector that stands for the image's direction.
+
+        Its length is one, and its sign by its own largest entry: the image of the other one has another.
+        """
+        degrees = DEGREES.get(point.label, {})
+        if not degrees.keys() & point.coefficients.keys():
+            return point.coefficients
+        factor = self._factor(point, z, there, derivative)
+        given: dict[str, object] = dict(point.coefficients)
+        for name, degree in degrees.items():
+            value = given.get(name)
+            if isinstance(value, float):
+                given[name] = value * factor**-degree + 0.0
+        return given
+
+    def _factor(self, point: SpecialPoint, z: np.ndarray, there: np.ndarray, derivative: np.ndarray) -> float:
+        """How often the image of the critical vector is that of the image, 1 or -1 of an isometry."""
+        problem, size = self._problem, self._problem.size
+        if point.label == "HB":
+            n = problem.states
+            pair = nearest_eigenpair(problem.jacobian(z)[:n, :n], 1j * point.coefficients["omega"])
+            ratio = float(np.linalg.norm(derivative[:n, :n] @ pair.right) / np.linalg.norm(pair.right))
+        else:
+            q = critical_vectors(problem.jacobian(z)[:, :size])[0]
+            own = critical_vectors(problem.jacobian(there)[:, :size])[0]
+            ratio = float(own @ derivative[:size, :size] @ q)
+        sign = float(np.sign(ratio))
+        return sign if abs(abs(ratio) - 1.0) < ISOMETRIC else ratio
+
+
+def _metric(derivative: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Weights of the image: an unknown has the magnitudes of those that it is made of."""
+    share = derivative.copy()
+    share[:-1, -1] = 0.0  # a parameter's own magnitude is that of its whole range, not of a step
+    return np.sqrt((share * share) @ (weights * weights))
