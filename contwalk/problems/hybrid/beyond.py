@@ -17,12 +17,12 @@ from contwalk.flow.guard import EPSILON
 from contwalk.flow.hybrid_machine import hybrid_machine
 from contwalk.problems.hybrid import limits
 from contwalk.problems.hybrid.least import least
-from contwalk.problems.hybrid.solving import newton_on
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.hybrid.telling import first_sentence, told_once
 from contwalk.problems.hybrid.word import Word
 from contwalk.problems.linear import kernel_direction
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
+from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.problem import Seed
 from contwalk.signatures import folded
 

@@ -32,7 +32,6 @@ from contwalk.problems.hybrid.limits import Limit, Margins
 from contwalk.problems.hybrid.passage import Passage, passage_of
 from contwalk.problems.hybrid.return_map import EventMap
 from contwalk.problems.hybrid.shooting import AT_REST, LegMesh, Piece, meshed, most_steps
-from contwalk.problems.hybrid.solving import newton_on
 from contwalk.problems.hybrid.view import LegView, view_of
 from contwalk.problems.hybrid.word import Word, stored_leg
 from contwalk.problems.kinks import Kink
@@ -47,6 +46,8 @@ from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers, multipliers
 from contwalk.problems.orbit.normal_forms import SectionMap
 from contwalk.problems.orbit.period import period_and_slope
 from contwalk.problems.orbit.section import Section, section_at
+from contwalk.problems.orbit.solving import error_holding, newton_on
+from contwalk.problems.orbit.unbounded import unbounded
 from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed
 from contwalk.system import Condition, Neutral, System, Transition
 from contwalk.system.declarations import ParameterValues
@@ -998,7 +999,8 @@ class HybridOrbit:
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
         """Why the branch ends between two neighbouring solutions; limits are the engine's business."""
         shrunk = (ending.in_no_time if self.word.eventful else ending.at_a_point)(self, a, b)
-        return ending.not_conserved(self, a, b) or shrunk or homoclinic(self, a, b)
+        found = ending.not_conserved(self, a, b) or shrunk or homoclinic(self, a, b)
+        return found or unbounded(self, a, b)
 
     @property
     def eventful(self) -> bool:
@@ -1032,11 +1034,23 @@ class HybridOrbit:
     def parameter_error(self, sample: Sample) -> float:
         """What errors of the steps do to the free parameter of an orbit of this period."""
         held = self.duration_gradient(sample.z)
-        return ending.error_at_period(self, sample, held, self.errors_at(sample.z))
+        return error_holding(self, sample.z, sample.weights, held)
 
     def errors_at(self, z: np.ndarray) -> np.ndarray:
         """Estimated error of each equation at a solution."""
         return self._errors(self.linearize(z))
+
+    def state_of(self, which: int) -> str | None:
+        """Name of the state that an unknown is a value of, None if it is an angle's or none's."""
+        for place, passage in zip(self.layout.states, self.passages, strict=True):
+            if place.start <= which < place.stop:
+                state = self.system.states[passage.states[which - place.start]]
+                return None if state.period else state.name
+        return None
+
+    def admissible_at(self, z: np.ndarray) -> bool:
+        """Whether a solution is one that the machine can move on."""
+        return self.margins(z).admissible
 
     def slow_place(self, z: np.ndarray) -> SlowPlace:
         """Where the orbit is slowest, and the field there."""

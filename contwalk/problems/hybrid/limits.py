@@ -28,12 +28,12 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.errors import StartError
 from contwalk.problems.hybrid.shooting import Piece
-from contwalk.problems.hybrid.solving import newton_on
 from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.hybrid.word import imaged_leg
 from contwalk.problems.orbit import augmented
 from contwalk.problems.orbit.branching import filled_magnitudes
 from contwalk.problems.orbit.motion import PLAIN
+from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.problem import NO_MARGIN, Located, Sample
 from contwalk.system import System, Transition
 

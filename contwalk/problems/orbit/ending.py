@@ -14,12 +14,12 @@ from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.homoclinic import AROUND, SlowPlace, homoclinic, slow_place_on
 from contwalk.problems.orbit.motion import PLAIN
 from contwalk.problems.orbit.transport import carried_to
+from contwalk.problems.orbit.unbounded import unbounded
 from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
     from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
-    from contwalk.problems.orbit.protocol import Orbit
     from contwalk.problems.problem import Sample
 
 # An orbit that goes a smaller part of its metric in one closure is a point: solutions are known to 1e-10.
@@ -33,7 +33,7 @@ ASIDE, STAYS = 1e-3, 0.03
 
 def ended(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:
     """Why the branch ends between two neighbouring orbits, if it does."""
-    reasons = (unborn, held, not_conserved, at_a_point, homoclinic)
+    reasons = (unborn, held, not_conserved, at_a_point, homoclinic, unbounded)
     return next((outcome for reason in reasons if (outcome := reason(problem, a, b)) is not None), None)
 
 
@@ -100,19 +100,6 @@ def at_a_point(problem: PeriodicOrbit | HybridOrbit, a: Sample, b: Sample) -> Ou
         f"The orbit shrinks onto an equilibrium, at a Hopf point near {problem.free} = {value:.6g}: "
         "the family ends there. Nothing to do.",
     )
-
-
-def error_at_period(problem: Orbit, sample: Sample, held: np.ndarray, errors: np.ndarray) -> float:
-    """What errors of the equations do to the free parameter of an orbit whose period is held.
-
-    `held` is the gradient of the period.
-    """
-    try:
-        bordered = problem.factored(np.vstack([problem.jacobian(sample.z), held]), sample.weights)
-        row = bordered.solve_adjoint(np.eye(len(held))[-1])[:-1]
-    except np.linalg.LinAlgError:
-        return float("inf")
-    return float(np.abs(row) @ errors)
 
 
 def in_no_time(problem: HybridOrbit, a: Sample, b: Sample) -> Outcome | None:

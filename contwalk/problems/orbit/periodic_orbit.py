@@ -32,6 +32,7 @@ from contwalk.problems.orbit.sampling import crossing, with_extrema
 from contwalk.problems.orbit.section import Reference, Section, better_phase, reference_of, section_at
 from contwalk.problems.orbit.shooting import Curve, Mesh, Shooting, meshed, velocity
 from contwalk.problems.orbit.solution import Solution
+from contwalk.problems.orbit.solving import error_holding
 from contwalk.problems.orbit.transport import closed, moved, recut
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.passing import Place
@@ -860,7 +861,22 @@ class PeriodicOrbit:
     def parameter_error(self, sample: Sample) -> float:
         """What errors of the steps do to the free parameter of an orbit of this period."""
         held = self.duration_gradient(sample.z)
-        return ending.error_at_period(self, sample, held, self._errors(self.linearize(sample.z)))
+        return error_holding(self, sample.z, sample.weights, held)
+
+    def errors_at(self, z: np.ndarray) -> np.ndarray:
+        """Estimated error of each equation at a solution."""
+        return self._errors(self.linearize(z))
+
+    def state_of(self, which: int) -> str | None:
+        """Name of the state that an unknown is a value of, None if it is an angle's or none's."""
+        if which >= self.segments * self.states:
+            return None
+        state = self.system.states[which % self.states]
+        return None if state.period else state.name
+
+    def admissible_at(self, z: np.ndarray) -> bool:
+        """Whether a solution is one that the machine can move on: without events, all are."""
+        return True
 
     def held_by_force(self, sample: Sample) -> bool:
         """Whether there is a drift along a pinned direction that nobody declared, beyond errors of the steps.

@@ -143,6 +143,18 @@ class Orbit(Protocol):
         """Estimated error of the free parameter at an orbit of this period."""
         ...
 
+    def errors_at(self, z: np.ndarray) -> np.ndarray:
+        """Estimated error of each equation at a solution."""
+        ...
+
+    def state_of(self, which: int) -> str | None:
+        """Name of the state that an unknown is a value of, None if it is an angle's or none's."""
+        ...
+
+    def admissible_at(self, z: np.ndarray) -> bool:
+        """Whether a solution is one that the machine can move on."""
+        ...
+
     def slow_place(self, z: np.ndarray) -> SlowPlace:
         """Where the orbit is slowest, and the field there."""
         ...

@@ -1,21 +1,23 @@
-"""Newton's method on an orbit's equations alone, for orbits beside known ones."""
+"""Newton's method on an orbit's equations alone, for orbits beside known ones, and errors."""
 
 from __future__ import annotations
-
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contwalk.errors import StartError
-
-if TYPE_CHECKING:
-    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
+from contwalk.problems.orbit.protocol import Orbit
 
 ITERATIONS = 12
+# Corrections smaller than this, in the metric, that do not get smaller are rounding.
+STAGNATES = 1e-8
 
 
 def newton_on(
-    problem: HybridOrbit, guess: np.ndarray, weights: np.ndarray, normal: np.ndarray | None = None
+    problem: Orbit,
+    guess: np.ndarray,
+    weights: np.ndarray,
+    normal: np.ndarray | None = None,
+    stagnates: float = STAGNATES,
 ) -> np.ndarray:
     """The solution nearest to a guess, or in the hyperplane through it.
 
@@ -39,7 +41,20 @@ def newton_on(
             right = np.append(here.residual, normal @ (z - guess))
             step = here.bordered(normal, weights).solve(right)
         size = float(np.linalg.norm(step / weights))
-        if here.excess <= 2.0 or size < 1e-13 or (size > 0.5 * before and before < 1e-8):
+        if here.excess <= 2.0 or size < 1e-13 or (size > 0.5 * before and before < stagnates):
             return z
         z, before = z - step, size
     raise StartError("Newton's method does not converge.", "")
+
+
+def error_holding(problem: Orbit, z: np.ndarray, weights: np.ndarray, held: np.ndarray) -> float:
+    """What errors of the equations do to the free parameter of an orbit of which something is held.
+
+    `held` is its gradient.
+    """
+    try:
+        bordered = problem.factored(np.vstack([problem.jacobian(z), held]), weights)
+        row = bordered.solve_adjoint(np.eye(len(held))[-1])[:-1]
+    except np.linalg.LinAlgError:
+        return float("inf")
+    return float(np.abs(row) @ problem.errors_at(z))

@@ -1,0 +1,189 @@
+"""Families of orbits that grow without bound while their parameter converges.
+
+As of equilibria (`problems.unbounded`), two neighbouring orbits along which a state grows and the slope
+d lambda / dx falls raise the suspicion, and orbits further out decide. These are solved on steps of their
+own, as fine as rounding allows: near its limit the parameter is worth less than the errors of a walk's steps,
+and an orbit of another size may need other steps. The parameter is followed until what is left of its way is
+rounding, or no more than errors of the equations are worth at an orbit of that size.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from contwalk.branch import Outcome
+from contwalk.errors import NotFinite, PluginError, StartError
+from contwalk.problems.orbit.discretization import FINEST
+from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.orbit.solving import error_holding, newton_on
+from contwalk.problems.problem import Sample
+
+# A state that grows by less in a step may as well converge.
+GROWS = 1e-3
+# One that is smaller than this part of its variation, against others, is no measure of the orbit's size;
+# those that grow like powers of each other have rates that are alike.
+LARGE, ALIKE = 0.3, 0.3
+# The parameter's share of the tangent, in the metric, that leaves it more of its way than is asked about.
+STILL = 1e-3
+# Orbits further out are asked for where so little of the parameter's way is left, relative to its magnitude,
+# and until so little is left, or so many times what errors of the equations are worth.
+SUSPECTED, REST, KNOWN = 1e-6, 1e-13, 10.0
+# By this factor the way has fallen by then: a family that has come to a turn, or a limit, has not.
+FALLEN = 1e-2
+# Newton's method stagnates at rounding, which may be a large part of what is left of the parameter's way.
+STAGNATES = 1e-2
+# How many orbits are asked, the first as far as the step was long, each following one twice as far.
+PROBES, FURTHER = 60, 2.0
+# A power with which another unknown grows: beyond, it goes straight on.
+MOST_POWER = 4.0
+# They must have gone on so many times as far as where the slope would be zero if it fell in a straight line.
+BEYOND = 2.0
+# A way that is left like a higher power of the state than this falls exponentially.
+EXPONENTIAL = 8.0
+
+
+@dataclass(frozen=True)
+class _Place:
+    """An orbit with the direction of its family, and what the parameter is not known to at this size."""
+
+    z: np.ndarray
+    tangent: np.ndarray
+    error: float
+
+
+def unbounded(problem: Orbit, a: Sample, b: Sample) -> Outcome | None:
+    """The end where orbits grow without bound, if two neighbouring ones and those further out show it."""
+    if abs(b.tangent[-1]) > STILL * b.weights[-1]:
+        return None
+    which = _growing(problem, b)
+    if which is None or not _suspected(which, a, b):
+        return None
+    found = _limit(problem, which, a, b)
+    if found is None:
+        return None
+    limit, error = found
+    limit = 0.0 if abs(limit) <= error else limit
+    return Outcome(
+        "complete",
+        "unbounded",
+        f"The orbit grows without bound as {problem.free} tends to {limit:.12g} +- {error:.1e}, by "
+        f"extrapolation from {b.parameter:.12g}: {problem.state_of(which)} is {b.z[which]:.4g} there, the "
+        f"period {problem.system.lasting(b.period, '.4g')}. Nothing to do.",
+    )
+
+
+def _growing(problem: Orbit, b: Sample) -> int | None:
+    """Of the states that grow fastest, in units of their own size, the largest; None if there is none.
+
+    One that is small beside its variation is known less well than others that grow with it.
+    """
+    states = np.array([problem.state_of(k) is not None for k in range(len(b.z) - 1)])
+    shares = np.where(states, np.minimum(np.abs(b.z[:-1]) / b.weights[:-1], 1.0), 0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rates = b.tangent[:-1] / b.z[:-1]
+    rates = np.where(shares > LARGE * shares.max(initial=0.0), rates, 0.0)
+    which = int(np.argmax(np.where(rates > ALIKE * rates.max(initial=0.0), shares, 0.0)))
+    return which if rates[which] > 0.0 else None
+
+
+def _suspected(which: int, a: Sample, b: Sample) -> bool:
+    """Whether nearly nothing of the parameter's way is left if its slope goes on falling as it does."""
+    change = float(b.z[which] - a.z[which])
+    if change * b.z[which] <= GROWS * b.z[which] ** 2 or a.tangent[which] * b.tangent[which] <= 0.0:
+        return False
+    first, last = (_slope(which, s) for s in (a, b))
+    if not (first * last > 0.0 and abs(last) < abs(first)):
+        return False
+    return abs(_left(which, a, b)) <= SUSPECTED * float(b.weights[-1])
+
+
+def _limit(problem: Orbit, which: int, a: Sample, b: Sample) -> tuple[float, float] | None:
+    """Limit of the parameter and its error, None where the family goes on."""
+    change, size = float(b.z[which] - a.z[which]), float(b.weights[-1])
+    before, first = _slope(which, a), _slope(which, b)
+    straight = abs(change * first / (before - first))
+    places = _further(problem, which, change, a, b)
+    last = next(places, None)
+    if last is None:
+        return None
+    begun, left, arrived = last, np.inf, False
+    for place in places:
+        falls = _slope(which, place) * _slope(which, last) >= 0.0
+        if not (falls and abs(_slope(which, place)) < abs(_slope(which, last))):
+            return None
+        left, last = _left(which, last, place), place
+        if arrived := abs(left) <= max(REST * size, KNOWN * place.error):
+            break
+    gone = abs(float(last.z[which] - begun.z[which])) > BEYOND * straight
+    if not (arrived and gone and abs(left) <= FALLEN * SUSPECTED * size):
+        return None
+    return float(last.z[-1]) + left, abs(left) + last.error
+
+
+def _slope(which: int, there: Sample | _Place) -> float:
+    """d lambda / dx."""
+    return float(there.tangent[-1] / there.tangent[which])
+
+
+def _left(which: int, a: Sample | _Place, b: Sample | _Place) -> float:
+    """What is left of the parameter's way beyond b: it falls as a power of the state, or exponentially."""
+    first, last, longer = _slope(which, a), _slope(which, b), float(np.log(b.z[which] / a.z[which]))
+    power = float(np.log(first / last)) / longer - 1.0
+    if 0.0 < power < EXPONENTIAL:
+        return last * float(b.z[which]) / power
+    return last * float(b.z[which] - a.z[which]) / float(np.log(first / last))
+
+
+def _further(problem: Orbit, which: int, step: float, a: Sample, b: Sample) -> Iterator[_Place]:
+    """The orbit of b on fine steps, and orbits further and further out along a state, while there are any."""
+    left = _left(which, a, b)
+    states = np.array([problem.state_of(k) is not None for k in range(len(b.z))])
+    place = _solved(problem, which, b.z, b.weights, left)
+    for number in range(PROBES):
+        if place is None:
+            return
+        yield place
+        last, there = place, float(place.z[which]) + step * FURTHER**number
+        guess = _guess(last, which, there, left)
+        grown = np.where(states, there / float(b.z[which]), 1.0)
+        place = _solved(problem, which, guess, b.weights * grown, left)
+        if place is not None and _slope(which, last) / _slope(which, place) > 1.0:
+            left = _left(which, last, place)
+
+
+def _guess(place: _Place, which: int, there: float, left: float) -> np.ndarray:
+    """Unknowns where a state has a value: each a power of it, or straight on; so is what is left of the
+    parameter's way.
+    """
+    z, tangent = place.z, place.tangent / place.tangent[which]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        powers = tangent * z[which] / z
+    straight = z + (there - z[which]) * tangent
+    steady = np.isfinite(powers) & (np.abs(powers) < MOST_POWER)
+    guess = np.where(steady, z * (there / z[which]) ** np.where(steady, powers, 0.0), straight)
+    rate = tangent[-1] / left  # at which its logarithm falls
+    power, on = rate * z[which], there - z[which]
+    falls = (there / z[which]) ** -power if power < EXPONENTIAL else np.exp(-rate * on)
+    guess[-1] = z[-1] + left * (1.0 - falls)
+    return guess
+
+
+def _solved(problem: Orbit, which: int, guess: np.ndarray, weights: np.ndarray, left: float) -> _Place | None:
+    """The orbit near a guess with the same value of a state, if there is one that the machine can move on."""
+    sizes = np.maximum(weights, np.abs(guess))
+    held = np.zeros(len(guess))
+    held[which] = 1.0 / sizes[which]
+    units = np.append(sizes[:-1], abs(left))  # of the parameter, what is left of its way counts
+    try:
+        with np.errstate(all="ignore"):  # what overflows is no orbit
+            there = problem.refined(guess, sizes, FINEST)  # in one section, in which the family is a curve
+            z = newton_on(there, guess, units, held, STAGNATES)
+            tangent = there.linearize(z).tangent(held, units)
+            error = error_holding(there, z, units, held)
+            fine = there.admissible_at(z) and np.all(np.isfinite(tangent)) and tangent[which] != 0.0
+    except (NotFinite, PluginError, StartError, np.linalg.LinAlgError):
+        return None
+    return _Place(z, tangent, error) if fine and np.isfinite(error) else None
