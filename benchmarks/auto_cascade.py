@@ -27,7 +27,7 @@ import contwalk as cw
 from contwalk.fields.derivative import jacobian
 from contwalk.fields.kernel import Kernel
 from contwalk.fields.trace import Program
-from contwalk.flow.traced import PARAMETER, STATE, TIME, field_program
+from contwalk.flow.compiled.traced import PARAMETER, STATE, TIME, field_program
 
 HOPF, PERIOD_DOUBLING = "3", "7"  # types in AUTO's output
 NOTHING_TO_SAY = "\n".join(

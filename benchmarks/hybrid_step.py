@@ -27,11 +27,11 @@ from dataclasses import dataclass
 import numpy as np
 from orbit_and_monodromy import LEAST_SECONDS, TARGETS, Run, seconds_at
 
-from contwalk.flow import plan, stages
-from contwalk.flow.explicit import Call
-from contwalk.flow.hybrid import HybridMachine, applied, hybrid_machine
-from contwalk.flow.hybrid_map import StepMap
-from contwalk.flow.saltation import saltation
+from contwalk.flow.explicit import plan, stages
+from contwalk.flow.explicit.runge_kutta import Call
+from contwalk.flow.hybrid.event_map import StepMap
+from contwalk.flow.hybrid.motions import HybridMachine, applied, hybrid_machine
+from contwalk.flow.hybrid.saltation import saltation
 from contwalk.system import load_system
 
 Result = tuple[float, np.ndarray, np.ndarray]

@@ -19,7 +19,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command line does
 import numpy as np
 
 from contwalk import flow
-from contwalk.flow.traced import field_of
+from contwalk.flow.compiled.traced import field_of
 
 ROOT = Path(__file__).resolve().parent.parent
 STEPS, STAGES, REPEATS = 20_000, 12, 21

@@ -17,8 +17,8 @@ import numpy as np
 
 import contwalk as cw
 from contwalk.fields.trace import Program, trace
-from contwalk.flow.field import Field
-from contwalk.flow.traced import field_of, field_program
+from contwalk.flow.compiled.field import Field
+from contwalk.flow.compiled.traced import field_of, field_program
 
 REFERENCES = Path(__file__).with_name("orbit_references.json")
 TIME, STATE, PARAMETER = "t", "x", "p"

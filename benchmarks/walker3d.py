@@ -45,12 +45,13 @@ from orbit_and_monodromy import Run, seconds_at
 from contwalk import flow
 from contwalk.errors import ContwalkError
 from contwalk.fields.llvm import Code, code_of
-from contwalk.flow import hybrid_plan, plan, stages
-from contwalk.flow.compiled_field import EACH
-from contwalk.flow.explicit import Call
-from contwalk.flow.hybrid import Arc, HybridMachine, arcs, hybrid_machine
-from contwalk.flow.hybrid_map import StepMap
-from contwalk.flow.walk import Walk
+from contwalk.flow.compiled.compiled_field import EACH
+from contwalk.flow.explicit import plan, stages
+from contwalk.flow.explicit.runge_kutta import Call
+from contwalk.flow.hybrid import walk_plan as hybrid_plan
+from contwalk.flow.hybrid.event_map import StepMap
+from contwalk.flow.hybrid.motions import Arc, HybridMachine, arcs, hybrid_machine
+from contwalk.flow.hybrid.walk import Walk
 from contwalk.system import load_system
 from contwalk.workflow.run_file import read_run_file
 from contwalk.workflow.runner import Reporter, RunResult, run
@@ -70,12 +71,12 @@ BRANCH, STUDY = (ROOT / "runs" / f"walker3d_{name}.yaml" for name in ("overlap_i
 # Evaluations of the field in one measurement; steps of a march, and how long one is, in seconds.
 EVALUATIONS, IN_PYTHON, STEPS, STEP = 2000, 20, 200, 2e-5
 PARTS = (
-    Part("compiled motion with tangents", ["contwalk.flow.verbs:tangents"]),
+    Part("compiled motion with tangents", ["contwalk.flow.integrate:tangents"]),
     Part(
         "compiled motion alone",
         [
-            *(f"contwalk.flow.verbs:{name}" for name in ("adaptive", "along", "dense", "interpolation")),
-            "contwalk.flow.explicit:Interpolation.__call__",
+            *(f"contwalk.flow.integrate:{name}" for name in ("adaptive", "along", "dense", "interpolation")),
+            "contwalk.flow.explicit.runge_kutta:Interpolation.__call__",
         ],
     ),
     Part(

@@ -9,11 +9,10 @@ Rules
 4. Nothing here allocates in a loop, shares memory between calls, or holds the interpreter's lock.
 """
 
-from contwalk.flow.compiled_field import CompiledField
-from contwalk.flow.field import Field
-from contwalk.flow.path import Path
-from contwalk.flow.restricted import Restricted
-from contwalk.flow.verbs import (
+from contwalk.flow.compiled.compiled_field import CompiledField
+from contwalk.flow.compiled.field import Field
+from contwalk.flow.compiled.restricted import Restricted
+from contwalk.flow.integrate import (
     METHODS,
     adaptive,
     along,
@@ -24,6 +23,7 @@ from contwalk.flow.verbs import (
     tangents,
     warmup,
 )
+from contwalk.flow.path import Path
 
 __all__ = [
     "METHODS",

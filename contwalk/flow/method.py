@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.flow.compiled_field import CompiledField
+from contwalk.flow.compiled.compiled_field import CompiledField
+from contwalk.flow.integrate import adaptive
 from contwalk.flow.path import FINER, STEADY, Path
-from contwalk.flow.verbs import adaptive
 
 IMPLICIT = "radau9"
 

@@ -26,7 +26,7 @@ from contwalk.fields.derivative import jacobian
 from contwalk.fields.expression import Expression
 from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import Tracer
-from contwalk.flow.traced import conserved_map
+from contwalk.flow.compiled.traced import conserved_map
 from contwalk.system import System
 from contwalk.system.declarations import ParameterValues
 

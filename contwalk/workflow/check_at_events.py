@@ -93,7 +93,7 @@ def _states(
     met = seen.events.get(str(entry.at), []) if seen is not None else []
     states = (met or happening.before)[:MOST_STATES]
     if entry.side == "after":
-        from contwalk.flow.hybrid_machine import applied, hybrid_machine  # compiled flows
+        from contwalk.flow.hybrid.machine import applied, hybrid_machine  # compiled flows
 
         machine = hybrid_machine(system, samples.parameters)
         states = [(t, applied(machine, _where(entry, system), t, x)) for t, x in states]

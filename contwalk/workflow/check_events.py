@@ -313,8 +313,8 @@ def _onto(guard: Traced, t: float, x: np.ndarray, samples: Samples) -> np.ndarra
 
 def _left_behind(happening: Happening, system: System, samples: Samples) -> list[str]:
     """For each state at the event how its guard stands after it, where that can be said."""
-    from contwalk.flow import departure  # compiled flows
-    from contwalk.flow.hybrid_machine import hybrid_machine, landed
+    from contwalk.flow.hybrid import departure  # compiled flows
+    from contwalk.flow.hybrid.machine import hybrid_machine, landed
 
     transition, machine = happening.transition, hybrid_machine(system, samples.parameters)
     flow, found = machine.mode(transition.target), []

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from contwalk.flow.hybrid_machine import HybridMachine, hybrid_machine
+from contwalk.flow.hybrid.machine import HybridMachine, hybrid_machine
 from contwalk.problems.hybrid.mirrors import Span, beside, transition_carried
 from contwalk.problems.hybrid.word import Leg
 from contwalk.system import Symmetry, System, Transition

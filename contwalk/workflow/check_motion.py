@@ -9,8 +9,8 @@ from itertools import islice
 import numpy as np
 
 from contwalk.errors import StartError
-from contwalk.flow.hybrid import Arc, HybridMachine, applied, arcs, hybrid_machine
-from contwalk.flow.past_zero import past_zero
+from contwalk.flow.hybrid.motions import Arc, HybridMachine, applied, arcs, hybrid_machine
+from contwalk.flow.hybrid.past_zero import past_zero
 from contwalk.system import System
 from contwalk.workflow.check_events import Happening
 from contwalk.workflow.check_findings import Report, place_of

@@ -181,9 +181,9 @@ def _measured(
     progress: Callable[[int], None] | None,
 ) -> tuple[Any, np.ndarray]:
     """All motions computed, and the places where each might come to rest."""
-    from contwalk.flow.motion import Machine, magnitudes
-    from contwalk.flow.sampling import Motions, measure
-    from contwalk.flow.traced import field_of
+    from contwalk.flow.compiled.traced import field_of
+    from contwalk.flow.ensemble.sampling import Motions, measure
+    from contwalk.flow.events.motion import Machine, magnitudes
 
     system, sampling = run.system, run.sampling
     field = field_of(system)
@@ -208,7 +208,7 @@ def _measured(
 
 def _guard(run: SampleFile) -> Any:
     """The observable at one instant, less the level."""
-    from contwalk.flow.guard import Guard
+    from contwalk.flow.events.guard import Guard
 
     wanted = run.sampling.measure
     (function,) = [o.function for o in run.system.observables if o.name == wanted.observable]
@@ -259,13 +259,13 @@ def _images(system: System, states: Sequence[np.ndarray], p: ParameterValues) ->
 
 
 def _settled(found: Any) -> np.ndarray:
-    from contwalk.flow.sampling_plan import FOUND, SETTLED
+    from contwalk.flow.ensemble.sampling_plan import FOUND, SETTLED
 
     return np.isin(found.ended, (SETTLED, FOUND))
 
 
 def _failed(found: Any) -> np.ndarray:
-    from contwalk.flow.sampling_plan import GIVEN_UP, NOT_FINITE
+    from contwalk.flow.ensemble.sampling_plan import GIVEN_UP, NOT_FINITE
 
     return np.isin(found.ended, (NOT_FINITE, GIVEN_UP))
 

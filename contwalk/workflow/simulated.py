@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.flow.events import Event
+from contwalk.flow.events.crossings import Event
 
 LONGEST = 500_000  # steps, after which a motion that has not settled is given up
 PARTS = 4  # samples to a step where extremes are looked for

@@ -139,9 +139,9 @@ def _smoothly(
 ) -> Simulated:
     """The motion of a machine of one mode, on which nothing acts but its field."""
     from contwalk.flow import dense
-    from contwalk.flow.blaming import told
-    from contwalk.flow.motion import magnitudes, pieces
-    from contwalk.flow.settling import Settling
+    from contwalk.flow.events.motion import magnitudes, pieces
+    from contwalk.flow.events.settling import Settling
+    from contwalk.flow.hybrid.blaming import told
     from contwalk.workflow.simulated import LONGEST, PARTS, Simulated, drawn_at
 
     system, settings = run.system, run.simulation
@@ -240,9 +240,9 @@ def _trajectory(run: SimulationFile, parameters: Mapping[str, float], motion: Si
 
 def _machine(run: SimulationFile, parameters: Mapping[str, float]) -> Any:
     """The system at these parameters with everything that is watched."""
-    from contwalk.flow.guard import Guard
-    from contwalk.flow.motion import Machine
-    from contwalk.flow.traced import field_of
+    from contwalk.flow.compiled.traced import field_of
+    from contwalk.flow.events.guard import Guard
+    from contwalk.flow.events.motion import Machine
 
     system, place = run.system, run.report_at
     field = field_of(system)

@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contwalk.flow import dense
-from contwalk.flow.events import Event
-from contwalk.flow.hybrid import Arc, HybridMachine, applied, hybrid_machine, parts
-from contwalk.flow.hybrid_scales import magnitudes
-from contwalk.flow.on_guard import check_on_guard
-from contwalk.flow.past_zero import past_zero
-from contwalk.flow.settling import Settling
+from contwalk.flow.events.crossings import Event
+from contwalk.flow.events.settling import Settling
+from contwalk.flow.hybrid.motions import Arc, HybridMachine, applied, hybrid_machine, parts
+from contwalk.flow.hybrid.on_guard import check_on_guard
+from contwalk.flow.hybrid.past_zero import past_zero
+from contwalk.flow.hybrid.scales import magnitudes
 from contwalk.problems.hybrid.layout import Layout
 from contwalk.problems.stored_word import StoredWord
 from contwalk.system import System, Transition

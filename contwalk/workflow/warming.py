@@ -29,7 +29,10 @@ class Warmed:
 def warm() -> tuple[list[Warmed], Path]:
     """Compile the integrators that do not depend on a system, or find them in the cache; its folder."""
     from contwalk.fields import object_cache
-    from contwalk.flow import explicit, radau, sampling, walk
+    from contwalk.flow.ensemble import sampling
+    from contwalk.flow.explicit import runge_kutta as explicit
+    from contwalk.flow.hybrid import walk
+    from contwalk.flow.radau import radau_iia as radau
     from contwalk.problems.hybrid import condensed
 
     parts: dict[str, Callable[[], None]] = {

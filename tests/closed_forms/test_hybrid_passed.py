@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from hybrid_runs import ACCURACY, assert_met, branch_of, machine
 
-from contwalk.flow.hybrid import arcs, hybrid_machine
+from contwalk.flow.hybrid.motions import arcs, hybrid_machine
 from contwalk.system import System, Transition
 
 WALKED = 100.0 * ACCURACY

@@ -9,7 +9,7 @@ from contwalk.continuation.diagram import Diagram, Plan
 from contwalk.continuation.opening_orbits import opened_orbit
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.work import Start
-from contwalk.flow.hybrid import Arc, hybrid_machine
+from contwalk.flow.hybrid.motions import Arc, hybrid_machine
 from contwalk.problems.equilibrium import Equilibrium
 from contwalk.problems.hybrid.resting import check_moves
 from contwalk.problems.orbit.recurrence import AtRest

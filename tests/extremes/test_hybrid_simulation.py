@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from hybrid_systems import BALL, COUNTERS, DAMPER, KICKS, STOP
 
-from contwalk.flow.hybrid import arcs, hybrid_machine
-from contwalk.flow.hybrid_map import StepMap
+from contwalk.flow.hybrid.event_map import StepMap
+from contwalk.flow.hybrid.motions import arcs, hybrid_machine
 from contwalk.system import Mode, Parameter, State, System, Transition
 
 METHODS = ("dop853", "verner98", "radau9")

@@ -18,8 +18,8 @@ from contwalk_systems.walker3d.model import Model
 from contwalk_systems.walker3d.motion import toe_place
 
 from contwalk import flow
-from contwalk.flow.compiled_field import CompiledField
-from contwalk.flow.hybrid import hybrid_machine
+from contwalk.flow.compiled.compiled_field import CompiledField
+from contwalk.flow.hybrid.motions import hybrid_machine
 from contwalk.flow.method import choose
 from contwalk.system import System, load_system
 

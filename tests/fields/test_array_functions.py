@@ -20,7 +20,7 @@ from scipy.interpolate import (
 )
 from traced_kernels import derivative_of, kernel_of, program_of
 
-from contwalk.flow.field import Field
+from contwalk.flow.compiled.field import Field
 
 SPLINE = CubicSpline([-1.5, 0.0, 0.5, 2.0, 3.0], [0.0, 1.0, -1.0, 0.25, 5.0])
 PERIODIC = CubicSpline([0.0, 0.4, 1.0, 1.6], [1.0, 2.0, -1.0, 1.0], bc_type="periodic")

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from traced_kernels import derivative_of, kernel_of, program_of
 
-from contwalk.flow.field import Field
+from contwalk.flow.compiled.field import Field
 
 POINTS = (-2.0, -1.0, -0.5, 0.0, 0.25, 1.0, 1.5, 4.0, 2000.0)
 

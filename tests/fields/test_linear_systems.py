@@ -17,7 +17,7 @@ from contwalk.fields.elimination import eliminated, eliminated_symmetric, solved
 from contwalk.fields.kernel import Kernel
 from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import trace
-from contwalk.flow.field import Field
+from contwalk.flow.compiled.field import Field
 
 SIZES = (2, 3, 4, 5, 8, 13, 30)
 EPS = sys.float_info.epsilon

@@ -9,7 +9,7 @@ import numpy as np
 
 from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import trace
-from contwalk.flow.field import Field
+from contwalk.flow.compiled.field import Field
 
 
 def field_of(

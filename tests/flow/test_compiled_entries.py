@@ -7,12 +7,12 @@ from importlib import import_module
 import pytest
 from numba.extending import is_jitted
 
-from contwalk.flow.compiled import Entry, modules_behind
-from contwalk.flow.compiled_field import EACH
-from contwalk.flow.explicit import ADAPTIVE
-from contwalk.flow.radau import _ADAPTIVE, _TANGENTS
-from contwalk.flow.sampling import _BATCH
-from contwalk.flow.walk import WALK
+from contwalk.flow.compiled.compiled_field import EACH
+from contwalk.flow.compiled.entry_points import Entry, modules_behind
+from contwalk.flow.ensemble.sampling import _BATCH
+from contwalk.flow.explicit.runge_kutta import ADAPTIVE
+from contwalk.flow.hybrid.walk import WALK
+from contwalk.flow.radau.radau_iia import _ADAPTIVE, _TANGENTS
 from contwalk.problems.hybrid.condensed import ELIMINATE
 
 ENTRIES = (WALK, ADAPTIVE, _ADAPTIVE, _TANGENTS, _BATCH, EACH, ELIMINATE)
@@ -38,5 +38,7 @@ def test_a_kernel_is_compiled_anew_when_any_function_in_it_changes(entry: Entry)
 
 
 def test_modules_of_numbers_are_behind_a_kernel_whether_imported_whole_or_by_name():
-    """`from contwalk.flow import plan` and `from contwalk.flow.hybrid_plan import (...)`."""
-    assert {"contwalk.flow.plan", "contwalk.flow.hybrid_plan"} <= set(modules_behind(WALK.module))
+    """`from contwalk.flow import plan` and `from contwalk.flow.hybrid.walk_plan import (...)`."""
+    assert {"contwalk.flow.explicit.plan", "contwalk.flow.hybrid.walk_plan"} <= set(
+        modules_behind(WALK.module)
+    )

@@ -9,9 +9,9 @@ import pytest
 from moving_systems import OSCILLATOR
 
 from contwalk.flow import METHODS, adaptive
-from contwalk.flow.events import crossings
-from contwalk.flow.guard import Guard
-from contwalk.flow.traced import field_of
+from contwalk.flow.compiled.traced import field_of
+from contwalk.flow.events.crossings import crossings
+from contwalk.flow.events.guard import Guard
 
 FIELD = field_of(OSCILLATOR)
 EPSILON = np.finfo(float).eps

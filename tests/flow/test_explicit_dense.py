@@ -66,7 +66,7 @@ def test_outside_there_is_nothing(driven, method):
 
 def test_many_steps_in_small_batches(driven, monkeypatch):
     """Memory for the stages of a few steps at a time changes nothing."""
-    from contwalk.flow import explicit
+    from contwalk.flow.explicit import runge_kutta as explicit
 
     times = np.linspace(0.0, 4.0, 41)
     states = flow.along(*driven, times, [1.0, 1.0])

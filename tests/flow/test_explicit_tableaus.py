@@ -12,7 +12,7 @@ from itertools import combinations_with_replacement
 import numpy as np
 import pytest
 
-from contwalk.flow.stages import TABLEAUS
+from contwalk.flow.explicit.stages import TABLEAUS
 
 METHODS = [pytest.param(method, id=name) for name, method in TABLEAUS.items()]
 

@@ -13,10 +13,10 @@ from contwalk.fields.llvm import code_of
 from contwalk.fields.machine_code import function, module
 from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import trace
-from contwalk.flow.departure import BEYOND, CLEAR, ENTERING, LEAVING, RESTING, departures
-from contwalk.flow.guard import Guard
-from contwalk.flow.hybrid_machine import hybrid_machine
-from contwalk.flow.traced import PARAMETER, STATE, TIME, arguments, field_of, rates
+from contwalk.flow.compiled.traced import PARAMETER, STATE, TIME, arguments, field_of, rates
+from contwalk.flow.events.guard import Guard
+from contwalk.flow.hybrid.departure import BEYOND, CLEAR, ENTERING, LEAVING, RESTING, departures
+from contwalk.flow.hybrid.machine import hybrid_machine
 from contwalk.system import Mode, Parameter, State, System, Transition
 
 EPSILON = np.finfo(float).eps

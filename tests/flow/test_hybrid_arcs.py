@@ -12,8 +12,8 @@ from hybrid_systems import BALL, CHANGING, COUNTERS, DAMPER, KICKS, STOP, SWAP
 
 from contwalk.errors import StartError, SystemDefinitionError
 from contwalk.flow import METHODS, along
-from contwalk.flow.hybrid import applied, arcs, hybrid_machine
-from contwalk.flow.past_zero import past_zero
+from contwalk.flow.hybrid.motions import applied, arcs, hybrid_machine
+from contwalk.flow.hybrid.past_zero import past_zero
 from contwalk.system import Mode, Parameter, State, System, Transition
 
 EPSILON = np.finfo(float).eps

@@ -11,9 +11,9 @@ from exact_machines import ExactLeg, exact_map
 from hybrid_systems import BALL, CHANGING, COUNTERS, DAMPER, KICKS, STOP, SWAP
 
 from contwalk.errors import NotFinite, StartError
-from contwalk.flow.hybrid import arcs, hybrid_machine
-from contwalk.flow.hybrid_map import StepMap
-from contwalk.flow.saltation import saltation
+from contwalk.flow.hybrid.event_map import StepMap
+from contwalk.flow.hybrid.motions import arcs, hybrid_machine
+from contwalk.flow.hybrid.saltation import saltation
 from contwalk.system import Mode, Parameter, State, System, Transition, load_system
 
 METHODS = ("dop853", "verner98", "radau9")

@@ -10,11 +10,13 @@ import pytest
 from hybrid_runs import machine
 from numpy.polynomial import Polynomial
 
-from contwalk.flow import course_kernel, course_plan, guard_kernel, hybrid_plan, radau_newton
-from contwalk.flow.course import Course
-from contwalk.flow.hybrid_machine import hybrid_machine
-from contwalk.flow.traced import field_of
-from contwalk.flow.walk import Walk
+from contwalk.flow.compiled.traced import field_of
+from contwalk.flow.hybrid import course_kernel, course_plan, guard_kernel
+from contwalk.flow.hybrid import walk_plan as hybrid_plan
+from contwalk.flow.hybrid.course import Course
+from contwalk.flow.hybrid.machine import hybrid_machine
+from contwalk.flow.hybrid.walk import Walk
+from contwalk.flow.radau import newton as radau_newton
 
 
 @pytest.mark.parametrize("zero", [0.02, 0.3, 0.5, 0.77, 0.99])

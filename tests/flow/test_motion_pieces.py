@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from moving_systems import DECAY, EXPLOSION, OSCILLATOR
 
-from contwalk.flow.guard import Guard
-from contwalk.flow.motion import Machine, magnitudes, pieces
-from contwalk.flow.settling import Settling
-from contwalk.flow.traced import field_of
+from contwalk.flow.compiled.traced import field_of
+from contwalk.flow.events.guard import Guard
+from contwalk.flow.events.motion import Machine, magnitudes, pieces
+from contwalk.flow.events.settling import Settling
 
 
 def machine(system, *values, guards=()):

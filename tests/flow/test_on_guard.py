@@ -7,8 +7,8 @@ from hybrid_runs import machine
 from contwalk.continuation.opening_orbits import opened_orbit
 from contwalk.continuation.settings import Settings
 from contwalk.errors import StartError
-from contwalk.flow.hybrid_machine import hybrid_machine
-from contwalk.flow.on_guard import check_on_guard
+from contwalk.flow.hybrid.machine import hybrid_machine
+from contwalk.flow.hybrid.on_guard import check_on_guard
 from contwalk.system import Transition
 
 

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from small_flows import field_of
 
-from contwalk.flow import Field, adaptive, along, dense, errors_on, interpolation, radau
+from contwalk.flow import Field, adaptive, along, dense, errors_on, interpolation
+from contwalk.flow.radau import radau_iia as radau
 from contwalk.flow.tableaus.radau import RADAU5, RADAU9, Collocation
 
 METHODS = ("radau5", "radau9")

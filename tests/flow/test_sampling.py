@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from moving_systems import DECAY, EXPLOSION, OSCILLATOR
 
-from contwalk.flow import sampling_plan as plan
-from contwalk.flow.guard import Guard
-from contwalk.flow.sampling import Motions, measure
-from contwalk.flow.traced import field_of
+from contwalk.flow.compiled.traced import field_of
+from contwalk.flow.ensemble import sampling_plan as plan
+from contwalk.flow.ensemble.sampling import Motions, measure
+from contwalk.flow.events.guard import Guard
 
 
 def motions(system, watched, starts, parameters, *, direction="falling", limit=50.0, within=None, **options):

@@ -22,7 +22,7 @@ from walker3d_motion import (
     walker,
 )
 
-from contwalk.flow.traced import field_of
+from contwalk.flow.compiled.traced import field_of
 
 EVERYTHING = mode_named(walker(), "11 12 21 22", "1 2")
 # Relative to the largest acceleration: rounding of some hundred operations.

@@ -13,7 +13,7 @@ import numpy as np
 from contwalk_systems.walker3d import SYSTEM
 from scipy.integrate import solve_ivp
 
-from contwalk.flow.traced import field_of
+from contwalk.flow.compiled.traced import field_of
 from contwalk.system import System
 
 REFERENCE = json.loads((Path(__file__).parent / "walker3d_reference.json").read_text(encoding="utf-8"))

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.errors import StartError, called
-from contwalk.flow.hybrid import HybridMachine, hybrid_machine
+from contwalk.flow.hybrid.motions import HybridMachine, hybrid_machine
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit

@@ -12,9 +12,9 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import ContwalkError
-from contwalk.flow.departure import ENTERING, departures
-from contwalk.flow.guard import EPSILON
-from contwalk.flow.hybrid_machine import hybrid_machine
+from contwalk.flow.events.guard import EPSILON
+from contwalk.flow.hybrid.departure import ENTERING, departures
+from contwalk.flow.hybrid.machine import hybrid_machine
 from contwalk.problems.hybrid import limits
 from contwalk.problems.hybrid.least import least
 from contwalk.problems.hybrid.switching import discretized

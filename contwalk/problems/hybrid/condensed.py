@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contwalk.flow.addresses import address
-from contwalk.flow.compiled import Entry
+from contwalk.flow.compiled.addresses import address
+from contwalk.flow.compiled.entry_points import Entry
 from contwalk.problems.linear import Factored, Factorization
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.flow.calling import doubles, inlined, integers
+from contwalk.flow.compiled.calling import doubles, inlined, integers
 
 
 @inlined

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contwalk.flow.hybrid_machine import HybridMachine
-from contwalk.flow.traced import generator_field
+from contwalk.flow.compiled.traced import generator_field
+from contwalk.flow.hybrid.machine import HybridMachine
 from contwalk.problems.mapping import mapped
 from contwalk.problems.neutral import generator_at
 from contwalk.system import Neutral, System

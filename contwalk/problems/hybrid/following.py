@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contwalk.flow.hybrid import arcs, hybrid_machine
+from contwalk.flow.hybrid.motions import arcs, hybrid_machine
 from contwalk.problems.hybrid import families
 from contwalk.problems.orbit.closure import imaged
 from contwalk.system.declarations import ParameterValues

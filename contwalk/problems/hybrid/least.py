@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contwalk.flow.hybrid_machine import hybrid_machine
+from contwalk.flow.hybrid.machine import hybrid_machine
 from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.mirrors import Span, carries, why_not_carried
 from contwalk.problems.hybrid.switching import discretized, shifted

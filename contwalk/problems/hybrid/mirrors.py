@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.flow.hybrid_machine import HybridMachine
+from contwalk.flow.hybrid.machine import HybridMachine
 from contwalk.problems.hybrid.word import Leg, has_image, image_of
 from contwalk.problems.orbit.closure import imaged
 from contwalk.system import Symmetry

@@ -388,7 +388,7 @@ def _at(problem: HybridOrbit, z: np.ndarray, i: int, place: float) -> np.ndarray
 
 def _after(problem: HybridOrbit, leg: Leg, x: np.ndarray, t: float, z: np.ndarray) -> np.ndarray:
     """Full state after a transition out of a state at a time."""
-    from contwalk.flow.hybrid import applied, hybrid_machine
+    from contwalk.flow.hybrid.motions import applied, hybrid_machine
 
     assert leg.transition is not None
     return applied(hybrid_machine(problem.system, problem.values_of(z)), leg.transition, t, x)

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from contwalk import flow
-from contwalk.flow.hybrid import Arc, hybrid_machine
+from contwalk.flow.hybrid.motions import Arc, hybrid_machine
 from contwalk.problems.hybrid.lap import Lap
 from contwalk.problems.hybrid.mirrors import Span
 from contwalk.problems.hybrid.word import Leg

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.errors import StartError
-from contwalk.flow.hybrid import Arc
-from contwalk.flow.hybrid_machine import ModeFlow
+from contwalk.flow.hybrid.machine import ModeFlow
+from contwalk.flow.hybrid.motions import Arc
 from contwalk.problems.orbit.recurrence import AtRest
 from contwalk.system import System
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contwalk.errors import NotFinite
-from contwalk.flow.hybrid import arcs, hybrid_machine
-from contwalk.flow.hybrid_machine import HybridMachine
+from contwalk.flow.hybrid.machine import HybridMachine
+from contwalk.flow.hybrid.motions import arcs, hybrid_machine
 from contwalk.memory import remembered
 from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.grouping import NO_TIME

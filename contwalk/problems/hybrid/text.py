@@ -10,7 +10,7 @@ import numpy as np
 from contwalk.fields.codegen import source
 from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import Program, Tracer, trace
-from contwalk.flow.traced import CONSTANT, TIME, arguments, field_program, shared_program
+from contwalk.flow.compiled.traced import CONSTANT, TIME, arguments, field_program, shared_program
 from contwalk.problems.hybrid.passage import passage_of
 from contwalk.problems.hybrid.word import Leg
 from contwalk.problems.tracing import parameter_symbols, state_symbols, time_refused

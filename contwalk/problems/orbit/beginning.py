@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from contwalk.errors import StartError, called
-from contwalk.flow.hybrid_machine import hybrid_machine
+from contwalk.flow.hybrid.machine import hybrid_machine
 from contwalk.flow.method import choose
 from contwalk.problems.conserving import with_own_values
 from contwalk.problems.hybrid import families

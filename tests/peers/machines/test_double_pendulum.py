@@ -16,7 +16,7 @@ from peers.running import run_study
 
 import contwalk as cw
 from contwalk.fields.llvm import optimized
-from contwalk.flow.traced import field_of
+from contwalk.flow.compiled.traced import field_of
 
 STUDY = PEER.studies[0]
 

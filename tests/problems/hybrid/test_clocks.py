@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 
 from contwalk.branch import Outcome
 from contwalk.continuation.opening import Opening
-from contwalk.flow.hybrid import arcs, hybrid_machine
+from contwalk.flow.hybrid.motions import arcs, hybrid_machine
 from contwalk.system import Symmetry, System, Transition
 
 # A walk's solutions are known to a hundred times the accuracy.

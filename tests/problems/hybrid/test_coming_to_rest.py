@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from small_systems import small_system
 
-from contwalk.flow.arc import Arc
-from contwalk.flow.hybrid_machine import hybrid_machine
+from contwalk.flow.hybrid.arc import Arc
+from contwalk.flow.hybrid.machine import hybrid_machine
 from contwalk.problems.hybrid.resting import check_moves
 from contwalk.problems.orbit.recurrence import AtRest
 

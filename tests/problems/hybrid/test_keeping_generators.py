@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from small_systems import small_system
 
-from contwalk.flow.hybrid_machine import hybrid_machine
+from contwalk.flow.hybrid.machine import hybrid_machine
 from contwalk.problems.hybrid.families import commutes
 from contwalk.problems.hybrid.observing import visits
 from contwalk.system import Neutral

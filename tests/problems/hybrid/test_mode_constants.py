@@ -17,7 +17,7 @@ import contwalk as cw
 from contwalk.branch import Branch
 from contwalk.errors import SystemDefinitionError
 from contwalk.flow import Restricted, adaptive
-from contwalk.flow.traced import field_of
+from contwalk.flow.compiled.traced import field_of
 from contwalk.problems.hybrid.text import equations_text
 from contwalk.system import Mode, Observable, Parameter, State, System, Transition
 from contwalk.workflow.check_system import check_system

@@ -1,0 +1,1 @@
+"""Vector fields as machine code, and the entry points of compiled kernels."""

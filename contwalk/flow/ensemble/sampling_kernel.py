@@ -1,0 +1,321 @@
+"""Many motions one after the other, each watched for crossings and stopped where it comes to rest.
+
+The loop around the steps of `stages`, for numba. Each motion has its own parameters and stop rule, and no
+memory of those before it, so that its result does not depend on which others are computed beside it. Imported
+only where it is compiled.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from contwalk.flow.compiled.calling import call_rhs, caller, doubles, inlined, integers
+from contwalk.flow.ensemble.sampling_plan import (
+    COEFFICIENTS,
+    CONSTANTS,
+    CROSSED,
+    CROSSED_AT,
+    DENSE,
+    DIRECTION,
+    ENDED,
+    ENDED_AT,
+    ERROR,
+    EVALUATE,
+    EXTEND,
+    FIELDS,
+    FIRST_ONLY,
+    FOUND,
+    GIVEN_UP,
+    GUARD,
+    INVERSE_WEIGHTS,
+    LENGTH,
+    LIMITS,
+    MEASURED,
+    MOST_STEPS,
+    NOT_FINITE,
+    PARAMETERS,
+    PERIODS,
+    PLACES,
+    PLAN_LENGTH,
+    PROBLEM,
+    RESULT_LENGTH,
+    RESULTS,
+    RHS,
+    SETTLED,
+    SPARE,
+    SPEED,
+    STAGES,
+    STARTS,
+    STEP,
+    TARGETS,
+    TIME_UP,
+    VALUES,
+    WITHIN,
+    WORK,
+    N,
+)
+from contwalk.flow.events.polynomial_kernel import draw
+from contwalk.flow.explicit.stages import FIRST, NEXT, Y
+
+EPSILON = 2.0**-52
+SAFETY = 0.9
+MOST_GROWTH, MOST_SHRINKAGE = 6.0, 0.2
+ORDER = 8.0
+PARTS = 4  # of a step that may hold crossings: a guard has at most one extremum in each
+MOST_TRIALS = 80
+AT_END = FIRST + 12  # the first of the further stages of the interpolation: the field at the end
+NARROW = 1e-8  # of a part, where an extremum is looked for: the guard is then off it by rounding
+
+_call_step = caller("v", "ddqqqq")
+_call_guard = caller("v", "dqqqq")
+_call_error = caller("d", "ddqqqqq")
+
+
+@inlined
+def _place(p: np.ndarray, number: int) -> int:
+    """Address of a vector of the memory of the method."""
+    return p[WORK] + 8 * number * p[LENGTH]
+
+
+@inlined
+def _size(p: np.ndarray, vector: np.ndarray) -> float:
+    """RMS norm in units of the weights."""
+    scale, total = doubles(p[INVERSE_WEIGHTS], p[LENGTH]), 0.0
+    for i in range(p[N]):
+        total += (vector[i] * scale[i]) ** 2
+    return math.sqrt(total / p[N])
+
+
+@inlined
+def _measure(p: np.ndarray, t: float, state: int, velocity: int, parameters: int) -> tuple[float, float]:
+    """Value and rate of the guard."""
+    _call_guard(p[GUARD], t, state, velocity, parameters, p[MEASURED])
+    out = doubles(p[MEASURED], 3)
+    return out[0], out[1]
+
+
+@inlined
+def _try_step(p: np.ndarray, t: float, h: float) -> float:
+    """Take a step; the RMS of its estimated error in units of the weights."""
+    _call_step(p[STEP], t, h, p[LENGTH], p[WORK], p[EVALUATE], p[PROBLEM])
+    places = p[LENGTH], p[WORK], p[EVALUATE], p[PROBLEM], p[INVERSE_WEIGHTS]
+    return _call_error(p[ERROR], t, h, *places) / math.sqrt(p[N])
+
+
+# -- crossings within a step ---------------------------------------------------------------------------------
+
+
+@inlined
+def _interpolate(p: np.ndarray, t: float, h: float) -> None:
+    """The polynomial of the step that was taken (Hairer, Norsett, Wanner, II.6): seven rows of n."""
+    _call_step(p[EXTEND], t, h, p[LENGTH], p[WORK], p[EVALUATE], p[PROBLEM])
+    n, m = p[N], p[LENGTH]
+    rows, y, end = doubles(p[DENSE], 7 * n), doubles(_place(p, Y), m), doubles(_place(p, NEXT), m)
+    first, last = doubles(_place(p, FIRST), m), doubles(_place(p, AT_END), m)
+    stages, given = doubles(_place(p, FIRST), p[STAGES] * m), doubles(p[COEFFICIENTS], 4 * p[STAGES])
+    for i in range(n):
+        change = end[i] - y[i]
+        rows[i] = change
+        rows[n + i] = h * first[i] - change
+        rows[2 * n + i] = 2.0 * change - h * (first[i] + last[i])
+        for row in range(4):
+            total = 0.0
+            for stage in range(p[STAGES]):
+                total += given[row * p[STAGES] + stage] * stages[stage * m + i]
+            rows[(3 + row) * n + i] = h * total
+
+
+@inlined
+def _between(p: np.ndarray, t: float, h: float, share: float, parameters: int) -> tuple[float, float]:
+    """Value and rate of the guard at a share of the step, both by its polynomial."""
+    n, rows, y = p[N], doubles(p[DENSE], 7 * p[N]), doubles(_place(p, Y), p[LENGTH])
+    x, f = doubles(p[SPARE], p[LENGTH]), doubles(p[SPEED], p[LENGTH])
+    draw(n, rows, y, h, share, x, f)
+    return _measure(p, t + share * h, p[SPARE], p[SPEED], parameters)
+
+
+@inlined
+def _side(value: float, rate: float) -> float:
+    """The sign just after an instant."""
+    at = value if value != 0.0 else rate
+    return 1.0 if at > 0.0 else -1.0
+
+
+@inlined
+def _zero(p: np.ndarray, t: float, h: float, parameters: int, a: float, side: float, b: float) -> float:
+    """Where the guard passes zero between two shares: Newton's method, bisection where it leaves them."""
+    share = 0.5 * (a + b)
+    for _ in range(MOST_TRIALS):
+        value, rate = _between(p, t, h, share, parameters)
+        if value == 0.0 or b - a <= 4.0 * EPSILON:
+            break
+        if _side(value, rate) == side:
+            a = share
+        else:
+            b = share
+        new = share - value / (rate * h) if rate != 0.0 else -1.0
+        if not a <= new <= b:
+            new = 0.5 * (a + b)
+        if abs(new - share) <= EPSILON * abs(new):
+            break
+        share = new
+    return share
+
+
+@inlined
+def _beyond(
+    p: np.ndarray,
+    t: float,
+    h: float,
+    parameters: int,
+    a: float,
+    rate_a: float,
+    side: float,
+    b: float,
+    rate_b: float,
+) -> float:
+    """A share on the other side of zero between two that near it; -1 if the guard turns before."""
+    narrow, share = NARROW * (b - a), 0.5
+    for _ in range(MOST_TRIALS):
+        if b - a <= narrow:
+            break
+        at = a + share * (b - a)
+        value, rate = _between(p, t, h, at, parameters)
+        if _side(value, rate) != side:
+            return at
+        if value * rate < 0.0:
+            a, rate_a = at, rate
+        else:
+            b, rate_b = at, rate
+        share = 0.5 if rate_a == rate_b else min(0.9, max(0.1, rate_a / (rate_a - rate_b)))
+    return -1.0
+
+
+@inlined
+def _crossing(p: np.ndarray, t: float, h: float, parameters: int, value: float, rate: float) -> float:
+    """The crossing of the step that counts, the first or the last one of its direction; NaN without one."""
+    wanted = float(p[DIRECTION])
+    found = math.nan
+    a, value_a, rate_a = 0.0, value, rate
+    for part in range(PARTS):
+        b = (part + 1) / PARTS
+        value_b, rate_b = _between(p, t, h, b, parameters)
+        side_a, side_b = _side(value_a, rate_a), _side(value_b, rate_b)
+        left, right, side = a, b, side_a
+        hit = side_a != side_b and side_b == wanted
+        if side_a == side_b and value_a * rate_a < 0.0 and value_b * rate_b > 0.0:
+            middle = _beyond(p, t, h, parameters, a, rate_a, side_a, b, rate_b)
+            hit = middle >= 0.0
+            if side_a == wanted:  # out of the side and back: the way back counts
+                left, side = middle, -side_a
+            else:
+                right = middle
+        if hit:
+            found = _zero(p, t, h, parameters, left, side, right)
+            if p[FIRST_ONLY] != 0:
+                return t + found * h
+        a, value_a, rate_a = b, value_b, rate_b
+    return t + found * h
+
+
+# -- one motion ----------------------------------------------------------------------------------------------
+
+
+@inlined
+def _at_rest(p: np.ndarray, state: np.ndarray, targets: np.ndarray) -> bool:
+    """Whether the state is within the given distances of one of the targets; angles count by their turns."""
+    n = p[N]
+    within, periods = doubles(p[WITHIN], n), doubles(p[PERIODS], n)
+    for target in range(p[TARGETS]):
+        near = True
+        for i in range(n):
+            apart = state[i] - targets[target * n + i]
+            if periods[i] > 0.0:
+                apart -= periods[i] * math.floor(apart / periods[i] + 0.5)
+            if not abs(apart) <= within[i]:
+                near = False
+        if near:
+            return True
+    return False
+
+
+@inlined
+def _begin(p: np.ndarray, sample: int) -> None:
+    """State and field's constants of a sample into place."""
+    y, x = doubles(_place(p, Y), p[LENGTH]), doubles(p[STARTS] + 8 * sample * p[N], p[N])
+    for i in range(p[LENGTH]):
+        y[i] = x[i] if i < p[N] else 0.0
+    problem = integers(p[PROBLEM], 2)
+    problem[0], problem[1] = p[RHS], p[FIELDS] + 8 * sample * p[CONSTANTS]
+
+
+@inlined
+def _move(p: np.ndarray, sample: int, t1: float, tolerance: float, results: np.ndarray) -> int:
+    """A motion from its start until it rests, or its time is up; `results` are filled in."""
+    m, parameters = p[LENGTH], p[VALUES] + 8 * sample * p[PARAMETERS]
+    targets = doubles(p[PLACES] + 8 * sample * p[TARGETS] * p[N], p[TARGETS] * p[N])
+    y, end, slope = doubles(_place(p, Y), m), doubles(_place(p, NEXT), m), doubles(_place(p, FIRST), m)
+    slope_end, constants = doubles(_place(p, AT_END), m), integers(p[PROBLEM], 2)[1]
+    t, steps, former = 0.0, 0, 1e-4
+    call_rhs(p[RHS], t, _place(p, Y), constants, _place(p, FIRST))
+    value, rate = _measure(p, t, _place(p, Y), _place(p, FIRST), parameters)
+    speed = _size(p, slope)
+    if not speed < math.inf or not abs(value) < math.inf:
+        return NOT_FINITE
+    if _at_rest(p, y, targets):
+        return SETTLED
+    h = min(0.5 * tolerance ** (1.0 / ORDER) / max(speed, 1e-30), 1e-2 * t1)
+    undefined, after_rejection = False, False
+    while True:
+        results[ENDED_AT] = t
+        if t >= t1:
+            return TIME_UP
+        if steps >= p[MOST_STEPS]:
+            return GIVEN_UP
+        length = min(h, t1 - t)
+        if length <= 4.0 * EPSILON * t and length < t1 - t:
+            return NOT_FINITE if undefined else GIVEN_UP
+        error = _try_step(p, t, length) / tolerance
+        steps += 1
+        if not error <= 1.0:
+            undefined, after_rejection = not error < math.inf, True
+            h = length * (0.1 if undefined else max(MOST_SHRINKAGE, SAFETY * error ** (-1.0 / ORDER)))
+            continue
+        late = t1 if length == t1 - t else t + length
+        call_rhs(p[RHS], late, _place(p, NEXT), constants, _place(p, AT_END))
+        value_end, rate_end = _measure(p, late, _place(p, NEXT), _place(p, AT_END), parameters)
+        if not abs(value_end) < math.inf:
+            return NOT_FINITE
+        reach = 2.0 * length * max(abs(rate), abs(rate_end))  # as far as it may go and come back
+        if _side(value, rate) != _side(value_end, rate_end) or min(abs(value), abs(value_end)) <= reach:
+            _interpolate(p, t, length)
+            at = _crossing(p, t, length, parameters, value, rate)
+            if at >= 0.0:
+                results[CROSSED_AT], results[CROSSED] = at, 1.0
+                if p[FIRST_ONLY] != 0:
+                    results[ENDED_AT] = late
+                    return FOUND
+        for i in range(m):
+            y[i], slope[i] = end[i], slope_end[i]
+        t, value, rate = late, value_end, rate_end
+        results[ENDED_AT] = t
+        if _at_rest(p, y, targets):
+            return SETTLED
+        error = max(error, 1e-4)
+        factor = SAFETY * error ** (-0.7 / ORDER) * former ** (0.4 / ORDER)
+        factor = min(1.0 if after_rejection else MOST_GROWTH, max(MOST_SHRINKAGE, factor))
+        h, former, undefined, after_rejection = length * factor, error, False, False
+
+
+def batch(plan: int, first: int, last: int, tolerance: float) -> int:
+    """The motions of samples first, first + 1, ... before last."""
+    p = integers(plan, PLAN_LENGTH)
+    limits = doubles(p[LIMITS], last)
+    for sample in range(first, last):
+        results = doubles(p[RESULTS] + 8 * sample * RESULT_LENGTH, RESULT_LENGTH)
+        results[CROSSED_AT], results[CROSSED], results[ENDED_AT] = 0.0, 0.0, 0.0
+        _begin(p, sample)
+        results[ENDED] = _move(p, sample, limits[sample], tolerance, results)
+    return last - first

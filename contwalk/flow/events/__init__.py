@@ -1,0 +1,1 @@
+"""Numbers watched along a path: what they are, and where they pass zero."""

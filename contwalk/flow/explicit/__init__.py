@@ -1,0 +1,1 @@
+"""Explicit Runge-Kutta methods: paths, the same steps again, and their exact derivatives."""

@@ -1,0 +1,473 @@
+"""Explicit Runge-Kutta methods: paths with error control, the same steps again, and their exact derivatives.
+
+A path over a given grid is a smooth function of its start, and bitwise the same whether error control has
+chosen the grid or the caller.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+
+import numpy as np
+
+from contwalk.flow.compiled.addresses import address
+from contwalk.flow.compiled.compiled_field import EACH, CompiledField
+from contwalk.flow.compiled.entry_points import Entry
+from contwalk.flow.explicit import plan, stages
+from contwalk.flow.path import Path
+from contwalk.flow.tableaus.runge_kutta import RungeKutta
+
+Vector = Sequence[float] | np.ndarray
+
+_DRIVERS = "contwalk.flow.explicit.drivers"
+ADAPTIVE = Entry(_DRIVERS, "adaptive", "q", "qdddd")
+MARCH = Entry(_DRIVERS, "march", "q", "q")
+MARCH_EACH = Entry(_DRIVERS, "march_each", "q", "q")
+LEAP = Entry(_DRIVERS, "leap", "q", "qq")
+STAGES_OF = Entry(_DRIVERS, "stages_of", "q", "q")
+
+# Steps that there is room for at first.
+_ROOM = 512
+
+# Numbers in a line of the processor's cache.
+_LINE = 8
+
+# Most numbers that interpolation keeps at once.
+_MOST_KEPT = 4_000_000
+
+
+def warmup() -> None:
+    """Compile everything that does not depend on the field, or find it compiled."""
+    for entry in (ADAPTIVE, MARCH, MARCH_EACH, LEAP, STAGES_OF, EACH):
+        _ = entry.address
+    for name in stages.TABLEAUS:
+        stages.code(name)
+
+
+class Call:
+    """The memory of one call, and the plan that tells a driver of it."""
+
+    def __init__(
+        self, field: CompiledField, c: np.ndarray, method: str, x0: Vector | None, columns: int = 0
+    ) -> None:
+        self.field, self.method = field, _method(method)
+        self.start = _padded(field.n)
+        self.width = _padded(columns)
+        self.length = self.start + field.n * self.width
+        self.vectors = _aligned(stages.vectors(self.method), self.length)
+        self._c = _checked(c, (max(field.constant_count, 1),), "constants")
+        if x0 is not None:
+            self.vectors[stages.Y, : field.n] = _checked(x0, (field.n,), "start")
+        self._kept: list[np.ndarray] = []
+        self.plan = np.zeros(plan.PLAN_LENGTH, dtype=np.int64)
+        code = stages.code(method)
+        self.plan[plan.STEP], self.plan[plan.ERROR] = code.addresses["step"], code.addresses["error"]
+        self.plan[plan.EXTEND] = code.addresses.get("extend", 0)
+        self.plan[plan.EVALUATE] = code.addresses["tangent" if columns else "plain"]
+        self.plan[plan.N], self.plan[plan.LENGTH] = field.n, self.length
+        self.plan[plan.WORK], self.plan[plan.VECTORS] = address(self.vectors), len(self.vectors)
+        self.plan[plan.LAST_STAGE] = stages.FIRST + self.method.stages - 1
+        if not columns:
+            self.give(plan.PROBLEM, np.array([field.rhs_address, address(self._c)], dtype=np.int64))
+
+    def give(self, place: int, array: np.ndarray) -> np.ndarray:
+        """Put an array where the driver finds it."""
+        self._kept.append(array)
+        self.plan[place] = address(array)
+        return array
+
+    def weigh(self, weights: Vector) -> None:
+        """Tell the driver by which magnitudes errors are measured."""
+        n = self.field.n
+        given = _checked(weights, (n,), "weights")
+        if not (given > 0.0).all():
+            raise ValueError("weights are positive")
+        inverse = np.zeros(self.length)
+        inverse[:n] = 1.0 / given
+        self.give(plan.INVERSE_WEIGHTS, inverse)
+
+    def tangents(self, x: np.ndarray, sources: Sequence[int] | np.ndarray) -> None:
+        """Begin with these tangents, each driven by its parameter column."""
+        self.drive(x.shape[1], sources)
+        self.split(self.vectors[stages.Y])[1][:, : x.shape[1]] = x
+
+    def drive(self, q: int, sources: Sequence[int] | np.ndarray) -> None:
+        """Tell the driver of so many tangents, each driven by its parameter column."""
+        field = self.field
+        if len(sources) != q:
+            raise ValueError(f"{q} tangents of a field with {field.k} columns are driven by {list(sources)}")
+        driving = _driving(field.k, self.width, np.asarray(sources, dtype=np.int64).tobytes())
+        buffer = np.empty(field.n + len(field.col))
+        self._kept += [driving, buffer]
+        addresses = [field.rhs_jac_address, address(self._c), field.product_address]
+        addresses += [
+            self.width // stages.WIDTH,
+            address(driving),
+            address(buffer),
+            field.n,
+            self.start,
+        ]
+        self.give(plan.PROBLEM, np.array(addresses, dtype=np.int64))
+
+    def split(self, vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """States and (padded) tangents of vectors, as views."""
+        n, shape = self.field.n, (*vectors.shape[:-1], self.field.n, self.width)
+        return vectors[..., :n], vectors[..., self.start :].reshape(shape)
+
+    def march(self, times: Vector, every: bool) -> np.ndarray:
+        """Vectors at the given times, or at the last one."""
+        grid = self.give(plan.TIMES, _grid(times))
+        nodes = np.empty((len(grid) if every else 1, self.length))
+        nodes[0] = self.vectors[stages.Y]
+        self.give(plan.NODES, nodes)
+        self.plan[plan.ROOM], self.plan[plan.EVERY] = len(grid) - 1, every
+        MARCH(address(self.plan))
+        return nodes
+
+
+def adaptive(
+    field: CompiledField,
+    c: np.ndarray,
+    t0: float,
+    x0: Vector,
+    t1: float,
+    tolerance: float,
+    weights: Vector,
+    method: str = "dop853",
+    max_steps: int = 100_000,
+    far_out: bool = False,
+) -> Path:
+    """The path from (t0, x0) to t1, forwards or backwards, in steps whose estimated errors are allowed.
+
+    Parameters
+    ----------
+    tolerance : float
+        Bound of each step's estimated error: root mean square over the states, in units of `weights`.
+    weights : array of float, shape (n,)
+        Typical magnitudes of the states.
+    method : {"dop853", "verner98"}
+    max_steps : int
+    far_out : bool
+        Go on where roundings of the state are larger than the tolerance, with errors as small as they allow.
+
+    Returns
+    -------
+    Path
+        Where the status is not "ok", it ends where it could not go on.
+
+    Raises
+    ------
+    ValueError
+        If shapes do not fit, or if tolerance or weights are not positive.
+    """
+    if not tolerance > 0.0:
+        raise ValueError("the tolerance is positive")
+    call = Call(field, c, method, x0)
+    call.weigh(weights)
+    memory = call.give(plan.MEMORY, np.zeros(plan.MEMORY_LENGTH))
+    counts = call.give(plan.COUNTS, np.zeros(plan.COUNTS_LENGTH, dtype=np.int64))
+    memory[0] = t0
+    call.plan[plan.MOST_STEPS], call.plan[plan.FAR_OUT] = max_steps, far_out
+    times, nodes = np.empty(_ROOM + 1), np.empty((_ROOM + 1, call.length))
+    times[0], nodes[0] = t0, call.vectors[stages.Y]
+    while True:
+        call.plan[plan.TIMES], call.plan[plan.NODES] = address(times), address(nodes)
+        call.plan[plan.ROOM] = len(times) - 1
+        answer = ADAPTIVE(address(call.plan), t1, tolerance, call.method.error_order, call.method.stable)
+        if answer != plan.FULL:
+            break
+        times = np.concatenate([times, np.empty(len(times))])
+        nodes = np.concatenate([nodes, np.empty_like(nodes)])
+    steps = int(counts[plan.STEPS])
+    return Path(
+        times=times[: steps + 1].copy(),
+        states=nodes[: steps + 1, : field.n].copy(),
+        evaluations=int(counts[plan.EVALUATIONS]),
+        rejected=int(counts[plan.REJECTED]),
+        stiff_fraction=int(counts[plan.STIFF]) / max(steps, 1),
+        status=plan.STATUS[answer],
+    )
+
+
+def along(
+    field: CompiledField, c: np.ndarray, times: Vector, x0: Vector, method: str = "dop853"
+) -> np.ndarray:
+    """The states at given times, shape (s + 1, n), a step from each to the next; NaN after one that fails."""
+    call = Call(field, c, method, x0)
+    return call.march(times, True)[:, : field.n].copy()
+
+
+def tangents(
+    field: CompiledField,
+    c: np.ndarray,
+    times: Vector,
+    x0: Vector,
+    X0: np.ndarray,
+    sources: Sequence[int] | np.ndarray,
+    method: str = "dop853",
+    every: bool = False,
+) -> tuple[np.ndarray, np.ndarray]:
+    """The steps of `along` and their exact derivatives.
+
+    Parameters
+    ----------
+    X0 : array of float, shape (n, q)
+        Derivatives of x0.
+    sources : sequence of int, length q
+        For each column the parameter column of the field that drives it, or -1.
+    every : bool
+        All nodes and not only the last.
+
+    Returns
+    -------
+    states : ndarray, shape (n,), or (s + 1, n)
+    tangents : ndarray, shape (n, q), or (s + 1, n, q)
+    """
+    start = _tangents(field, X0)
+    q = start.shape[1]
+    if q == 0:
+        states = along(field, c, times, x0, method)
+        return (states, np.empty((len(states), field.n, 0))) if every else (states[-1], start.copy())
+    call = Call(field, c, method, x0, q)
+    call.tangents(start, sources)
+    x, derivatives = call.split(call.march(times, every))
+    x, derivatives = x.copy(), derivatives[..., :q].copy()
+    return (x, derivatives) if every else (x[0], derivatives[0])
+
+
+def along_with_tangents(
+    field: CompiledField,
+    c: np.ndarray,
+    times: Vector,
+    x0: np.ndarray,
+    X0: np.ndarray,
+    sources: Sequence[int] | np.ndarray,
+    method: str = "dop853",
+) -> tuple[np.ndarray, np.ndarray]:
+    """Several paths, one after the other: the states at all times, and the derivatives of their ends.
+
+    Parameters
+    ----------
+    times : array of float, shape (s,)
+        Where one is repeated the next path begins.
+    x0 : ndarray, shape (m, n)
+        Their starts.
+    X0 : ndarray, shape (n, q)
+        Derivatives of each start.
+
+    Returns
+    -------
+    states : ndarray, shape (s, n)
+    tangents : ndarray, shape (m, n, q)
+    """
+    start, grid = _tangents(field, X0), _grid(times)
+    q, paths = start.shape[1], 1 + int(np.count_nonzero(grid[1:] == grid[:-1]))
+    call = Call(field, c, method, None, q)
+    if q:
+        call.drive(q, sources)
+    vectors = call.give(plan.STARTS, _aligned(paths, call.length))
+    x, derivatives = call.split(vectors)
+    x[:], derivatives[..., :q] = _checked(x0, (paths, field.n), "starts"), start
+    states = call.give(plan.STATES, np.empty((len(grid), field.n)))
+    call.give(plan.TIMES, grid)
+    call.plan[plan.ROOM] = len(grid) - 1
+    MARCH_EACH(address(call.plan))
+    return states, derivatives[..., :q].copy()
+
+
+def _tangents(field: CompiledField, given: np.ndarray) -> np.ndarray:
+    start = np.asarray(given, dtype=float)
+    if start.ndim != 2 or start.shape[0] != field.n:
+        raise ValueError(f"tangents of shape {start.shape} for {field.n} states")
+    return start
+
+
+def errors_on(
+    field: CompiledField, c: np.ndarray, times: Vector, x0: Vector, method: str, weights: Vector
+) -> np.ndarray:
+    """Embedded error estimates of the steps of a grid, shape (s,): RMS in units of the weights."""
+    call = Call(field, c, method, x0)
+    call.weigh(weights)
+    errors = call.give(plan.ERRORS, np.empty(max(len(times) - 1, 1)))
+    call.march(times, False)
+    return errors[: len(times) - 1]
+
+
+def dense(
+    field: CompiledField,
+    c: np.ndarray,
+    times: Vector,
+    states: np.ndarray,
+    t_values: Vector,
+    method: str = "dop853",
+) -> np.ndarray:
+    """States between the nodes of a path, shape (len(t_values), n); NaN at times outside it.
+
+    DOP853 interpolates by polynomials of degree 7. Verner's pair takes a shorter step from the node before.
+    """
+    grid, wanted = _grid(times), np.ascontiguousarray(t_values, dtype=float)
+    nodes = _checked(states, (len(grid), field.n), "nodes")
+    found = np.full((len(wanted), field.n), np.nan)
+    direction = 1.0 if grid[-1] >= grid[0] else -1.0
+    inside = np.flatnonzero((direction * (wanted - grid[0]) >= 0) & (direction * (grid[-1] - wanted) >= 0))
+    if len(grid) == 1:
+        found[inside] = nodes[0]
+        return found
+    at = wanted[inside]
+    which = np.searchsorted(direction * grid, direction * at, side="right") - 1
+    which = np.clip(which, 0, len(grid) - 2)
+    call = Call(field, c, method, None)
+    call.give(plan.TIMES, grid)
+    call.give(plan.NODES, nodes)
+    between = _interpolated if call.method.dense else _leapt
+    found[inside] = between(call, grid, nodes, which, at)
+    for node in (which, which + 1):
+        met = at == grid[node]
+        found[inside[met]] = nodes[node[met]]
+    return found
+
+
+def _leapt(call: Call, grid: np.ndarray, nodes: np.ndarray, which: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """A step from the node before to each time."""
+    call.give(plan.WHICH, np.ascontiguousarray(which, dtype=np.int64))
+    out = call.give(plan.OUT, np.empty((len(at), call.length)))
+    call.plan[plan.ROOM] = len(at)
+    LEAP(address(call.plan), address(at))
+    return out[:, : call.field.n]
+
+
+def _interpolated(
+    call: Call, grid: np.ndarray, nodes: np.ndarray, which: np.ndarray, at: np.ndarray
+) -> np.ndarray:
+    """The polynomials of the steps, as many steps at once as memory allows."""
+    found = np.empty((len(at), call.field.n))
+    steps, belongs = np.unique(which, return_inverse=True)
+    vectors = len(call.vectors) - stages.FIRST
+    batch = max(1, _MOST_KEPT // (vectors * call.length))
+    for first in range(0, len(steps), batch):
+        chosen = call.give(plan.WHICH, np.ascontiguousarray(steps[first : first + batch], dtype=np.int64))
+        out = call.give(plan.OUT, np.empty((len(chosen), vectors, call.length)))
+        call.plan[plan.ROOM] = len(chosen)
+        STAGES_OF(address(call.plan))
+        rows = np.flatnonzero((belongs >= first) & (belongs < first + len(chosen)))
+        local = belongs[rows] - first
+        coefficients = _coefficients(call, grid, nodes, chosen, out[:, :, : call.field.n])
+        found[rows] = _polynomial(nodes[which[rows]], coefficients[:, local], grid, which[rows], at[rows])
+    return found
+
+
+def _coefficients(
+    call: Call, grid: np.ndarray, nodes: np.ndarray, chosen: np.ndarray, k: np.ndarray
+) -> np.ndarray:
+    """Coefficients of the polynomials of steps, shape (degree, steps, n) (Hairer, Norsett, Wanner, II.6)."""
+    h = (grid[chosen + 1] - grid[chosen])[:, None]
+    change = nodes[chosen + 1] - nodes[chosen]
+    bend = h * k[:, 0] - change
+    at_end = call.method.stages  # the first of the further stages
+    rest = h * np.einsum("rs,ksn->rkn", _weights_of(call.method.name, k.shape[1]), k)
+    return np.concatenate([[change, bend, change - h * k[:, at_end] - bend], rest])
+
+
+@lru_cache
+def _weights_of(name: str, vectors: int) -> np.ndarray:
+    """What each stage contributes to the further coefficients, shape (rows, stages)."""
+    method = _method(name)
+    weights = np.zeros((len(method.dense), vectors))
+    for row, entries in zip(weights, method.dense, strict=True):
+        for stage, d in entries.items():
+            row[stage] = d
+    return weights
+
+
+class Interpolation:
+    """The motion between the nodes of a path; its polynomials are made once.
+
+    Arguments as for `dense`; called with times, it gives states, shape (len(times), n).
+    """
+
+    def __init__(
+        self, field: CompiledField, c: np.ndarray, times: Vector, states: np.ndarray, method: str = "dop853"
+    ) -> None:
+        self._given = field, c, times, states
+        self._method = method
+        self._grid = _grid(times)
+        self._nodes = _checked(states, (len(self._grid), field.n), "nodes")
+        self._coefficients: np.ndarray | None = None
+        moves = self._grid[1:] > self._grid[:-1]
+        # Which is whose: where a path begins anew there is none.
+        self._polynomials = None if moves.all() else np.cumsum(moves) - 1
+        if _method(method).dense and moves.any():
+            call = Call(field, c, method, None)
+            call.give(plan.TIMES, self._grid)
+            call.give(plan.NODES, self._nodes)
+            chosen = call.give(plan.WHICH, np.flatnonzero(moves))
+            out = call.give(plan.OUT, np.empty((len(chosen), len(call.vectors) - stages.FIRST, call.length)))
+            call.plan[plan.ROOM] = len(chosen)
+            STAGES_OF(address(call.plan))
+            self._coefficients = _coefficients(call, self._grid, self._nodes, chosen, out[:, :, : field.n])
+
+    def __call__(self, times: Vector) -> np.ndarray:
+        """States at times within the path."""
+        at = np.ascontiguousarray(times, dtype=float)
+        if self._coefficients is None:
+            return dense(*self._given, at, self._method)
+        which = np.clip(np.searchsorted(self._grid, at, side="right") - 1, 0, len(self._grid) - 2)
+        own = self._coefficients[:, which if self._polynomials is None else self._polynomials[which]]
+        found = _polynomial(self._nodes[which], own, self._grid, which, at)
+        last = at == self._grid[-1]
+        found[last] = self._nodes[-1]
+        return found
+
+
+def _polynomial(
+    start: np.ndarray, coefficients: np.ndarray, grid: np.ndarray, which: np.ndarray, at: np.ndarray
+) -> np.ndarray:
+    """start + s (c0 + (1 - s) (c1 + s (c2 + ...))), s the fraction of the step."""
+    s = ((at - grid[which]) / (grid[which + 1] - grid[which]))[:, None]
+    total = np.zeros_like(start)
+    for i in reversed(range(len(coefficients))):
+        total = (coefficients[i] + total) * (s if i % 2 == 0 else 1.0 - s)
+    return start + total
+
+
+def _method(name: str) -> RungeKutta:
+    if name not in stages.TABLEAUS:
+        raise ValueError(f"'{name}' is none of {', '.join(stages.TABLEAUS)}")
+    return stages.TABLEAUS[name]
+
+
+@lru_cache
+def _driving(columns: int, width: int, sources: bytes) -> np.ndarray:
+    """Which parameter column drives which tangent: ones in places, shape (columns, width); never changed."""
+    given = np.frombuffer(sources, dtype=np.int64)
+    if ((given < -1) | (given >= columns)).any():
+        raise ValueError(f"tangents of a field with {columns} columns are driven by {given.tolist()}")
+    result = _aligned(max(columns, 1), width)
+    result[given[given >= 0], np.flatnonzero(given >= 0)] = 1.0
+    return result
+
+
+def _padded(count: int) -> int:
+    return -(-count // stages.WIDTH) * stages.WIDTH
+
+
+def _aligned(rows: int, columns: int) -> np.ndarray:
+    """Zeros, at an address at which vectors do not straddle the lines of the processor's cache."""
+    memory = np.zeros(rows * columns + _LINE)
+    offset = -(address(memory) // memory.itemsize) % _LINE
+    return memory[offset : offset + rows * columns].reshape(rows, columns)
+
+
+def _grid(times: Vector) -> np.ndarray:
+    grid = np.ascontiguousarray(times, dtype=float)
+    if grid.ndim != 1 or len(grid) == 0:
+        raise ValueError(f"a grid of shape {grid.shape}")
+    return grid
+
+
+def _checked(values: Vector, shape: tuple[int, ...], what: str) -> np.ndarray:
+    array = np.ascontiguousarray(values, dtype=float)
+    if array.shape != shape:
+        raise ValueError(f"{what} of shape {array.shape} instead of {shape}")
+    return array

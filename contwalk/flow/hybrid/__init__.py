@@ -1,0 +1,1 @@
+"""Motions of hybrid machines: arcs, guards, transitions, and the derivative through all of them."""

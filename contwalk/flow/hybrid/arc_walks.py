@@ -1,0 +1,115 @@
+"""An arc by the compiled walk, with what is watched located where it has marked a step."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from contwalk.flow.events.crossings import Event, crossings
+from contwalk.flow.explicit import plan
+from contwalk.flow.hybrid import walk_plan as told
+from contwalk.flow.hybrid.arc import Arc, Control, far, part_of, why
+from contwalk.flow.hybrid.arc_paths import by_paths, event_of
+from contwalk.flow.hybrid.departure import Departure, leaving_zero
+from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow
+from contwalk.flow.hybrid.walk import METHOD, Walk
+
+ROOM = 100
+_STATUS = {told.NOT_FINITE: "not_finite", told.STEP_TOO_SMALL: "step_too_small"}
+
+
+class ByWalk:
+    """Arcs of one motion.
+
+    Parameters
+    ----------
+    machine : HybridMachine
+    control : Control
+        Its method is `walk.METHOD`.
+    """
+
+    def __init__(self, machine: HybridMachine, control: Control) -> None:
+        self._machine, self._control = machine, control
+        self._walks: dict[str, Walk] = {}
+
+    def parts(
+        self,
+        flow: ModeFlow,
+        t: float,
+        x: np.ndarray,
+        t1: float,
+        standing: Sequence[Departure],
+        last: str | None,
+        noise: np.ndarray,
+    ) -> Iterator[Arc]:
+        """As `by_paths`, which takes over where the walk is not sure.
+
+        The arc begins after the transition `last`, with these uncertainties of the states.
+        """
+        if flow.name not in self._walks:
+            self._walks[flow.name] = Walk(
+                self._machine, self._control.weights, [flow.name], room=ROOM, marks=True
+            )
+        walk, n = self._walks[flow.name], len(flow.states)
+        nodes, counts = walk.nodes[flow.name], walk.places[flow.name].counts
+        weights = self._control.weights[flow.states]
+        leaving = leaving_zero(standing)
+        walk.begin(t, x, flow.name, last, noise=noise)
+        while t < t1:
+            end = t1 if np.isfinite(t1) else t + far(flow, t, x[flow.states], weights)
+            nodes[0, :n] = x[flow.states]
+            counts[plan.EVALUATIONS] = 0
+            answer = walk(end, self._control.tolerance)
+            steps = int(walk.happened[told.OWN_STEPS])
+            times, states = walk.times[: steps + 1].copy(), nodes[: steps + 1, :n].copy()
+            if steps:
+                seen = self._watched(flow, times, states, walk.marks[:steps], leaving)
+                part = part_of(self._machine, flow, times, states, seen, int(counts[plan.EVALUATIONS]))
+                t, x, leaving = float(times[-1]), part.states[-1], {}
+            if answer in (told.ARRIVED, told.AWAY):
+                name = walk.transitions[walk.happened[told.WORD]].name
+                yield replace(part, transition=name, rising=self._rises(flow, name, t, states[-1]))
+                return
+            if answer in _STATUS:
+                part = part if steps else Arc(flow.name, np.array([t]), x[None])
+                yield replace(part, status=_STATUS[answer], reason=why(flow, _STATUS[answer], t))
+                return
+            if steps:
+                yield part
+                standing = ()
+            if answer == told.UNSURE:
+                yield from by_paths(self._machine, flow, t, x, t1, self._control, standing)
+                return
+            if answer == told.TIME_UP and t < t1:
+                walk.begin(t, x, flow.name, None)
+
+    def _watched(
+        self,
+        flow: ModeFlow,
+        times: np.ndarray,
+        states: np.ndarray,
+        marks: np.ndarray,
+        leaving: Mapping[int, int],
+    ) -> list[Event]:
+        """Crossings of watched guards on the marked steps."""
+        if not self._control.watched:
+            return []
+        events = []
+        for step in np.flatnonzero(marks).tolist():
+            mark = int(marks[step])
+            numbers = [i for i in range(len(flow.guards)) if mark >> min(i, told.MOST_BITS) & 1]
+            numbers = [i for i in numbers if not flow.acting(i)]
+            guards = [flow.guards[i] for i in numbers]
+            begins = {k: leaving[i] for k, i in enumerate(numbers) if i in leaving} if step == 0 else {}
+            own = slice(step, step + 2)
+            found = crossings(flow.field, flow.c, flow.p, times[own], states[own], guards, METHOD, begins)
+            events += [event_of(self._machine, flow, replace(at, guard=numbers[at.guard])) for at in found]
+        return events
+
+    def _rises(self, flow: ModeFlow, name: str, t: float, x: np.ndarray) -> bool:
+        """Which way the guard passes zero at its event."""
+        number = [transition.name for transition in flow.transitions].index(name)
+        guard = flow.guards[number]
+        return guard.direction > 0 or (guard.direction == 0 and guard(t, x, flow.p)[1] > 0.0)

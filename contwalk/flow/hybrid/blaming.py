@@ -1,0 +1,123 @@
+"""The line of a plugin at which a motion ceases to exist."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contwalk.fields.blame import first_nearly_singular, first_not_finite
+from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow
+from contwalk.flow.hybrid.walk import METHOD
+from contwalk.flow.integrate import along
+from contwalk.system import System, Transition
+
+# Steps that look what has no value beyond the end of a motion, each ten times as long as the one before.
+SHARES = tuple(10.0**k for k in range(-12, -2))
+
+
+def told(
+    system: System,
+    mode: str,
+    functions: Mapping[str, Callable[..., Any]],
+    t: float,
+    x: np.ndarray,
+    parameters: Mapping[str, float],
+) -> str:
+    """` The NAME: file, line n: what.` of the first function that raises or is not finite; empty if none is.
+
+    Parameters
+    ----------
+    system : System
+    mode : str
+        Whose constants the functions read.
+    functions : mapping
+        Of the form `f(t, x, p, out)`, by their names in words.
+    t, x
+        Time, and state of full length.
+    parameters : mapping
+    """
+    known = {**parameters, **system.mode(mode).constants}
+    for name, function in functions.items():
+        found = first_not_finite(function, t, np.asarray(x, dtype=float).tolist(), known)
+        if found is not None:
+            return f" The {name}: {found}."
+    return ""
+
+
+def why_not_finite(
+    machine: HybridMachine,
+    mode: str,
+    t: float,
+    x: np.ndarray,
+    landing: tuple[Transition, np.ndarray] | None = None,
+) -> str:
+    """As `told`, of what moves the machine at a state: its field, and guards that act.
+
+    Where a transition has just led there, from the state that comes with it, its reset is asked first.
+    """
+    system = machine.system
+    if landing is not None and landing[0].reset is not None:
+        transition, before = landing
+        reset: Mapping[str, Any] = {f"reset of transition '{transition.name}'": transition.reset}
+        found = told(system, transition.source, reset, t, before, machine.parameters)
+        if found:
+            return found
+    functions: dict[str, Callable[..., Any]] = {f"field of mode '{mode}'": system.mode(mode).field}
+    for each in system.leaving(mode):
+        functions[f"guard of transition '{each.name}'"] = _as_field(each.guard)
+    return told(system, mode, functions, t, x, machine.parameters) if np.isfinite(x).all() else ""
+
+
+def nearly_singular(machine: HybridMachine, mode: str, t: float, x: np.ndarray) -> str:
+    """As `told`, of a matrix of the field that is about to become singular: steps become ever smaller."""
+    known = {**machine.parameters, **machine.system.mode(mode).constants}
+    function = machine.system.mode(mode).field
+    found = first_nearly_singular(function, t, np.asarray(x, dtype=float).tolist(), known)
+    return "" if found is None else f" The field of mode '{mode}': {found}."
+
+
+@dataclass(frozen=True, eq=False)
+class Beyond:
+    """Where a motion has ceased to exist.
+
+    Parameters
+    ----------
+    at : tuple
+        Time, and state of full length.
+    guard : str, optional
+        The transition whose guard has no value there; None where the field has none.
+    """
+
+    at: tuple[float, np.ndarray]
+    guard: str | None
+
+
+def just_beyond(
+    machine: HybridMachine, flow: ModeFlow, t: float, x: np.ndarray, span: float
+) -> Beyond | None:
+    """What has no value right after an instant at which a motion ends; None if all have.
+
+    The field alone goes on, by small shares of `span`, the time in which states change by their magnitudes.
+    """
+    for share in SHARES:
+        times = np.array([t, t + share * span])
+        y = along(flow.field, flow.c, times, x[flow.states], METHOD)[-1]
+        if not np.isfinite(y).all():
+            return None
+        at = float(times[-1]), machine.full(flow.name, y[None])[0]
+        if not np.isfinite(flow.field(at[0], y, flow.c)).all():
+            return Beyond(at, None)
+        for number, guard in enumerate(flow.guards):
+            if not np.isfinite(guard(at[0], y, flow.p)[0]):
+                return Beyond(at, flow.transitions[number].name)
+    return None
+
+
+def _as_field(guard: Callable[..., Any]) -> Callable[..., None]:
+    def form(t: Any, x: Any, p: Any, out: Any) -> None:
+        out[0] = guard(t, x, p)
+
+    return form

@@ -1,0 +1,210 @@
+"""The map of a hybrid machine from a state to the one after some events, with its derivative.
+
+For the explicit pair of order 8 it is one call of compiled code. Where that is not sure of itself, as with
+transitions that happen at once, and for the other methods, the arcs are found one by one and differentiated
+on their steps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from contwalk.errors import NotFinite
+from contwalk.flow.hybrid import walk_plan as told
+from contwalk.flow.hybrid.arc import Arc, far
+from contwalk.flow.hybrid.machine import HybridMachine, applied
+from contwalk.flow.hybrid.motions import arcs
+from contwalk.flow.hybrid.past_zero import past_zero
+from contwalk.flow.hybrid.saltation import saltation
+from contwalk.flow.hybrid.walk import METHOD, Walk
+from contwalk.flow.integrate import tangents
+
+
+@dataclass(frozen=True, eq=False)
+class Mapped:
+    """Where a motion is right after some events.
+
+    Parameters
+    ----------
+    time : float
+    state : ndarray, shape (n,)
+        Of full length.
+    mode : str
+    monodromy : ndarray, shape (n, n)
+        How deviations at the start are seen at this time: each event happens earlier or later for them. Rows
+        and columns of states that do not exist are zero.
+    shift : ndarray, shape (n,)
+        Derivative of `time` by the state at the start. The state at the event itself, whenever it happens,
+        changes by ``monodromy + outer(velocity, shift)``.
+    velocity : ndarray, shape (n,)
+        The field right after the last event.
+    word : tuple of str
+        The transitions that have happened.
+    steps : int
+    """
+
+    time: float
+    state: np.ndarray
+    mode: str
+    monodromy: np.ndarray
+    shift: np.ndarray
+    velocity: np.ndarray
+    word: tuple[str, ...]
+    steps: int
+
+
+class StepMap:
+    """The map over a number of events.
+
+    Parameters
+    ----------
+    machine : HybridMachine
+    mode : str
+        The one that it begins in.
+    events : int
+    weights : ndarray, shape (n,)
+        Typical magnitudes of the states, of full length.
+    at : str, optional
+        The state is the one right before this transition, which is the first event.
+    just_after : str, optional
+        The state is one right after this transition.
+    modes : sequence of str, optional
+        The modes that it leads through; all of them by default.
+    method : str
+        One of `flow.METHODS`.
+    longest : float
+        Time after which it is given up.
+
+    Raises
+    ------
+    ValueError
+        If the mode is not the one that `at` leads out of, or `just_after` leads into.
+    """
+
+    def __init__(
+        self,
+        machine: HybridMachine,
+        mode: str,
+        events: int,
+        weights: np.ndarray,
+        *,
+        at: str | None = None,
+        just_after: str | None = None,
+        modes: Sequence[str] | None = None,
+        method: str = METHOD,
+        longest: float = np.inf,
+    ) -> None:
+        system = machine.system
+        into = [t.target for t in system.transitions if t.name == just_after]
+        if (at and mode not in system.sources(at)) or (just_after and mode not in into):
+            raise ValueError(f"a map from mode '{mode}' cannot begin with '{at or just_after}'")
+        self.machine, self.mode, self.events = machine, mode, events
+        self.weights = np.asarray(weights, dtype=float)
+        self.at = None if at is None else machine.transition(at, mode)
+        self.just_after, self.method, self.longest = just_after, method, longest
+        self._columns = machine.mode(mode).states
+        self._identity = np.eye(len(self._columns))
+        self._span = longest
+        if longest == np.inf:  # the integrator asks for an end
+            flow = machine.mode(mode)
+            self._span = far(flow, 0.0, self.weights[flow.states], self.weights[flow.states])
+        self._entries: dict[str, np.ndarray] = {}
+        through = modes or [each.name for each in system.modes]
+        self._walk = (
+            Walk(machine, self.weights, through, len(self._columns), events) if method == METHOD else None
+        )
+
+    def __call__(self, t0: float, x0: np.ndarray, tolerance: float) -> tuple[float, np.ndarray, np.ndarray]:
+        """Time, full-length state and monodromy after the events; see `Mapped`."""
+        if self._walk is not None and self._walked(self._walk, t0, x0, tolerance):
+            return float(self._walk.clock[0]), *self._arrived(self._walk)[1:]
+        found = self._step_by_step(float(t0), np.asarray(x0, dtype=float), tolerance)
+        return found.time, found.state, found.monodromy
+
+    def mapped(self, t0: float, x0: np.ndarray, tolerance: float) -> Mapped:
+        """Everything that is known after the events.
+
+        Raises
+        ------
+        NotFinite
+            If the motion ends before.
+        """
+        walk = self._walk
+        if walk is None or not self._walked(walk, t0, x0, tolerance):
+            return self._step_by_step(float(t0), np.asarray(x0, dtype=float), tolerance)
+        mode, state, monodromy = self._arrived(walk)
+        happened = [walk.transitions[number] for number in walk.happened[told.WORD :]]
+        word = tuple(transition.name for transition in happened)
+        shift, velocity = self.machine.full(self.mode, walk.shift), walk.velocity(happened[-1])
+        velocity, steps = self.machine.full(mode, velocity), int(walk.happened[told.STEPS])
+        return Mapped(float(walk.clock[0]), state, mode, monodromy, shift, velocity, word, steps)
+
+    def _walked(self, walk: Walk, t: float, x: np.ndarray, tolerance: float) -> bool:
+        """Whether compiled code, which leaves its results in the walk, is sure of them."""
+        walk.begin(t, np.asarray(x, dtype=float), self.mode, self.just_after, self.at)
+        walk.places[self.mode].columns[:] = self._identity
+        return walk(t + self._span, tolerance) == told.ARRIVED
+
+    def _arrived(self, walk: Walk) -> tuple[str, np.ndarray, np.ndarray]:
+        """Mode, full-length state and monodromy."""
+        mode, n = walk.modes[walk.happened[told.MODE]], len(self.weights)
+        place = walk.places[mode]
+        if mode not in self._entries:
+            self._entries[mode] = np.add.outer(n * place.states, self._columns).ravel()
+        state, monodromy = np.zeros(n), np.zeros((n, n))
+        state[place.states] = place.state
+        monodromy.ravel()[self._entries[mode]] = place.columns.ravel()
+        return mode, state, monodromy
+
+    def _full(self, mode: str, derivatives: np.ndarray) -> np.ndarray:
+        matrix = np.zeros((len(self.weights), len(self.weights)))
+        matrix[np.ix_(self.machine.mode(mode).states, self._columns)] = derivatives
+        return matrix
+
+    def _step_by_step(self, t: float, x: np.ndarray, tolerance: float) -> Mapped:
+        """Arc by arc, each differentiated on its steps."""
+        mode, last, word, steps = self.mode, self.just_after, [], 0
+        columns, shift = np.eye(len(self._columns)), np.zeros(len(self._columns))
+        if self.at is not None:
+            matrix, own = saltation(self.machine, self.at, t, x)
+            columns, shift, x = matrix, own, applied(self.machine, self.at, t, x)
+            mode, last, word = self.at.target, self.at.name, [self.at.name]
+        if len(word) < self.events:
+            motion = arcs(
+                self.machine, t, x, mode, t + self.longest, tolerance, self.weights, self.method, last
+            )
+            for arc in motion:
+                columns = self._along(arc, columns)
+                if arc.transition is None or arc.after is None:
+                    if not word:  # nothing has happened: perhaps the start is past its guard
+                        past_zero(self.machine, t, x, mode, self.weights)
+                    raise NotFinite(_ended(arc, len(word), self.events), "Start elsewhere.")
+                happening = self.machine.transition(arc.transition, arc.mode)
+                matrix, own = saltation(self.machine, happening, float(arc.times[-1]), arc.states[-1])
+                columns, shift = matrix @ columns, own @ columns
+                t, x, mode = float(arc.times[-1]), arc.after, happening.target
+                word.append(arc.transition)
+                steps += len(arc.times) - 1
+                if len(word) == self.events:
+                    break
+                if arc.status != "ok":
+                    raise NotFinite(_ended(arc, len(word), self.events), "Start elsewhere.")
+        flow = self.machine.mode(mode)
+        velocity = self.machine.full(mode, flow.field(t, x[flow.states], flow.c))
+        shifts, matrix = self.machine.full(self.mode, shift), self._full(mode, columns)
+        return Mapped(t, x, mode, matrix, shifts, velocity, tuple(word), steps)
+
+    def _along(self, arc: Arc, columns: np.ndarray) -> np.ndarray:
+        if len(arc.times) == 1:
+            return columns
+        flow = self.machine.mode(arc.mode)
+        start, sources = arc.states[0][flow.states], [-1] * columns.shape[1]
+        return tangents(flow.field, flow.c, arc.times, start, columns, sources, self.method)[1]
+
+
+def _ended(arc: Arc, count: int, events: int) -> str:
+    why = arc.reason or f"No transition happens until t = {arc.times[-1]:.10g}."
+    return f"The motion ends after {count} of {events} events. {why}"

@@ -1,0 +1,282 @@
+"""Motions of hybrid machines: arcs between transitions.
+
+A transition happens where its guard passes zero in its direction. What acts ends an arc, at the instant that
+re-stepping finds to rounding; its reset and its relabelling give the state that the next arc begins with. Of
+transitions that coincide to rounding the one declared first happens. Those whose guards pass zero just then
+follow in arcs without length; so do those whose guards are past zero, if they are declared to act at entry.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from contwalk.flow.events.guard import EPSILON
+from contwalk.flow.hybrid.arc import FAR, Arc, Control, far
+from contwalk.flow.hybrid.arc_paths import by_paths
+from contwalk.flow.hybrid.arc_walks import ByWalk
+from contwalk.flow.hybrid.blaming import just_beyond, nearly_singular, why_not_finite
+from contwalk.flow.hybrid.chatter import Pace, Verdict
+from contwalk.flow.hybrid.clocks import Clocks
+from contwalk.flow.hybrid.departure import (
+    BEYOND,
+    ENTERING,
+    RESTING,
+    UNDEFINED,
+    Departure,
+    departures,
+    happens_at_once,
+)
+from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow, applied, hybrid_machine, landed
+from contwalk.flow.hybrid.walk import METHOD
+from contwalk.system import Transition
+
+__all__ = ["Arc", "HybridMachine", "applied", "arcs", "hybrid_machine", "parts"]
+
+MOST_STEPS = 100_000
+
+# Where a field does not exist beyond a guard, steps get this near to it, in units of typical changes.
+EDGE = 1e-12
+
+
+def arcs(
+    machine: HybridMachine,
+    t0: float,
+    x0: np.ndarray,
+    mode: str,
+    t1: float,
+    tolerance: float,
+    weights: np.ndarray,
+    method: str = "dop853",
+    just_after: str | None = None,
+    most_steps: int = MOST_STEPS,
+    watched: bool = True,
+) -> Iterator[Arc]:
+    """The arcs of a motion from t0 until t1, which may be infinite if the caller stops asking.
+
+    Parameters
+    ----------
+    machine : HybridMachine
+    t0, x0, mode
+        Time, full-length state and mode of the start.
+    t1 : float
+    tolerance : float
+        Local error of each step, in units of `weights`.
+    weights : ndarray, shape (n,)
+        Typical magnitudes of the states, of full length.
+    method : str
+        One of `flow.METHODS`.
+    just_after : str, optional
+        The transition that has just led to the start.
+    most_steps : int
+        Of one arc.
+    watched : bool
+        Whether crossings of watched transitions are located, which costs as much as events do.
+
+    Yields
+    ------
+    Arc
+        The last one has no transition, or a status that is not `ok`.
+    """
+    collected: list[Arc] = []
+    for part in parts(machine, t0, x0, mode, t1, tolerance, weights, method, just_after, watched):
+        collected.append(part)
+        steps = sum(len(each.times) - 1 for each in collected)
+        ends = part.transition is not None or part.status != "ok" or not part.times[-1] < t1
+        if not ends and steps >= most_steps:
+            reason = f"An arc in mode '{part.mode}' has taken {steps} steps and met no transition."
+            reason += nearly_singular(machine, part.mode, float(part.times[-1]), part.states[-1])
+            yield replace(_joined(collected), status="too_many_steps", reason=reason)
+            return
+        if ends:
+            yield _joined(collected)
+            collected = []
+
+
+def _joined(collected: list[Arc]) -> Arc:
+    if len(collected) == 1:
+        return collected[0]
+    return replace(
+        collected[-1],
+        times=np.concatenate([collected[0].times, *(part.times[1:] for part in collected[1:])]),
+        states=np.concatenate([collected[0].states, *(part.states[1:] for part in collected[1:])]),
+        watched=[event for part in collected for event in part.watched],
+        evaluations=sum(part.evaluations for part in collected),
+    )
+
+
+def parts(
+    machine: HybridMachine,
+    t0: float,
+    x0: np.ndarray,
+    mode: str,
+    t1: float,
+    tolerance: float,
+    weights: np.ndarray,
+    method: str = "dop853",
+    just_after: str | None = None,
+    watched: bool = True,
+) -> Iterator[Arc]:
+    """As `arcs`, but a long arc comes in parts of some steps: all but its last have no transition."""
+    control = Control(tolerance, np.asarray(weights, dtype=float), method, watched)
+    walk = ByWalk(machine, control) if method == METHOD else None
+    t, x, pace = float(t0), machine.existing(mode, x0), Pace(float(t0), t1)
+    flow = machine.mode(mode)
+    last, noise, clocks = just_after, EPSILON * np.abs(x), Clocks(t)
+    standing, verdict = _stands(flow, t, x, noise, control.weights, just_after, clocks)
+    if verdict.status != "ok":
+        reason = verdict.reason + _blame(verdict, machine, flow, t, x)
+        yield replace(_instant(flow, t, x), status=verdict.status, reason=reason)
+        return
+    while t < t1:
+        number = _at_once(flow, standing)
+        if number is None:
+            if walk is None:
+                found = by_paths(machine, flow, t, x, t1, control, standing)
+            else:
+                found = walk.parts(flow, t, x, t1, standing, last, noise)
+            arc: Arc | None = None
+            for part in found:
+                arc = _told(machine, flow, _at_edge(flow, part, control.weights), control.weights)
+                if arc.transition is None:
+                    yield arc
+            if arc is None or arc.transition is None:
+                return
+        else:
+            stands = standing[number]
+            arc = replace(
+                _instant(flow, t, x),
+                transition=flow.transitions[number].name,
+                rising=stands.side > 0,
+                collapsed=stands.kind == BEYOND,
+            )
+        last = name = str(arc.transition)
+        t, happening = float(arc.times[-1]), machine.transition(name, flow.name)
+        clocks.told(t, flow, name)
+        before, earlier = arc.states[-1], noise
+        x, noise = landed(machine, happening, t, before)
+        noise = np.where(_kept(flow, name, t, before, x), np.maximum(noise, earlier), noise)
+        flow = machine.mode(happening.target)
+        standing, verdict = _stands(flow, t, x, noise, control.weights, name, clocks)
+        if verdict.status == "ok":
+            verdict = pace.verdict(t, name, [d for i, d in enumerate(standing) if flow.acting(i)])
+        yield replace(
+            arc,
+            after=x,
+            status=verdict.status,
+            reason=verdict.reason + _blame(verdict, machine, flow, t, x, (happening, before)),
+            accumulation=verdict.accumulation,
+        )
+        if verdict.status != "ok":
+            return
+
+
+def _kept(flow: ModeFlow, name: str, t: float, before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """The states that an event leaves as they were, and that its guard does not depend on; of full length."""
+    number = next(i for i, transition in enumerate(flow.transitions) if transition.name == name)
+    y, kept = before[flow.states], before == after
+    gradient = flow.guards[number].slopes(t, y, flow.p, np.zeros(len(y))).gradient[1:]
+    kept[flow.states] &= gradient == 0.0
+    return kept
+
+
+def _instant(flow: ModeFlow, t: float, x: np.ndarray) -> Arc:
+    """An arc without length."""
+    return Arc(flow.name, np.array([t]), x[None])
+
+
+# -- where a motion begins or goes on ------------------------------------------------------------------------
+
+
+def _stands(
+    flow: ModeFlow,
+    t: float,
+    x: np.ndarray,
+    noise: np.ndarray,
+    weights: np.ndarray,
+    last: str | None,
+    clocks: Clocks,
+) -> tuple[list[Departure], Verdict]:
+    """How the guards stand, and whether the motion can go on after the transition `last`."""
+    y = x[flow.states]
+    for what, values in (("state", y), ("field", flow.field(t, y, flow.c))):
+        if not np.isfinite(values).all():
+            begins = f"after transition '{last}'" if last else "at the start"
+            reason = f"The {what} of mode '{flow.name}' is not finite {begins}, t = {t:.10g}."
+            return [], Verdict("not_finite", reason)
+    own = flow.left_at_zero(last) | clocks.happened(t, flow)
+    given = noise[flow.states], weights[flow.states]
+    standing = departures(flow, t, y, *given, own, flow.passed(last))
+    for number, (transition, guard) in enumerate(zip(flow.transitions, standing, strict=True)):
+        if guard.kind == UNDEFINED and transition.role != "watched":
+            return standing, Verdict(
+                "not_finite", f"The guard of transition '{transition.name}' is not finite at t = {t:.10g}."
+            )
+        again = guard.kind == RESTING or happens_at_once(flow, number, guard)
+        if transition.name == last and again:
+            return standing, Verdict("sticking", _sticks(transition.name, t, guard))
+    return standing, Verdict()
+
+
+def _blame(
+    verdict: Verdict,
+    machine: HybridMachine,
+    flow: ModeFlow,
+    t: float,
+    x: np.ndarray,
+    landing: tuple[Transition, np.ndarray] | None = None,
+) -> str:
+    """The plugin's line, where something is not finite."""
+    return why_not_finite(machine, flow.name, t, x, landing) if verdict.status == "not_finite" else ""
+
+
+def _sticks(name: str, t: float, guard: Departure) -> str:
+    how = f"is {guard.value:.6g} there, past zero already"
+    if guard.kind == ENTERING:
+        how = "is zero there and goes on in the same direction"
+        if guard.rate != 0.0:
+            how += f" (its rate is {guard.rate:.6g})"
+    elif guard.kind == RESTING:
+        how = "stays zero"
+    return (
+        f"Transition '{name}' at t = {t:.10g} does not leave its guard behind: it {how}, so that it "
+        "would happen again at once. The plugin must declare a mode for what happens there, or correct "
+        "the reset."
+    )
+
+
+def _at_edge(flow: ModeFlow, part: Arc, weights: np.ndarray) -> Arc:
+    """The part, ended by the transition on whose guard the field ceases to exist."""
+    if part.status not in ("not_finite", "step_too_small"):
+        return part
+    t, x = float(part.times[-1]), part.states[-1][flow.states]
+    room = EDGE * flow.scales(t, x, weights[flow.states], 1.0)
+    for i, guard in enumerate(flow.guards):
+        value, rate, _ = guard(t, x, flow.p).tolist()
+        nears = value * rate < 0.0 and guard.direction in (0, 1 if rate > 0.0 else -1)
+        if flow.acting(i) and nears and abs(value) <= room[i]:
+            name = flow.transitions[i].name
+            return replace(part, transition=name, rising=rate > 0.0, status="ok", reason="")
+    return part
+
+
+def _told(machine: HybridMachine, flow: ModeFlow, part: Arc, weights: np.ndarray) -> Arc:
+    """The part that cannot go on, with the guard and the plugin's line that have no value just beyond."""
+    if part.status not in ("not_finite", "step_too_small"):
+        return part
+    t, x = float(part.times[-1]), part.states[-1]
+    found = just_beyond(machine, flow, t, x, far(flow, t, x[flow.states], weights[flow.states]) / FAR)
+    if found is None:
+        return replace(part, reason=part.reason + nearly_singular(machine, flow.name, t, x))
+    blame = why_not_finite(machine, flow.name, *found.at)
+    if found.guard is None:
+        return replace(part, reason=part.reason + blame)
+    reason = f"The guard of transition '{found.guard}' is not finite beyond t = {t:.10g}.{blame}"
+    return replace(part, status="not_finite", reason=reason)
+
+
+def _at_once(flow: ModeFlow, standing: Sequence[Departure]) -> int | None:
+    """The transition that happens without any time passing."""
+    return next((i for i, guard in enumerate(standing) if happens_at_once(flow, i, guard)), None)

@@ -1,0 +1,178 @@
+"""What can be done with a flow, by whichever method."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from types import ModuleType
+
+import numpy as np
+
+from contwalk.flow.compiled.compiled_field import CompiledField
+from contwalk.flow.explicit import runge_kutta as explicit
+from contwalk.flow.explicit import stages
+from contwalk.flow.path import Path
+from contwalk.flow.radau import radau_iia as radau
+
+Vector = Sequence[float] | np.ndarray
+
+METHODS = (*stages.TABLEAUS, *radau.TABLEAUS)
+"""Names of the methods."""
+
+
+def _family(method: str) -> ModuleType:
+    if method in stages.TABLEAUS:
+        return explicit
+    if method in radau.TABLEAUS:
+        return radau
+    raise ValueError(f"'{method}' is none of {', '.join(METHODS)}")
+
+
+def warmup() -> None:
+    """Compile what all fields share, or find it compiled in the cache."""
+    explicit.warmup()
+    radau.warmup()
+
+
+def adaptive(
+    field: CompiledField,
+    c: np.ndarray,
+    t0: float,
+    x0: Vector,
+    t1: float,
+    tolerance: float,
+    weights: Vector,
+    method: str = "dop853",
+    max_steps: int = 100_000,
+    far_out: bool = False,
+) -> Path:
+    """The path from (t0, x0) to t1, forwards or backwards, in steps whose estimated errors are allowed.
+
+    Parameters
+    ----------
+    field : CompiledField
+    c : ndarray
+        `field.constants(p)`.
+    tolerance : float
+        Bound of each step's estimated error: root mean square over the states, in units of `weights`.
+    weights : array of float, shape (n,)
+        Typical magnitudes of the states.
+    method : str
+        One of `METHODS`.
+    max_steps : int
+    far_out : bool
+        Go on, with an explicit method, where roundings of the state are larger than the tolerance: where a
+        motion runs towards a pole. Else it ends there, one way or another.
+
+    Raises
+    ------
+    ValueError
+        If the method is unknown or shapes do not fit.
+    """
+    options = {"far_out": True} if far_out and not method.startswith("radau") else {}
+    return _family(method).adaptive(field, c, t0, x0, t1, tolerance, weights, method, max_steps, **options)
+
+
+def along(
+    field: CompiledField, c: np.ndarray, times: Vector, x0: Vector, method: str = "dop853"
+) -> np.ndarray:
+    """The states at given times, shape (s + 1, n), a step from each to the next; NaN after one that fails.
+
+    On the times of a path of `adaptive` these are its states, bitwise.
+    """
+    return _family(method).along(field, c, times, x0, method)
+
+
+def tangents(
+    field: CompiledField,
+    c: np.ndarray,
+    times: Vector,
+    x0: Vector,
+    X0: np.ndarray,
+    sources: Sequence[int] | np.ndarray,
+    method: str = "dop853",
+    every: bool = False,
+) -> tuple[np.ndarray, np.ndarray]:
+    """The steps of `along`, and their exact derivatives.
+
+    Parameters
+    ----------
+    X0 : array of float, shape (n, q)
+        Derivatives of x0.
+    sources : sequence of int, length q
+        For each of them the parameter column of the field that drives it, or -1.
+    every : bool
+        All nodes and not only the last.
+
+    Returns
+    -------
+    states : ndarray, shape (n,), or (s + 1, n)
+    tangents : ndarray, shape (n, q), or (s + 1, n, q)
+    """
+    return _family(method).tangents(field, c, times, x0, X0, sources, method, every)
+
+
+def along_with_tangents(
+    field: CompiledField,
+    c: np.ndarray,
+    times: Vector,
+    x0: np.ndarray,
+    X0: np.ndarray,
+    sources: Sequence[int] | np.ndarray,
+    method: str = "dop853",
+) -> tuple[np.ndarray, np.ndarray]:
+    """Several paths in one pass: the states of `along` at all their times, bitwise, and the derivatives of
+    their ends.
+
+    Parameters
+    ----------
+    times : array of float, shape (s,)
+        Those of the paths, one after the other: where a time is repeated the next path begins.
+    x0 : ndarray, shape (m, n)
+        Start of each path.
+    X0 : array of float, shape (n, q)
+        Derivatives of each start.
+    sources : sequence of int, length q
+        For each of them the parameter column of the field that drives it, or -1.
+
+    Returns
+    -------
+    states : ndarray, shape (s, n)
+    tangents : ndarray, shape (m, n, q)
+    """
+    return _family(method).along_with_tangents(field, c, times, x0, X0, sources, method)
+
+
+def errors_on(
+    field: CompiledField, c: np.ndarray, times: Vector, x0: Vector, method: str, weights: Vector
+) -> np.ndarray:
+    """Embedded error estimates of the steps of a grid, shape (s,): RMS in units of the weights."""
+    return _family(method).errors_on(field, c, times, x0, method, weights)
+
+
+def interpolation(
+    field: CompiledField, c: np.ndarray, times: Vector, states: np.ndarray, method: str = "dop853"
+) -> Callable[[Vector], np.ndarray]:
+    """As `dense`, of a path that is asked for its states many times: a function of the times.
+
+    Where a time is repeated another path begins, at a state of its own; it is what there is at that time.
+    """
+    return _family(method).Interpolation(field, c, times, states, method)
+
+
+def dense(
+    field: CompiledField,
+    c: np.ndarray,
+    times: Vector,
+    states: np.ndarray,
+    t_values: Vector,
+    method: str = "dop853",
+) -> np.ndarray:
+    """States between the nodes of a path, shape (len(t_values), n); NaN at times outside it.
+
+    Parameters
+    ----------
+    times, states : ndarray, shapes (s + 1,) and (s + 1, n)
+        Those of a `Path`, or of `along`.
+    t_values : array of float
+    """
+    return _family(method).dense(field, c, times, states, t_values, method)

@@ -1,0 +1,186 @@
+"""Paths of Radau IIA collocation, compiled by numba: with step control, on a frozen grid, and with tangents.
+
+Everything comes in by address, so that one object code serves every field. Imported only where it is
+compiled.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contwalk.flow.compiled.calling import doubles, inlined, integers
+from contwalk.flow.radau.estimate import estimated, estimated_again, norm
+from contwalk.flow.radau.newton import CONVERGED, NOT_FINITE, iterate, linearize, predict
+from contwalk.flow.radau.parts import EPSILON, Equations, Method, Work, equations, method, work
+
+# What `adaptive` returns.
+DONE, NOT_FINITE_PATH, TOO_MANY_STEPS, STEP_TOO_SMALL, FULL = 0, 1, 2, 3, 4
+
+# Passes of Newton's method: a step that needs more is shortened, or, on a frozen grid, given up.
+MOST_PASSES = 40
+MOST_PASSES_FROZEN = 200
+
+# Work for a stretch of time goes like 1 / (rate log 1/rate), which is flat between 0.2 and 0.4.
+BEST_RATE = 0.25
+
+SAFETY = 0.9
+MOST_GROWTH, MOST_SHRINKAGE = 8.0, 5.0
+
+
+@inlined
+def accept(m: Method, w: Work, n: int, x: np.ndarray) -> None:
+    """Go to the end of the step."""
+    for i in range(m.s * n):
+        w.old[i] = w.z[i]
+    for k in range(n):
+        x[k] += w.z[(m.s - 1) * n + k]
+
+
+def radau_march(
+    rhs: int, jac: int, n: int, rows: int, columns: int, entries: int, c: int, constants: int,
+    tableau: int, numbers: int, s: int, times: int, steps: int, x: int, states: int,
+    weights: int, errors: int, increments: int, scratch: int, size: int, pivots: int, pivot_size: int,
+) -> int:  # fmt: skip
+    """The steps of a grid from x, which is overwritten; how many of them could be done.
+
+    `states` (steps + 1, n), `errors` (steps, 2), `increments` (steps, s, n) are written unless their address
+    is 0.
+    """
+    eq = equations(rhs, jac, n, rows, columns, entries, c, constants)
+    m = method(doubles(tableau, numbers), s)
+    w = work(doubles(scratch, size), integers(pivots, pivot_size), n, s, entries)
+    grid, now, sn = doubles(times, steps + 1), doubles(x, n), s * n
+    before = 0.0
+    if states != 0:
+        for k in range(n):
+            doubles(states, n)[k] = now[k]
+    for step in range(steps):
+        h = grid[step + 1] - grid[step]
+        if not linearize(eq, w, grid[step], now):
+            return step
+        predict(eq, m, w, h, before)
+        if iterate(eq, m, w, grid[step], h, now, MOST_PASSES_FROZEN)[0] != CONVERGED:
+            return step
+        if errors != 0:
+            pair = doubles(errors + 16 * step, 2)
+            pair[0], pair[1] = estimated(eq, m, w, h, doubles(weights, n))
+        if increments != 0:
+            kept = doubles(increments + 8 * step * sn, sn)
+            for i in range(sn):
+                kept[i] = w.z[i]
+        accept(m, w, n, now)
+        if states != 0:
+            node = doubles(states + 8 * (step + 1) * n, n)
+            for k in range(n):
+                node[k] = now[k]
+        before = h
+    return steps
+
+
+@inlined
+def next_step(s: int, h: float, error: float, rate: float, last_h: float, last_error: float) -> float:
+    """The next step by Gustafsson's predictive controller, held where Newton's method is at its best."""
+    power = 1.0 / (s + 1)
+    quotient = max(1.0 / MOST_GROWTH, min(MOST_SHRINKAGE, error**power / SAFETY))
+    if last_h != 0.0 and error < 1.0:
+        predicted = (last_h / h) * (error * error / last_error) ** power / SAFETY
+        quotient = max(quotient, max(1.0 / MOST_GROWTH, min(MOST_SHRINKAGE, predicted)))
+    if rate > 0.0 and error < 1.0:
+        quotient = max(quotient, min(2.0, rate / BEST_RATE))
+    return h / quotient
+
+
+@inlined
+def first_step(s: int, span: float, speed: float, tolerance: float) -> float:
+    """A first step in which the state moves by what an error of order s + 1 allows."""
+    h = 0.5 * tolerance ** (1.0 / (s + 1)) / speed
+    return np.copysign(min(h, 0.1 * abs(span)), span)
+
+
+@inlined
+def end_of_step(t: float, h: float, t1: float) -> float:
+    """Where a step of about h ends: on t1, or so that what remains is not much shorter than the step."""
+    rest = t1 - t
+    if abs(rest) <= 1.000001 * abs(h):
+        return t1
+    return t + (0.5 * rest if abs(rest) < 2.0 * abs(h) else h)
+
+
+@inlined
+def one_step(
+    eq: Equations, m: Method, w: Work, t: float, t1: float, x: np.ndarray,
+    weights: np.ndarray, tolerance: float, allowed: float, memory: np.ndarray, count: np.ndarray,
+) -> int:  # fmt: skip
+    """Try steps until one is accepted; its increments are in w.z, its end and length in `memory`."""
+    passable = True
+    again = count[0] == 0
+    rejected = False
+    while True:
+        end = end_of_step(t, memory[0], t1)
+        h = end - t
+        if (end != t1 and not abs(h) > 16.0 * EPSILON * abs(t)) or h == 0.0:
+            return STEP_TOO_SMALL if passable else NOT_FINITE_PATH
+        predict(eq, m, w, h, memory[1])
+        code, passes, rate = iterate(eq, m, w, t, h, x, MOST_PASSES)
+        count[2] += passes * m.s
+        if code != CONVERGED:
+            passable = code != NOT_FINITE
+            count[1] += 1
+            memory[0] = 0.3 * h
+            rejected = again = True
+            continue
+        error, linear = estimated(eq, m, w, h, weights)
+        if max(error / allowed, linear / tolerance) >= 1.0 and again:
+            count[2] += 1
+            error, linear = estimated_again(eq, m, w, t, h, x, weights)
+        error = max(error / allowed, linear / tolerance)
+        if error < 1.0:
+            proposed = next_step(m.s, h, max(error, 1e-10), rate, memory[2], memory[3])
+            memory[0] = proposed if not rejected or abs(proposed) < abs(h) else h
+            memory[1], memory[2], memory[3], memory[4] = h, h, max(error, 1e-2), end
+            return DONE
+        passable = error < np.inf
+        count[1] += 1
+        memory[0] = next_step(m.s, h, error, 0.0, 0.0, 0.0) if passable else 0.3 * h
+        rejected = again = True
+
+
+def radau_adaptive(
+    rhs: int, jac: int, n: int, rows: int, columns: int, entries: int, c: int, constants: int,
+    tableau: int, numbers: int, s: int, t1: float, tolerance: float, allowed: float, weights: int, most: int,
+    times: int, states: int, room: int, memory: int, counts: int,
+    scratch: int, size: int, pivots: int, pivot_size: int,
+) -> int:  # fmt: skip
+    """Steps with error control from the last node written to t1, until `room` steps are full.
+
+    `memory` (5, all 0 at the start): next step; length of the last step; that length and its error as the
+    controller remembers them; end of the last step. `counts` (4): steps, rejected steps, right-hand sides,
+    Jacobians.
+    """
+    eq = equations(rhs, jac, n, rows, columns, entries, c, constants)
+    m = method(doubles(tableau, numbers), s)
+    w = work(doubles(scratch, size), integers(pivots, pivot_size), n, s, entries)
+    scales, grid = doubles(weights, n), doubles(times, room + 1)
+    keep, count = doubles(memory, 5), integers(counts, 4)
+    while grid[count[0]] != t1:
+        done = count[0]
+        if done >= most:
+            return TOO_MANY_STEPS
+        if done >= room:
+            return FULL
+        t, x = grid[done], doubles(states + 8 * done * n, n)
+        count[3] += 1
+        if not linearize(eq, w, t, x):
+            return NOT_FINITE_PATH
+        if done == 0:
+            keep[0] = first_step(s, t1 - t, norm(w.out, scales, n), allowed)
+        code = one_step(eq, m, w, t, t1, x, scales, tolerance, allowed, keep, count)
+        if code != DONE:
+            return code
+        node = doubles(states + 8 * (done + 1) * n, n)
+        for k in range(n):
+            node[k] = x[k]
+        accept(m, w, n, node)
+        grid[done + 1] = keep[4]
+        count[0] += 1
+    return DONE

@@ -1,0 +1,373 @@
+"""Radau IIA collocation for stiff flows: L-stable, orders 5 and 9, with exact Jacobians.
+
+Every step's equations are solved to rounding (`radau_step`), so that a path over a given grid is a smooth
+function of its start, and bitwise the same whether the grid was chosen by error control or is given.
+
+Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd edition, IV.5 and IV.8.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+
+from contwalk.flow.compiled.addresses import address
+from contwalk.flow.compiled.compiled_field import CompiledField
+from contwalk.flow.compiled.entry_points import Entry
+from contwalk.flow.path import Path
+from contwalk.flow.tableaus.radau import RADAU5, RADAU9, Collocation
+
+TABLEAUS = {"radau5": RADAU5, "radau9": RADAU9}
+
+# Steps for which memory is set aside before it is known how many there are.
+_ROOM = 512
+
+# Of the error of the embedded formula, in the translation of tolerances (that of RADAU).
+SHARE = 0.1
+
+_STATUS = ("ok", "not_finite", "too_many_steps", "step_too_small")
+_FULL = 4
+
+_FIRST, _LAST = "q" * 11, "q" * 4  # what `_Call` gives
+
+_MARCH = Entry("contwalk.flow.radau.kernel", "radau_march", "q", f"{_FIRST}qqqqqqq{_LAST}")
+_ADAPTIVE = Entry("contwalk.flow.radau.kernel", "radau_adaptive", "q", f"{_FIRST}dddqqqqqqq{_LAST}")
+_TANGENTS = Entry("contwalk.flow.radau.tangents", "radau_tangents", "q", f"{_FIRST}qqqqqqqq{_LAST}")
+
+
+def warmup() -> None:
+    """Compile everything, or find it compiled."""
+    for entry in (_MARCH, _ADAPTIVE, _TANGENTS):
+        _ = entry.address
+
+
+def _measured(tolerance: float, stages: int) -> float:
+    """The bound of the embedded estimate that belongs to a tolerance: 0.1 tolerance^((s + 1) / (2 s)).
+
+    The estimate is that of a formula of order s and falls like h^(s + 1), the error itself like h^(2 s). So
+    that steps are as long as the error allows, the tolerance is translated as the code RADAU does (E. Hairer,
+    G. Wanner, Stiff differential equations solved by Radau methods, J. Comput. Appl. Math. 111 (1999)
+    93-111).
+    """
+    return SHARE * tolerance ** ((stages + 1) / (2 * stages))
+
+
+def _errors(estimates: np.ndarray, stages: int) -> np.ndarray:
+    """Local errors by embedded estimates: the inverse of `_measured`."""
+    return (estimates / SHARE) ** (2 * stages / (stages + 1))
+
+
+class _Call:
+    """What every kernel takes first, and last: a field and a tableau by their addresses, and scratch."""
+
+    def __init__(
+        self, field: CompiledField, c: np.ndarray, tableau: Collocation, more: int = 0, pivots: int = 0
+    ) -> None:
+        n, s, entries = field.n, tableau.stages, len(field.col)
+        modes = (s - 1) // 2
+        self._kept = (field, c, field.row_ptr, field.col, _packed(tableau))
+        self._scratch = np.empty(2 * (n + entries) + 5 * s * n + (1 + 2 * modes) * n * n + 5 * n + more)
+        self._pivots = np.empty((1 + modes) * n + pivots, dtype=np.int64)
+        numbers = self._kept[-1]
+        self.first = (
+            *(field.rhs_address, field.rhs_jac_address, n, address(field.row_ptr), address(field.col)),
+            *(entries, address(c), len(c), address(numbers), len(numbers), s),
+        )
+        self.last = (
+            *(address(self._scratch), len(self._scratch)),
+            *(address(self._pivots), len(self._pivots)),
+        )
+
+
+@cache
+def _packed(tableau: Collocation) -> np.ndarray:
+    return tableau.packed()
+
+
+def adaptive(
+    field: CompiledField,
+    c: np.ndarray,
+    t0: float,
+    x0: Sequence[float] | np.ndarray,
+    t1: float,
+    tolerance: float,
+    weights: Sequence[float] | np.ndarray,
+    method: str = "radau9",
+    max_steps: int = 100_000,
+) -> Path:
+    """The path from (t0, x0) to t1, with steps whose estimated error is below the tolerance.
+
+    Parameters
+    ----------
+    tolerance : float
+        Bound of each step's estimated error: root mean square over the states, in units of `weights`.
+    weights : array of float, shape (n,)
+        Typical magnitudes of the states.
+    method : {"radau5", "radau9"}
+
+    Returns
+    -------
+    Path
+        `evaluations` counts right-hand sides and Jacobians alike. Where the status is not "ok", the nodes end
+        where the path did.
+    """
+    call = _Call(field, c, TABLEAUS[method])
+    scales = np.ascontiguousarray(weights, dtype=float)
+    times, states = np.empty(_ROOM + 1), np.empty((_ROOM + 1, field.n))
+    times[0], states[0] = t0, x0
+    allowed = _measured(tolerance, TABLEAUS[method].stages)
+    memory, counts = np.zeros(5), np.zeros(4, dtype=np.int64)
+    code = _FULL
+    while True:
+        places = (address(times), address(states), len(times) - 1)
+        code = _ADAPTIVE(
+            *(*call.first, t1, tolerance, allowed, address(scales), max_steps, *places),
+            *(address(memory), address(counts), *call.last),
+        )
+        if code != _FULL:
+            break
+        times = np.concatenate([times, np.empty(len(times))])
+        states = np.concatenate([states, np.empty_like(states)])
+    steps, rejected, evaluations, jacobians = (int(count) for count in counts)
+    return Path(
+        times=times[: steps + 1].copy(),
+        states=states[: steps + 1].copy(),
+        evaluations=evaluations + jacobians,
+        rejected=rejected,
+        stiff_fraction=0.0,
+        status=_STATUS[code],
+    )
+
+
+def _march(
+    field: CompiledField,
+    c: np.ndarray,
+    times: np.ndarray,
+    x0: Sequence[float] | np.ndarray,
+    method: str,
+    weights: np.ndarray | None = None,
+    errors: np.ndarray | None = None,
+    increments: np.ndarray | None = None,
+) -> np.ndarray:
+    """States of a grid; what was asked for besides is written where it was given."""
+    call = _Call(field, c, TABLEAUS[method])
+    grid, x = np.ascontiguousarray(times, dtype=float), np.array(x0, dtype=float)
+    states = np.full((len(grid), field.n), np.nan)
+    places = [0 if array is None else address(array) for array in (weights, errors, increments)]
+    _MARCH(*call.first, address(grid), len(grid) - 1, address(x), address(states), *places, *call.last)
+    return states
+
+
+def along(
+    field: CompiledField,
+    c: np.ndarray,
+    times: np.ndarray,
+    x0: Sequence[float] | np.ndarray,
+    method: str = "radau9",
+) -> np.ndarray:
+    """The states at given times, shape (s + 1, n), a step from each to the next; NaN after one that fails."""
+    return _march(field, c, times, x0, method)
+
+
+def errors_on(
+    field: CompiledField,
+    c: np.ndarray,
+    times: np.ndarray,
+    x0: Sequence[float] | np.ndarray,
+    method: str,
+    weights: Sequence[float] | np.ndarray,
+) -> np.ndarray:
+    """Embedded error estimates of the steps of a grid, shape (s,), in units of the weights."""
+    errors = np.full((len(times) - 1, 2), np.nan)
+    _march(field, c, times, x0, method, np.ascontiguousarray(weights, dtype=float), errors)
+    return np.maximum(_errors(errors[:, 0], TABLEAUS[method].stages), errors[:, 1])
+
+
+def tangents(
+    field: CompiledField,
+    c: np.ndarray,
+    times: np.ndarray,
+    x0: Sequence[float] | np.ndarray,
+    X0: np.ndarray,
+    sources: Sequence[int],
+    method: str = "radau9",
+    every: bool = False,
+) -> tuple[np.ndarray, np.ndarray]:
+    """The steps of `along` and their exact derivatives.
+
+    Parameters
+    ----------
+    X0 : array of float, shape (n, q)
+        Derivatives of x0.
+    sources : sequence of int, length q
+        For each column the parameter column that drives it, or -1.
+    every : bool
+        All nodes and not only the last.
+
+    Returns
+    -------
+    states : ndarray, shape (n,), or (s + 1, n)
+    tangents : ndarray, shape (n, q), or (s + 1, n, q)
+    """
+    x, X = np.array(x0, dtype=float), np.array(X0, dtype=float, order="C")
+    count = len(times) if every else 0
+    states, nodes = np.full((count, *x.shape), np.nan), np.full((count, *X.shape), np.nan)
+    _march_tangents(field, c, times, x, X, sources, method, states, nodes)
+    return (states, nodes) if every else (x, X)
+
+
+def along_with_tangents(
+    field: CompiledField,
+    c: np.ndarray,
+    times: np.ndarray,
+    x0: np.ndarray,
+    X0: np.ndarray,
+    sources: Sequence[int],
+    method: str = "radau9",
+) -> tuple[np.ndarray, np.ndarray]:
+    """Several paths, one after the other: the states at all times, and the derivatives of their ends.
+
+    Parameters
+    ----------
+    times : array of float, shape (s,)
+        Where one is repeated the next path begins.
+    x0 : ndarray, shape (m, n)
+        Their starts.
+    X0 : ndarray, shape (n, q)
+        Derivatives of each start.
+
+    Returns
+    -------
+    states : ndarray, shape (s, n)
+    tangents : ndarray, shape (m, n, q)
+    """
+    grid, starts = np.asarray(times, dtype=float), np.asarray(x0, dtype=float)
+    states = np.full((len(grid), field.n), np.nan)
+    ends = np.array([X0] * len(starts), dtype=float)
+    for part, x, X in zip(_paths(grid), starts, ends, strict=True):
+        _march_tangents(field, c, grid[part], x.copy(), X, sources, method, states[part], np.empty(0))
+    return states, ends
+
+
+def _march_tangents(
+    field: CompiledField,
+    c: np.ndarray,
+    times: np.ndarray,
+    x: np.ndarray,
+    X: np.ndarray,
+    sources: Sequence[int],
+    method: str,
+    states: np.ndarray,
+    nodes: np.ndarray,
+) -> None:
+    """Carry x, shape (n,), and X, shape (n, q), over a grid; NaN where a step fails.
+
+    What they are at all its times is written to `states` and `nodes`, where these are not empty.
+    """
+    n, stages, q, entries = field.n, TABLEAUS[method].stages, X.shape[1], len(field.col)
+    sn = stages * n
+    more = sn * sn + sn + n + entries + sn * q
+    call = _Call(field, c, TABLEAUS[method], more, sn)
+    grid, driving = np.ascontiguousarray(times, dtype=float), np.asarray(sources, dtype=np.int64)
+    done = _TANGENTS(
+        *(*call.first, address(grid), len(grid) - 1, address(x), address(X), q, address(driving)),
+        *(address(array) if array.size else 0 for array in (states, nodes)),
+        *call.last,
+    )
+    if done < len(grid) - 1:
+        x[:], X[:] = np.nan, np.nan
+
+
+class Interpolation:
+    """The motion between the nodes of a path; its collocation polynomials are made once.
+
+    Arguments as for `dense`; called with times, it gives states, shape (len(times), n).
+    """
+
+    def __init__(
+        self,
+        field: CompiledField,
+        c: np.ndarray,
+        times: Sequence[float] | np.ndarray,
+        states: np.ndarray,
+        method: str = "radau9",
+    ) -> None:
+        self._tableau = TABLEAUS[method]
+        self._grid, self._nodes = np.asarray(times, dtype=float), np.asarray(states, dtype=float)
+        steps = max(len(self._grid) - 1, 0)
+        self._increments = np.full((steps, self._tableau.stages, field.n), np.nan)
+        if not steps:
+            return
+        for part in _paths(self._grid):
+            self._made(field, c, method, part)
+
+    def _made(self, field: CompiledField, c: np.ndarray, method: str, part: slice) -> None:
+        """Fill in the increments of one path."""
+        grid, nodes, found = self._grid[part], self._nodes[part], self._increments[part]
+        again = _march(field, c, grid, nodes[0], method, increments=found)
+        # Nodes that this march does not meet, of a part of a path for example, are gone on from one by one.
+        for step in np.flatnonzero(np.any(again != nodes, axis=1)[:-1]):
+            alone = np.full((1, *found.shape[1:]), np.nan)
+            _march(field, c, grid[step : step + 2], nodes[step], method, increments=alone)
+            found[step] = alone[0]
+
+    def __call__(self, times: Sequence[float] | np.ndarray) -> np.ndarray:
+        """States at times; NaN at those outside the path."""
+        at, grid, nodes = np.asarray(times, dtype=float), self._grid, self._nodes
+        found = np.full((len(at), nodes.shape[1]), np.nan)
+        if len(grid) > 1:
+            step = _steps(grid, at)
+            part = (at - grid[step]) / (grid[step + 1] - grid[step])
+            inside = (part >= 0.0) & (part <= 1.0)
+            weights, which = _lagrange(self._tableau, part[inside]), step[inside]
+            found[inside] = nodes[which] + np.einsum("ks,ksn->kn", weights, self._increments[which])
+            # nodes are what the path says, whatever the last bits of a step that is done again
+            found[part == 0.0] = nodes[step[part == 0.0]]
+        found[at == grid[-1]] = nodes[-1]
+        return found
+
+
+def _paths(grid: np.ndarray) -> list[slice]:
+    """The paths in a grid: where a time is repeated the next one begins."""
+    begins = np.flatnonzero(grid[1:] == grid[:-1]) + 1
+    return [slice(low, high) for low, high in pairwise([0, *begins.tolist(), len(grid)])]
+
+
+def _steps(grid: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """The step that each time lies in, of those outside the nearest."""
+    direction = 1.0 if grid[-1] >= grid[0] else -1.0
+    return np.clip(np.searchsorted(direction * grid, direction * at, side="right") - 1, 0, len(grid) - 2)
+
+
+def dense(
+    field: CompiledField,
+    c: np.ndarray,
+    times: Sequence[float] | np.ndarray,
+    states: np.ndarray,
+    t_values: Sequence[float] | np.ndarray,
+    method: str = "radau9",
+) -> np.ndarray:
+    """States between the nodes of a path, shape (len(t_values), n), by the collocation polynomials.
+
+    Their error is of order s + 1 in a method of order 2 s - 1. Times outside the path give NaN.
+    """
+    grid, at = np.asarray(times, dtype=float), np.asarray(t_values, dtype=float)
+    if len(grid) > 1 and len(at):
+        wanted = _steps(grid, at)
+        part = slice(wanted.min(), wanted.max() + 2)
+        grid, states = grid[part], np.asarray(states)[part]
+    return Interpolation(field, c, grid, states, method)(at)
+
+
+def _lagrange(tableau: Collocation, at: np.ndarray) -> np.ndarray:
+    """Values at fractions of a step of the polynomials that are 1 at one node, 0 at the others and at 0."""
+    nodes = np.array([0.0, *tableau.nodes])
+    values = np.ones((len(at), tableau.stages))
+    for j in range(tableau.stages):
+        for k, node in enumerate(nodes):
+            if k != j + 1:
+                values[:, j] *= (at - node) / (nodes[j + 1] - node)
+    return values
