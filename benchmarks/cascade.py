@@ -66,7 +66,7 @@ def _whole(folder: Path) -> float:
 
 def _inside(folder: Path) -> tuple[list[float], float]:
     """The four period doublings and CPU seconds of the run in this process."""
-    from contwalk.workflow.run_file import read_run_file
+    from contwalk.workflow.run_file.reading import read_run_file
     from contwalk.workflow.runner import run
 
     study = read_run_file(RUN_FILE, output=str(folder / "out.h5"))

@@ -77,7 +77,7 @@ def _cpu(arguments: list[str], environment: dict[str, str]) -> float:
 
 def _inside(run_file: Path, output: Path, truth: list[float], repeats: int) -> tuple[float, int, float]:
     """CPU seconds and points of the run in this process, once it is warm, and the worst relative error."""
-    from contwalk.workflow.run_file import read_run_file
+    from contwalk.workflow.run_file.reading import read_run_file
     from contwalk.workflow.runner import run
 
     study = read_run_file(run_file, output=str(output))
@@ -104,7 +104,7 @@ def _yardstick(run_file: Path, steps: int = 200) -> float:
 
     from scipy.optimize import approx_fprime, fsolve
 
-    from contwalk.workflow.run_file import read_run_file
+    from contwalk.workflow.run_file.reading import read_run_file
 
     study = read_run_file(run_file)
     system, field = study.system, study.system.modes[0].field

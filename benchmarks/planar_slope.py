@@ -72,7 +72,7 @@ def _whole(folder: Path, span: str) -> float:
 
 def _inside(folder: Path, span: str) -> tuple[Any, float]:
     """The result and CPU seconds of the run in this process."""
-    from contwalk.workflow.run_file import read_run_file
+    from contwalk.workflow.run_file.reading import read_run_file
     from contwalk.workflow.runner import run
 
     study = read_run_file(RUN_FILE, [f"continue.range={span}"], output=str(folder / "out.h5"))

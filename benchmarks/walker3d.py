@@ -53,7 +53,7 @@ from contwalk.flow.hybrid.event_map import StepMap
 from contwalk.flow.hybrid.motions import Arc, HybridMachine, arcs, hybrid_machine
 from contwalk.flow.hybrid.walk import Walk
 from contwalk.system import load_system
-from contwalk.workflow.run_file import read_run_file
+from contwalk.workflow.run_file.reading import read_run_file
 from contwalk.workflow.runner import Reporter, RunResult, run
 
 Result = tuple[float, np.ndarray, np.ndarray]

@@ -22,13 +22,13 @@ if TYPE_CHECKING:
     from contwalk.plotting import plot_eigenvalues as plot_eigenvalues
     from contwalk.plotting import plot_stability_map as plot_stability_map
     from contwalk.plotting import save as save
+    from contwalk.plugin_check.at_load import load_system as load_system
     from contwalk.problems.equilibrium import Equilibrium as Equilibrium
     from contwalk.problems.orbit.discretization import Discretization as Discretization
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit as PeriodicOrbit
     from contwalk.storage import open_database as open_database
-    from contwalk.workflow.run_file import read_run_file as read_run_file
+    from contwalk.workflow.run_file.reading import read_run_file as read_run_file
     from contwalk.workflow.runner import run as run
-    from contwalk.workflow.sound_systems import load_system as load_system
 
 _HOMES = {
     "Branch": "contwalk.branch",
@@ -38,13 +38,13 @@ _HOMES = {
     "PeriodicOrbit": "contwalk.problems.orbit.periodic_orbit",
     "SpecialPoint": "contwalk.branch",
     "continue_branch": "contwalk.continuation.verbs",
-    "load_system": "contwalk.workflow.sound_systems",
+    "load_system": "contwalk.plugin_check.at_load",
     "open_database": "contwalk.storage",
     "plot_bifurcation_diagram": "contwalk.plotting",
     "plot_eigenvalues": "contwalk.plotting",
     "plot_stability_map": "contwalk.plotting",
     "points": "contwalk.continuation.verbs",
-    "read_run_file": "contwalk.workflow.run_file",
+    "read_run_file": "contwalk.workflow.run_file.reading",
     "run": "contwalk.workflow.runner",
     "save": "contwalk.plotting",
     "switch_branch": "contwalk.continuation.verbs",

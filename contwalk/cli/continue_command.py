@@ -11,7 +11,7 @@ import click
 if TYPE_CHECKING:
     from contwalk.branch import Branch
     from contwalk.cli.termination import Termination
-    from contwalk.workflow.run_file import RunFile
+    from contwalk.workflow.run_file.reading import RunFile
     from contwalk.workflow.runner import RunResult
 
 
@@ -52,7 +52,7 @@ def command(
     from contwalk.cli.progress import reporter_for
     from contwalk.cli.termination import termination
     from contwalk.errors import WriteError
-    from contwalk.workflow.run_file import read_run_file
+    from contwalk.workflow.run_file.reading import read_run_file
     from contwalk.workflow.runner import run
 
     run_file = read_run_file(file, overrides, output)

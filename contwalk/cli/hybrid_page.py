@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from contwalk.branch import Branch, SpecialPoint
     from contwalk.system import System
-    from contwalk.workflow.stored_legs import HybridFacts, MarginFact
+    from contwalk.workflow.stored.legs import HybridFacts, MarginFact
 
 
 def facts_at(system: System | None, branch: Branch, point: SpecialPoint | int) -> HybridFacts | None:
@@ -22,7 +22,7 @@ def facts_at(system: System | None, branch: Branch, point: SpecialPoint | int) -
     if system is None or branch.info.problem != "hybrid_orbit":
         return None
     from contwalk.cli.entry import say
-    from contwalk.workflow.stored_legs import facts_of
+    from contwalk.workflow.stored.legs import facts_of
 
     try:
         return facts_of(system, branch, point)
@@ -101,7 +101,7 @@ def print_legs(out: Console, facts: HybridFacts | None, time: str) -> None:
 
 def print_margins(out: Console, facts: HybridFacts) -> None:
     """What must be positive, the least first."""
-    from contwalk.workflow.stored_legs import BELOW, ZERO
+    from contwalk.workflow.stored.legs import BELOW, ZERO
 
     out.print()
     rows = []

@@ -24,7 +24,7 @@ def command(system: str, output: str | None, choices: Sequence[str]) -> None:
     """
     from contwalk.system import load_system
     from contwalk.system.loading import is_path
-    from contwalk.workflow.template import starting_file
+    from contwalk.workflow.run_file.template import starting_file
 
     loaded = load_system(system, model_of(choices))
     path = Path(output or f"{loaded.name}.yaml")

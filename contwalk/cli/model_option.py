@@ -25,7 +25,7 @@ def model_of(choices: Sequence[str]) -> dict[str, Any]:
     ContwalkError
         For text that is not CHOICE=VALUE.
     """
-    from contwalk.workflow.yaml_lines import parse_yaml
+    from contwalk.workflow.run_file.yaml_lines import parse_yaml
 
     model = {}
     for choice in choices:

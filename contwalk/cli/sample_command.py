@@ -10,7 +10,7 @@ import click
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from contwalk.workflow.run_sample import SampleFile
+    from contwalk.workflow.run_file.sample import SampleFile
     from contwalk.workflow.sampling import SampleResult
 
 
@@ -40,7 +40,7 @@ def command(
     from contwalk.cli.entry import say
     from contwalk.cli.terminal import console
     from contwalk.cli.words import plural
-    from contwalk.workflow.run_sample import read_sampling
+    from contwalk.workflow.run_file.sample import read_sampling
     from contwalk.workflow.sampling import sample
 
     run = read_sampling(file, overrides, output)

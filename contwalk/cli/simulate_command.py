@@ -9,7 +9,7 @@ import click
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from contwalk.workflow.run_simulate import SimulationFile
+    from contwalk.workflow.run_file.simulate import SimulationFile
     from contwalk.workflow.simulating import SimulationResult
 
 MOST_SHOWN = 40  # events of the table: more are in the file
@@ -34,7 +34,7 @@ def command(
     """
     from contwalk.cli.entry import say
     from contwalk.cli.terminal import console
-    from contwalk.workflow.run_simulate import read_simulation
+    from contwalk.workflow.run_file.simulate import read_simulation
     from contwalk.workflow.simulating import simulate, why
 
     run = read_simulation(file, overrides, output)

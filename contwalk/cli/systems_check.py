@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
-    from contwalk.workflow.check_system import Finding
+    from contwalk.plugin_check.system import Finding
 
 _STYLES = {"ok": "green", "warning": "yellow", "error": "bold red"}
 
@@ -23,7 +23,7 @@ def command(system: str) -> int:
     """
     from contwalk.cli.terminal import console, line
     from contwalk.cli.words import plural
-    from contwalk.workflow.check_system import check_reference
+    from contwalk.plugin_check.system import check_reference
 
     findings = check_reference(system)
     out = console()

@@ -10,7 +10,7 @@ import click
 from contwalk.errors import ContwalkError
 
 if TYPE_CHECKING:
-    from contwalk.workflow.run_file import RunFile
+    from contwalk.workflow.run_file.reading import RunFile
     from contwalk.workflow.tradeoff import Tradeoff
 
 METHODS = ("auto", "dop853", "verner98", "radau5", "radau9")
@@ -42,7 +42,7 @@ def command(
 
     Exit codes: 0; 1 if the promised accuracy was not met somewhere; 2 for bad input, with nothing written.
     """
-    from contwalk.workflow.run_file import read_run_file
+    from contwalk.workflow.run_file.reading import read_run_file
     from contwalk.workflow.tradeoff import ACCURACIES, refuse_existing_files, write
     from contwalk.workflow.tradeoff import METHODS as USUAL
 

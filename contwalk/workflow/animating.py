@@ -84,9 +84,9 @@ def animate(
     """
     from contwalk.plotting.animation import checked_suffix, frames_of, played_fps, save_animation
     from contwalk.plotting.machine import require_draw
-    from contwalk.workflow.orbit_modes import displaced_along
-    from contwalk.workflow.orbit_motions import motion_along
-    from contwalk.workflow.stored_orbits import orbit_at, titled
+    from contwalk.workflow.stored.orbit_modes import displaced_along
+    from contwalk.workflow.stored.orbit_motions import motion_along
+    from contwalk.workflow.stored.orbits import orbit_at, titled
 
     suffix = checked_suffix(path)
     if path.exists() and not force:

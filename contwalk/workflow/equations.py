@@ -17,7 +17,7 @@ import numpy as np
 from contwalk.fields.codegen import source
 from contwalk.problems.equilibrium import Equilibrium
 from contwalk.python_functions import is_own, original, values_used
-from contwalk.workflow.run_file import RunFile
+from contwalk.workflow.run_file.reading import RunFile
 
 
 def equations_hash(run_file: RunFile) -> str:

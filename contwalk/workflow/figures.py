@@ -94,7 +94,7 @@ def _draw(
 def _phase_portrait(branches: Sequence[Branch], system: System, options: Mapping[str, Any]) -> Any:
     """Orbits of special points and ends, or of the points that are named, integrated once more."""
     from contwalk import plotting
-    from contwalk.workflow.stored_orbits import columns_of, jumps_of, orbit_at, orbits_of
+    from contwalk.workflow.stored.orbits import columns_of, jumps_of, orbit_at, orbits_of
 
     x, y = (
         options.get(axis) or system.state_names[min(k, len(system.states) - 1)] for k, axis in enumerate("xy")
@@ -142,8 +142,8 @@ def _stick_figure(branches: Sequence[Branch], system: System, options: Mapping[s
     """The machine at instants of one orbit, by default that of the start."""
     from contwalk import plotting
     from contwalk.plotting.machine import require_draw, walks
-    from contwalk.workflow.orbit_motions import motion_along
-    from contwalk.workflow.stored_orbits import titled
+    from contwalk.workflow.stored.orbit_motions import motion_along
+    from contwalk.workflow.stored.orbits import titled
 
     require_draw(system)
     orbit = _orbit(branches, system, options, "stick figure")
@@ -159,9 +159,9 @@ def _time_series(branches: Sequence[Branch], system: System, options: Mapping[st
     """States, or what is asked for, over one period of one orbit, by default that of the start."""
     from contwalk import plotting
     from contwalk.plotting.style import whole_title
-    from contwalk.workflow.orbit_motions import motion_along
     from contwalk.workflow.quantities import check_names, listed, values_along
-    from contwalk.workflow.stored_orbits import titled, without_absent
+    from contwalk.workflow.stored.orbit_motions import motion_along
+    from contwalk.workflow.stored.orbits import titled, without_absent
 
     names = listed(options.get("y")) or list(system.state_names)
     check_names(system, names)
@@ -180,7 +180,7 @@ def _time_series(branches: Sequence[Branch], system: System, options: Mapping[st
 
 def _orbit(branches: Sequence[Branch], system: System, options: Mapping[str, Any], what: str) -> Any:
     """The orbit of the point that is named, else of the start of the first branch of orbits."""
-    from contwalk.workflow.stored_orbits import orbit_at
+    from contwalk.workflow.stored.orbits import orbit_at
 
     if options.get("points"):
         return orbit_at(system, *options["points"][0])

@@ -12,7 +12,7 @@ from contwalk.branch import BranchInfo
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.work import Start
 from contwalk.storage.database import Database, RunHeader
-from contwalk.workflow.run_file import RunFile
+from contwalk.workflow.run_file.reading import RunFile
 
 WIDENED = "widened"  # of the provenance: whether the run has gone on with other settings since it began
 CLOSE = 1e-6  # in typical magnitudes: the same start, corrected in another metric

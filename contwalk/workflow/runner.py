@@ -27,7 +27,7 @@ from contwalk.workflow.equations import equations_hash, equations_text
 from contwalk.workflow.figures import draw_figure
 from contwalk.workflow.file_names import beside
 from contwalk.workflow.going_on import WIDENED, Claims, differences, header_of_both
-from contwalk.workflow.run_file import RunFile
+from contwalk.workflow.run_file.reading import RunFile
 from contwalk.workflow.starting import Place, places, starts
 from contwalk.workflow.sweep_notes import lost_values
 

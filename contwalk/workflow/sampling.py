@@ -17,8 +17,8 @@ from contwalk.storage.failures import failures_of
 from contwalk.system import System
 from contwalk.system.declarations import ParameterValues
 from contwalk.workflow.made_with import made_with
-from contwalk.workflow.run_products import Product
-from contwalk.workflow.run_sample import SampleFile
+from contwalk.workflow.run_file.products import Product
+from contwalk.workflow.run_file.sample import SampleFile
 from contwalk.workflow.simulating import start_of
 
 MOST_IMAGES = 120  # of an equilibrium under symmetries that rename: five things can be renumbered so often

@@ -15,9 +15,9 @@ from contwalk.problems.resting import named_equilibria
 from contwalk.storage.failures import failures_of
 from contwalk.workflow.made_with import made_with
 from contwalk.workflow.quantities import listed, values_along
-from contwalk.workflow.run_settings import FigureSpec
-from contwalk.workflow.run_simulate import SimulationFile
-from contwalk.workflow.run_starts import StartSpec
+from contwalk.workflow.run_file.settings import FigureSpec
+from contwalk.workflow.run_file.simulate import SimulationFile
+from contwalk.workflow.run_file.starts import StartSpec
 
 if TYPE_CHECKING:
     from contwalk.problems.stored_word import StoredWord
@@ -114,7 +114,7 @@ def start_of(
     if spec.kind == "state" and spec.state is not None:
         return np.array(spec.state, dtype=float), parameters, None
     if spec.kind == "from":
-        from contwalk.workflow.stored_points import stored_point
+        from contwalk.workflow.stored.points import stored_point
 
         assert spec.file is not None
         found = stored_point(spec.file, str(spec.point), system)

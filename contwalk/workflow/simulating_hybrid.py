@@ -17,7 +17,7 @@ from contwalk.flow.hybrid.scales import magnitudes
 from contwalk.problems.hybrid.layout import Layout
 from contwalk.problems.stored_word import StoredWord
 from contwalk.system import System, Transition
-from contwalk.workflow.run_settings import ReportAt
+from contwalk.workflow.run_file.settings import ReportAt
 from contwalk.workflow.simulated import LONGEST, PARTS, Simulated, drawn_at
 
 

@@ -12,8 +12,8 @@ from contwalk.continuation.settings import Settings
 from contwalk.continuation.work import Start
 from contwalk.errors import StartError
 from contwalk.problems.orbit.discretization import Discretization
-from contwalk.workflow.run_file import RunFile, StartSpec
-from contwalk.workflow.stored_points import StoredWord, stored_point
+from contwalk.workflow.run_file.reading import RunFile, StartSpec
+from contwalk.workflow.stored.points import StoredWord, stored_point
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,8 @@ from contwalk.storage.failures import refuse_existing
 from contwalk.storage.hdf5 import Hdf5Database
 from contwalk.workflow.file_names import beside
 from contwalk.workflow.pairing import counted, paired, value_of
-from contwalk.workflow.run_file import RunFile
-from contwalk.workflow.run_values import LOWEST_ACCURACY
+from contwalk.workflow.run_file.reading import RunFile
+from contwalk.workflow.run_file.values import LOWEST_ACCURACY
 from contwalk.workflow.runner import run
 from contwalk.workflow.verifying import points_of, verify
 

@@ -13,7 +13,7 @@ from contwalk.errors import ContwalkError
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.storage import RunHeader
 from contwalk.system import System
-from contwalk.workflow.yaml_lines import parse_yaml
+from contwalk.workflow.run_file.yaml_lines import parse_yaml
 
 DEFAULT_ACCURACY = 1e-8
 _OF_ORBITS = ("method", "tolerance", "segments", "phase")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from contwalk.workflow import stored_orbits
+from contwalk.workflow.stored import orbits as stored_orbits
 
 WHEEL = """\
 import math

@@ -6,7 +6,7 @@ import pytest
 
 from contwalk.cli import systems_list
 from contwalk.system import loading
-from contwalk.workflow.run_file import read_run_file
+from contwalk.workflow.run_file.reading import read_run_file
 
 
 def test_list(contwalk):

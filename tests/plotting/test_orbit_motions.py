@@ -7,8 +7,8 @@ import pytest
 
 from contwalk.errors import ContwalkError
 from contwalk.system import Mode, Parameter, State, System
-from contwalk.workflow.orbit_motions import motion_along
-from contwalk.workflow.stored_orbits import Orbit, columns_of, jumps_of, titled
+from contwalk.workflow.stored.orbit_motions import motion_along
+from contwalk.workflow.stored.orbits import Orbit, columns_of, jumps_of, titled
 
 TURN = 2.0 * np.pi
 

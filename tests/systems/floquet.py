@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 from numpy.polynomial import legendre
 
-from contwalk.workflow.check_traced import Traced, vector_form
+from contwalk.plugin_check.traced import Traced, vector_form
 
 STAGES = 20
 PANELS = 3

@@ -11,9 +11,9 @@ import pytest
 from floquet import flow_derivative, half_turn_map, jacobians, traced_field
 
 from contwalk.errors import StartError
+from contwalk.plugin_check.system import check_system
+from contwalk.plugin_check.traced import Traced, vector_form
 from contwalk.system import load_system
-from contwalk.workflow.check_system import check_system
-from contwalk.workflow.check_traced import Traced, vector_form
 
 MASSES = (1, 2, 3, 4)
 BORDER_18 = 0.762189588363

@@ -17,7 +17,7 @@ from contwalk_systems.planar_walker.observables import rolled
 from hybrid_motion import Phase, after, dips, joined, parameters, phases, vector
 from matplotlib.figure import Figure
 
-from contwalk.workflow.check_traced import Traced, number_form, vector_form
+from contwalk.plugin_check.traced import Traced, number_form, vector_form
 
 ROOT = Path(__file__).resolve().parents[2]
 REFERENCE = json.loads((ROOT / "tests/thesis/planar_walker_reference.json").read_text(encoding="utf-8"))

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from walker3d_motion import ENDS, GAITS, gait, mode_named, random_state, values, walker
 
 from contwalk.flow.hybrid.motions import arcs, hybrid_machine
-from contwalk.workflow.check_traced import Traced, number_form, vector_form
+from contwalk.plugin_check.traced import Traced, number_form, vector_form
 
 STANDING = mode_named(walker(), "21 22", "2", "1")
 

@@ -13,8 +13,8 @@ import pytest
 from autobalancer_figures import figure_run
 
 from contwalk.branch import Branch, SpecialPoint
+from contwalk.plugin_check.traced import Traced, vector_form
 from contwalk.system import load_system
-from contwalk.workflow.check_traced import Traced, vector_form
 
 pytestmark = pytest.mark.thesis
 

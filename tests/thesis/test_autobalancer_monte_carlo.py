@@ -8,7 +8,7 @@ import pytest
 from autobalancer_figures import RUNS
 
 from contwalk.storage.trajectory import read_samples
-from contwalk.workflow.run_sample import read_sampling
+from contwalk.workflow.run_file.sample import read_sampling
 from contwalk.workflow.sampling import sample
 
 pytestmark = pytest.mark.thesis

@@ -4,7 +4,7 @@ import pytest
 from autobalancer_figures import RUNS, figure_run
 
 from contwalk.workflow.figures import draw_figure
-from contwalk.workflow.run_file import read_run_file
+from contwalk.workflow.run_file.reading import read_run_file
 
 pytestmark = pytest.mark.thesis
 

@@ -10,7 +10,7 @@ from planar_walker_figures import FEET, GAIT, numbers
 from contwalk.cli.entry import run as command
 from contwalk.storage.trajectory import read_trajectory
 from contwalk.workflow.figures import draw_figure
-from contwalk.workflow.run_file import read_run_file
+from contwalk.workflow.run_file.reading import read_run_file
 
 pytestmark = pytest.mark.thesis
 

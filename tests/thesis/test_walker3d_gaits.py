@@ -21,7 +21,7 @@ from scipy.optimize import linear_sum_assignment
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.flow.hybrid.event_map import Mapped, StepMap
 from contwalk.flow.hybrid.motions import Arc, HybridMachine, arcs, hybrid_machine
-from contwalk.workflow.run_file import RunFile, read_run_file
+from contwalk.workflow.run_file.reading import RunFile, read_run_file
 
 pytestmark = pytest.mark.thesis
 

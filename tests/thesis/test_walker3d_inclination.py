@@ -11,7 +11,7 @@ import pytest
 from autobalancer_figures import RUNS, figure_run
 
 from contwalk.branch import Branch, SpecialPoint
-from contwalk.workflow.run_file import read_run_file
+from contwalk.workflow.run_file.reading import read_run_file
 
 pytestmark = [pytest.mark.thesis, pytest.mark.slow]
 

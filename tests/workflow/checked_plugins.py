@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from contwalk.workflow.check_system import Finding, check_reference
+from contwalk.plugin_check.system import Finding, check_reference
 
 PENDULUMS = """\
 import math

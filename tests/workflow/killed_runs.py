@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from contwalk.storage import open_database
-from contwalk.workflow.run_file import read_run_file
+from contwalk.workflow.run_file.reading import read_run_file
 from contwalk.workflow.runner import Reporter, run
 
 # Parts of the time of an uninterrupted process after which one is killed: early ones and late ones.
@@ -57,7 +57,9 @@ class Runs:
     def __init__(self, path: Path, folder: Path, overrides: Sequence[str] = ()) -> None:
         self.path, self.folder, self.overrides = path, folder, tuple(overrides)
         self.context = multiprocessing.get_context("forkserver")
-        self.context.set_forkserver_preload(["contwalk.workflow.runner", "contwalk.workflow.run_file"])
+        self.context.set_forkserver_preload(
+            ["contwalk.workflow.runner", "contwalk.workflow.run_file.reading"]
+        )
 
     def start(self, output: str, number: int = -1) -> multiprocessing.Process:
         given = self.path, self.overrides, self.folder / output, number

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from contwalk.errors import RunFileError
-from contwalk.workflow.run_file import RunFile, read_run_file
+from contwalk.workflow.run_file.reading import RunFile, read_run_file
 
 PLUGIN = """
 from contwalk.system import (

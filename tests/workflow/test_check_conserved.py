@@ -9,9 +9,9 @@ import pytest
 from conserved_machines import BALL, PENDULUM
 
 from contwalk.errors import SystemDefinitionError
+from contwalk.plugin_check.at_load import refuse_unsound
+from contwalk.plugin_check.system import check_system
 from contwalk.system import Conserved, Neutral, Observable, Parameter, Transition
-from contwalk.workflow.check_system import check_system
-from contwalk.workflow.sound_systems import refuse_unsound
 
 
 def findings(system, level):
@@ -152,7 +152,7 @@ def test_a_relabelling_that_keeps_it():
 
 def test_what_init_writes_can_be_read(tmp_path):
     """The value need not be given: its line is a comment, and no example sweeps over nothing."""
-    from contwalk.workflow.template import starting_file
+    from contwalk.workflow.run_file.template import starting_file
 
     text = starting_file(PENDULUM, "./pendulum.py")
     assert "nan" not in text

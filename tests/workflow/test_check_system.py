@@ -6,9 +6,9 @@ import pytest
 from checked_plugins import IMPACT, PENDULUMS, broken, checked, line_of, troubles
 
 from contwalk.errors import SystemDefinitionError
+from contwalk.plugin_check import system as module
+from contwalk.plugin_check.system import check_reference, check_system
 from contwalk.system import Choice, Family, Mode, Parameter, State, System, load_system
-from contwalk.workflow import check_system as module
-from contwalk.workflow.check_system import check_reference, check_system
 
 
 def test_good_smooth_plugin_passes(tmp_path):

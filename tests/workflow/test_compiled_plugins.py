@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from contwalk.cli.entry import run
+from contwalk.plugin_check.system import check_reference
 from contwalk.storage import open_database
 from contwalk.storage.trajectory import read_trajectory
-from contwalk.workflow.check_system import check_reference
 
 # Both are written twice: with `@numba.njit` before every function, and without.
 HELPERS = """\

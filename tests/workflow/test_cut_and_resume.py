@@ -13,7 +13,7 @@ import pytest
 from killed_runs import assert_same
 
 from contwalk.storage import open_database
-from contwalk.workflow.run_file import read_run_file
+from contwalk.workflow.run_file.reading import read_run_file
 from contwalk.workflow.runner import Reporter, run
 
 PLUGIN = """

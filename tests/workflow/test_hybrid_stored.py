@@ -16,7 +16,7 @@ from contwalk.cli.entry import run as command
 from contwalk.errors import ContwalkError
 from contwalk.storage import interface_schema, open_database
 from contwalk.system import load_system
-from contwalk.workflow.run_file import read_run_file
+from contwalk.workflow.run_file.reading import read_run_file
 from contwalk.workflow.runner import run
 
 SLOPE = Path(__file__).resolve().parents[2] / "runs" / "planar_slope.yaml"

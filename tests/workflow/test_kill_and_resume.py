@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from contwalk.storage import open_database
-from contwalk.workflow.run_file import read_run_file
+from contwalk.workflow.run_file.reading import read_run_file
 from contwalk.workflow.runner import Reporter, run
 
 PLUGIN = """
@@ -83,7 +83,9 @@ def test_killed_runs_end_with_the_diagram_of_an_uninterrupted_one(tmp_path):
     (tmp_path / "run.yaml").write_text(RUN)
     # A server that has imported everything forks the runs: they start in no time.
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["contwalk.workflow.runner", "contwalk.workflow.run_file", "mpmath"])
+    context.set_forkserver_preload(
+        ["contwalk.workflow.runner", "contwalk.workflow.run_file.reading", "mpmath"]
+    )
 
     def start(output: str) -> multiprocessing.Process:
         process = context.Process(target=compute, args=(tmp_path, output))

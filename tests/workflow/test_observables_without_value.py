@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.storage import open_database
-from contwalk.workflow.run_file import read_run_file
+from contwalk.workflow.run_file.reading import read_run_file
 from contwalk.workflow.runner import Reporter, run
 
 PLUGIN = """\

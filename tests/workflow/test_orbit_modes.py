@@ -12,9 +12,9 @@ from small_systems import circle, small_system
 
 import contwalk as cw
 from contwalk.errors import ContwalkError
-from contwalk.workflow.orbit_modes import displaced_along
-from contwalk.workflow.orbit_motions import motion_along
-from contwalk.workflow.stored_orbits import orbit_at
+from contwalk.workflow.stored.orbit_modes import displaced_along
+from contwalk.workflow.stored.orbit_motions import motion_along
+from contwalk.workflow.stored.orbits import orbit_at
 
 # Pictures are drawn of orbits that are integrated to 1e-7.
 PICTURED = 1e-5

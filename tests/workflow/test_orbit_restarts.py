@@ -11,7 +11,7 @@ import pytest
 from contwalk.cli.entry import run as command
 from contwalk.errors import ContwalkError
 from contwalk.storage import interface_schema, open_database
-from contwalk.workflow.run_file import read_run_file
+from contwalk.workflow.run_file.reading import read_run_file
 from contwalk.workflow.runner import run
 
 PLUGIN = """

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from contwalk.system import load_system
-from contwalk.workflow.run_file import read_run_file
+from contwalk.workflow.run_file.reading import read_run_file
 from contwalk.workflow.runner import run
 
 RUNS = Path(__file__).parents[2] / "runs"

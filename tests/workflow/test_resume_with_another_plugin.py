@@ -4,7 +4,7 @@ import pytest
 from test_kill_and_resume import PLUGIN, RUN
 
 from contwalk.errors import DatabaseError
-from contwalk.workflow.run_file import read_run_file
+from contwalk.workflow.run_file.reading import read_run_file
 from contwalk.workflow.runner import run
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from run_file_cases import GOOD, read, write_run
 
-from contwalk.workflow.run_file import FigureSpec, Mark, ReportAt, read_run_file, read_run_text
+from contwalk.workflow.run_file.reading import FigureSpec, Mark, ReportAt, read_run_file, read_run_text
 
 HEAD = "system: ./rotor.py\n"
 CONTINUE = "continue: {parameter: stiffness, range: [1, 3]}\n"

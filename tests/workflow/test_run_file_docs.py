@@ -7,9 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from contwalk.workflow import run_model, run_motions
-from contwalk.workflow.run_values import FIGURES, FOLLOWED
-from contwalk.workflow.yaml_lines import parse_yaml
+from contwalk.workflow.run_file import model as run_model
+from contwalk.workflow.run_file import motions as run_motions
+from contwalk.workflow.run_file.values import FIGURES, FOLLOWED
+from contwalk.workflow.run_file.yaml_lines import parse_yaml
 
 PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "run_file.md").read_text(encoding="utf-8")
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from run_file_cases import GOOD, PLUGIN, message, write_run
 
 from contwalk.errors import RunFileError
-from contwalk.workflow.run_file import read_run_file, read_run_text
+from contwalk.workflow.run_file.reading import read_run_file, read_run_text
 
 # What is appended to the good file (8 is the line of its first line), and what must be said of it.
 APPENDED = [

@@ -7,7 +7,7 @@ import math
 import pytest
 from pydantic_core import PydanticCustomError
 
-from contwalk.workflow.run_products import as_products, product
+from contwalk.workflow.run_file.products import as_products, product
 
 PARAMETERS = {"m1": 0.5, "l1": 4.0, "M": 8.0, "zero": 0.0, "e1": 3.0}
 

@@ -10,9 +10,9 @@ import pytest
 
 import contwalk as cw
 from contwalk.errors import SystemDefinitionError
+from contwalk.plugin_check.at_load import refuse_unsound
+from contwalk.plugin_check.system import check_system
 from contwalk.system import Mode, Observable, Parameter, Signal, State, Symmetry, System, Transition
-from contwalk.workflow.check_system import check_system
-from contwalk.workflow.sound_systems import refuse_unsound
 
 
 def oscillator(field, states=("x", "y"), **more):

@@ -13,7 +13,7 @@ from contwalk.branch import Branch
 from contwalk.errors import ContwalkError
 from contwalk.system import State
 from contwalk.workflow.figures import draw_figure
-from contwalk.workflow.stored_orbits import MOST_ORBITS, columns_of, orbit_at, orbits_of
+from contwalk.workflow.stored.orbits import MOST_ORBITS, columns_of, orbit_at, orbits_of
 
 
 @pytest.fixture(scope="module")

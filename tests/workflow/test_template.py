@@ -8,9 +8,9 @@ from run_file_cases import PLUGIN
 import contwalk as cw
 from contwalk.errors import RunFileError, SystemDefinitionError
 from contwalk.system import Mode, Parameter, Start, State, Study, System, load_system
-from contwalk.workflow.run_file import read_run_file, read_run_text
-from contwalk.workflow.run_model import RunModel
-from contwalk.workflow.template import starting_file
+from contwalk.workflow.run_file.model import RunModel
+from contwalk.workflow.run_file.reading import read_run_file, read_run_text
+from contwalk.workflow.run_file.template import starting_file
 
 BRUSSELATOR = """
 from contwalk.system import Mode, Parameter, State, System

@@ -9,7 +9,7 @@ from dataclasses import replace
 import pytest
 
 from contwalk.errors import ContwalkError
-from contwalk.workflow.run_file import read_run_file
+from contwalk.workflow.run_file.reading import read_run_file
 from contwalk.workflow.tradeoff import Tradeoff, Trial, measure, names_of_files, write
 
 PLUGIN = """\

@@ -26,7 +26,7 @@ from contwalk.problems.hybrid.hybrid_orbit import SOLVED
 from contwalk.problems.hybrid.switching import rotated
 from contwalk.problems.stored_word import StoredWord
 from contwalk.system import Neutral, Symmetry, System, Transition
-from contwalk.workflow.stored_orbits import orbit_at
+from contwalk.workflow.stored.orbits import orbit_at
 
 WALKED = 100.0 * ACCURACY
 SIGMA, B = 10.0, 8.0 / 3.0

@@ -18,9 +18,9 @@ from contwalk.branch import Branch
 from contwalk.errors import SystemDefinitionError
 from contwalk.flow import Restricted, adaptive
 from contwalk.flow.compiled.traced import field_of
+from contwalk.plugin_check.system import check_system
 from contwalk.problems.hybrid.text import equations_text
 from contwalk.system import Mode, Observable, Parameter, State, System, Transition
-from contwalk.workflow.check_system import check_system
 
 OMEGA, GAP = 0.9, 0.5
 STATES = ("q", "v", "y")

@@ -1,0 +1,104 @@
+"""Systems as runs take them: loaded, and refused where what is cheap to check shows them to be wrong.
+
+`contwalk systems check` tries far more. Here every function is traced twice, and what is declared about the
+field, a period and symmetries, is compared with it: some milliseconds, against results that are wrong without
+a word.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from contwalk.errors import SystemDefinitionError
+from contwalk.plugin_check.at_events import traced_at_event
+from contwalk.plugin_check.conserved import check_conserved
+from contwalk.plugin_check.declarations import check_period, check_repeats
+from contwalk.plugin_check.events import check_soft, check_states, traced_reset
+from contwalk.plugin_check.findings import Finding, Report
+from contwalk.plugin_check.functions import check_clock, check_never_finite, traced_guard
+from contwalk.plugin_check.modes import CheckedFields, distinct_transitions
+from contwalk.plugin_check.samples import samples_of
+from contwalk.plugin_check.symmetry import compare_symmetry
+from contwalk.plugin_check.traced import traced, vector_form
+from contwalk.system import System
+from contwalk.system import load_system as load_declared
+
+
+def load_system(
+    reference: str | Path, model: Mapping[str, Any] | None = None, base: Path | None = None
+) -> System:
+    """The system of this name or plugin file, built with these model choices, and found sound.
+
+    Raises
+    ------
+    SystemDefinitionError
+        If there is no such system, its file cannot be imported, it does not have a model choice, or one of
+        its functions or declarations is wrong; the sentence names the plugin's line.
+    """
+    system = load_declared(reference, model, base)
+    refuse_unsound(system)
+    return system
+
+
+def refuse_unsound(system: System) -> None:
+    """Raise for the first error that is found in a system's functions and declarations.
+
+    Raises
+    ------
+    SystemDefinitionError
+        With the line of the plugin.
+    """
+    found = next((finding for finding in _findings(system) if finding.level == "error"), None)
+    if found is None:
+        return
+    place = "" if found.file is None else f"{found.file}, line {found.line}: "
+    raise SystemDefinitionError(
+        f"{place}{found.what}: {found.sentence}", "`contwalk systems check` tells of all that is wrong."
+    )
+
+
+def _findings(system: System) -> list[Finding]:
+    report = Report()
+    period = check_period(report, system)
+    samples = samples_of(system, period)
+    fields = CheckedFields(system)
+    fields.check(report)
+    for transition in distinct_transitions(system):
+        what = f"guard of transition '{transition.name}'"
+        guard, reset = (
+            traced_guard(report, what, transition, system),
+            traced_reset(report, transition, system),
+        )
+        for name, function in ((what, guard), (f"reset of transition '{transition.name}'", reset)):
+            if function is None or not check_never_finite(report, name, function, samples):
+                continue
+            if period is not None:
+                check_repeats(report, name, function, samples, period)
+        apart = not check_states(report, transition, system)
+        if transition.role == "soft" and not apart and guard is not None and reset is not None:
+            check_soft(report, transition, guard, reset, fields, samples)
+    for entry in system.conditions:
+        traced_at_event(report, entry, system)
+    for neutral in system.neutral:
+        form = vector_form(system, "generator", "v")
+        traced(report, f"neutral direction '{neutral.name}'", neutral.generator, system, form)
+    for quantity in system.conserved:
+        check_conserved(report, quantity, system, fields, samples)
+    for name, field in fields.items():
+        what = f"field of mode '{name}'"
+        if check_never_finite(report, what, field, samples) and period is not None:
+            check_repeats(report, what, field, samples, period)
+    symmetric = Report()
+    for symmetry in system.symmetries:
+        form = vector_form(system, "map", "x_image")
+        image = traced(symmetric, f"symmetry '{symmetry.name}'", symmetry.map, system, form)
+        if image is not None and fields.complete:
+            compare_symmetry(symmetric, symmetry, image, system, fields, samples, period)
+    if any(finding.level == "error" for finding in symmetric.findings):  # for want of a period, perhaps
+        for mode in system.modes:
+            found = dict(fields.items()).get(mode.name)
+            if found is not None:
+                check_clock(report, f"field of mode '{mode.name}'", found, system, mode.field)
+    return report.findings + symmetric.findings

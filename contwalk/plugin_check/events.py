@@ -1,0 +1,357 @@
+"""Transitions: guards, resets, and whether a guard is left behind by its own reset."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from contwalk.errors import ContwalkError
+from contwalk.fields.derivative import jacobian
+from contwalk.plugin_check.declarations import check_repeats
+from contwalk.plugin_check.findings import Report, place_of
+from contwalk.plugin_check.functions import EPSILON, check_guard, check_map
+from contwalk.plugin_check.samples import Samples
+from contwalk.plugin_check.traced import Form, Traced, traced, vector_form
+from contwalk.system import System, Transition
+
+TRIES = 40
+ITERATIONS = 30
+# How far beyond an event a guard is asked for its sign, as a part of the states' scales.
+BEYOND = 1e-3
+# Rounding leaves a guard this far from zero, in units of the rounding of its terms.
+FACTOR = 1e3
+_SEED = 21
+# How the guard of an event stands after it: left behind; past zero, where it is no event; happening again.
+LEFT, PAST, AGAIN = "left", "past", "again"
+
+
+@dataclass(frozen=True, eq=False)
+class Happening:
+    """A transition that can be used, with times and full states right before it."""
+
+    transition: Transition
+    before: list[tuple[float, np.ndarray]]
+
+
+def check_transition(
+    report: Report,
+    transition: Transition,
+    system: System,
+    fields: Mapping[str, Traced],
+    samples: Samples,
+    period: float | None = None,
+) -> Happening | None:
+    """Check the guard and the reset of a transition, and both together; None where they cannot be used."""
+    guard = check_guard(report, f"guard of transition '{transition.name}'", transition, system, samples)
+    sound = _check_reset(report, transition, system, samples) and check_states(report, transition, system)
+    if guard is None or not sound or not {transition.source, transition.target} <= set(fields):
+        return None
+    reset = traced_reset(report, transition, system)
+    for what, function in (("guard", guard), ("reset", reset)):
+        if period is not None and function is not None:
+            check_repeats(report, f"{what} of transition '{transition.name}'", function, samples, period)
+    if transition.role == "soft" and reset is not None:
+        check_soft(report, transition, guard, reset, fields, samples)
+    happening = Happening(transition, _states_at_event(transition, guard, fields[transition.source], samples))
+    if transition.role == "soft":
+        _check_continuous(report, happening, system, fields, samples)
+    _check_passing(report, happening, guard, samples)
+    again = transition.role == "hard" and transition.source == transition.target
+    if transition.role != "watched" and (transition.reset is not None or again):
+        _check_leaving(report, happening, system, samples)
+    if transition.role == "watched" and transition.reset is not None:
+        report.warning(
+            f"reset of transition '{transition.name}'",
+            "A watched transition does not act: its reset is never used. Leave it out, or declare "
+            "role='hard'.",
+            place_of(transition.reset),
+        )
+    return happening
+
+
+def _check_passing(report: Report, happening: Happening, guard: Traced, samples: Samples) -> None:
+    """The guard must have another sign beyond its zeros, and zeros at all."""
+    transition, what = happening.transition, f"guard of transition '{happening.transition.name}'"
+    place = place_of(transition.guard)
+    beyond = [_just_beyond(transition, guard, t, x, samples) for t, x in happening.before]
+    if beyond and not any(value > 0.0 for value in beyond):
+        how = "has no value" if np.isnan(beyond).all() else "stays zero, or turns back"
+        report.error(
+            what,
+            f"It comes to zero and does not pass it: beyond, it {how}. Return a number that has the other "
+            "sign there, such as a distance that becomes negative.",
+            place,
+        )
+    elif not beyond and guard.depends() - {0}:
+        values = [samples.evaluate(guard, row)[0] for row in range(len(samples.states))]
+        sign = "positive" if min(values) > 0.0 else "negative" if max(values) < 0.0 else "finite"
+        report.warning(
+            what,
+            f"No state was found at which it passes zero ({transition.direction}): it is {sign} at all "
+            f"{len(values)} states that were tried, and no way leads to a zero from them. A number that only "
+            "touches zero, such as a square or an absolute value, is no guard.",
+            place,
+        )
+
+
+def _just_beyond(transition: Transition, guard: Traced, t: float, x: np.ndarray, samples: Samples) -> float:
+    """The guard a little beyond its zero, positive where it has the sign that it passes to."""
+    scaled = guard.slopes(t, x, samples.values)[0, 1:] * samples.scales
+    size = float(np.linalg.norm(scaled))
+    if not size > 0.0:  # a guard of time alone
+        return 1.0
+    way = 1.0 if transition.direction == "rising" else -1.0
+    steps = (way,) if transition.direction != "both" else (1.0, -1.0)
+    values = []
+    for step in steps:
+        there = x + step * BEYOND * samples.scales * scaled / size
+        values.append(step * guard.values(t, there, samples.values)[0])
+    return float(min(values))
+
+
+def _check_reset(report: Report, transition: Transition, system: System, samples: Samples) -> bool:
+    """Check the reset, if there is one; what is wrong with the relabelling is found with the symmetry."""
+    form = reset_form(transition, system)
+    if form is None or transition.reset is None:
+        return form is not None
+    what, source = f"reset of transition '{transition.name}'", transition.source
+    return check_map(report, what, transition.reset, system, samples, form, source) is not None
+
+
+def traced_reset(report: Report, transition: Transition, system: System) -> Traced | None:
+    """A transition's reset; None where there is none, or, with a finding, where it cannot be used."""
+    form = reset_form(transition, system)
+    if form is None or transition.reset is None:
+        return None
+    what = f"reset of transition '{transition.name}'"
+    return traced(report, what, transition.reset, system, form, mode=transition.source)
+
+
+def reset_form(transition: Transition, system: System) -> Form | None:
+    """What a transition's reset must write; None where its relabelling cannot be used."""
+    needed: Collection[int] = system.states_of(transition.target)
+    if transition.relabel is not None:
+        own = system.symmetry(transition.relabel)
+        try:
+            relabel = Traced(own.map, system, vector_form(system, "map", "x_image"))
+        except ContwalkError:
+            return None
+        if relabel.unwritten or not relabel.outputs():
+            return None
+        needed = _read(relabel, system.states_of(transition.target))
+    every = len(needed) == len(system.states)
+    return vector_form(system, "reset", "x_plus", None if every else needed)
+
+
+def check_states(report: Report, transition: Transition, system: System) -> bool:
+    """Whether the modes of a transition have the states that its role and its lack of a reset ask for."""
+    source, target = (set(system.states_of(mode)) for mode in (transition.source, transition.target))
+    what, place = f"transition '{transition.name}'", place_of(transition.guard)
+    between = f"mode '{transition.source}' and mode '{transition.target}'"
+    if transition.role == "soft" and source != target:
+        names = ", ".join(system.state_names[i] for i in sorted(source ^ target))
+        report.error(
+            what,
+            f"It is soft, but {between} do not have the same states ({names}). Declare role='hard': "
+            "multipliers would be wrong.",
+            place,
+        )
+        return False
+    if transition.role == "hard" and transition.reset is None and target and not source & target:
+        report.warning(
+            what,
+            f"It has no reset, and {between} have no state in common: what is after it begins with zeros. "
+            "Write a reset.",
+            place,
+        )
+    return True
+
+
+def check_soft(
+    report: Report,
+    transition: Transition,
+    guard: Traced,
+    reset: Traced,
+    fields: Mapping[str, Traced],
+    samples: Samples,
+) -> None:
+    """A soft transition must leave the state as it is: orbits are continued as if nothing happened there."""
+    if transition.source not in fields:
+        return
+    kept = [i for i in reset.system.states_of(transition.target) if i in reset.existing]
+    for t, x in _states_at_event(transition, guard, fields[transition.source], samples):
+        jump = np.abs(reset.values(t, x, samples.values) - x)[kept]
+        bound = FACTOR * EPSILON * (reset.roundings(t, x, samples.values) + np.abs(x))[kept]
+        if (jump > np.maximum(bound, np.finfo(float).tiny)).any():
+            i = kept[int(np.argmax(jump - bound))]
+            now = reset.values(t, x, samples.values)[i]
+            report.error(
+                f"reset of transition '{transition.name}'",
+                f"The transition is soft, but its reset changes {reset.system.state_names[i]} from "
+                f"{x[i]:.6g} to {now:.6g}. Declare role='hard', or leave the reset out.",
+                place_of(transition.reset),
+            )
+            return
+
+
+def _check_continuous(
+    report: Report, happening: Happening, system: System, fields: Mapping[str, Traced], samples: Samples
+) -> None:
+    """At a soft transition the field must be the same on both sides, in the states that exist on both."""
+    transition = happening.transition
+    before, after = fields[transition.source], fields[transition.target]
+    both = [i for i in before.existing if i in after.existing]
+    for t, x in happening.before:
+        rates, bounds = [], []
+        for field in (before, after):
+            given = field.given(x)
+            rates.append(field.values(t, given, samples.values))
+            inherited = np.abs(field.slopes(t, given, samples.values)) @ np.abs([t, *given])
+            bounds.append(field.roundings(t, given, samples.values) + inherited)
+        jump = np.abs(rates[1] - rates[0])[both]
+        # A damper's force is its constant times a speed that is zero but for the rounding of the guard.
+        allowed = FACTOR * EPSILON * (bounds[0] + bounds[1])[both]
+        if (jump > np.maximum(allowed, np.finfo(float).tiny)).any():
+            i = both[int(np.argmax(jump - allowed))]
+            report.error(
+                f"transition '{transition.name}'",
+                f"It is soft, but the field jumps there: {before.form.entry(i)} is {rates[0][i]:.6g} in mode "
+                f"'{transition.source}' and {rates[1][i]:.6g} in mode '{transition.target}'. "
+                "Declare role='hard': multipliers would be wrong.",
+                place_of(transition.guard),
+            )
+            return
+
+
+def _read(relabel: Traced, into: Sequence[int]) -> set[int]:
+    """The states that a map takes the states `into` from."""
+    graph = relabel.program.graph
+    inputs = [graph.input("x", i) for i in relabel.existing]
+    rows = [jacobian(graph, [leaf.nodes[i] for i in into], inputs) for leaf in relabel.outputs()]
+    return {k for leaf in rows for row in leaf for k in row}
+
+
+def _check_leaving(report: Report, happening: Happening, system: System, samples: Samples) -> None:
+    """After its own reset a guard that is armed again must be off zero on the right side, or leaving it."""
+    transition = happening.transition
+    named = "reset of transition" if transition.reset is not None else "transition"
+    what, place = f"{named} '{transition.name}'", place_of(transition.reset or transition.guard)
+    if not any(t.source == transition.target and t.guard is transition.guard for t in system.transitions):
+        report.ok(what, "leads to a mode in which its guard is not armed.", place)
+        return
+    known = _left_behind(happening, system, samples)
+    leaving, past = sum(kind != AGAIN for kind in known), known.count(PAST)
+    if not known:
+        report.ok(
+            what, "not checked whether its guard is left behind: no state at the event was found.", place
+        )
+    elif past == len(known) and transition.reset is None and transition.relabel is None:
+        report.error(
+            what,
+            "It changes nothing: without a reset and without another mode the motion goes on through its "
+            "guard. Give it a reset, or role='watched' if it is only to be told.",
+            place,
+        )
+    elif past and leaving == len(known):
+        share = "at every state" if past == len(known) else f"at {past} of {len(known)} states"
+        sentence = (
+            f"After its own reset the guard is past zero, or goes on through it, {share} at the event that "
+            "was tried: it happens again only where it has been back. That is right for a kick, as a clock's "
+            "push; correct the reset, if the guard should turn back there, as at a stop."
+        )
+        report.warning(what, sentence, place)
+    elif leaving == len(known):
+        report.ok(what, f"leaves its guard behind, at {leaving} states at the event.", place)
+    else:
+        share = "at every state" if leaving == 0 else f"at {len(known) - leaving} of {len(known)} states"
+        sentence = (
+            f"After its own reset the guard is not left behind {share} at the event that was tried: it is "
+            "zero and does not move away, or has passed zero already: the event would happen again at once."
+        )
+        if leaving == 0:
+            report.error(what, f"{sentence} Correct the reset, or lead to a mode without this guard.", place)
+        else:
+            report.warning(what, f"{sentence} A motion that gets there ends.", place)
+
+
+def _states_at_event(
+    transition: Transition, guard: Traced, field: Traced, samples: Samples
+) -> list[tuple[float, np.ndarray]]:
+    """Times and states on the guard that approach it in the transition's direction."""
+    random = np.random.default_rng(_SEED)
+    found = []
+    for k in range(TRIES):
+        row = k % len(samples.states)
+        t = float(samples.times[row])
+        x = samples.states[row] + samples.scales * random.standard_normal(len(samples.scales))
+        at = _onto(guard, t, guard.given(x), samples)
+        if at is None:
+            continue
+        rate = _rate(guard, field, t, at, samples)
+        if np.isfinite(rate) and rate != 0.0 and _sign(transition, rate) * rate > 0.0:
+            found.append((t, at))
+    return found
+
+
+def _onto(guard: Traced, t: float, x: np.ndarray, samples: Samples) -> np.ndarray | None:
+    """The state where the guard is zero, reached along its gradient in the metric of the scales."""
+    for _ in range(ITERATIONS):
+        value = guard.values(t, x, samples.values)[0]
+        if not np.isfinite(value):
+            return None
+        if abs(value) <= _level(guard, t, x, samples):
+            return x
+        slope = guard.slopes(t, x, samples.values)[0, 1:]
+        scaled = slope * samples.scales
+        if not np.isfinite(scaled).all() or not scaled.any():
+            return None
+        x = x - value * samples.scales * scaled / (scaled @ scaled)
+    return None
+
+
+def _left_behind(happening: Happening, system: System, samples: Samples) -> list[str]:
+    """For each state at the event how its guard stands after it, where that can be said."""
+    from contwalk.flow.hybrid import departure  # compiled flows
+    from contwalk.flow.hybrid.machine import hybrid_machine, landed
+
+    transition, machine = happening.transition, hybrid_machine(system, samples.parameters)
+    flow, found = machine.mode(transition.target), []
+    numbers = [i for i, t in enumerate(flow.transitions) if t.guard is transition.guard]
+    for t, x in happening.before:
+        after, noise = landed(machine, transition, t, x)
+        if not np.isfinite(after).all():
+            continue
+        own = [flow.transitions[i].name for i in numbers]
+        given = after[flow.states], noise[flow.states], samples.scales[flow.states]
+        standing = departure.departures(flow, t, *given, own, flow.passed(transition.name))
+        kinds = {standing[i].kind for i in numbers}
+        goes_on = departure.BEYOND in kinds or departure.PASSED in kinds
+        if departure.UNDEFINED not in kinds:
+            again = any(departure.happens_at_once(flow, i, standing[i]) for i in numbers)
+            stuck = again or departure.RESTING in kinds
+            found.append(AGAIN if stuck else PAST if goes_on else LEFT)
+    return found
+
+
+def _rate(guard: Traced, field: Traced, t: float, x: np.ndarray, samples: Samples) -> float:
+    """Rate of the guard along the motion, exactly zero where it is so but for rounding."""
+    slope = guard.slopes(t, x, samples.values)[0]
+    terms = slope * np.array([1.0, *field.values(t, x, samples.values)])
+    rate = float(terms.sum())
+    return 0.0 if abs(rate) <= FACTOR * EPSILON * np.abs(terms).sum() else rate
+
+
+def _level(guard: Traced, t: float, x: np.ndarray, samples: Samples) -> float:
+    """What rounding leaves of the guard at a zero."""
+    slope = guard.slopes(t, x, samples.values)[0]
+    bound = guard.roundings(t, x, samples.values)[0]
+    return 2.0 * EPSILON * float(bound + np.abs(slope) @ np.abs([t, *x]))
+
+
+def _sign(transition: Transition, rate: float) -> float:
+    """The sign that the guard's rate has at the event."""
+    if transition.direction == "both":
+        return float(np.sign(rate))
+    return -1.0 if transition.direction == "falling" else 1.0

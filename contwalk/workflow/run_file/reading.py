@@ -1,0 +1,309 @@
+"""The run file: one study as data, read and checked as a whole before anything runs.
+
+Text -> data with lines (`yaml_lines`), `--set` values (`overrides`), types (`run_model`), names and bounds
+of the system (`run_parameters`, `run_starts`, `run_settings`) -> `RunFile`. See `docs/reference/run_file.md`.
+"""
+
+from __future__ import annotations
+
+import copy
+import io
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+from ruamel.yaml import YAML
+
+from contwalk.errors import ContwalkError, RunFileError
+from contwalk.plugin_check.at_load import load_system
+from contwalk.problems.paths import at_path
+from contwalk.system import System
+from contwalk.system.loading import load_declaration
+from contwalk.workflow.run_file import settings
+from contwalk.workflow.run_file.model import RunModel
+from contwalk.workflow.run_file.parameters import differ, given_values, path_ends, sweep_values
+from contwalk.workflow.run_file.problems import Problems, translate
+from contwalk.workflow.run_file.settings import FigureSpec, Mark, ReportAt
+from contwalk.workflow.run_file.starts import StartReader, StartSpec
+from contwalk.workflow.run_file.text import document_of, text_of_file
+from contwalk.workflow.run_file.values import DIAGRAM_FIGURES, FIGURES
+from contwalk.workflow.run_file.yaml_lines import parse_yaml
+
+__all__ = [
+    "FIGURES",
+    "FigureSpec",
+    "Mark",
+    "ReportAt",
+    "RunFile",
+    "StartSpec",
+    "read_run_file",
+    "read_run_text",
+]
+
+VERSION = 1
+
+
+@dataclass(frozen=True, eq=False)
+class RunFile:
+    """A checked run file.
+
+    Parameters
+    ----------
+    path : Path
+        The file, as the user gave it; `text` is its content, `overrides` the `--set` values.
+    data : dict
+        The content with the overrides applied, as plain data.
+    system_reference, system, model : str, System, mapping
+        The reference, the loaded system, and its model choices.
+    parameters : mapping
+        All parameters: the system's defaults, then the preset, then `parameters`.
+    free : str
+        The continued parameter; `path` on a parameter path.
+    parameter_path : tuple of two mappings, optional
+        All parameters at both ends of the path.
+    range : tuple of float
+        Lower and upper end of the free parameter.
+    direction : str
+        `both`, `forward` (growing free parameter) or `backward`.
+    stop_at : mapping
+        Name of a parameter or observable to the values where a branch ends.
+    follow, depth : frozenset of str, int
+        Labels whose new branches are followed, and how many generations.
+    events : mapping
+        `stop`, `ignore` or `switch` for each of GR, OC, AZ.
+    sweep : tuple of (str, tuple of float), optional
+        A parameter and the values at each of which the diagram is computed; see `studies`.
+    engine : mapping
+        Those of `step`, `min_step`, `max_step`, `max_angle`, `max_share`, `newton_iterations`, `method`,
+        `tolerance`, `segments`, `phase` that are given or have a default.
+    """
+
+    path: Path
+    text: str
+    overrides: tuple[str, ...]
+    data: dict[str, Any]
+    system_reference: str
+    system: System
+    model: Mapping[str, Any]
+    parameters: Mapping[str, float]
+    accuracy: float
+    starts: tuple[StartSpec, ...]
+    free: str
+    range: tuple[float, float]
+    output: Path
+    parameter_path: tuple[Mapping[str, float], Mapping[str, float]] | None = None
+    direction: str = "both"
+    max_points: int = 1000
+    stop_at: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    follow: frozenset[str] = frozenset()
+    depth: int = 5
+    marks: tuple[Mark, ...] = ()
+    events: Mapping[str, str] = field(default_factory=dict)
+    report_at: ReportAt | None = None
+    figures: tuple[FigureSpec, ...] = ()
+    sweep: tuple[str, tuple[float, ...]] | None = None
+    engine: Mapping[str, float | str] = field(default_factory=dict)
+
+    def config(self) -> str:
+        """Text of a run file that asks for this study: the file's own, or with `--set` values in it."""
+        if not self.overrides:
+            return self.text
+        yaml = YAML(pure=True)
+        yaml.default_flow_style = None  # innermost mappings and lists in one line
+        stream = io.StringIO()
+        yaml.dump(self.data, stream)
+        return stream.getvalue()
+
+    def same_study(self, other: str | Mapping[str, Any]) -> bool:
+        """Whether a run file's text, or its data, asks for the same branches.
+
+        Wording, defaults written out, the name of the output and the figures make no difference.
+        """
+        stored = self.settings_of(other)
+        return stored is not None and stored == self.settings_of(self.data)
+
+    def settings_of(self, other: str | Mapping[str, Any]) -> dict[str, Any] | None:
+        """What decides the branches of a run file, by key, from its text or data; None where it is none."""
+        try:
+            return _study(parse_yaml(other, "the stored run file")[0] if isinstance(other, str) else other)
+        except (RunFileError, ValidationError):
+            return None
+
+    def studies(self) -> tuple[RunFile, ...]:
+        """One run file for each swept value, without a sweep; without one, itself alone."""
+        if self.sweep is None:
+            return (self,)
+        name, values = self.sweep
+        return tuple(self._at(name, value) for value in values)
+
+    def _at(self, name: str, value: float) -> RunFile:
+        def put(parameters: Mapping[str, float]) -> dict[str, float]:
+            return {**parameters, name: value}
+
+        ends = self.parameter_path
+        return replace(
+            self,
+            sweep=None,
+            parameters=put(self.parameters),
+            parameter_path=None if ends is None else (put(ends[0]), put(ends[1])),
+            starts=tuple(
+                replace(start, parameters=put(start.parameters), given=put(start.given))
+                for start in self.starts
+            ),
+        )
+
+
+def read_run_file(path: str | Path, overrides: Sequence[str] = (), output: str | None = None) -> RunFile:
+    """Read and check a run file.
+
+    Parameters
+    ----------
+    path : str or Path
+    overrides : sequence of str
+        `KEY=VALUE`, as after `--set`: `continue.range=[1,6]`.
+    output : str, optional
+        The database's name instead of the file's `output`.
+
+    Raises
+    ------
+    RunFileError
+        For every problem, with file, line and key; all that were found, the first one first.
+    """
+    return read_run_text(text_of_file(Path(path), str(path)), path, overrides, output)
+
+
+def read_run_text(
+    text: str, path: str | Path, overrides: Sequence[str] = (), output: str | None = None
+) -> RunFile:
+    """As `read_run_file`, from text. `path` names it in messages; paths are relative to its folder."""
+    problems, model, system = opened(text, path, overrides)
+    run = _checked(problems, model, system, Path(path), output)
+    problems.raise_any()
+    return replace(run, text=text, overrides=tuple(overrides))
+
+
+def opened(text: str, path: str | Path, overrides: Sequence[str] = ()) -> tuple[Problems, RunModel, System]:
+    """A run file's text with its types checked and its system loaded; what any command begins with."""
+    document = document_of(text, str(path), overrides)
+    problems = Problems(document)
+    _check_version(problems)
+    try:
+        model = RunModel.model_validate(document.data)
+    except ValidationError as error:
+        translate(error, problems)
+        raise problems.error() from None
+    return problems, model, _load(problems, model, Path(path).parent)
+
+
+def _check_version(problems: Problems) -> None:
+    """A newer format first: its other keys would only seem to be wrong."""
+    version = problems.document.data.get("contwalk")
+    if isinstance(version, int) and version > VERSION:
+        problems.add(
+            ("contwalk",),
+            f"the file has format {version}, newer than this contwalk reads.",
+            f"Allowed: {VERSION}. Update contwalk, or rewrite the file in format {VERSION}.",
+        )
+        problems.raise_any()
+
+
+def _load(problems: Problems, model: RunModel, base: Path) -> System:
+    """The system; what is wrong with it is told at the key `system`, or `model`."""
+    try:
+        return load_system(model.system, model.model, base)
+    except ContwalkError as error:
+        key = "model" if model.model and _can_be_declared(model.system, base) else "system"
+        problems.add((key,), error.sentence, error.remedy)
+        raise problems.error() from error
+    except (Exception, SystemExit) as error:  # a plugin's own code, run while it is built
+        problems.add(
+            ("system",),
+            f"the plugin '{model.system}' raised {type(error).__name__}: {error}.",
+            "Correct the plugin, or choose another model.",
+        )
+        raise problems.error() from error
+
+
+def _can_be_declared(reference: str, base: Path) -> bool:
+    """Whether the plugin itself loads, so that only its model choices can be at fault."""
+    try:
+        load_declaration(reference, base)
+    except ContwalkError:
+        return False
+    return True
+
+
+def _checked(problems: Problems, model: RunModel, system: System, path: Path, output: str | None) -> RunFile:
+    """The run file of a model, with a problem noted for all that does not fit the system."""
+    given = given_values(problems, system, model)
+    parameters = system.defaults() | given
+    need_start(problems, model)
+    free = settings.free_parameter(problems, system, model)
+    ends = None if model.path is None else path_ends(problems, system, model.path, parameters)
+    varying = (
+        tuple(n for n in parameters if differ(ends[0][n], ends[1][n]))
+        if ends
+        else tuple(filter(None, [free]))
+    )
+    low, high = settings.continued_range(problems, system, model, free)
+    at_start = at_path(parameters, ends, low)
+    reader = StartReader(problems, system, path.parent, at_start, given, varying, settable=ends is None)
+    starts = reader.read(model.start)
+    measured = None
+    if free is not None:
+        settings.check_starts_in_range(problems, starts, free, (low, high))
+        measured = settings.Measured(problems, system, free, varying)
+    return RunFile(
+        path=path,
+        text="",
+        overrides=(),
+        data=copy.deepcopy(problems.document.data),
+        system_reference=model.system,
+        system=system,
+        model=dict(system.model),
+        parameters=parameters,
+        accuracy=model.accuracy,
+        starts=starts,
+        free=free or "",
+        parameter_path=ends,
+        range=(low, high),
+        direction=settings.DIRECTIONS[model.continue_.direction],
+        max_points=model.continue_.max_points,
+        stop_at=settings.stops(problems, measured, model),
+        follow=frozenset(model.diagram.follow),
+        depth=model.diagram.depth,
+        marks=settings.marks(problems, measured, model),
+        events=model.events.model_dump(),
+        report_at=settings.report_place(problems, system, model.report_at),
+        output=_output(problems, model, path, output, starts),
+        figures=settings.figures(problems, system, model, DIAGRAM_FIGURES),
+        sweep=sweep_values(problems, system, model, varying),
+        engine=model.engine.model_dump(exclude_none=True),
+    )
+
+
+def need_start(problems: Problems, model: RunModel) -> None:
+    """Note a problem where the file says of no start."""
+    if not model.start:
+        allowed = RunModel.model_fields["start"].description
+        problems.add(("start",), "the key is missing.", f"Allowed: {allowed}.")
+
+
+def _output(
+    problems: Problems, model: RunModel, path: Path, output: str | None, starts: tuple[StartSpec, ...]
+) -> Path:
+    """The database to write: relative to the current directory, never a file that the run reads."""
+    result = Path(output or model.output or f"{path.stem}.h5")
+    read = [(path, "the run file itself")]
+    read += [(start.file, "the database that a start is taken from") for start in starts if start.file]
+    for file, what in read:
+        if file.resolve() == result.resolve():
+            problems.add(("output",), f"'{result}' is {what}.", "Give another name for the output.")
+    return result
+
+
+def _study(data: Any) -> dict[str, Any]:
+    """What decides the branches, in a form that can be compared."""
+    return RunModel.model_validate(data).model_dump(exclude={"output", "figures", "simulate", "sample"})

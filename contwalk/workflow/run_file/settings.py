@@ -1,0 +1,271 @@
+"""What a run does along its branches: the range, marked values, where orbits are reported, figures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from contwalk import quantities
+from contwalk.system.declarations import System
+from contwalk.workflow.quantities import listed
+from contwalk.workflow.run_file.model import FigureOptions, ReportPlace, RunModel
+from contwalk.workflow.run_file.parameters import check_bounds, parameter_named
+from contwalk.workflow.run_file.problems import Problems, allowed
+from contwalk.workflow.run_file.starts import StartSpec
+from contwalk.workflow.run_file.values import FIGURES, MOTION_FIGURES, SAMPLE_FIGURES
+from contwalk.workflow.run_file.yaml_lines import Key
+
+PATH = "path"  # the name of the free parameter of a parameter path
+# Largest real part of an equilibrium, largest modulus of an orbit's multipliers, and what its closure lasts.
+BUILT_IN = ("max_re", "max_abs", quantities.PERIOD)
+DIRECTIONS = {
+    "both": "both",
+    "forward": "forward",
+    "up": "forward",
+    "backward": "backward",
+    "down": "backward",
+}
+
+
+@dataclass(frozen=True)
+class Mark:
+    """Values of a parameter or observable to be marked (UZ), and whether its extrema are."""
+
+    name: str
+    values: tuple[float, ...]
+    extremum: bool = False
+
+
+@dataclass(frozen=True)
+class FigureSpec:
+    """A figure by its name, with the options (`x`, `y`, `file`, ...) that the file gives."""
+
+    name: str
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class ReportAt:
+    """Where the state of an orbit is reported: at an event, or where a state passes a value."""
+
+    event: str | None = None
+    side: str | None = None
+    section: tuple[str, float] | None = None
+    direction: str | None = None
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Names that have a value changing along a branch."""
+
+    problems: Problems
+    system: System
+    free: str
+    varying: tuple[str, ...]
+
+    def check(self, key: Key, name: str) -> None:
+        """Note a problem at `key` unless `name` changes along the branch."""
+        observables = self.system.observable_names
+        known = tuple(dict.fromkeys((self.free, *self.varying, *observables, *BUILT_IN)))
+        if name in (*known, *quantities.every_extreme(self.system.state_names)):
+            return
+        if name in self.system.parameter_names:
+            sentence = f"'{name}' is a parameter that does not change along the branch."
+        elif name in self.system.state_names:
+            sentence = f"'{name}' is a state, not an observable."
+            problem = f"Of orbits, its extremes may be: max:{name}, min:{name}, amp:{name}. {allowed(known)}"
+            self.problems.add(key, sentence, problem)
+            return
+        else:
+            sentence = f"'{name}' is neither the free parameter nor an observable of '{self.system.name}'."
+            self.problems.add(key, sentence, allowed(known, name))
+            return
+        self.problems.add(key, sentence, allowed(known))
+
+
+def free_parameter(problems: Problems, system: System, model: RunModel) -> str | None:
+    """The name of the free parameter, `path` on a parameter path."""
+    name = model.continue_.parameter
+    if model.path is not None:
+        if name is not None:
+            problems.add(
+                ("continue", "parameter"), f"both '{name}' and a path are given.", "Remove one of the two."
+            )
+        return PATH
+    if name is None:
+        problems.add(
+            ("continue", "parameter"),
+            "nothing is continued.",
+            f"Give a parameter here, or a path. {allowed(system.parameter_names)}",
+        )
+        return None
+    return name if parameter_named(problems, ("continue", "parameter"), system, name) else None
+
+
+def continued_range(
+    problems: Problems, system: System, model: RunModel, free: str | None
+) -> tuple[float, float]:
+    """The range of the free parameter, lower end first."""
+    key: Key = ("continue", "range")
+    ends = model.continue_.range
+    on_path = model.path is not None
+    if ends is None and on_path:
+        return 0.0, 1.0
+    if ends is None or len(ends) != 2:
+        sentence = "the key is missing." if ends is None else f"has {len(ends)} numbers."
+        problems.add(key, sentence, "Allowed: two numbers, [lowest, highest].")
+        return 0.0, 0.0
+    low, high = ends
+    if not low < high:
+        what = "is empty: both ends are" if low == high else "is the wrong way round:"
+        values = f"{low:.12g}" if low == high else f"[{low:.12g}, {high:.12g}]"
+        problems.add(
+            key,
+            f"{what} {values}.",
+            "Allowed: [lowest, highest]; the direction is said with direction: forward or backward.",
+        )
+    if on_path and (min(ends) < 0.0 or max(ends) > 1.0):
+        problems.add(key, f"[{low:.12g}, {high:.12g}] leaves the path.", "Allowed: within [0, 1].")
+    for parameter in system.parameters:
+        if parameter.name == free and not on_path:
+            for value in ends:
+                check_bounds(problems, key, parameter, value)
+    return low, high
+
+
+def check_starts_in_range(
+    problems: Problems, starts: tuple[StartSpec, ...], free: str, ends: tuple[float, float]
+) -> None:
+    """Note a problem for a start outside the range; that of a stored point is not known here."""
+    low, high = ends
+    for start in starts:
+        value = start.parameters.get(free, math.nan)
+        known = start.kind != "from" and not math.isnan(value)
+        if known and low < high and not low <= value <= high:
+            problems.add(
+                ("continue", "range"),
+                f"the start has {free} = {value:.12g}, outside the range [{low:.12g}, {high:.12g}].",
+                f"Widen the range, or set {free} under parameters to a value inside it.",
+            )
+
+
+def marks(problems: Problems, measured: Measured | None, model: RunModel) -> tuple[Mark, ...]:
+    """The marked values in the order of the file."""
+    result = []
+    for name, written in model.mark.items():
+        if measured is not None:
+            measured.check(("mark", name), name)
+        if not written:
+            problems.add(("mark", name), "lists no value.", "Allowed: numbers, or the word extremum.")
+        values = tuple(dict.fromkeys(value for value in written if isinstance(value, float)))
+        result.append(Mark(name, values, "extremum" in written))
+    return tuple(result)
+
+
+def stops(problems: Problems, measured: Measured | None, model: RunModel) -> dict[str, tuple[float, ...]]:
+    """Values at which a branch ends, by the name of what has them."""
+    for name, values in model.continue_.stop_at.items():
+        key = ("continue", "stop_at", name)
+        if measured is not None:
+            measured.check(key, name)
+        if not values:
+            problems.add(key, "lists no value.", "Allowed: a number or a list of numbers.")
+    return dict(model.continue_.stop_at)
+
+
+def report_place(problems: Problems, system: System, place: ReportPlace | None) -> ReportAt | None:
+    """Where orbits are reported, its names checked."""
+    if place is None:
+        return None
+    if place.event is not None:
+        events = tuple(dict.fromkeys(transition.name for transition in system.transitions))
+        if place.event not in events:
+            problems.add(
+                ("report_at", "event"),
+                f"'{place.event}' is not an event of '{system.name}'.",
+                allowed(events, place.event),
+            )
+        return ReportAt(event=place.event, side=place.side or "before")
+    ((name, value),) = (place.section or {}).items()
+    if name not in system.state_names:
+        problems.add(
+            ("report_at", "section", name),
+            f"'{name}' is not a state of '{system.name}'.",
+            allowed(system.state_names, name),
+        )
+    return ReportAt(section=(name, value), direction=place.direction)
+
+
+def figures(
+    problems: Problems, system: System, model: RunModel, kinds: tuple[str, ...]
+) -> tuple[FigureSpec, ...]:
+    """The figures of these kinds to be drawn; the names and axes of all are checked."""
+    result = []
+    for index, entry in enumerate(model.figures):
+        if len(entry) != 1:
+            problems.add(
+                ("figures", index),
+                f"has {len(entry)} names.",
+                "Allowed: a name, or {name: {x: ..., y: ...}}.",
+            )
+        for name, options in entry.items():
+            key = ("figures", index, name)
+            if name not in FIGURES:
+                problems.add(key, f"there is no figure '{name}'.", allowed(FIGURES, name))
+            _check_axes(problems, system, key, options)
+            _check_file(problems, model.figures[:index], key, options)
+            if name in kinds:
+                result.append(FigureSpec(name, options.model_dump(exclude_none=True)))
+    return tuple(result)
+
+
+def _check_file(
+    problems: Problems, before: Sequence[dict[str, FigureOptions]], key: Key, options: FigureOptions
+) -> None:
+    """A file of its own: a figure would be drawn over an earlier one without a word."""
+    earlier = [of.file for entry in before for of in entry.values()]
+    if options.file is not None and options.file in earlier:
+        problems.add(
+            (*key, "file"),
+            f"'{options.file}' is the file of figure {earlier.index(options.file) + 1} too.",
+            "Give each figure a file of its own.",
+        )
+
+
+def _check_axes(problems: Problems, system: System, key: Key, options: FigureOptions) -> None:
+    observables = system.observable_names
+    known = (*system.parameter_names, *system.state_names, *observables, *BUILT_IN, PATH)
+    more = quantities.every_extreme(system.state_names)
+    what = "neither a parameter, a state nor an observable"
+    if key[-1] in SAMPLE_FIGURES:
+        known, more, what = system.state_names, (), "not a state"
+    if key[-1] in MOTION_FIGURES:
+        known, more = (*system.state_names, *system.signal_names), ()
+        what = "neither a state nor a signal" if system.signals else "not a state"
+    if isinstance(options.y, tuple) and key[-1] != "time_series":
+        problems.add((*key, "y"), f"'{key[-1]}' shows one quantity.", "Give one name.")
+        return
+    if options.z is not None and key[-1] != "phase_portrait":
+        problems.add((*key, "z"), f"'{key[-1]}' has no third axis.", "Remove it.")
+    _check_limits(problems, key, options)
+    given = {"x": options.x, "y": options.y, "z": options.z}
+    for axis, name in ((axis, name) for axis, names in given.items() for name in listed(names)):
+        if name not in (*known, *more):
+            problems.add(
+                (*key, axis),
+                f"'{name}' is {what} of '{system.name}'.",
+                allowed(tuple(dict.fromkeys(known)), name),
+            )
+
+
+def _check_limits(problems: Problems, key: Key, options: FigureOptions) -> None:
+    for name, limits in (("xlim", options.xlim), ("ylim", options.ylim)):
+        if limits is None:
+            continue
+        if key[-1] != "bifurcation_diagram":
+            problems.add((*key, name), f"'{key[-1]}' has no {name}.", "Remove it.")
+        elif len(limits) != 2 or not limits[0] < limits[1]:
+            shown = ", ".join(f"{value:.12g}" for value in limits)
+            problems.add((*key, name), f"is [{shown}].", "Allowed: two numbers, the smaller one first.")

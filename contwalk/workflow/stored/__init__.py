@@ -1,0 +1,1 @@
+"""Stored points and orbits as what they were: integrated once more, displaced, begun from."""

@@ -1,0 +1,133 @@
+"""Legs and margins of a stored hybrid orbit: what happens on it, and how far it is from its limits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contwalk.branch import Branch, SpecialPoint
+from contwalk.system import System
+
+# Parts of the scale of a margin: zero at the point that is located there, and below zero beyond doubt.
+ZERO, BELOW = 1e-6, -1e-9
+
+
+@dataclass(frozen=True)
+class LegFact:
+    """A leg: the mode it is in, how long it lasts in seconds, and the event that ends it."""
+
+    mode: str
+    duration: float
+    event: str
+
+
+@dataclass(frozen=True)
+class MarginFact:
+    """The least value under one name of what must be positive.
+
+    Parameters
+    ----------
+    name, unit : str
+        The unit is empty where it is not known.
+    value : float
+    share : float
+        In parts of the largest value: along the branch where that is stored, else on the orbit.
+    what : str
+        What it is a margin of, in words.
+    label : str
+        Of the special point at which it is zero.
+    """
+
+    name: str
+    value: float
+    unit: str
+    share: float
+    what: str
+    label: str
+
+
+@dataclass(frozen=True)
+class HybridFacts:
+    """Legs in their order; margins, the least one first."""
+
+    legs: tuple[LegFact, ...]
+    margins: tuple[MarginFact, ...]
+
+    @property
+    def violated(self) -> list[str]:
+        """Names of the margins that are negative."""
+        return [margin.name for margin in self.margins if margin.share < BELOW]
+
+    def nearest(self, label: str) -> MarginFact | None:
+        """The margin that is zero at a point of a label."""
+        own = [margin for margin in self.margins if margin.label == label]
+        return min(own, key=lambda margin: abs(margin.share), default=None)
+
+
+def facts_of(system: System, branch: Branch, point: SpecialPoint | int) -> HybridFacts:
+    """What is known of the orbit of a stored point.
+
+    Raises
+    ------
+    ContwalkError
+        If the system is not that of the branch, or the orbit cannot be integrated.
+    """
+    from contwalk.continuation.reopening import reopened
+    from contwalk.problems.hybrid import limits
+    from contwalk.workflow.stored.orbits import PICTURE
+
+    where = point.index if isinstance(point, SpecialPoint) and not point.unknowns else point
+    problem, sample = reopened(system, branch, where, PICTURE)
+    z = sample.z
+    legs = tuple(
+        LegFact(mode, float(duration), event)
+        for (mode, event, *_), duration in zip(
+            branch.info.settings["legs"],
+            np.diff(problem.starting_times(z)),  # type: ignore[attr-defined]
+            strict=True,
+        )
+    )
+    stored = dict(point.margin) if isinstance(point, SpecialPoint) else {}
+    found: dict[str, MarginFact] = {}
+    margins = problem.margins(z)  # type: ignore[attr-defined]
+    for limit, value, scale in zip(margins.limits, margins.values, margins.scales, strict=True):
+        if not np.isfinite(value):
+            continue
+        derived = limit.test in limits.DERIVED
+        name = f"{limit.name}_{limit.test}" if derived else limit.name
+        if name in branch.info.observables:
+            column = np.abs(branch[name])
+            scale = float(np.max(column[np.isfinite(column)], initial=0.0)) or scale
+            if not isinstance(point, SpecialPoint):
+                stored[name] = float(branch[name][point])
+        told = float(stored.get(name, value))
+        fact = MarginFact(
+            name, told, _unit(system, name), told / float(scale), _what(limit, legs), limit.label
+        )
+        if name not in found or (name not in stored and fact.share < found[name].share):
+            found[name] = fact
+    return HybridFacts(legs, tuple(sorted(found.values(), key=lambda margin: margin.share)))
+
+
+def _unit(system: System, name: str) -> str:
+    if name.endswith("_duration"):
+        return system.time_unit
+    return next((c.unit for c in system.conditions if c.name == name), "")
+
+
+def _what(limit: object, legs: tuple[LegFact, ...]) -> str:
+    """What a limit is about, in a few words."""
+    from contwalk.problems.hybrid.limits import Limit
+
+    assert isinstance(limit, Limit)
+    leg = legs[limit.leg]
+    if limit.test == "duration":
+        return f"how long {leg.mode} lasts"
+    if limit.test == "rate":
+        return "rate at which the guard arrives"
+    if limit.test == "leaving":
+        return "how the guard goes on that its own event left without rate"
+    if limit.test == "condition":
+        return f"condition at {leg.event}"
+    return f"guard on the way, in {leg.mode}"
