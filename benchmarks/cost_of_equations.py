@@ -17,8 +17,8 @@ import numpy as np
 
 import contwalk as cw
 from contwalk.fields.kernel import Kernel
-from contwalk.problems.equations import Equations
-from contwalk.problems.linear import Factored
+from contwalk.numerics.linear import Factored
+from contwalk.problems.equilibrium.equations import Equations
 
 MASSES = 2  # 8 states
 

@@ -83,7 +83,7 @@ PARTS = (
         "linear algebra",
         modules=[
             "numpy.linalg",
-            *("contwalk.problems.linear", "contwalk.problems.orbit.null_vectors"),
+            *("contwalk.numerics.linear", "contwalk.problems.orbit.null_vectors"),
             *("contwalk.problems.hybrid.condensed", "contwalk.problems.hybrid.elimination"),
         ],
     ),

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from contwalk.plotting import plot_stability_map as plot_stability_map
     from contwalk.plotting import save as save
     from contwalk.plugin_check.at_load import load_system as load_system
-    from contwalk.problems.equilibrium import Equilibrium as Equilibrium
+    from contwalk.problems.equilibrium.equilibrium import Equilibrium as Equilibrium
     from contwalk.problems.orbit.discretization import Discretization as Discretization
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit as PeriodicOrbit
     from contwalk.storage import open_database as open_database
@@ -34,7 +34,7 @@ _HOMES = {
     "Branch": "contwalk.branch",
     "ContwalkError": "contwalk.errors",
     "Discretization": "contwalk.problems.orbit.discretization",
-    "Equilibrium": "contwalk.problems.equilibrium",
+    "Equilibrium": "contwalk.problems.equilibrium.equilibrium",
     "PeriodicOrbit": "contwalk.problems.orbit.periodic_orbit",
     "SpecialPoint": "contwalk.branch",
     "continue_branch": "contwalk.continuation.verbs",

@@ -9,11 +9,11 @@ import numpy as np
 
 import contwalk as cw
 from contwalk.branch import Branch, Outcome, SpecialPoint
+from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.diagram import Diagram, Plan
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.opening_orbits import opened_orbit
 from contwalk.continuation.settings import Mark, Settings
-from contwalk.continuation.work import Start
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.system import Mode, Parameter, State, System, Transition
 

@@ -16,7 +16,7 @@ from orbit_invariants import check_orbit_branch as check_orbit_branch
 from special_point_invariants import check_special_points
 
 from contwalk.branch import Branch
-from contwalk.problems.equilibrium import Equilibrium
+from contwalk.problems.equilibrium.equilibrium import Equilibrium
 
 EPSILON = sys.float_info.epsilon
 # The corrector ends at some roundings of the terms. Of these, constants in the field are not seen here.

@@ -13,7 +13,7 @@ from independent_flow import Passage, derived, passed
 from special_point_invariants import check_special_points
 
 from contwalk.branch import Branch
-from contwalk.problems.equilibrium import Equilibrium
+from contwalk.problems.equilibrium.equilibrium import Equilibrium
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.system import Symmetry, System

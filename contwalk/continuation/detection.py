@@ -15,7 +15,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from contwalk.continuation.hidden import knots_of
+from contwalk.continuation.double_crossings import knots_of
 from contwalk.continuation.locating import (
     SAME_POINT,
     Disagreement,
@@ -24,9 +24,9 @@ from contwalk.continuation.locating import (
     locate,
     locate_multiple,
 )
-from contwalk.continuation.rootfinding import narrow
 from contwalk.continuation.segment import LostBranch, Segment
-from contwalk.problems.linear import Factored, critical_pair, deficiency, solution_plane
+from contwalk.numerics.bracketing import narrow
+from contwalk.numerics.linear import Factored, critical_pair, deficiency, solution_plane
 from contwalk.problems.problem import FLAT_FOLD, Located, Sample
 
 # How far from a point its two sides are looked at, in parts of the segment.

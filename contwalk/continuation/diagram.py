@@ -15,15 +15,7 @@ import numpy as np
 
 from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint
 from contwalk.continuation import mirror_images, outcomes
-from contwalk.continuation.arclength import End, Point, walk
-from contwalk.continuation.here import Here, begin, turned
-from contwalk.continuation.marks import Observer, marks_at, observer_of
-from contwalk.continuation.opening import Opening
-from contwalk.continuation.recognition import Known, known_branch
-from contwalk.continuation.records import start_record
-from contwalk.continuation.rows import from_row, to_row
-from contwalk.continuation.settings import Settings
-from contwalk.continuation.work import (
+from contwalk.continuation.branch_in_progress import (
     Start,
     Stored,
     Work,
@@ -35,6 +27,14 @@ from contwalk.continuation.work import (
     resumed,
     spent,
 )
+from contwalk.continuation.marks import Observer, marks_at, observer_of
+from contwalk.continuation.opening import Opening
+from contwalk.continuation.pseudo_arclength import End, Point, walk
+from contwalk.continuation.recognition import Known, known_branch
+from contwalk.continuation.records import start_record
+from contwalk.continuation.rows import from_row, to_row
+from contwalk.continuation.settings import Settings
+from contwalk.continuation.state import Here, begin, turned
 from contwalk.errors import ContwalkError
 from contwalk.problems.problem import Mirror, Problem, Sample
 

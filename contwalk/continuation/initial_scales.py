@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.continuation.metric import UNKNOWN
-from contwalk.problems.linear import Factored, kernel_direction
+from contwalk.numerics.linear import Factored, kernel_direction
 from contwalk.problems.problem import Linearization, Problem, Sample
 
 # Unknowns this many times their own error, or less, are zero.

@@ -14,8 +14,8 @@ from itertools import pairwise
 import numpy as np
 
 from contwalk.continuation.locating import Disagreement, Found, accepted
-from contwalk.continuation.rootfinding import narrow
 from contwalk.continuation.segment import Segment
+from contwalk.numerics.bracketing import narrow
 from contwalk.problems.problem import Located, Problem
 
 LABELS = ("GR", "OC", "AZ")

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contwalk.continuation.rootfinding import narrow
 from contwalk.continuation.segment import Segment
 from contwalk.errors import NotFinite
+from contwalk.numerics.bracketing import narrow
 from contwalk.problems.problem import Located, Sample
 
 # Of two points that are one, in the metric, beside what a problem blurs.

@@ -11,9 +11,9 @@ import numpy as np
 from contwalk import quantities
 from contwalk.continuation.locating import Found, same_point, sample_at
 from contwalk.continuation.newton import correct
-from contwalk.continuation.rootfinding import narrow
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Mark
+from contwalk.numerics.bracketing import narrow
 from contwalk.problems.problem import Located, Problem, Sample
 
 # How near to a turn of the branch, in parts of the segment, no extremum is looked for.

@@ -9,15 +9,15 @@ import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.continuation import outcomes
-from contwalk.continuation.here import Here, begin
 from contwalk.continuation.newton import correct
 from contwalk.continuation.settings import Settings
+from contwalk.continuation.state import Here, begin
 from contwalk.errors import NotFinite, PluginError
-from contwalk.problems.equilibrium import Equilibrium, solution_at
+from contwalk.problems.equilibrium.equilibrium import Equilibrium, solution_at
+from contwalk.problems.equilibrium.second_direction import second_direction
 from contwalk.problems.neutral import active, constant, forced
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.problem import Problem, Sample
-from contwalk.problems.switching import second_direction
 from contwalk.system import System
 
 # How far from a start its branch is looked at, in arclength.

@@ -10,24 +10,24 @@ import numpy as np
 from contwalk.branch import Outcome
 from contwalk.continuation import outcomes
 from contwalk.continuation.families import ONE_OF_A_FAMILY, Places, family_at, is_one_of_a_family
-from contwalk.continuation.here import Here, begin
 from contwalk.continuation.newton import Correction
 from contwalk.continuation.opening import Opening, opened
 from contwalk.continuation.settings import Settings
+from contwalk.continuation.state import Here, begin
 from contwalk.errors import NotFinite, PluginError, StartError
 from contwalk.problems.conserving import with_own_values
-from contwalk.problems.hybrid.beginning import orbit_of
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.least import least, unused_symmetries
-from contwalk.problems.hybrid.recurrence import lap_from
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit, applies, softened
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.hybrid.word import named_word
+from contwalk.problems.initial.event_recurrence import lap_from
+from contwalk.problems.initial.orbit_from_recurrence import orbit_of
+from contwalk.problems.initial.orbit_from_state import orbit_at, repetitions, symmetric
+from contwalk.problems.initial.recurrence import AtRest, recurrent
 from contwalk.problems.kinks import refuse
-from contwalk.problems.orbit.beginning import orbit_at, repetitions, symmetric
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
-from contwalk.problems.orbit.recurrence import AtRest, recurrent
 from contwalk.problems.paths import Path, at_path
 from contwalk.problems.problem import NO_MARGIN
 from contwalk.problems.stored_word import StoredWord

@@ -13,7 +13,7 @@ from contwalk.branch import Branch
 from contwalk.continuation.arc import Arc
 from contwalk.continuation.newton import correct
 from contwalk.errors import NotFinite
-from contwalk.problems.equilibrium import Equilibrium
+from contwalk.problems.equilibrium.equilibrium import Equilibrium
 from contwalk.problems.images import MOST_IMAGES, Product, in_words
 from contwalk.problems.problem import Problem, Sample
 from contwalk.system.declarations import ParameterValues

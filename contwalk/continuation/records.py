@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
-from contwalk.continuation.here import Here
 from contwalk.continuation.locating import Found
+from contwalk.continuation.state import Here
 from contwalk.errors import NotFinite
 from contwalk.problems.problem import Located, Problem
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from contwalk.branch import Branch, BranchInfo, SpecialPoint
 from contwalk.errors import DatabaseError
-from contwalk.problems.equilibrium import Equilibrium
+from contwalk.problems.equilibrium.equilibrium import Equilibrium
 from contwalk.problems.neutral import UNDECLARED, constant
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.problem import Problem, Sample

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.branch import BranchInfo
-from contwalk.continuation.here import Here, adapted
+from contwalk.continuation.state import Here, adapted
 from contwalk.problems.problem import Problem
 
 

@@ -9,12 +9,12 @@ import numpy as np
 from contwalk.branch import Outcome
 from contwalk.continuation import control, limits, outcomes
 from contwalk.continuation.detection import at_branch_point, at_the_end, bifurcations
-from contwalk.continuation.here import Here
 from contwalk.continuation.locating import Disagreement, Found, passes_through
 from contwalk.continuation.marks import Observer, marked
 from contwalk.continuation.newton import Correction, correct
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Settings
+from contwalk.continuation.state import Here
 from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.problem import Linearization, Located, Problem, Sample
 

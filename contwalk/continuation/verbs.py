@@ -11,16 +11,16 @@ import numpy as np
 
 from contwalk import quantities
 from contwalk.branch import Branch, Outcome, SpecialPoint
-from contwalk.continuation.arclength import Point, walk
+from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.diagram import Diagram, Plan
-from contwalk.continuation.here import begin, turned
 from contwalk.continuation.marks import observer_of
 from contwalk.continuation.opening import Opening, opened
+from contwalk.continuation.pseudo_arclength import Point, walk
 from contwalk.continuation.reopening import problem_of
 from contwalk.continuation.settings import Mark, Settings
-from contwalk.continuation.work import Start
+from contwalk.continuation.state import begin, turned
 from contwalk.errors import StartError
-from contwalk.problems.equilibrium import Equilibrium
+from contwalk.problems.equilibrium.equilibrium import Equilibrium
 from contwalk.system.declarations import nearest
 
 if TYPE_CHECKING:  # compiled flows are imported only where orbits are computed

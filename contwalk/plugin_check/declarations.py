@@ -15,7 +15,7 @@ from contwalk.fields.trace import Tracer, trace
 from contwalk.plugin_check.findings import NOWHERE, Place, Report, place_of, place_of_error, split_place
 from contwalk.plugin_check.samples import Samples
 from contwalk.plugin_check.traced import AGAIN, Traced, number_form, traced
-from contwalk.problems.resting import resting
+from contwalk.problems.equilibrium.declared import resting
 from contwalk.python_functions import plain
 from contwalk.system import Observable, Start, System
 from contwalk.system.declarations import ParameterValues

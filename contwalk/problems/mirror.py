@@ -16,14 +16,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contwalk.branch import SpecialPoint
+from contwalk.numerics.linear import nearest_eigenpair
+from contwalk.problems.equilibrium.normal_forms import critical_vectors
 from contwalk.problems.images import Product, products
-from contwalk.problems.linear import nearest_eigenpair
-from contwalk.problems.normal_forms import critical_vectors
 from contwalk.problems.passed_over import passed_over
 from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
-    from contwalk.problems.equilibrium import Equilibrium
+    from contwalk.problems.equilibrium.equilibrium import Equilibrium
     from contwalk.problems.problem import Sample
 
 # In the metric, a state that is kept comes back this exactly, and a tangent that is reversed.

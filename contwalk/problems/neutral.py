@@ -12,7 +12,7 @@ from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
-    from contwalk.problems.equilibrium import Equilibrium
+    from contwalk.problems.equilibrium.equilibrium import Equilibrium
     from contwalk.problems.problem import Sample
 
 # A generator counts as neutral where A g is this far below the size of its terms.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.problems.linear import EPSILON
+from contwalk.numerics.linear import EPSILON
 from contwalk.system import System
 
 

@@ -22,8 +22,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
+from contwalk.numerics.linear import EPSILON, Factored, Factorization
 from contwalk.problems.kinks import Kink
-from contwalk.problems.linear import EPSILON, Factored, Factorization
 
 # Observables that every problem has: the largest real part of an equilibrium, the largest modulus of an
 # orbit.

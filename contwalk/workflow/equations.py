@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.fields.codegen import source
-from contwalk.problems.equilibrium import Equilibrium
+from contwalk.problems.equilibrium.equilibrium import Equilibrium
 from contwalk.python_functions import is_own, original, values_used
 from contwalk.workflow.run_file.reading import RunFile
 
@@ -39,7 +39,7 @@ def equations_text(run_file: RunFile) -> str:
     """
     given = run_file.system, run_file.parameters, run_file.free, run_file.parameter_path
     if run_file.system.acting:
-        from contwalk.problems.hybrid.text import equations_text as hybrid_text
+        from contwalk.problems.hybrid.source_text import equations_text as hybrid_text
 
         free = None if run_file.parameter_path is not None else run_file.free
         return hybrid_text(run_file.system, free)

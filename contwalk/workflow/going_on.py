@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import BranchInfo
+from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.opening import Opening
-from contwalk.continuation.work import Start
 from contwalk.storage.database import Database, RunHeader
 from contwalk.workflow.run_file.reading import RunFile
 

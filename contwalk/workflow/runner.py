@@ -14,9 +14,9 @@ import numpy as np
 
 from contwalk.branch import Branch, BranchInfo, SpecialPoint
 from contwalk.continuation import outcomes
+from contwalk.continuation.branch_in_progress import Start, Stored
 from contwalk.continuation.diagram import Began, Cut, Diagram, Ended, Event, Found, Noted, Plan
 from contwalk.continuation.settings import Mark, Settings
-from contwalk.continuation.work import Start, Stored
 from contwalk.errors import ContwalkError, DatabaseError
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.storage.database import Database, RunHeader

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.errors import StartError
-from contwalk.problems.resting import named_equilibria
+from contwalk.problems.equilibrium.declared import named_equilibria
 from contwalk.storage.failures import failures_of
 from contwalk.system import System
 from contwalk.system.declarations import ParameterValues

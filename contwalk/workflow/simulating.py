@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contwalk.errors import ContwalkError, NotFinite, StartError
-from contwalk.problems.resting import named_equilibria
+from contwalk.problems.equilibrium.declared import named_equilibria
 from contwalk.storage.failures import failures_of
 from contwalk.workflow.made_with import made_with
 from contwalk.workflow.quantities import listed, values_along

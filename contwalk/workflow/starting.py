@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.opening import opened
 from contwalk.continuation.settings import Settings
-from contwalk.continuation.work import Start
 from contwalk.errors import StartError
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.workflow.run_file.reading import RunFile, StartSpec

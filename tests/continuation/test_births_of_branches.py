@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from small_systems import labelled, small_system
 
+from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.diagram import Diagram, Plan
 from contwalk.continuation.opening import opened
 from contwalk.continuation.settings import Settings
-from contwalk.continuation.work import Start
 from contwalk.system import State
 
 

@@ -5,12 +5,12 @@ import pytest
 from small_systems import labelled, small_problem, small_system
 
 import contwalk as cw
+from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.diagram import Diagram, Plan
 from contwalk.continuation.opening import opened
 from contwalk.continuation.settings import Settings
-from contwalk.continuation.work import Start
 from contwalk.errors import NotFinite
-from contwalk.problems.equilibrium import Equilibrium
+from contwalk.problems.equilibrium.equilibrium import Equilibrium
 
 
 def two_points(t, x, p, dx):

@@ -6,10 +6,10 @@ from itertools import islice
 
 from made_up import MadeUp, line
 
-from contwalk.continuation.arclength import Point, walk
-from contwalk.continuation.here import Here
 from contwalk.continuation.marks import Observer
+from contwalk.continuation.pseudo_arclength import Point, walk
 from contwalk.continuation.settings import Settings
+from contwalk.continuation.state import Here
 
 
 class Counting(MadeUp):

@@ -10,10 +10,10 @@ import pytest
 from made_up import MadeUp, at, line
 
 from contwalk.branch import SpecialPoint
-from contwalk.continuation.arclength import Point, walk
-from contwalk.continuation.here import Here
 from contwalk.continuation.marks import Observer
+from contwalk.continuation.pseudo_arclength import Point, walk
 from contwalk.continuation.settings import Settings
+from contwalk.continuation.state import Here
 from contwalk.problems.problem import Sample
 
 HOPF = 0.5

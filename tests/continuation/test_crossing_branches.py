@@ -5,11 +5,11 @@ import pytest
 from small_systems import labelled, small_problem, small_system
 
 import contwalk as cw
+from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.diagram import Diagram, Noted, Plan
 from contwalk.continuation.opening import opened
 from contwalk.continuation.recognition import Known, known_branch
 from contwalk.continuation.settings import Settings
-from contwalk.continuation.work import Start
 
 
 def diagram(field, states, parameters, free, start, span, depth=5):

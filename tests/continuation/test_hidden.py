@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from contwalk.continuation.hidden import _corner, _cubic_extremum
+from contwalk.continuation.double_crossings import _corner, _cubic_extremum
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

@@ -6,7 +6,7 @@ from small_systems import labelled, small_problem
 
 import contwalk as cw
 from contwalk.branch import SpecialPoint
-from contwalk.continuation import here
+from contwalk.continuation import state as here
 from contwalk.continuation.initial_scales import initial_magnitudes
 from contwalk.system import State
 

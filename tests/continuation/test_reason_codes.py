@@ -7,10 +7,10 @@ from small_systems import labelled, small_system
 import contwalk as cw
 from contwalk.branch import BranchInfo, Outcome, SpecialPoint
 from contwalk.continuation import outcomes
+from contwalk.continuation.branch_in_progress import Start, Stored, Work, spent
 from contwalk.continuation.diagram import Diagram, Found, Plan
 from contwalk.continuation.opening_orbits import opened_orbit
 from contwalk.continuation.settings import Settings
-from contwalk.continuation.work import Start, Stored, Work, spent
 from contwalk.storage.schema import outcome_from_text, outcome_text, special_from_text, special_text
 
 

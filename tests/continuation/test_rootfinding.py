@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import pytest
 
-from contwalk.continuation.rootfinding import narrow
+from contwalk.numerics.bracketing import narrow
 
 
 class Asked:

@@ -11,9 +11,9 @@ from made_up import MadeUp, at, circle, line, parabola, pitchfork
 
 from contwalk.branch import Outcome
 from contwalk.continuation import control
-from contwalk.continuation.here import Here
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.settings import Settings
+from contwalk.continuation.state import Here
 from contwalk.continuation.step import predict, take_step
 
 RANGE = Settings(range=(-2.0, 2.0), step=0.1, max_step=0.5, max_share=1.0)

@@ -7,7 +7,7 @@ import pytest
 from small_systems import small_problem
 
 import contwalk as cw
-from contwalk.continuation.work import Stored, Work, resumed
+from contwalk.continuation.branch_in_progress import Stored, Work, resumed
 
 FORWARD, BACKWARD = 1.0, -1.0
 

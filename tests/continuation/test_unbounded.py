@@ -10,7 +10,7 @@ import pytest
 from small_systems import labelled, small_problem
 
 import contwalk as cw
-from contwalk.problems.unbounded import escape
+from contwalk.problems.equilibrium.unbounded import escape
 
 
 def pole(t, x, p, dx):

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from small_systems import labelled, small_problem, small_system
 
+from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.diagram import Diagram, Plan
 from contwalk.continuation.opening import opened
 from contwalk.continuation.settings import Settings
-from contwalk.continuation.work import Start
-from contwalk.problems.vertical import spectrum_beside
+from contwalk.problems.equilibrium.vertical import spectrum_beside
 
 POINTS = 80
 

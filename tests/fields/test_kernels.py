@@ -11,7 +11,7 @@ from traced_kernels import kernel_of, program_of
 
 from contwalk.fields.derivative import directional, jacobian
 from contwalk.fields.kernel import Kernel
-from contwalk.problems.equations import Equations
+from contwalk.problems.equilibrium.equations import Equations
 from contwalk.system import Mode, Parameter, State, System, load_system
 
 

@@ -14,7 +14,7 @@ from contwalk.fields.derivative import jacobian
 from contwalk.fields.functions import FUNCTIONS
 from contwalk.fields.kernel import Kernel
 from contwalk.flow import Field
-from contwalk.problems.equations import Equations
+from contwalk.problems.equilibrium.equations import Equations
 from contwalk.system import load_system
 
 # Zeros of both signs, poles, ends of domains, overflow.

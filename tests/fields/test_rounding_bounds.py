@@ -10,7 +10,7 @@ import pytest
 from function_samples import SAMPLES
 from traced_kernels import bounds_of, kernel_of
 
-from contwalk.problems.equations import Equations
+from contwalk.problems.equilibrium.equations import Equations
 from contwalk.system import load_system
 
 EPSILON = float(np.finfo(float).eps)

@@ -38,7 +38,7 @@ def test_a_kernel_is_compiled_anew_when_any_function_in_it_changes(entry: Entry)
 
 
 def test_modules_of_numbers_are_behind_a_kernel_whether_imported_whole_or_by_name():
-    """`from contwalk.flow import plan` and `from contwalk.flow.hybrid.walk_plan import (...)`."""
+    """`from package import plan` and `from package.walk_plan import (...)`."""
     assert {"contwalk.flow.explicit.plan", "contwalk.flow.hybrid.walk_plan"} <= set(
         modules_behind(WALK.module)
     )

@@ -7,7 +7,7 @@ import pytest
 from flow_fields import compiled, lorenz
 
 from contwalk import flow
-from contwalk.problems.equations import Equations
+from contwalk.problems.equilibrium.equations import Equations
 from contwalk.system import load_system
 
 METHODS = ("dop853", "verner98")

@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 from small_systems import small_problem
 
-from contwalk.problems import defining
-from contwalk.problems.equilibrium import Equilibrium
-from contwalk.problems.problem import Sample
-from contwalk.problems.switching import (
+from contwalk.problems.equilibrium import defining_systems as defining
+from contwalk.problems.equilibrium.equilibrium import Equilibrium
+from contwalk.problems.equilibrium.second_direction import (
     branch_point_seeds,
     directions,
     reach,
     second_direction,
     tangent_through,
 )
+from contwalk.problems.problem import Sample
 from contwalk.system import State
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from contwalk.problems.linear import equilibration
+from contwalk.numerics.linear import equilibration
 
 
 @pytest.mark.parametrize("seed", range(20))

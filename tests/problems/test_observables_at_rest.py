@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from small_systems import small_system
 
-from contwalk.problems.equilibrium import Equilibrium
+from contwalk.problems.equilibrium.equilibrium import Equilibrium
 from contwalk.system import Observable
 
 

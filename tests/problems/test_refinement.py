@@ -8,7 +8,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from contwalk.problems.refine import DefiningSystem, newton, refine
+from contwalk.numerics.refine import DefiningSystem, newton, refine
 
 
 def root_of_two(offset: float = 0.0, **rest) -> DefiningSystem:

@@ -7,7 +7,7 @@ import pytest
 from small_systems import small_system
 
 from contwalk.errors import StartError
-from contwalk.problems.resting import named_equilibria, resting
+from contwalk.problems.equilibrium.declared import named_equilibria, resting
 from contwalk.system import Start
 
 

@@ -5,7 +5,7 @@ too. Where it cannot come near zero with twice its largest rate of late, it does
 steps it is sampled by the method's own interpolation; if cubic polynomials through every second sample miss
 those between, the guard is not resolved, and the step has to be shorter. So it has to be where a guard has no
 value: that is not the other side of zero. The instant of an event is located by taking the step anew with the
-length that ends there, as in `events`.
+length that ends there, as in `events.crossings`.
 
 A guard's rate takes the velocity. At the ends of steps that is the method's first stage. Samples take that of
 the interpolation, of whose values it is the exact rate, at instants that are common to all guards. Where an

@@ -1,9 +1,9 @@
 """Arcs of a hybrid machine and their derivatives in one compiled walk, for numba.
 
-The steps are those of `explicit_drivers`. With columns of derivatives each step moves them too; at a
+The steps are those of `explicit.drivers`. With columns of derivatives each step moves them too; at a
 transition they are multiplied by its saltation matrix (P. C. Mueller, Calculation of Lyapunov exponents for
 dynamic systems with discontinuities, Chaos, Solitons and Fractals 5 (1995) 1671-1681). What needs more
-thought than a glance at values and rates is left to the careful way of `hybrid`.
+thought than a glance at values and rates is left to the careful way of `motions`.
 """
 
 from __future__ import annotations

@@ -15,12 +15,12 @@ from contwalk.errors import ContwalkError
 from contwalk.flow.events.guard import EPSILON
 from contwalk.flow.hybrid.departure import ENTERING, departures
 from contwalk.flow.hybrid.machine import hybrid_machine
+from contwalk.numerics.linear import kernel_direction
 from contwalk.problems.hybrid import limits
 from contwalk.problems.hybrid.least import least
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.hybrid.telling import first_sentence, told_once
 from contwalk.problems.hybrid.word import Word
-from contwalk.problems.linear import kernel_direction
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.problem import Seed
@@ -66,8 +66,8 @@ def _simulated(problem: HybridOrbit, guess: np.ndarray, outward: np.ndarray, lab
     ContwalkError
         If it does not come back, or its orbit is not the machine's.
     """
-    from contwalk.problems.hybrid.beginning import orbit_of
-    from contwalk.problems.hybrid.recurrence import lap_from
+    from contwalk.problems.initial.event_recurrence import lap_from
+    from contwalk.problems.initial.orbit_from_recurrence import orbit_of
 
     values = problem.values_of(guess)
     x = problem.passages[0].full(problem.layout.inputs(0, guess)[0])

@@ -19,7 +19,7 @@ import numpy as np
 
 from contwalk.flow.compiled.addresses import address
 from contwalk.flow.compiled.entry_points import Entry
-from contwalk.problems.linear import Factored, Factorization
+from contwalk.numerics.linear import Factored, Factorization
 
 if TYPE_CHECKING:
     from contwalk.problems.hybrid.layout import Layout

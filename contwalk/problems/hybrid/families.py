@@ -19,7 +19,7 @@ from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
-    from contwalk.problems.hybrid.lap import Lap
+    from contwalk.problems.initial.lap import Lap
 
 # Both sides agree to this part of the size of their terms; a direction that vanishes but for this has none.
 NEUTRAL, VANISHES = 1e-10, 1e-9

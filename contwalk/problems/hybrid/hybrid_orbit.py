@@ -14,6 +14,7 @@ from contwalk import quantities
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.errors import NotFinite
 from contwalk.memory import remembered, unowned
+from contwalk.numerics.linear import EPSILON, Factored, Factorization
 from contwalk.problems import conserving, kinks
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
@@ -35,7 +36,6 @@ from contwalk.problems.hybrid.shooting import AT_REST, LegMesh, Piece, meshed, m
 from contwalk.problems.hybrid.view import LegView, view_of
 from contwalk.problems.hybrid.word import Word, stored_leg
 from contwalk.problems.kinks import Kink
-from contwalk.problems.linear import EPSILON, Factored, Factorization
 from contwalk.problems.orbit import augmented, branching, describing, ending, rates
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.discretization import FINEST, Discretization

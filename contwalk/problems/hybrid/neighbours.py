@@ -19,18 +19,18 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import ContwalkError, NotFinite, StartError
+from contwalk.numerics.linear import kernel_direction
+from contwalk.problems.equilibrium.spectrum import complement
 from contwalk.problems.hybrid import beyond, limits
 from contwalk.problems.hybrid.following import follows
 from contwalk.problems.hybrid.least import least
 from contwalk.problems.hybrid.switching import discretized, rotated
 from contwalk.problems.hybrid.telling import first_sentence, told_once
 from contwalk.problems.hybrid.word import Leg, Word, continued, imaged_leg
-from contwalk.problems.linear import kernel_direction
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.problem import Seed
-from contwalk.problems.spectrum import complement
 from contwalk.signatures import folded
 from contwalk.system import Transition
 from contwalk.system.declarations import ParameterValues

@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contwalk import flow
+from contwalk.problems.equilibrium.spectrum import complement
 from contwalk.problems.hybrid import families
 from contwalk.problems.orbit.motion import JET, PLAIN, TANGENT
 from contwalk.problems.orbit.normal_forms import SectionMap, units
 from contwalk.problems.orbit.period import period_map
-from contwalk.problems.spectrum import complement
 
 if TYPE_CHECKING:
     from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit

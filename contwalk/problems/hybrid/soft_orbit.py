@@ -23,6 +23,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
 from contwalk.memory import remembered, unowned
+from contwalk.numerics.linear import Factored, Factorization, kernel_direction
 from contwalk.problems.hybrid import limits, softness
 from contwalk.problems.hybrid.eliminated import SOLVED, Eliminated, Followed, corrected
 from contwalk.problems.hybrid.grouping import Grouping
@@ -33,7 +34,6 @@ from contwalk.problems.hybrid.shooting import most_steps
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.hybrid.word import Word
-from contwalk.problems.linear import Factored, Factorization, kernel_direction
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.orbit.homoclinic import SlowPlace
 from contwalk.problems.orbit.multipliers import Multipliers

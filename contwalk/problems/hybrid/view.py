@@ -18,9 +18,9 @@ from contwalk import flow
 from contwalk.errors import UnsupportedOperation
 from contwalk.fields.blame import first_switched
 from contwalk.fields.switching import Inputs
+from contwalk.numerics.linear import EPSILON
 from contwalk.problems.hybrid.shooting import Piece
 from contwalk.problems.kinks import Course, inputs
-from contwalk.problems.linear import EPSILON
 from contwalk.problems.orbit.extrema import Smooth, sampled, turns
 from contwalk.problems.orbit.motion import PLAIN
 from contwalk.system import Transition

@@ -30,7 +30,7 @@ import numpy as np
 
 from contwalk import quantities
 from contwalk.errors import NotFinite
-from contwalk.problems.linear import EPSILON
+from contwalk.numerics.linear import EPSILON
 from contwalk.problems.orbit.discretization import TIGHTEST
 from contwalk.problems.orbit.null_vectors import bordered, critical_vectors
 from contwalk.problems.problem import FLAT_FOLD, Located, Sample

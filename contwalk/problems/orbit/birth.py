@@ -14,10 +14,10 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import PluginError
-from contwalk.problems.linear import EPSILON, nearest_eigenpair
+from contwalk.numerics.linear import EPSILON, nearest_eigenpair
 
 if TYPE_CHECKING:
-    from contwalk.problems.equilibrium import Equilibrium
+    from contwalk.problems.equilibrium.equilibrium import Equilibrium
 
 # Samples of a round, and harmonics that are solved for: some orders of a small cycle.
 SAMPLES, HARMONICS = 32, 6

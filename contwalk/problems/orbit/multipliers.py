@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contwalk.problems.orbit.schur import product_eigenvalues
-from contwalk.problems.spectrum import complement
+from contwalk.numerics.periodic_schur import product_eigenvalues
+from contwalk.problems.equilibrium.spectrum import complement
 
 # Relative rounding error of a derivative of the flow: some hundred steps of one rounding each.
 ROUNDING = 1e-14

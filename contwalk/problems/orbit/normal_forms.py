@@ -21,10 +21,10 @@ import numpy as np
 
 from contwalk import flow
 from contwalk.errors import NotFinite
+from contwalk.numerics.linear import Factored
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.linear import Factored
+from contwalk.problems.equilibrium.spectrum import complement
 from contwalk.problems.orbit.motion import JET, PLAIN, TANGENT
-from contwalk.problems.spectrum import complement
 from contwalk.system import System
 from contwalk.system.declarations import ParameterValues
 

@@ -13,11 +13,11 @@ from contwalk import quantities
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.errors import called, measured
 from contwalk.memory import remembered, unowned
+from contwalk.numerics.linear import EPSILON, Factored
 from contwalk.problems import conserving, kinks
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.kinks import Kink
-from contwalk.problems.linear import EPSILON, Factored
 from contwalk.problems.orbit import augmented, branching, describing, ending, rates, switching
 from contwalk.problems.orbit.closure import Closure
 from contwalk.problems.orbit.discretization import FINEST, Discretization

@@ -6,7 +6,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from contwalk.problems.linear import Factorization
+from contwalk.numerics.linear import Factorization
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.homoclinic import SlowPlace
 from contwalk.problems.orbit.multipliers import Multipliers

@@ -22,7 +22,7 @@ from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
-    from contwalk.problems.equilibrium import Equilibrium
+    from contwalk.problems.equilibrium.equilibrium import Equilibrium
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 
 

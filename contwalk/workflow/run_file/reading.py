@@ -1,7 +1,7 @@
 """The run file: one study as data, read and checked as a whole before anything runs.
 
-Text -> data with lines (`yaml_lines`), `--set` values (`overrides`), types (`run_model`), names and bounds
-of the system (`run_parameters`, `run_starts`, `run_settings`) -> `RunFile`. See `docs/reference/run_file.md`.
+Text -> data with lines (`yaml_lines`), `--set` values (`overrides`), types (`model`), names and bounds
+of the system (`parameters`, `starts`, `settings`) -> `RunFile`. See `docs/reference/run_file.md`.
 """
 
 from __future__ import annotations

@@ -8,8 +8,8 @@ from small_systems import small_system
 
 from contwalk.flow.hybrid.arc import Arc
 from contwalk.flow.hybrid.machine import hybrid_machine
-from contwalk.problems.hybrid.resting import check_moves
-from contwalk.problems.orbit.recurrence import AtRest
+from contwalk.problems.initial.coming_to_rest import check_moves
+from contwalk.problems.initial.recurrence import AtRest
 
 
 def arc_of(x):

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from chains import random_matrix
 
+from contwalk.numerics.linear import Factored
 from contwalk.problems.hybrid.condensed import FEW, Chain, Condensed, factored
 from contwalk.problems.hybrid.layout import Layout
-from contwalk.problems.linear import Factored
 
 SHAPES = [
     ((4, 4), False, 0, 1),

@@ -7,8 +7,8 @@ from hybrid_runs import machine
 from contwalk.continuation.opening_orbits import opened_orbit
 from contwalk.continuation.settings import Settings
 from contwalk.errors import StartError
-from contwalk.problems.hybrid import recurrence
-from contwalk.problems.hybrid.recurrence import lap_from
+from contwalk.problems.initial import event_recurrence as recurrence
+from contwalk.problems.initial.event_recurrence import lap_from
 from contwalk.system import Transition
 
 

@@ -19,7 +19,7 @@ from contwalk.errors import SystemDefinitionError
 from contwalk.flow import Restricted, adaptive
 from contwalk.flow.compiled.traced import field_of
 from contwalk.plugin_check.system import check_system
-from contwalk.problems.hybrid.text import equations_text
+from contwalk.problems.hybrid.source_text import equations_text
 from contwalk.system import Mode, Observable, Parameter, State, System, Transition
 
 OMEGA, GAP = 0.9, 0.5

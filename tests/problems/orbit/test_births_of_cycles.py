@@ -6,7 +6,7 @@ from hopf_systems import hopf_system
 from small_systems import labelled, small_problem
 
 import contwalk as cw
-from contwalk.problems.linear import nearest_eigenpair
+from contwalk.numerics.linear import nearest_eigenpair
 from contwalk.problems.orbit.birth import CycleSizes
 
 RANGE = (0.5, 1.5)

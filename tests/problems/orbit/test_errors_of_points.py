@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from contwalk.problems.linear import EPSILON, Factored
+from contwalk.numerics.linear import EPSILON, Factored
 from contwalk.problems.orbit import augmented
 
 LEVEL = 1e-12

@@ -8,8 +8,8 @@ from small_systems import small_system
 
 import contwalk as cw
 from contwalk import flow
+from contwalk.problems.initial.orbit_from_state import orbit_at
 from contwalk.problems.orbit import ending
-from contwalk.problems.orbit.beginning import orbit_at
 from contwalk.system import Observable
 
 VERBS = ("along", "along_with_tangents", "dense", "interpolation", "tangents")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from contwalk.problems.linear import Factored
+from contwalk.numerics.linear import Factored
 from contwalk.problems.orbit.null_vectors import critical_vectors, null_vectors
 
 

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from small_systems import small_system
 
 import contwalk as cw
-from contwalk.problems.orbit.beginning import orbit_at
+from contwalk.problems.initial.orbit_from_state import orbit_at
 from contwalk.problems.orbit.describing import _criticality
 from contwalk.problems.orbit.normal_forms import ReturnMap, units
 from contwalk.system import State

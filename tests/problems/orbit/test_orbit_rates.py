@@ -31,7 +31,7 @@ def test_the_rate_of_a_modulus_is_that_of_its_closed_form():
         {"lam": 0.02},
         observables=(Observable("size", lambda t, x, p: float(np.max(np.hypot(x[:, 0], x[:, 1])))),),
     )
-    from contwalk.problems.orbit.beginning import orbit_at
+    from contwalk.problems.initial.orbit_from_state import orbit_at
 
     start = np.array([math.sqrt(0.02), 0.0])
     chosen = cw.Discretization(accuracy=1e-11)

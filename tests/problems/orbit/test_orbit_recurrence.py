@@ -7,8 +7,8 @@ import pytest
 from small_systems import small_system
 
 from contwalk.errors import NotFinite, StartError
-from contwalk.problems.orbit import recurrence
-from contwalk.problems.orbit.recurrence import recurrent
+from contwalk.problems.initial import recurrence
+from contwalk.problems.initial.recurrence import recurrent
 from contwalk.system import State
 
 # A return is one from 1e-4 of the motion's range on; what it is off multiplies into the period.

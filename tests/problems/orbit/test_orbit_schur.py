@@ -4,7 +4,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from contwalk.problems.orbit.schur import product_eigenvalues
+from contwalk.numerics.periodic_schur import product_eigenvalues
 
 
 def exactly(factors):

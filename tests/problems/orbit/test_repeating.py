@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from small_systems import circle, small_system
 
-from contwalk.problems.orbit.beginning import orbit_at
+from contwalk.problems.initial.orbit_from_state import orbit_at
 from contwalk.problems.orbit.repeating import repeating
 
 

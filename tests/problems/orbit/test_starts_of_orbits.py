@@ -5,7 +5,7 @@ import pytest
 from small_systems import circle, labelled, small_system
 
 import contwalk as cw
-from contwalk.problems.orbit.beginning import orbit_at
+from contwalk.problems.initial.orbit_from_state import orbit_at
 from contwalk.problems.orbit.switching import _at
 from contwalk.system import Neutral
 

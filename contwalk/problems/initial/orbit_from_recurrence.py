@@ -12,8 +12,8 @@ from contwalk.flow.hybrid.motions import HybridMachine, hybrid_machine
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
-from contwalk.problems.hybrid.lap import Lap
-from contwalk.problems.orbit.beginning import started
+from contwalk.problems.initial.lap import Lap
+from contwalk.problems.initial.orbit_from_state import started
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.paths import Path, at_path
 from contwalk.system import Neutral, System

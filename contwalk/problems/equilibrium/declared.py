@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from contwalk.errors import StartError
-from contwalk.problems.equilibrium import Equilibrium
+from contwalk.problems.equilibrium.equilibrium import Equilibrium
 from contwalk.problems.problem import Linearization
 from contwalk.system import System
 

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contwalk.problems.linear import balanced
-from contwalk.problems.spectrum import EPSILON, Spectrum, complement, spectrum
+from contwalk.numerics.linear import balanced
+from contwalk.problems.equilibrium.spectrum import EPSILON, Spectrum, complement, spectrum
 
 if TYPE_CHECKING:
-    from contwalk.problems.equilibrium import Equilibrium
+    from contwalk.problems.equilibrium.equilibrium import Equilibrium
     from contwalk.problems.problem import Linearization
 
 # A branch is not vertical with a larger share of the parameter in its tangent, in the metric; nor with more

@@ -21,12 +21,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contwalk.fields.kernel import Kernel
-from contwalk.problems.linear import EPSILON, balanced, critical_pair, deficiency, nearest_eigenpair
+from contwalk.numerics.linear import EPSILON, balanced, critical_pair, deficiency, nearest_eigenpair
+from contwalk.numerics.refine import DefiningSystem, Solution, newton, refine
 from contwalk.problems.problem import Located, Sample
-from contwalk.problems.refine import DefiningSystem, Solution, newton, refine
 
 if TYPE_CHECKING:
-    from contwalk.problems.equilibrium import Equilibrium
+    from contwalk.problems.equilibrium.equilibrium import Equilibrium
 
 
 # With this share of the parameter in it, in the metric, or less, the tangent is that of the fold nearby.

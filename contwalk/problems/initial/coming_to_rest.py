@@ -7,7 +7,7 @@ import numpy as np
 from contwalk.errors import StartError
 from contwalk.flow.hybrid.machine import ModeFlow
 from contwalk.flow.hybrid.motions import Arc
-from contwalk.problems.orbit.recurrence import AtRest
+from contwalk.problems.initial.recurrence import AtRest
 from contwalk.system import System
 
 # Variation over the later half of an arc's time, in units of what the states have been. Steps control their

@@ -10,11 +10,11 @@ import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.continuation import limits, outcomes
-from contwalk.continuation.here import Here, adapted, grown
 from contwalk.continuation.locating import Found
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.records import end_record, found_record
 from contwalk.continuation.settings import Settings
+from contwalk.continuation.state import Here, adapted, grown
 from contwalk.continuation.step import Step, take_step
 from contwalk.errors import ContwalkError, NotFinite, PluginError
 from contwalk.problems.problem import Problem

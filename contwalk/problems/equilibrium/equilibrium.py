@@ -13,20 +13,25 @@ from contwalk.errors import NotFinite, SystemDefinitionError, called, measured
 from contwalk.fields.blame import first_not_finite, first_switched
 from contwalk.fields.kernel import Kernel
 from contwalk.fields.switching import Inputs, Switching, choices_of
-from contwalk.problems import defining, vertical
+from contwalk.numerics.linear import Factored
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
-from contwalk.problems.description import described
-from contwalk.problems.equations import GROUPS, equations_of
+from contwalk.problems.equilibrium import defining_systems as defining
+from contwalk.problems.equilibrium import vertical
+from contwalk.problems.equilibrium.equations import GROUPS, equations_of
+from contwalk.problems.equilibrium.record import described
+from contwalk.problems.equilibrium.second_direction import (
+    branch_point_seeds,
+    second_direction,
+    tangent_through,
+)
+from contwalk.problems.equilibrium.spectrum import EPSILON, Spectrum, spectrum
+from contwalk.problems.equilibrium.unbounded import escape
 from contwalk.problems.kinks import Kink, between
-from contwalk.problems.linear import Factored
 from contwalk.problems.mirror import Mirror, mirror_of
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.problem import MAX_RE, Linearization, Located, Rates, Sample, Seed
-from contwalk.problems.spectrum import EPSILON, Spectrum, spectrum
-from contwalk.problems.switching import branch_point_seeds, second_direction, tangent_through
-from contwalk.problems.unbounded import escape
 from contwalk.python_functions import plain
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.problems.linear import Factored, LeastSquares
+from contwalk.numerics.linear import Factored, LeastSquares
 
 DIGITS = 40
 # A refined value this small against its typical magnitude is zero.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.problems.linear import (
+from contwalk.numerics.linear import (
     EPSILON,
     Factored,
     bordered_by,
@@ -19,7 +19,7 @@ from contwalk.problems.linear import (
 from contwalk.problems.problem import Seed
 
 if TYPE_CHECKING:
-    from contwalk.problems.equilibrium import Equilibrium
+    from contwalk.problems.equilibrium.equilibrium import Equilibrium
 
 
 # What two directions leave of each other, against their sizes, is rounding below this.

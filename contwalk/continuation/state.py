@@ -11,7 +11,7 @@ from contwalk.continuation.initial_scales import initial_magnitudes, later_magni
 from contwalk.continuation.metric import UNKNOWN, crowded, parameter_weight, updated
 from contwalk.continuation.newton import Correction, correct
 from contwalk.continuation.settings import Settings
-from contwalk.problems.linear import kernel_direction
+from contwalk.numerics.linear import kernel_direction
 from contwalk.problems.problem import Problem, Sample
 
 # A magnitude this many times an unknown's size and how far it moves is none.

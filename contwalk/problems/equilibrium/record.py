@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.problems.normal_forms import (
+from contwalk.problems.equilibrium.normal_forms import (
     branch_point_coefficients,
     fold_coefficients,
     hopf_coefficients,
 )
+from contwalk.problems.equilibrium.second_direction import keep_parameter
 from contwalk.problems.problem import Located, Sample
-from contwalk.problems.switching import keep_parameter
 from contwalk.system import Symmetry
 
 if TYPE_CHECKING:
-    from contwalk.problems.equilibrium import Equilibrium
+    from contwalk.problems.equilibrium.equilibrium import Equilibrium
 
 # A coefficient has a sign if it is this many times its estimated error.
 SURE = 10.0

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.problems.linear import balanced
+from contwalk.numerics.linear import balanced
 
 EPSILON = float(np.finfo(float).eps)
 

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contwalk.problems.linear import Factored, critical_pair, nearest_eigenpair
+from contwalk.numerics.linear import Factored, critical_pair, nearest_eigenpair
+from contwalk.problems.equilibrium.second_direction import EQUAL
 from contwalk.problems.problem import Located
-from contwalk.problems.switching import EQUAL
 
 if TYPE_CHECKING:
-    from contwalk.problems.equilibrium import Equilibrium
+    from contwalk.problems.equilibrium.equilibrium import Equilibrium
 
 # How many roundings away a solution is looked at to tell how well a coefficient is known.
 ROUNDINGS = 4.0
@@ -169,7 +169,7 @@ def is_pitchfork(problem: Equilibrium, located: Located, q: np.ndarray, p: np.nd
         return False
     import mpmath
 
-    from contwalk.problems.refine import DIGITS
+    from contwalk.numerics.refine import DIGITS
 
     size = problem.size
     with mpmath.workdps(DIGITS):

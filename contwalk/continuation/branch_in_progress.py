@@ -10,10 +10,10 @@ import numpy as np
 
 from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint, along, named
 from contwalk.continuation import outcomes
-from contwalk.continuation.here import Here
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.rows import from_row
 from contwalk.continuation.settings import Settings
+from contwalk.continuation.state import Here
 from contwalk.errors import DatabaseError
 from contwalk.problems.problem import MAX_ABS, MAX_RE, Problem
 from contwalk.system import System

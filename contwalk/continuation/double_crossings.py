@@ -9,9 +9,9 @@ from itertools import pairwise
 import numpy as np
 
 from contwalk.continuation.locating import Disagreement, Found, accepted, locate_multiple
-from contwalk.continuation.rootfinding import narrow
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.errors import NotFinite
+from contwalk.numerics.bracketing import narrow
 from contwalk.problems.problem import Sample
 
 # An extremum is looked at when it comes this much nearer to zero than the ends.

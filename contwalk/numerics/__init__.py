@@ -1,0 +1,1 @@
+"""Numerical methods that know nothing of problems: linear algebra, refinement, bracketing."""

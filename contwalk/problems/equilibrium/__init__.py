@@ -1,0 +1,1 @@
+"""Equilibria: their equations, their special points, and where their branches end."""

@@ -1,0 +1,1 @@
+"""First solutions: orbits from a state, and from a simulation that comes back."""
