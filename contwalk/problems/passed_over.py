@@ -1,4 +1,4 @@
-"""Whether an equilibrium or a smooth orbit of a machine with events passes over one of them."""
+"""Whether an equilibrium or a smooth orbit of a machine with events passes one of them, soft ones too."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def passed_over(system: System, t: np.ndarray, x: np.ndarray, parameters: Mappin
         return False
     p = ParameterValues(**parameters)
     for transition in system.leaving(system.modes[0].name):
-        if transition.role != "hard" or transition.direction == "both":
+        if transition.role == "watched" or transition.direction == "both":
             continue
         values = [
             measured(f"guard of '{transition.name}'", transition.guard, time, state, p)

@@ -517,7 +517,12 @@ class Equilibrium:
         if point.label == "HB":
             from contwalk.problems.orbit.switching import from_hopf  # compiled flows, where they are wanted
 
-            return from_hopf(self, point)
+            seeds = from_hopf(self, point)
+            if not self.system.acting:
+                return seeds
+            from contwalk.problems.hybrid.birth import eventful
+
+            return [eventful(seed) for seed in seeds]
         simple = point.label == "BP" and "multiplicity" not in point.coefficients
         return branch_point_seeds(self, point) if simple else ()
 

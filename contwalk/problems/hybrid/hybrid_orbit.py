@@ -753,9 +753,10 @@ class HybridOrbit:
     def trivial_error(self, z: np.ndarray, jacobian: np.ndarray) -> float:
         """How well each leg's map forgets where on the orbit it started, relative; NaN for a forced one.
 
-        A start a little later on the same orbit leads to the same event: P f = 0.
+        A start a little later on the same orbit leads to the same event: P f = 0. Where an event has no rate
+        its map has no derivative: NaN.
         """
-        if self.forced:
+        if self.forced or self._arrives_without_rate(jacobian):
             return float("nan")
         worst = 0.0
         for i, factor in enumerate(self.factors(jacobian)):
@@ -992,6 +993,9 @@ class HybridOrbit:
             return tangent
         assert self.section is not None
         tangent, place, own = tangent.copy(), self.layout.states[0], self.flow_direction(z, 0)
+        units = self.mesh.magnitudes[list(self.passages[0].states)]
+        if self.duration(z) * np.linalg.norm(own / units) <= AT_REST:
+            return tangent  # a cycle that is born there
         shift = -float(self.section.normal @ tangent[place]) / float(self.section.normal @ own)
         tangent[place] += shift * own
         return tangent
@@ -1070,8 +1074,14 @@ class HybridOrbit:
         """The problem discretised for a solution that is taken up again."""
         return self.adapted_to(z, weights)
 
-    def adapted_to(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> HybridOrbit:
-        """The problem on steps for the orbit of z.
+    def adapted_to(
+        self,
+        z: np.ndarray,
+        weights: np.ndarray,
+        tolerance: float | None = None,
+        section: Section | None = None,
+    ) -> HybridOrbit:
+        """The problem on steps for the orbit of z; an orbit that is a point yet tells no section of its own.
 
         Raises
         ------
@@ -1097,12 +1107,13 @@ class HybridOrbit:
             self.effort.spend(STAGES["radau9"] * most)
             raise
         self.effort.spend(2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps))
-        section = None
-        if not (self.word.eventful or self.forced):
+        if section is None and not (self.word.eventful or self.forced):
             x, scalars = inputs[0]
             c = self.passages[0].field(PLAIN).constants(np.concatenate([scalars, self.fixed]))
-            own = self.passages[0].field(PLAIN)(0.0, x, c)
-            section = section_at(x, own, magnitudes[list(self.passages[0].states)])
+            own, units = self.passages[0].field(PLAIN)(0.0, x, c), magnitudes[list(self.passages[0].states)]
+            # At a Hopf point nothing moves: the section is that with which the cycle was begun.
+            still = np.linalg.norm(own / units) <= AT_REST and self.section is not None
+            section = self.section if still else section_at(x, own, units)
         # An orbit that has shrunk to no time at all has the unit of those beside it.
         total = abs(self.duration(z)) or (1.0 if self._mesh is None else self._mesh.total)
         problem = self.on(replace(mesh, total=total), section)

@@ -744,25 +744,27 @@ def growth(problem: HybridOrbit, z: np.ndarray, limit: Limit, direction: np.ndar
 def place_of(problem: HybridOrbit, limit: Limit, located: Located) -> str:
     """Where in the cycle a limit is met."""
     leg = problem.word.legs[limit.leg]
-    before = problem.word.leading_in(problem.system, limit.leg) or "the start of the period"
+    event = problem.word.leading_in(problem.system, limit.leg)
+    begins = "the start of the period" if problem.forced else "the orbit's start"
+    before = f"'{event}'" if event else begins
     after = problem.system.lasting(float(located.vectors["seconds"]), ".10g")
     if limit.test == "duration":
-        return f"'{limit.name}' follows '{before}' at once: between them mode {leg.mode} lasts no time"
+        return f"'{limit.name}' follows {before} at once: between them mode {leg.mode} lasts no time"
     if limit.test == "condition":
         return f"'{limit.name}' is zero at '{leg.name}'"
     if limit.test == "rate":
         return (
-            f"'{limit.name}' arrives with no rate, {after} after '{before}', in mode {leg.mode}: "
+            f"'{limit.name}' arrives with no rate, {after} after {before}, in mode {leg.mode}: "
             "multipliers that grow beyond all bounds do so as the inverse of its rate"
         )
     if limit.test == "past":
         return (
-            f"'{limit.name}' follows '{before}' at once up to here: its guard is zero where "
+            f"'{limit.name}' follows {before} at once up to here: its guard is zero where "
             f"mode {leg.mode} begins"
         )
     if limit.test == "leaving":
         return f"'{limit.name}' is not left again: right after it, in mode {leg.mode}, its guard has no rate"
-    return f"'{limit.name}' is touched {after} after '{before}', in mode {leg.mode}"
+    return f"'{limit.name}' is touched {after} after {before}, in mode {leg.mode}"
 
 
 def sentence(problem: HybridOrbit, label: str, located: Located, sample: Sample) -> str:

@@ -78,8 +78,8 @@ def found(problem: HybridOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], st
         return simulated, f"No orbit of another signature passes there: {reason} {told}"
     except (NotFinite, np.linalg.LinAlgError) as error:
         return (), f"No neighbour to switch to: its equations have no solution there ({error})."
-    words = [_words(cast("HybridOrbit", seed.problem)) for seed in seeds]
-    branches = "a branch of their own" if len(words) == 1 else "branches of their own"
+    words = dict.fromkeys(_words(cast("HybridOrbit", seed.problem)) for seed in seeds)
+    branches = "a branch of their own" if len(seeds) == 1 else f"{len(seeds)} branches of their own"
     return seeds, f"The orbits with signature {' and '.join(words)} leave there: {branches}."
 
 
@@ -423,9 +423,11 @@ def _inserted(
     there, i = discretized(problem, z), limit.leg
     old = problem.word.legs[i]
     if transition.target != old.mode:
+        rest = ", ".join(leg.name for leg in problem.word.legs[i:] if leg.name)
+        follows = f"the rest of the word ({rest}) does" if rest else "a motion without events does"
         raise _None(
-            f"after '{transition.name}' the machine is in mode '{transition.target}', from where the rest of "
-            f"the word ({', '.join(leg.name for leg in problem.word.legs[i:])}) does not follow."
+            f"after '{transition.name}' the machine is in mode '{transition.target}', from where {follows} "
+            "not follow."
         )
     falls = transition.direction != "rising"
     leg = Leg(old.mode, transition, falls if transition.direction != "both" else _falls(there, z, limit))

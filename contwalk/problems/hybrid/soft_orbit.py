@@ -37,6 +37,7 @@ from contwalk.problems.hybrid.word import Word
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.orbit.homoclinic import SlowPlace
 from contwalk.problems.orbit.multipliers import Multipliers
+from contwalk.problems.orbit.section import Section
 from contwalk.problems.problem import Linearization, Located, Sample, Seed
 from contwalk.system import System
 
@@ -140,8 +141,14 @@ class SoftOrbit(HybridOrbit):
         known += [] if self._followed is None else [self._followed]
         return min(known, key=lambda found: float(np.linalg.norm((z - found.z) / weights)))
 
-    def adapted_to(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> SoftOrbit:
-        """The problem with the soft transitions, and on steps, for the orbit of z.
+    def adapted_to(
+        self,
+        z: np.ndarray,
+        weights: np.ndarray,
+        tolerance: float | None = None,
+        section: Section | None = None,
+    ) -> SoftOrbit:
+        """The problem with the soft transitions, and on steps, for the orbit of z; `section` as of any orbit.
 
         Raises
         ------
@@ -150,9 +157,10 @@ class SoftOrbit(HybridOrbit):
         """
         word, states, lasting = softness.passed(self, z, self.magnitudes_of(weights))
         rough, begins = self.explicit_of(word), float(self.starting_times(z)[0])
+        rough.section = self.section
         rough._most_steps = most_steps(self._mesh, tolerance or self.discretization.walking)
         unknowns = rough.assembled(states, lasting, z[self.layout.drifts], float(z[-1]), begins)
-        explicit = rough.adapted_to(unknowns, self._explicit_weights(rough, weights), tolerance)
+        explicit = rough.adapted_to(unknowns, self._explicit_weights(rough, weights), tolerance, section)
         grouping = Grouping(word, rough.layout)
         found = corrected(explicit, grouping, z, grouping.split(unknowns)[1])
         there = self.around(explicit, unknowns)

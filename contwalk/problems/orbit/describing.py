@@ -69,7 +69,7 @@ def described(problem: Orbit, label: str, located: Located, sample: Sample, s: f
         period_full=duration * fold,
         spectrum=spectrum,
         spectrum_full=None if fold == 1 else tuple(v**fold for v in spectrum),
-        trivial_error=None if problem.forced else sample.trivial_error,
+        trivial_error=sample.trivial_error if np.isfinite(sample.trivial_error) else None,
         error=located.error,
         criticality=criticality,
         coefficients=coefficients,
