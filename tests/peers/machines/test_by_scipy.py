@@ -17,6 +17,7 @@ from peers.form import Value
 from peers.machines.double_pendulum import BY_HAND
 from peers.machines.hopper import pushes_on_ground
 from peers.machines.shooting_by_scipy import Cycle, multipliers_test, touching
+from peers.machines.stribeck_belt import pull
 from peers.running import machines
 
 from contwalk.system import System, Transition
@@ -78,6 +79,9 @@ SCROLL = [("right", "in_right"), ("middle", "out_right")]
 HALF = {"image": inverted, "periods": 0.5}
 CONVERSION = [("off", "switch_on"), ("on", "tick_on")]
 SWING = [("free", "strike")]
+STUCK_BEFORE_LEFT = [("stick", "goes_left"), ("left", "halts")]
+STUCK_BEFORE_RIGHT = [("stick", "goes_right"), ("right", "stops")]
+FASTEST = Transition("fastest", "slower", "slower", lambda t, x, p: p.s - pull(t, x, p))
 SHOTS = [
     Shot(
         "compass_gait",
@@ -179,6 +183,38 @@ SHOTS = [
         "PD",
         [("pushed", "release"), ("pulled", "press")],
         [0.0, 0.6289, 0.8628, 1.8827, 0.9103, 2.2885],
+    ),
+    Shot(
+        "shaken_friction",
+        0.5973,
+        "OC",
+        STUCK_BEFORE_LEFT,
+        [1.463, 0.0, 0.0, 5.26, 0.458, 0.597],
+        2,
+        rest=HALF,
+    ),
+    Shot(
+        "shaken_friction",
+        0.57683,
+        "PD",
+        STUCK_BEFORE_LEFT,
+        [1.436, 0.0, 0.24, 5.2, 0.38, 0.577],
+        rest=HALF,
+    ),
+    Shot(
+        "shaken_friction",
+        0.57563,
+        "OC",
+        STUCK_BEFORE_LEFT + STUCK_BEFORE_RIGHT,
+        [1.39, 0.0, 0.45, 5.04, 0.0, 5.43, 0.371, 0.5756],
+        4,
+    ),
+    Shot(
+        "stribeck_belt",
+        0.39579,
+        touching(lambda t, x, p: x[1] - p.v_b),
+        [("slower", FASTEST)],
+        [0.36, 0.396, 6.37, 0.396],
     ),
     Shot("chua", 8.173, "PD", SCROLL, [1.0, 0.2467, -0.2196, 1.34, 0.94, 8.173]),
     Shot("chua", 8.397, "PD", SCROLL * 2, [1.0, 0.1489, -0.0835, 1.412, 1.164, 1.327, 0.693, 8.397]),
