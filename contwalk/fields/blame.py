@@ -16,6 +16,7 @@ from contwalk.fields.complex_numbers import applied, is_complex
 from contwalk.fields.elimination import Factored, eliminated, solved
 from contwalk.fields.functions import FUNCTIONS, Number
 from contwalk.fields.rebind import rebound
+from contwalk.python_functions import line_of
 from contwalk.system.declarations import ParameterValues
 
 
@@ -189,6 +190,7 @@ def first_not_finite(
     x: Sequence[float],
     parameters: dict[str, float],
     number: type[Probe] = Probe,
+    named: Callable[..., Any] | None = None,
 ) -> str | None:
     """Where the function first gives something that is not finite: `file, line n: what`; None if nowhere.
 
@@ -203,11 +205,16 @@ def first_not_finite(
         Values by name.
     number : type
         What stands in for numbers.
+    named : callable, optional
+        Whose line is told where no operation gives it, but a constant: by default that of the function.
     """
     states = np.array([number(float(v)) for v in x], dtype=object)
     p = ParameterValues(**{name: number(float(value)) for name, value in parameters.items()})
+    out = np.empty(len(states), dtype=object)
     try:
-        rebound(function)(number(t), states, p, np.empty(len(states), dtype=object))
+        rebound(function)(number(t), states, p, out)
+        if not all(entry is None or math.isfinite(_value(entry)) for entry in out):
+            return f"{line_of(named or function)}the result is not finite"
     except _FoundNotFinite as error:
         return f"{plugin_line(error)}: {error}"
     except (Exception, SystemExit) as error:

@@ -26,6 +26,11 @@ CONDITIONS = (*RELATIONS, "and", "or", "not")
 FACTORS = ("factor", "factor_symmetric")
 BUNDLES = (*FACTORS, "solved")
 
+KEPT = (
+    "What the function gives depends on an earlier call of it: it keeps something in a variable outside, or "
+    "in a default argument."
+)
+
 _ARITHMETIC: dict[str, Callable[[Any, Any], Any]] = {
     "add": operator.add,
     "sub": operator.sub,
@@ -257,6 +262,8 @@ class Expression(Number):
         """Node of an operand: an expression or a number; a condition is 1 where it holds, else 0."""
         if isinstance(other, Expression):
             graph, node = other.graph, other.node
+            if graph is not self.graph:
+                raise UnsupportedOperation(KEPT, "What it needs must be constant, a state or a parameter.")
             return graph.select(node, graph.one, graph.zero) if graph.is_condition(node) else node
         if is_complex(other):
             raise UnsupportedOperation("A complex number stands where a real one is needed.", REMEDY)

@@ -17,11 +17,12 @@ from contwalk.plugin_check.conserved import check_conserved
 from contwalk.plugin_check.declarations import check_period, check_repeats
 from contwalk.plugin_check.events import check_soft, check_states, traced_reset
 from contwalk.plugin_check.findings import Finding, Report
-from contwalk.plugin_check.functions import check_clock, check_never_finite, traced_guard
+from contwalk.plugin_check.functions import check_clock, check_never_finite
+from contwalk.plugin_check.guards import check_twins, traced_guard
 from contwalk.plugin_check.modes import CheckedFields, distinct_transitions
 from contwalk.plugin_check.samples import samples_of
 from contwalk.plugin_check.symmetry import compare_symmetry
-from contwalk.plugin_check.traced import traced, vector_form
+from contwalk.plugin_check.traced import Traced, traced, vector_form
 from contwalk.system import System
 from contwalk.system import load_system as load_declared
 
@@ -65,6 +66,7 @@ def _findings(system: System) -> list[Finding]:
     samples = samples_of(system, period)
     fields = CheckedFields(system)
     fields.check(report)
+    guards = dict[str, Traced]()
     for transition in distinct_transitions(system):
         what = f"guard of transition '{transition.name}'"
         guard, reset = (
@@ -76,9 +78,12 @@ def _findings(system: System) -> list[Finding]:
                 continue
             if period is not None:
                 check_repeats(report, name, function, samples, period)
+        if guard is not None:
+            guards[transition.name] = guard
         apart = not check_states(report, transition, system)
-        if transition.role == "soft" and not apart and guard is not None and reset is not None:
-            check_soft(report, transition, guard, reset, fields, samples)
+        if transition.role == "soft" and not apart and guard is not None:
+            check_soft(report, transition, guard, reset, system, fields, samples)
+    check_twins(report, system, guards)
     for entry in system.conditions:
         traced_at_event(report, entry, system)
     for neutral in system.neutral:

@@ -8,7 +8,8 @@ import numpy as np
 
 from contwalk.plugin_check.events import traced_reset
 from contwalk.plugin_check.findings import Report, place_of
-from contwalk.plugin_check.functions import EPSILON, traced_guard
+from contwalk.plugin_check.functions import EPSILON
+from contwalk.plugin_check.guards import traced_guard
 from contwalk.plugin_check.modes import CheckedFields, distinct_transitions
 from contwalk.plugin_check.samples import Samples
 from contwalk.plugin_check.traced import Traced, number_form, traced, vector_form

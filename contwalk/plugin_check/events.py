@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.errors import ContwalkError
+from contwalk.errors import ContwalkError, PluginError
 from contwalk.fields.derivative import jacobian
 from contwalk.plugin_check.declarations import check_repeats
 from contwalk.plugin_check.findings import Report, place_of
@@ -17,6 +17,8 @@ from contwalk.plugin_check.traced import Form, Traced, traced, vector_form
 from contwalk.system import System, Transition
 
 TRIES = 40
+# As many where a plugin is loaded.
+FEW_TRIES = 4
 ITERATIONS = 30
 # How far beyond an event a guard is asked for its sign, as a part of the states' scales.
 BEYOND = 1e-3
@@ -29,9 +31,10 @@ LEFT, PAST, AGAIN = "left", "past", "again"
 
 @dataclass(frozen=True, eq=False)
 class Happening:
-    """A transition that can be used, with times and full states right before it."""
+    """A transition that can be used, with its guard, and times and full states right before it."""
 
     transition: Transition
+    guard: Traced
     before: list[tuple[float, np.ndarray]]
 
 
@@ -52,14 +55,14 @@ def check_transition(
     for what, function in (("guard", guard), ("reset", reset)):
         if period is not None and function is not None:
             check_repeats(report, f"{what} of transition '{transition.name}'", function, samples, period)
+    before = _states_at_event(transition, guard, fields[transition.source], samples)
+    happening = Happening(transition, guard, before)
     if transition.role == "soft" and reset is not None:
-        check_soft(report, transition, guard, reset, fields, samples)
-    happening = Happening(transition, _states_at_event(transition, guard, fields[transition.source], samples))
+        _check_kept(report, happening, reset, samples)
     if transition.role == "soft":
-        _check_continuous(report, happening, system, fields, samples)
-    _check_passing(report, happening, guard, samples)
-    again = transition.role == "hard" and transition.source == transition.target
-    if transition.role != "watched" and (transition.reset is not None or again):
+        _check_continuous(report, happening, fields, samples)
+    _check_passing(report, happening, samples)
+    if transition.role != "watched" and transition.reset is not None:
         _check_leaving(report, happening, system, samples)
     if transition.role == "watched" and transition.reset is not None:
         report.warning(
@@ -71,9 +74,10 @@ def check_transition(
     return happening
 
 
-def _check_passing(report: Report, happening: Happening, guard: Traced, samples: Samples) -> None:
+def _check_passing(report: Report, happening: Happening, samples: Samples) -> None:
     """The guard must have another sign beyond its zeros, and zeros at all."""
-    transition, what = happening.transition, f"guard of transition '{happening.transition.name}'"
+    transition, guard = happening.transition, happening.guard
+    what = f"guard of transition '{transition.name}'"
     place = place_of(transition.guard)
     beyond = [_just_beyond(transition, guard, t, x, samples) for t, x in happening.before]
     if beyond and not any(value > 0.0 for value in beyond):
@@ -150,6 +154,15 @@ def check_states(report: Report, transition: Transition, system: System) -> bool
     source, target = (set(system.states_of(mode)) for mode in (transition.source, transition.target))
     what, place = f"transition '{transition.name}'", place_of(transition.guard)
     between = f"mode '{transition.source}' and mode '{transition.target}'"
+    if _changes_nothing(transition):
+        report.error(
+            what,
+            "It changes nothing: without a reset and without another mode the motion goes on through its "
+            "guard. Give it a reset, or role='watched' if it is only to be told; a reset that keeps the "
+            "state (x_plus[:] = x) says that nothing is meant to change.",
+            place,
+        )
+        return False
     if transition.role == "soft" and source != target:
         names = ", ".join(system.state_names[i] for i in sorted(source ^ target))
         report.error(
@@ -169,19 +182,43 @@ def check_states(report: Report, transition: Transition, system: System) -> bool
     return True
 
 
+def _changes_nothing(transition: Transition) -> bool:
+    """Whether it acts, and what is after it is what was before."""
+    same = transition.source == transition.target and transition.relabel is None
+    return transition.role != "watched" and same and transition.reset is None
+
+
 def check_soft(
     report: Report,
     transition: Transition,
     guard: Traced,
-    reset: Traced,
+    reset: Traced | None,
+    system: System,
     fields: Mapping[str, Traced],
     samples: Samples,
 ) -> None:
-    """A soft transition must leave the state as it is: orbits are continued as if nothing happened there."""
-    if transition.source not in fields:
+    """What would make multipliers wrong without a word, at a few states: a jump of the state or the field.
+
+    Of modes that share a field by their constants only the state is looked at: each would be traced for it.
+    """
+    if not {transition.source, transition.target} <= set(fields):
         return
+    shared = any(system.mode(mode).constants for mode in (transition.source, transition.target))
+    if shared and reset is None:
+        return
+    before = _states_at_event(transition, guard, fields[transition.source], samples, FEW_TRIES)
+    happening = Happening(transition, guard, before)
+    if reset is not None:
+        _check_kept(report, happening, reset, samples)
+    if not shared:
+        _check_continuous(report, happening, fields, samples)
+
+
+def _check_kept(report: Report, happening: Happening, reset: Traced, samples: Samples) -> None:
+    """A soft transition must leave the state as it is: orbits are continued as if nothing happened there."""
+    transition = happening.transition
     kept = [i for i in reset.system.states_of(transition.target) if i in reset.existing]
-    for t, x in _states_at_event(transition, guard, fields[transition.source], samples):
+    for t, x in happening.before:
         jump = np.abs(reset.values(t, x, samples.values) - x)[kept]
         bound = FACTOR * EPSILON * (reset.roundings(t, x, samples.values) + np.abs(x))[kept]
         if (jump > np.maximum(bound, np.finfo(float).tiny)).any():
@@ -197,7 +234,7 @@ def check_soft(
 
 
 def _check_continuous(
-    report: Report, happening: Happening, system: System, fields: Mapping[str, Traced], samples: Samples
+    report: Report, happening: Happening, fields: Mapping[str, Traced], samples: Samples
 ) -> None:
     """At a soft transition the field must be the same on both sides, in the states that exist on both."""
     transition = happening.transition
@@ -236,8 +273,7 @@ def _read(relabel: Traced, into: Sequence[int]) -> set[int]:
 def _check_leaving(report: Report, happening: Happening, system: System, samples: Samples) -> None:
     """After its own reset a guard that is armed again must be off zero on the right side, or leaving it."""
     transition = happening.transition
-    named = "reset of transition" if transition.reset is not None else "transition"
-    what, place = f"{named} '{transition.name}'", place_of(transition.reset or transition.guard)
+    what, place = f"reset of transition '{transition.name}'", place_of(transition.reset)
     if not any(t.source == transition.target and t.guard is transition.guard for t in system.transitions):
         report.ok(what, "leads to a mode in which its guard is not armed.", place)
         return
@@ -246,13 +282,6 @@ def _check_leaving(report: Report, happening: Happening, system: System, samples
     if not known:
         report.ok(
             what, "not checked whether its guard is left behind: no state at the event was found.", place
-        )
-    elif past == len(known) and transition.reset is None and transition.relabel is None:
-        report.error(
-            what,
-            "It changes nothing: without a reset and without another mode the motion goes on through its "
-            "guard. Give it a reset, or role='watched' if it is only to be told.",
-            place,
         )
     elif past and leaving == len(known):
         share = "at every state" if past == len(known) else f"at {past} of {len(known)} states"
@@ -277,12 +306,12 @@ def _check_leaving(report: Report, happening: Happening, system: System, samples
 
 
 def _states_at_event(
-    transition: Transition, guard: Traced, field: Traced, samples: Samples
+    transition: Transition, guard: Traced, field: Traced, samples: Samples, tries: int = TRIES
 ) -> list[tuple[float, np.ndarray]]:
     """Times and states on the guard that approach it in the transition's direction."""
     random = np.random.default_rng(_SEED)
     found = []
-    for k in range(TRIES):
+    for k in range(tries):
         row = k % len(samples.states)
         t = float(samples.times[row])
         x = samples.states[row] + samples.scales * random.standard_normal(len(samples.scales))
@@ -325,7 +354,10 @@ def _left_behind(happening: Happening, system: System, samples: Samples) -> list
             continue
         own = [flow.transitions[i].name for i in numbers]
         given = after[flow.states], noise[flow.states], samples.scales[flow.states]
-        standing = departure.departures(flow, t, *given, own, flow.passed(transition.name))
+        try:
+            standing = departure.departures(flow, t, *given, own, flow.passed(transition.name))
+        except PluginError:  # the field raises there, which is told of it
+            continue
         kinds = {standing[i].kind for i in numbers}
         goes_on = departure.BEYOND in kinds or departure.PASSED in kinds
         if departure.UNDEFINED not in kinds:

@@ -9,8 +9,9 @@ import numpy as np
 
 from contwalk.errors import PluginError
 from contwalk.plugin_check.findings import Report, place_of, place_of_error
+from contwalk.plugin_check.guards import traced_guard
 from contwalk.plugin_check.samples import Samples, where_not_finite
-from contwalk.plugin_check.traced import AGAIN, OTHERWISE, Form, Traced, number_form, traced, vector_form
+from contwalk.plugin_check.traced import AGAIN, OTHERWISE, Form, Traced, traced, vector_form
 from contwalk.system import Mode, System, Transition
 
 EPSILON = float(np.finfo(float).eps)
@@ -73,18 +74,6 @@ def check_guard(
     check_derivatives(report, what, found, samples)
     report.ok(what, "returns a finite number.", place_of(transition.guard))
     return found
-
-
-def traced_guard(report: Report, what: str, transition: Transition, system: System) -> Traced | None:
-    """A transition's guard; None, and a finding, where it cannot be used."""
-    function, form = transition.guard, number_form("guard(t, x, p)")
-    found = traced(report, what, function, system, form, mode=transition.source)
-    if found is None or found.depends():
-        return found
-    report.error(
-        what, "It depends neither on the state nor on t, so it never passes zero.", place_of(function)
-    )
-    return None
 
 
 def check_map(
@@ -205,7 +194,8 @@ def _difference(
     right[j] += h
     left[j] -= h
     width = right[j] - left[j]
-    return (found.plainly(t, right, parameters) - found.plainly(t, left, parameters)) / width
+    with np.errstate(invalid="ignore"):  # of infinities
+        return (found.plainly(t, right, parameters) - found.plainly(t, left, parameters)) / width
 
 
 def _shown(system: System, x: np.ndarray) -> str:

@@ -4,23 +4,30 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from itertools import islice
 
 import numpy as np
 
-from contwalk.errors import StartError
+from contwalk.errors import PluginError, StartError
 from contwalk.flow.hybrid.motions import Arc, HybridMachine, applied, arcs, hybrid_machine
 from contwalk.flow.hybrid.past_zero import past_zero
 from contwalk.plugin_check.events import Happening
 from contwalk.plugin_check.findings import Report, place_of
 from contwalk.plugin_check.samples import Samples
-from contwalk.system import System
+from contwalk.system import System, Transition
 
 TOLERANCE = 1e-8
 MOST_ARCS, MOST_STEPS, MOST_STARTS = 8, 300, 6
 
 # A guard that passes zero with less than this part of the largest rate on its way there only touches it.
 TRANSVERSAL = 1e-7
+# One that is more than this part of its largest value on the way there has jumped.
+JUMPED = 1e-3
+# Motions of which this part ends somehow are told with a warning.
+OFTEN = 0.5
+# How a motion ends that comes to a circle of transitions without any time.
+CHAIN = "chain"
+# Arcs of so many motions are kept for each mode.
+MOST_KEPT = 40
 
 
 @dataclass
@@ -30,31 +37,50 @@ class Seen:
     Parameters
     ----------
     motions : int
-    rates : dict
-        For each transition the guard's rate at each event, as a part of the largest one on the way there.
+    eventful : int
+        Those of them that meet a transition.
+    rates, values : dict
+        For each transition the guard's rate at each event, and its value, as a part of the largest one on the
+        way there.
     events : dict
         For each transition times and states right before it.
     ends : dict
-        For each status other than `ok` the sentence of the first motion that ended so, and the transition.
+        For each status other than `ok` the sentences of the motions that ended so, each with the transition
+        and the mode.
+    lost : dict
+        For each transition what is said of motions after which no guard can be met; empty of others.
+    arcs : dict
+        For each mode times and states of some motions.
     """
 
     motions: int = 0
+    eventful: int = 0
     rates: dict[str, list[float]] = field(default_factory=dict)
+    values: dict[str, list[float]] = field(default_factory=dict)
     events: dict[str, list[tuple[float, np.ndarray]]] = field(default_factory=dict)
-    ends: dict[str, tuple[str, str | None]] = field(default_factory=dict)
+    ends: dict[str, list[tuple[str, str | None, str]]] = field(default_factory=dict)
+    lost: dict[str, list[str]] = field(default_factory=dict)
+    arcs: dict[str, list[tuple[np.ndarray, np.ndarray]]] = field(default_factory=dict)
+
+    def end(self, status: str, reason: str, transition: str | None, mode: str) -> None:
+        """Note how a motion ends."""
+        self.ends.setdefault(status, []).append((reason, transition, mode))
 
     def add(self, machine: HybridMachine, arc: Arc) -> None:
         """Take an arc in."""
-        if arc.status in ("sticking", "chatter"):
-            self.ends.setdefault(arc.status, (arc.reason, arc.transition))
+        kept = self.arcs.setdefault(arc.mode, [])
+        if len(kept) < MOST_KEPT and len(arc.times) > 1:
+            kept.append((arc.times, arc.states))
         if arc.transition is None or len(arc.times) == 1:  # none, or at once: a sampled state made it so
             return
         self.events.setdefault(arc.transition, []).append((float(arc.times[-1]), arc.states[-1]))
         flow = machine.mode(arc.mode)
         number = [t.name for t in flow.transitions].index(arc.transition)
         measured = flow.guards[number].along(arc.times, arc.states[:, flow.states], flow.p)
-        rates = np.abs(measured[:, 1])
-        self.rates.setdefault(arc.transition, []).append(float(rates[-1] / max(rates.max(), 1e-300)))
+        for found, column in ((self.values, 0), (self.rates, 1)):
+            sizes = np.abs(measured[:, column])
+            part = sizes[-1] / max(np.nanmax(sizes, initial=0.0), 1e-300)
+            found.setdefault(arc.transition, []).append(float(part))
 
 
 def check_motions(
@@ -70,6 +96,7 @@ def check_motions(
             target = happening.transition.target
             for t, x in happening.before[:MOST_STARTS]:
                 after = applied(machine, happening.transition, t, x)
+                _look_ahead(seen, machine, happening, t, after, samples)
                 _follow(seen, machine, t, after, target, happening.transition.name, samples)
     _tell(report, system, seen)
     return seen
@@ -83,32 +110,49 @@ def _follow(
     try:
         if last is None:
             past_zero(machine, t, x, mode, samples.scales)
-    except StartError:  # a sampled state on the wrong side of a guard
+    except (StartError, PluginError):  # a sampled state on the wrong side of a guard
         return
     motion = arcs(
         machine, t, x, mode, np.inf, TOLERANCE, samples.scales, just_after=last, most_steps=MOST_STEPS
     )
-    for arc in islice(motion, MOST_ARCS):
-        seen.add(machine, arc)
+    met = False
+    try:
+        for count, arc in enumerate(motion, start=1):
+            seen.add(machine, arc)
+            if arc.status not in ("ok", "too_many_steps"):
+                status = CHAIN if arc.status == "sticking" and count > MOST_ARCS else arc.status
+                seen.end(status, arc.reason, arc.transition, arc.mode)
+            met = met or arc.transition is not None
+            if count >= MOST_ARCS and len(arc.times) > 1:  # those that take no time are followed to their end
+                break
+    except PluginError as error:
+        seen.end("plugin_error", str(error), None, mode)
     seen.motions += 1
+    seen.eventful += met or last is not None
+
+
+def _look_ahead(
+    seen: Seen, machine: HybridMachine, happening: Happening, t: float, x: np.ndarray, samples: Samples
+) -> None:
+    """Note whether guards can be met after a transition: none can, where all are past zero, and stay so."""
+    name, mode = happening.transition.name, happening.transition.target
+    said = ""
+    if np.isfinite(x).all():
+        try:
+            past_zero(machine, t, x, mode, samples.scales)
+        except StartError as error:
+            said = error.sentence
+        except PluginError:
+            pass
+    seen.lost.setdefault(name, []).append(said)
 
 
 def _tell(report: Report, system: System, seen: Seen) -> None:
     what, before = "sample motions", len(report.findings)
     for transition in {t.name: t for t in system.acting}.values():
-        rates = seen.rates.get(transition.name, [])
-        typical = float(np.median(rates)) if rates else 1.0
-        if typical < TRANSVERSAL:
-            report.error(
-                f"guard of transition '{transition.name}'",
-                f"It reaches zero with a rate of {typical:.1g} of the largest on the way there, at the "
-                f"{len(rates)} events of sample motions: it does not pass zero, it only comes to it. "
-                "Return a number that passes zero evenly, as a distance does and its cube does not.",
-                place_of(transition.guard),
-            )
-    if "sticking" in seen.ends:
-        reason, name = seen.ends["sticking"]
-        report.warning(what, f"One of them ends. {reason}", _place(system, name))
+        _tell_of_guard(report, transition, seen)
+        _tell_of_what_follows(report, system, transition, seen)
+    _tell_of_ends(report, system, seen)
     met = {name: len(events) for name, events in seen.events.items()}
     if len(report.findings) > before:
         return
@@ -118,6 +162,62 @@ def _tell(report: Report, system: System, seen: Seen) -> None:
     counted = ", ".join(f"{count} of '{name}'" for name, count in met.items())
     accumulate = " Transitions of some accumulate." if "chatter" in seen.ends else ""
     report.ok(what, f"{seen.motions} motions pass {counted}, each with a rate.{accumulate}")
+
+
+def _tell_of_guard(report: Report, transition: Transition, seen: Seen) -> None:
+    """A guard must pass zero, with a rate, and not jump through it."""
+    what, place = f"guard of transition '{transition.name}'", place_of(transition.guard)
+    values, rates = seen.values.get(transition.name, []), seen.rates.get(transition.name, [])
+    if not rates:
+        return
+    jumped = float(np.median(np.nan_to_num(values, nan=np.inf)))
+    if jumped > JUMPED:
+        size = f"{jumped:.2g} of its largest value on the way there" if jumped < np.inf else "not finite"
+        report.error(
+            what,
+            f"It jumps through zero, or passes it at a pole: where it does so it is {size}, at the "
+            f"{len(values)} events of sample motions. Orbits are equations, which it has no zero for. Return "
+            "a number that passes zero evenly, as a distance does.",
+            place,
+        )
+    elif np.median(rates) < TRANSVERSAL:
+        report.error(
+            what,
+            f"It reaches zero with a rate of {np.median(rates):.1g} of the largest on the way there, at the "
+            f"{len(rates)} events of sample motions: it does not pass zero, it only comes to it. "
+            "Return a number that passes zero evenly, as a distance does and its cube does not.",
+            place,
+        )
+
+
+def _tell_of_what_follows(report: Report, system: System, transition: Transition, seen: Seen) -> None:
+    """After a transition a motion must be able to meet another one, if any leads out of its mode."""
+    said = seen.lost.get(transition.name, [])
+    if not said or not all(said):
+        return
+    report.warning(
+        f"transition '{transition.name}'",
+        f"After it no transition out of mode '{transition.target}' can happen any more, at the {len(said)} "
+        f"states at the event that were tried. {said[0].replace(' at the start', ' there')} Correct the sign "
+        "or the direction of that guard, or the reset, or declare level=True where it should happen at once.",
+        place_of(transition.reset or transition.guard),
+    )
+
+
+def _tell_of_ends(report: Report, system: System, seen: Seen) -> None:
+    """Motions that cannot go on."""
+    for status, ended in seen.ends.items():
+        if status == "chatter":
+            continue
+        reason, name, mode = ended[0]
+        at_event = status in ("sticking", CHAIN)
+        place = _place(system, name) if at_event else place_of(system.mode(mode).field)
+        of = "One of them ends." if len(ended) == 1 else f"{len(ended)} of {seen.motions} end."
+        share = len(ended) / max(seen.eventful if at_event else seen.motions, 1)
+        level = "error" if at_event and share == 1.0 else "warning"
+        if status != "sticking" and share < OFTEN:  # a few sampled states may be none of the machine's
+            level = "ok"
+        report.add(level, "sample motions", f"{of} {reason}", place)
 
 
 def _place(system: System, name: str | None) -> tuple[str | None, int | None]:

@@ -79,5 +79,5 @@ def where_not_finite(
         out[0] = original(t, x, p)
 
     of_field_form = original if function.form.argument else as_field
-    text = first_not_finite(of_field_form, t, function.given(x).tolist(), parameters)
+    text = first_not_finite(of_field_form, t, function.given(x).tolist(), parameters, named=original)
     return split_place(text or "the result is not finite", place_of(original))

@@ -19,6 +19,7 @@ from contwalk.plugin_check.conserved import check_conserved
 from contwalk.plugin_check.events import Happening, check_transition
 from contwalk.plugin_check.findings import Finding, Report, place_of, place_of_error, split_place
 from contwalk.plugin_check.functions import check_map
+from contwalk.plugin_check.guards import check_twins
 from contwalk.plugin_check.kinks import check_kinks
 from contwalk.plugin_check.modes import CheckedFields, distinct_transitions
 from contwalk.plugin_check.samples import Samples, samples_of
@@ -94,11 +95,12 @@ def check_system(system: System, sources: Sequence[Path] = (), model: str = "") 
             declarations.check_repeats(report, f"field of mode '{name}'", field, samples, period)
     for name, field in fields.items():
         check_kinks(report, name, field, system, samples)
-    distinct, happenings = distinct_transitions(system), []
+    distinct, happenings = distinct_transitions(system), list[Happening]()
     for transition in distinct:
         happening = check_transition(report, transition, system, fields, samples, period)
         if happening is not None:
             happenings.append(happening)
+    check_twins(report, system, {each.transition.name: each.guard for each in happenings})
     seen = None
     if system.acting and len(happenings) == len(distinct):
         seen = _seen(report, system, list(fields), happenings, samples)

@@ -95,6 +95,15 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, float | np.floating)
 
 
+def _shown(value: Any) -> str:
+    """A wrong value in a message: of functions and of declarations what they are called."""
+    if callable(value):
+        return f"the function {getattr(value, '__name__', type(value).__name__)}"
+    if hasattr(value, "__dataclass_fields__") and hasattr(value, "name"):
+        return f"{type(value).__name__}({value.name!r}, ...)"
+    return repr(value)
+
+
 def _require_texts(what: str, declared: Any, *names: str) -> None:
     for name in names:
         text = getattr(declared, name)
@@ -276,12 +285,12 @@ class Transition:
             _require_callable(f"The reset of transition '{self.name}'", self.reset)
         if self.direction not in DIRECTIONS:
             raise SystemDefinitionError(
-                f"Transition '{self.name}' has direction {self.direction!r}.",
+                f"Transition '{self.name}' has direction {_shown(self.direction)}.",
                 f"Allowed: {', '.join(DIRECTIONS)}.",
             )
         if self.role not in ROLES_OF_TRANSITIONS:
             raise SystemDefinitionError(
-                f"Transition '{self.name}' has role {self.role!r}.",
+                f"Transition '{self.name}' has role {_shown(self.role)}.",
                 f"Allowed: {', '.join(ROLES_OF_TRANSITIONS)}.",
             )
         if self.level not in (True, False):
@@ -556,7 +565,7 @@ class System:
             for entry in entries:
                 if not isinstance(entry, kind):
                     raise SystemDefinitionError(
-                        f"System '{self.name}': {what} contains {entry!r}.",
+                        f"System '{self.name}': {what} contains {_shown(entry)}.",
                         f"Each entry must be a {kind.__name__}(...).",
                     )
             twice = [
@@ -615,10 +624,12 @@ class System:
         modes = {mode.name: mode for mode in self.modes}
         for transition in self.transitions:
             for end in (transition.source, transition.target):
-                if end not in modes:
+                if not isinstance(end, str) or end not in modes:
                     raise SystemDefinitionError(
-                        f"Transition '{transition.name}' refers to mode '{end}', which is not declared.",
-                        f"Declared modes: {', '.join(modes)}.",
+                        f"Transition '{transition.name}' refers to mode {_shown(end)}, which is not "
+                        "declared.",
+                        f"Modes are referred to by their names. Declared: {', '.join(modes)}. "
+                        f"{nearest(str(end), list(modes))}".strip(),
                     )
             self._check_relabel(transition)
         for mode in self.modes:
@@ -627,6 +638,11 @@ class System:
                     raise SystemDefinitionError(
                         f"Mode '{mode.name}' has the constant '{name}', which is a parameter.",
                         "Rename one of them.",
+                    )
+                if name in state_names:
+                    raise SystemDefinitionError(
+                        f"Mode '{mode.name}' has the constant '{name}', which is a state.",
+                        "Rename the constant: p is for parameters and constants, states are read as x[0].",
                     )
         for symmetry in self.symmetries:
             self._check_images(symmetry)
@@ -722,6 +738,10 @@ class System:
         own = tuple(name for name in self.parameter_names if name not in self.conserved_names)
         kinds = {"state": self.state_names, "parameter": own, "conserved quantity": self.conserved_names}
         kinds |= {"observable": tuple(observable.name for observable in self.observables)}
+        # Branches tell what must stay positive by its name, as an observable.
+        watched = (transition.name for transition in self.transitions if transition.role == "watched")
+        kinds |= {"condition": tuple(condition.name for condition in self.conditions)}
+        kinds |= {"watched transition": tuple(dict.fromkeys(watched))}
         for kind, names in kinds.items():
             for name in names:
                 if name in RESERVED or _COLUMN_OF_SPECTRUM.fullmatch(name):
@@ -732,6 +752,7 @@ class System:
         kinds["signal"] = self.signal_names
         # An observable of a state's name is a measure of that state: `branch[name]` is the observable.
         allowed = {("state", "observable"), ("observable", "signal")}
+        allowed |= {("condition", "signal"), ("watched transition", "signal")}  # the same along a motion
         for (kind, names), (other, others) in combinations(kinds.items(), 2):
             shared = next((name for name in names if name in others), None)
             if shared is not None and (kind, other) not in allowed:

@@ -264,7 +264,7 @@ def test_start_that_does_not_exist_is_no_mistake(tmp_path):
 
 
 def test_guard_out_of_reach_is_said(tmp_path):
-    source = broken(IMPACT, "return p.gap - x[0]", "return 1.0 + x[0] ** 2")
+    source = broken(IMPACT, "return p.gap - x[0]", "return 2.0 - 2.0 * x[0] + x[0] ** 2")
     findings = checked(tmp_path, source)
     (found,) = troubles(findings)
     assert found.level == "warning"

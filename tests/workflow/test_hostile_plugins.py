@@ -48,8 +48,6 @@ OTHERS = {
     "start gives one number": (2, 0, 0),
     "reset divides by zero": (2, 1, 0),
     "guard that goes on": (0, 0, 0),  # a kick; a stop with the wrong sign looks the same, and is warned of
-    "no reset and no other mode": (2, 0, 0),  # an event that changes nothing
-    "guard that stays zero": (2, 1, 0),
     "singular matrix": (2, 1, 0),
     "observable and state of one name": (0, 0, 0),  # its measure of the state
     "asserts what holds": (0, 0, 0),

@@ -88,7 +88,8 @@ class _Trial:
 
     @property
     def side(self) -> int:
-        return int(np.sign(self.value if self.value != 0.0 else self.rate))
+        sign = np.sign(self.value if self.value != 0.0 else self.rate)
+        return int(sign) if sign == sign else 0  # none at a pole
 
     def towards(self, forward: int) -> bool:
         """Whether the guard nears zero as time goes forward (1) or back (-1)."""
@@ -178,8 +179,9 @@ def _suspects(sampled: np.ndarray) -> np.ndarray:
     """
     value, rate = sampled[..., 0], sampled[..., 1]
     side = np.sign(np.where(value != 0.0, value, rate))
-    changes = side[:, :-1] * side[:, 1:] <= 0.0
-    turns = (value[:, :-1] * rate[:, :-1] < 0.0) & (value[:, 1:] * rate[:, 1:] > 0.0)
+    with np.errstate(all="ignore"):  # of a guard that is infinite somewhere
+        changes = side[:, :-1] * side[:, 1:] <= 0.0
+        turns = (value[:, :-1] * rate[:, :-1] < 0.0) & (value[:, 1:] * rate[:, 1:] > 0.0)
     here = changes | turns
     found = here.copy()
     found[:, 1:] |= here[:, :-1]
@@ -254,7 +256,7 @@ class _Locator:
             if not a.time + room / 4 < t < b.time - room / 4:
                 t = a.time + 0.5 * (b.time - a.time)
             new = self._trial(t)
-            if abs(new.value) <= new.noise:
+            if abs(new.value) <= new.noise or not np.isfinite(new.value):  # or a pole has been met
                 return new
             a, b = (new, b) if new.side == a.side else (a, new)
             best = min((a, b, new), key=lambda trial: abs(trial.value))

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.fields.blame import first_nearly_singular, first_not_finite
+from contwalk.fields.rebind import rebound
 from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow
 from contwalk.flow.hybrid.walk import METHOD
 from contwalk.flow.integrate import along
@@ -41,7 +42,8 @@ def told(
     """
     known = {**parameters, **system.mode(mode).constants}
     for name, function in functions.items():
-        found = first_not_finite(function, t, np.asarray(x, dtype=float).tolist(), known)
+        named = getattr(function, "guard", None)
+        found = first_not_finite(function, t, np.asarray(x, dtype=float).tolist(), known, named=named)
         if found is not None:
             return f" The {name}: {found}."
     return ""
@@ -67,7 +69,7 @@ def why_not_finite(
             return found
     functions: dict[str, Callable[..., Any]] = {f"field of mode '{mode}'": system.mode(mode).field}
     for each in system.leaving(mode):
-        functions[f"guard of transition '{each.name}'"] = _as_field(each.guard)
+        functions[f"guard of transition '{each.name}'"] = _AsField(each.guard)
     return told(system, mode, functions, t, x, machine.parameters) if np.isfinite(x).all() else ""
 
 
@@ -105,6 +107,8 @@ def just_beyond(
     for share in SHARES:
         times = np.array([t, t + share * span])
         y = along(flow.field, flow.c, times, x[flow.states], METHOD)[-1]
+        if not np.isfinite(y).all():  # the field has no value within the step: look where it leads
+            y = x[flow.states] + share * span * flow.field(t, x[flow.states], flow.c)
         if not np.isfinite(y).all():
             return None
         at = float(times[-1]), machine.full(flow.name, y[None])[0]
@@ -116,8 +120,12 @@ def just_beyond(
     return None
 
 
-def _as_field(guard: Callable[..., Any]) -> Callable[..., None]:
-    def form(t: Any, x: Any, p: Any, out: Any) -> None:
-        out[0] = guard(t, x, p)
+class _AsField:
+    """A guard in the form of a field."""
 
-    return form
+    def __init__(self, guard: Callable[..., Any]) -> None:
+        self.guard = guard
+        self._function = rebound(guard)
+
+    def __call__(self, t: Any, x: Any, p: Any, out: Any) -> None:
+        out[0] = self._function(t, x, p)

@@ -31,6 +31,7 @@ from contwalk.flow.hybrid.departure import (
 )
 from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow, applied, hybrid_machine, landed
 from contwalk.flow.hybrid.walk import METHOD
+from contwalk.python_functions import line_of
 from contwalk.system import Transition
 
 __all__ = ["Arc", "HybridMachine", "applied", "arcs", "hybrid_machine", "parts"]
@@ -269,7 +270,10 @@ def _told(machine: HybridMachine, flow: ModeFlow, part: Arc, weights: np.ndarray
     t, x = float(part.times[-1]), part.states[-1]
     found = just_beyond(machine, flow, t, x, far(flow, t, x[flow.states], weights[flow.states]) / FAR)
     if found is None:
-        return replace(part, reason=part.reason + nearly_singular(machine, flow.name, t, x))
+        blame = nearly_singular(machine, flow.name, t, x)
+        place = line_of(machine.system.mode(flow.name).field).removesuffix(": ")
+        blame = blame or (f" It is the function at {place}." if place else "")
+        return replace(part, reason=part.reason + blame)
     blame = why_not_finite(machine, flow.name, *found.at)
     if found.guard is None:
         return replace(part, reason=part.reason + blame)
