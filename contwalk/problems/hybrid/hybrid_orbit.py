@@ -48,6 +48,7 @@ from contwalk.problems.orbit.period import period_and_slope
 from contwalk.problems.orbit.section import Section, section_at
 from contwalk.problems.orbit.solving import error_holding, newton_on
 from contwalk.problems.orbit.unbounded import unbounded
+from contwalk.problems.orbit.vanishing import at_a_point, in_no_time, onto_an_event
 from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed
 from contwalk.system import Condition, Neutral, System, Transition
 from contwalk.system.declarations import ParameterValues
@@ -1002,9 +1003,9 @@ class HybridOrbit:
 
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
         """Why the branch ends between two neighbouring solutions; limits are the engine's business."""
-        shrunk = (ending.in_no_time if self.word.eventful else ending.at_a_point)(self, a, b)
-        found = ending.not_conserved(self, a, b) or shrunk or homoclinic(self, a, b)
-        return found or unbounded(self, a, b)
+        shrinks = (in_no_time, onto_an_event) if self.word.eventful else (at_a_point,)
+        reasons = (ending.not_conserved, *shrinks, homoclinic, unbounded)
+        return next((outcome for reason in reasons if (outcome := reason(self, a, b)) is not None), None)
 
     @property
     def eventful(self) -> bool:
@@ -1028,6 +1029,29 @@ class HybridOrbit:
     def velocity(self, z: np.ndarray) -> np.ndarray:
         """dx/dt at the start."""
         return self.flow_direction(z, 0)
+
+    @property
+    def events(self) -> list[tuple[int, Transition]]:
+        """The legs that last until an event whose guard depends on the states, and that event."""
+        each = [(i, leg.transition) for i, leg in enumerate(self.word.legs) if not leg.collapsed]
+        return [(i, own) for i, own in each if own and not self.passages[i].of_time_alone(own)]
+
+    def arrival(self, z: np.ndarray, i: int) -> tuple[float, float]:
+        """How fast the guard that ends leg i arrives, and its largest value on the leg."""
+        transition, pieces = self.word.legs[i].transition, self.pieces_of(z, i)
+        assert transition is not None
+        reach = max(float(np.abs(piece.guard_values(transition)).max()) for piece in pieces)
+        return float(pieces[-1].guard(transition)[2][-1]) / (pieces[-1].duration or 1.0), reach
+
+    def typical_guard(self, z: np.ndarray, weights: np.ndarray, i: int) -> float:
+        """What typical changes of the states make of the guard that ends leg i."""
+        transition = self.word.legs[i].transition
+        assert transition is not None
+        return limits.typical(self.pieces_of(z, i)[-1], transition, self.magnitudes_of(weights))
+
+    def pieces_of(self, z: np.ndarray, i: int) -> list[LegView]:
+        """Leg i looked at, piece by piece where there are soft transitions on it."""
+        return [self.view(z)[i]]
 
     def duration_gradient(self, z: np.ndarray) -> np.ndarray:
         """Derivative of the closure's duration by unknowns and free parameter, shape (N + 1,)."""

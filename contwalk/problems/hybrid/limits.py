@@ -580,6 +580,12 @@ def _typical(problem: HybridOrbit, i: int, transition: Transition, sample: Sampl
     return float(np.abs(_at_entry(piece, transition, x, scalars)[1][: len(x)]) @ own)
 
 
+def typical(view: LegView, transition: Transition, magnitudes: np.ndarray) -> float:
+    """What changes of the states by their magnitudes make of a guard where a leg begins."""
+    slopes = _at_entry(view.piece, transition, view.x, view.scalars)[1][: len(view.x)]
+    return float(np.abs(slopes) @ magnitudes[list(view.piece.passage.states)])
+
+
 def collapses(problem: HybridOrbit, i: int) -> bool:
     """Whether leg i is passed in no time where it does not last: its guard acts at entry, and moves there.
 

@@ -300,6 +300,11 @@ class SoftOrbit(HybridOrbit):
         explicit, unknowns = self.explicit(z)
         return explicit.view(unknowns)
 
+    def pieces_of(self, z: np.ndarray, i: int) -> list[LegView]:
+        """Leg i looked at, piece by piece."""
+        views = self.view(z)
+        return [views[k] for k in self._at(z).grouping.groups[i]]
+
     def stretches(self, z: np.ndarray) -> list[Stretch]:
         """The pieces of the whole motion, soft transitions included."""
         explicit, unknowns = self.explicit(z)

@@ -15,6 +15,7 @@ from contwalk.problems.orbit.homoclinic import AROUND, SlowPlace, homoclinic, sl
 from contwalk.problems.orbit.motion import PLAIN
 from contwalk.problems.orbit.transport import carried_to
 from contwalk.problems.orbit.unbounded import unbounded
+from contwalk.problems.orbit.vanishing import at_a_point
 from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
@@ -81,39 +82,6 @@ def _extent(problem: PeriodicOrbit, sample: Sample) -> float:
     """How far an orbit goes in one closure at its present speed, in the metric."""
     n = problem.states
     return float(np.linalg.norm(problem.velocity(sample.z) / sample.weights[:n])) * np.sqrt(problem.segments)
-
-
-def at_a_point(problem: PeriodicOrbit | HybridOrbit, a: Sample, b: Sample) -> Outcome | None:
-    """The orbit shrinks to an equilibrium: beyond it the same orbits follow, half a period later."""
-    if problem.forced or problem.section is None:
-        return None
-    normal = problem.section.normal
-    before, after = float(normal @ problem.velocity(a.z)), float(normal @ problem.velocity(b.z))
-    if not before > 0.0 > after:
-        return None
-    # The parameter changes with the square of the amplitude, and so of the velocity.
-    share = before**2 / (before**2 - after**2) if abs(before + after) > 1e-3 * before else 0.5
-    value = float(a.z[-1] + share * (b.z[-1] - a.z[-1]))
-    return Outcome(
-        "complete",
-        "shrunk",
-        f"The orbit shrinks onto an equilibrium, at a Hopf point near {problem.free} = {value:.6g}: "
-        "the family ends there. Nothing to do.",
-    )
-
-
-def in_no_time(problem: HybridOrbit, a: Sample, b: Sample) -> Outcome | None:
-    """The closure shrinks to no time at all: its events follow each other at once, for ever."""
-    if not a.period > 0.0 >= b.period:
-        return None
-    share = a.period / (a.period - b.period)
-    value = float(a.z[-1] + share * (b.z[-1] - a.z[-1]))
-    return Outcome(
-        "complete",
-        "shrunk",
-        f"The orbit lasts no time any more near {problem.free} = {value:.6g}: its events follow each other "
-        "at once, and the family ends there. Nothing to do.",
-    )
 
 
 def slow_place(problem: PeriodicOrbit, z: np.ndarray) -> SlowPlace:
