@@ -138,6 +138,21 @@ class Outcome:
     message: str
 
 
+def narrowed(info: BranchInfo, points: np.ndarray) -> tuple[BranchInfo, np.ndarray]:
+    """A branch of hybrid orbits without the columns of unknowns that it has room for and never needed."""
+    if info.problem != "hybrid_orbit" or not len(points):
+        return info, points
+    used = int(np.isfinite(points["unknowns"]).sum(axis=1).max())
+    if used == info.unknowns:
+        return info, points
+    narrow = replace(info, unknowns=used)
+    result = np.zeros(len(points), dtype=narrow.point_dtype())
+    for name in result.dtype.names or ():
+        width = result.dtype[name].shape
+        result[name] = points[name][:, : width[0]] if width else points[name]
+    return narrow, result
+
+
 @dataclass(repr=False)
 class Branch:
     """A computed branch.

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint, along, named
+from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint, along, named, narrowed
 from contwalk.continuation import outcomes
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.rows import from_row
@@ -64,9 +64,9 @@ class Work:
     def branch(self, outcome: Outcome) -> Branch:
         """The branch as it stands, ended like this."""
         rows = np.concatenate(self.rows) if self.rows else np.zeros(0, dtype=self.info.point_dtype())
-        points = along(rows)
+        info, points = narrowed(self.info, along(rows))
         cost = {"seconds": float(rows["seconds"].sum()), "rhs": int(rows["rhs"].sum())}
-        return Branch(self.info, points, named(self.special_points, points), outcome, cost)
+        return Branch(info, points, named(self.special_points, points), outcome, cost)
 
 
 def info_of(start: Start, name: str) -> BranchInfo:

@@ -212,7 +212,7 @@ def opened_word(
         stored.subharmonic,
         discretization,
     )
-    z = np.append(stored.unknowns[: problem.size], parameters[free] if at is None else at)
+    z = np.append(stored.unknowns[:-1], parameters[free] if at is None else at)
     try:
         return _hybrid(discretized(problem, z), z, settings)
     except PluginError as error:

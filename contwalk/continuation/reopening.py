@@ -61,7 +61,7 @@ def problem_of(
         given = pins, state, info.subharmonic, discretization or Discretization()
         kind = SoftOrbit if applies(system, word) else HybridOrbit
         hybrid = kind(system, word, parameters, free, ends, *given)
-        return hybrid.turning(np.array(stored["turns"], dtype=float))
+        return hybrid.turning(np.array(stored["turns"], dtype=float)).with_room(int(stored.get("room", 1)))
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 
     orbit = PeriodicOrbit(

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint, along, named
+from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint, along, named, narrowed
 from contwalk.errors import DatabaseError
 from contwalk.system.declarations import nearest
 
@@ -134,7 +134,7 @@ def assemble(
 
     `end` is None while it is not finished; `running` says whether it still may be.
     """
-    points = along(rows)
+    info, points = narrowed(info, along(rows))
     last = max(len(points) - 1, 0)
     # A special point behind the last row can only be the one whose row was torn: keep it on the branch.
     special_points = [replace(point, index=min(point.index, last)) for point in named(list(specials), points)]

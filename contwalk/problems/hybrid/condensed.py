@@ -1,10 +1,10 @@
 """Linear systems of an orbit, condensed: the inner legs are eliminated one by one, a small system is left.
 
-A leg's unknowns (its start state and duration) meet the equations of its own end and of its start, and none
-else; start state of the first leg, drifts and parameter, and further borders, are common. Elimination with
-pivots from each leg's rows costs O(legs n^3) where a dense one costs O((legs n)^3), and stays stable where
-events graze or legs are unstable: nothing is divided by a guard's rate, and no product of legs is formed
-(S. J. Wright, SIAM J. Sci. Stat. Comput. 13, 742, 1992).
+A leg's unknowns (the states at the starts of its segments, its duration) meet the equations of its own end
+and of its start, and none else; start state of the first leg, drifts and parameter, and further borders, are
+common. Elimination with pivots from each leg's rows costs O(legs n^3) where a dense one costs O((legs n)^3),
+and stays stable where events graze or legs are unstable: nothing is divided by a guard's rate, and no product
+of legs is formed (S. J. Wright, SIAM J. Sci. Stat. Comput. 13, 742, 1992).
 
 Of a forced machine the equations of a leg depend on its starting time, and so on all durations before it.
 Starting times are then unknowns of their own, t_i+1 = t_i + T_i, and the matrix is a chain again.
@@ -57,16 +57,18 @@ class Chain:
 
     def __init__(self, layout: Layout, size: int) -> None:
         self.layout, self.size = layout, size
-        inner = range(1, layout.legs)
-        self.times = list(range(size, size + len(inner))) if layout.start is not None else []
+        later = range(1, layout.legs)
+        self.times = list(range(size, size + len(later))) if layout.start is not None else []
         self.width = size + len(self.times)
         columns: list[int] = []
         rows = list(range(layout.matches[0].start, layout.matches[0].stop)) + self.times[:1]
         stages = []
-        for i in inner:
-            columns += [*range(layout.states[i].start, layout.states[i].stop), layout.durations.start + i]
+        for i in later:
+            columns += [*range(layout.states[i].start, layout.states[i].stop)]
+            inner = [place for own in layout.inner[i] for place in range(own.start, own.stop)]
+            columns += [*inner, layout.durations.start + i]
             columns += self.times[i - 1 : i]
-            rows += [layout.guards + i, *range(layout.matches[i].start, layout.matches[i].stop)]
+            rows += [layout.guards + i, *inner, *range(layout.matches[i].start, layout.matches[i].stop)]
             rows += self.times[i : i + 1]
             stages.append([len(columns), len(rows), 0])
         for own, following in zip(stages, [*stages[1:], stages[-1]], strict=True):
@@ -98,6 +100,9 @@ class Chain:
         for i, own in enumerate(self.times, 1):
             match = self.layout.matches[i]
             rows = np.append(np.arange(match.start, match.stop), self.layout.guards + i)
+            rows = np.append(rows, [np.arange(own.start, own.stop) for own in self.layout.inner[i]]).astype(
+                int
+            )
             result[rows, own] = matrix[rows, start]
             result[rows, start] = 0.0
             result[rows, first : first + i] = 0.0

@@ -44,10 +44,10 @@ class HybridDeviations:
     def _jacobian(self) -> np.ndarray:
         return self.problem.linearize(self.z).jacobian
 
-    def _drifting(self, i: int) -> np.ndarray:
-        """What drifts along pinned directions add to the velocity at the start of leg i."""
+    def _drifting(self, i: int, j: int = 0) -> np.ndarray:
+        """What drifts along pinned directions add to the velocity at the start of leg i, of its segment j."""
         size = self.problem.layout.sizes[i]
-        along = _columns([v[:size] for v in self.problem.pinned_directions(self.z, i)], size)
+        along = _columns([v[:size] for v in self.problem.pinned_directions(self.z, i, j)], size)
         return along @ self.z[self.problem.layout.drifts]
 
     def _velocity(self, i: int) -> np.ndarray:
@@ -108,17 +108,32 @@ class HybridDeviations:
         found, d = [], start
         stretches = self.problem.stretches(self.z)[which * self.legs : (which + 1) * self.legs]
         for i, (stretch, at) in enumerate(zip(stretches, shares, strict=True)):
-            x, scalars = self.problem.layout.inputs(i, self.z)
-            piece, n = self.problem.pieces[i], len(x)
-            field = piece.passage.field(TANGENT)
-            c = field.constants(piece.values(scalars, np.zeros(len(scalars))))
-            nodes = flow.along(field, c, piece.steps, np.concatenate([x, d]), piece.method)
-            states = flow.interpolation(field, c, piece.steps, nodes, piece.method)(at)
+            piece, states = self.problem.pieces[i], self._along(i, d, at)
+            n = len(piece.passage.states)
             times = stretch.view.start + stretch.view.duration * at
             own, moved = piece.passage.full(states[:, :n]), piece.passage.full(states[:, n:])
             seen, scale = stretch.seen, self.problem.mesh.magnitudes
             found.append(linear_part(lambda y, t=times, s=seen: s(t, y), own, moved, scale))  # type: ignore[misc]
             d = self._through(i, d)
+        return found
+
+    def _along(self, i: int, d: np.ndarray, at: np.ndarray) -> np.ndarray:
+        """States of leg i at instants of it, 0 to 1, and deviations beside them, shape (k, 2 n)."""
+        problem, layout = self.problem, self.problem.layout
+        found = np.zeros((len(at), 2 * len(d)))
+        for segment, piece in zip(layout.segments, problem.segments, strict=True):
+            if segment.leg != i:
+                continue
+            x, scalars = layout.inputs_of(segment, self.z)
+            field, n = piece.passage.field(TANGENT), len(x)
+            c = field.constants(piece.values(scalars, np.zeros(len(scalars))))
+            nodes = flow.along(field, c, piece.steps, np.concatenate([x, d]), piece.method)
+            inside = at >= segment.begin
+            if np.any(inside):
+                own = at[inside] if layout.cuts[i] == 1 else (at[inside] - segment.begin) * layout.cuts[i]
+                at_most = flow.interpolation(field, c, piece.steps, nodes, piece.method)
+                found[inside] = at_most(own if segment.last else np.minimum(own, 1.0))
+            d = nodes[-1, n:]
         return found
 
     def after(self, start: np.ndarray) -> np.ndarray:
@@ -130,14 +145,18 @@ class HybridDeviations:
     def _through(self, i: int, d: np.ndarray) -> np.ndarray:
         """The deviation at the start of the leg after leg i, from that at the start of leg i."""
         problem, layout, jacobian = self.problem, self.problem.layout, self._jacobian
-        rows, place = layout.matches[i], layout.states[i]
+        for segment in layout.segments_of(i)[:-1]:
+            d = jacobian[segment.ends, segment.states] @ d
+        last = layout.segments_of(i)[-1]
+        rows, place = last.ends, last.states
         x = jacobian[rows, place].copy()
-        if self.legs == 1:  # the start is the next one's
+        if last.following == place:  # the start is the next one's
             x += np.eye(len(x))
         if problem.word.legs[i].transition is None:
             return x @ d
-        own, guard = layout.durations.start + i, layout.guards + i
-        rate, scale = jacobian[guard, own], 1.0 if problem.mesh.guards is None else problem.mesh.guards[i]
+        guard = layout.guards + i
+        rate = problem.by_duration(last, jacobian, guard)
+        scale = 1.0 if problem.mesh.guards is None else problem.mesh.guards[i]
         if abs(rate) * problem.mesh.total <= NO_RATE * scale:
             raise ContwalkError(
                 f"Event '{problem.word.legs[i].name}' is only touched: what becomes of a deviation there "
@@ -146,7 +165,9 @@ class HybridDeviations:
             )
         late = -float(jacobian[guard, place] @ d) / rate
         # A mirror may turn a drift round, so that it is left out on both sides.
-        arriving = jacobian[rows, own] - x @ self._drifting(i)
+        arriving = problem.by_duration(last, jacobian, rows) - x @ self._drifting(
+            i, len(layout.segments_of(i)) - 1
+        )
         return x @ d + (arriving - self._velocity((i + 1) % self.legs)) * late
 
 

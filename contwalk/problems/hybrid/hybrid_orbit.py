@@ -20,6 +20,7 @@ from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.hybrid import (
     condensed,
+    cutting,
     families,
     least,
     limits,
@@ -28,7 +29,7 @@ from contwalk.problems.hybrid import (
     switching,
 )
 from contwalk.problems.hybrid.effort import Effort
-from contwalk.problems.hybrid.layout import Layout
+from contwalk.problems.hybrid.layout import Layout, Segment
 from contwalk.problems.hybrid.limits import Limit, Margins
 from contwalk.problems.hybrid.passage import Passage, passage_of
 from contwalk.problems.hybrid.return_map import EventMap
@@ -42,7 +43,7 @@ from contwalk.problems.orbit.discretization import FINEST, Discretization
 from contwalk.problems.orbit.homoclinic import AROUND, SlowPlace, homoclinic, slow_place_on
 from contwalk.problems.orbit.meeting import distance
 from contwalk.problems.orbit.motion import PLAIN, TANGENT
-from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers, multipliers
+from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers, multipliers, of_sections
 from contwalk.problems.orbit.normal_forms import SectionMap
 from contwalk.problems.orbit.period import period_and_slope
 from contwalk.problems.orbit.section import Section, section_at
@@ -150,15 +151,22 @@ class HybridOrbit:
         self._views: dict[bytes, tuple[LegView, ...]] = {}
         self._margins: dict[bytes, Margins] = {}
         self._stretches: dict[bytes, list[observing.Stretch]] = {}
-        sizes = [len(system.states_of(leg.mode)) for leg in word.legs]
-        self.layout = Layout(sizes, self.forced, len(self.pins))
+        # Segments of each leg; how many a stored branch has room for.
+        self.cuts, self.room, self.layout = 1, None, self._laid_out(1)
+
+    def _laid_out(self, cuts: int) -> Layout:
+        """Where what stands with so many segments in each leg; one that is collapsed has one."""
+        sizes = [len(self.system.states_of(leg.mode)) for leg in self.word.legs]
+        each = [1 if leg.collapsed else cuts for leg in self.word.legs]
+        return Layout(sizes, self.forced, len(self.pins), each)
 
     # -- variants ----------------------------------------------------------------------------------------
 
     def _varied(self, **changes: Any) -> HybridOrbit:
         other = copy.copy(self)
         other._kept, other._views, other._margins, other._stretches = {}, {}, {}, {}
-        other.__dict__.pop("pieces", None)
+        for name in ("pieces", "segments"):
+            other.__dict__.pop(name, None)
         for name, value in changes.items():
             setattr(other, name, value)
         return other
@@ -184,6 +192,10 @@ class HybridOrbit:
         other.effort = self.effort
         return other
 
+    def with_room(self, cuts: int) -> HybridOrbit:
+        """The same orbits with room for so many segments in each leg along their branch."""
+        return self._varied(room=cuts)
+
     def turning(self, turns: np.ndarray) -> HybridOrbit:
         """The same orbits with states that grow by so much in each closure."""
         return self._varied(turns=turns)
@@ -191,6 +203,22 @@ class HybridOrbit:
     def on(self, mesh: LegMesh, section: Section | None) -> HybridOrbit:
         """The same problem on another mesh, with another section."""
         return self._varied(_mesh=mesh, section=section)
+
+    def cut_into(self, cuts: int) -> HybridOrbit:
+        """The same problem with so many segments in each leg; its steps are made anew: see `adapted_to`."""
+        return self if cuts == self.cuts else self._varied(cuts=cuts, layout=self._laid_out(cuts))
+
+    @property
+    def cuttable(self) -> bool:
+        """Whether legs may be cut into segments: those of words that end with an event."""
+        return self.word.eventful
+
+    def fitting(self, z: np.ndarray) -> HybridOrbit:
+        """The same problem with the segments of a solution, which its length tells."""
+        if len(z) == self.size + 1:
+            return self
+        bare, more = cutting.sizes(self)
+        return self.cut_into(1 + (len(z) - 1 - bare) // more)
 
     @property
     def mesh(self) -> LegMesh:
@@ -212,10 +240,22 @@ class HybridOrbit:
     @cached_property
     def pieces(self) -> tuple[Piece, ...]:
         """The legs on their steps."""
+        if self.cuts == 1:
+            return self.segments
+        own = [self.layout.segments_of(i) for i in range(self.layout.legs)]
+        ends = np.cumsum([0, *map(len, own)])
+        return tuple(
+            replace(self.segments[b - 1], steps=cutting.joined(places, self.mesh.steps[a:b]))
+            for places, a, b in zip(own, ends[:-1].tolist(), ends[1:].tolist(), strict=True)
+        )
+
+    @cached_property
+    def segments(self) -> tuple[Piece, ...]:
+        """The segments of the legs on their steps, each in its own time."""
         mesh = self.mesh
         return tuple(
-            Piece(passage, steps, mesh.method, self.fixed)
-            for passage, steps in zip(self.passages, mesh.steps, strict=True)
+            Piece(self.passages[own.leg], steps, mesh.method, self.fixed, not own.last)
+            for own, steps in zip(self.layout.segments, mesh.steps, strict=True)
         )
 
     @cached_property
@@ -318,9 +358,14 @@ class HybridOrbit:
         """Periods of the states that are angles, 0 for the others, shape (N + 1,)."""
         result = np.zeros(self.size + 1)
         own = np.array([s.period or 0.0 for s in self.system.states])
-        for place, passage in zip(self.layout.states, self.passages, strict=True):
+        for place, passage in self._places:
             result[place] = own[list(passage.states)]
         return result
+
+    @property
+    def _places(self) -> list[tuple[slice, Passage]]:
+        """Where the states at the starts of all segments stand, and of which legs they are."""
+        return [(segment.states, self.passages[segment.leg]) for segment in self.layout.segments]
 
     def assembled(
         self,
@@ -330,7 +375,10 @@ class HybridOrbit:
         value: float,
         start: float = 0.0,
     ) -> np.ndarray:
-        """Unknowns from full states at the starts of the legs, their durations, and when the first begins."""
+        """Unknowns from full states at the starts of the legs, their durations, and when the first begins.
+
+        Segments are not cut: see `cutting.filled`.
+        """
         z = np.zeros(self.layout.size + 1)
         for place, passage, x in zip(self.layout.states, self.passages, states, strict=True):
             z[place] = x[list(passage.states)]
@@ -342,15 +390,15 @@ class HybridOrbit:
     def weighted(self, magnitudes: np.ndarray) -> np.ndarray:
         """Weights of the unknowns for typical magnitudes of all states; 1 for what is no state."""
         weights = np.ones(self.layout.size + 1)
-        for place, passage in zip(self.layout.states, self.passages, strict=True):
-            weights[place] = magnitudes[list(passage.states)] * np.sqrt(self.layout.legs)
+        for place, passage in self._places:
+            weights[place] = magnitudes[list(passage.states)] * np.sqrt(len(self.layout.segments))
         return weights
 
     def magnitudes_of(self, weights: np.ndarray) -> np.ndarray:
         """Typical magnitudes of all states, of weights of the unknowns; 1 for those of no leg."""
         magnitudes = np.ones(self.states)
         for place, passage in zip(self.layout.states, self.passages, strict=True):
-            magnitudes[list(passage.states)] = weights[place] / np.sqrt(self.layout.legs)
+            magnitudes[list(passage.states)] = weights[place] / np.sqrt(len(self.layout.segments))
         return magnitudes
 
     # -- equations ---------------------------------------------------------------------------------------
@@ -383,10 +431,10 @@ class HybridOrbit:
     def residual(self, z: np.ndarray) -> np.ndarray:
         """F(z), shape (N,), for far less than with its derivatives."""
         residual = np.zeros(self.size)
-        for i, piece in enumerate(self.pieces):
-            self._match(i, z, piece.end(PLAIN, *self.layout.inputs(i, z)), residual)
+        for segment, piece in zip(self.layout.segments, self.segments, strict=True):
+            self._match(segment, z, piece.end(PLAIN, *self.layout.inputs_of(segment, z)), residual)
         self._closed(z, residual, np.zeros((self.size, self.size + 1)))
-        self.effort.spend(STAGES[self.mesh.method] * sum(len(piece.steps) - 1 for piece in self.pieces))
+        self.effort.spend(STAGES[self.mesh.method] * sum(len(piece.steps) - 1 for piece in self.segments))
         return residual
 
     def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factorization:
@@ -401,30 +449,31 @@ class HybridOrbit:
     def _equations(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         layout = self.layout
         residual, jacobian = np.zeros(self.size), np.zeros((self.size, self.size + 1))
-        for i, piece in enumerate(self.pieces):
-            x, scalars = layout.inputs(i, z)
+        for segment, piece in zip(layout.segments, self.segments, strict=True):
+            x, scalars = layout.inputs_of(segment, z)
             end, moved = piece.differentiated(PLAIN, x, scalars)
-            self._match(i, z, end, residual)
-            following, rows = layout.states[(i + 1) % layout.legs], layout.matches[i]
-            n, derivative = rows.stop - rows.start, layout.spread(i, moved)
+            self._match(segment, z, end, residual)
+            rows, derivative = segment.ends, layout.along(segment, moved)
+            n = rows.stop - rows.start
             jacobian[rows] += derivative[:n]
-            jacobian[rows, following] -= np.eye(n)
+            jacobian[rows, segment.following] -= np.eye(n)
             if len(end) > n:
-                jacobian[layout.guards + i] = derivative[n]
+                jacobian[layout.guards + segment.leg] = derivative[n]
         self._closed(z, residual, jacobian)
         self.effort.spend(self.cost)
         return residual, jacobian
 
-    def _match(self, i: int, z: np.ndarray, end: np.ndarray, residual: np.ndarray) -> None:
-        """Write the equations of the end of leg i: it is the next one's start, and its guard is zero."""
-        layout = self.layout
-        rows = layout.matches[i]
+    def _match(self, segment: Segment, z: np.ndarray, end: np.ndarray, residual: np.ndarray) -> None:
+        """Write the equations of the end of a segment: it is the next one's start, and a leg's guard is zero
+        there.
+        """
+        layout, rows = self.layout, segment.ends
         n = rows.stop - rows.start
-        residual[rows] = end[:n] - z[layout.states[(i + 1) % layout.legs]]
-        if i == layout.legs - 1:
+        residual[rows] = end[:n] - z[segment.following]
+        if segment.last and segment.leg == layout.legs - 1:
             residual[rows] -= self.turns[list(self.passages[0].states)]
         if len(end) > n:
-            residual[layout.guards + i] = end[n]
+            residual[layout.guards + segment.leg] = end[n]
 
     def _closed(self, z: np.ndarray, residual: np.ndarray, jacobian: np.ndarray) -> None:
         """Write the equations of the closure, of phase or period and of pins, with their gradients."""
@@ -487,8 +536,8 @@ class HybridOrbit:
         """Right-hand sides of one pass with derivatives, each column counted as one."""
         stages = STAGES[self.mesh.method]
         return sum(
-            (len(piece.steps) - 1) * stages * (1 + n + len(piece.passage.columns))
-            for piece, n in zip(self.pieces, self.layout.sizes, strict=True)
+            (len(piece.steps) - 1) * stages * (1 + len(piece.passage.states) + len(piece.passage.columns))
+            for piece in self.segments
         )
 
     @property
@@ -497,6 +546,9 @@ class HybridOrbit:
         scales, variation = np.ones(self.size), self.mesh.variation
         for i, rows in enumerate(self.layout.matches):
             scales[rows] = variation[list(self.passages[i].following)]
+        for segment in self.layout.segments:
+            if not segment.last:
+                scales[segment.ends] = variation[list(self.passages[segment.leg].states)]
         scales[self.layout.guards : self.layout.guards + self.layout.legs] = self._guard_scales
         return scales
 
@@ -508,21 +560,26 @@ class HybridOrbit:
         """What of each residual is rounding, or error of the steps."""
         steps = max(len(times) for times in self.mesh.steps)
         terms = np.abs(jacobian) @ np.abs(z)
-        for i, rows in enumerate(self.layout.matches):  # the identity may have cancelled in the Jacobian
-            terms[rows] += np.abs(z[self.layout.states[(i + 1) % self.layout.legs]])
+        for segment in self.layout.segments:  # the identity may have cancelled in the Jacobian
+            terms[segment.ends] += np.abs(z[segment.following])
         held = slice(self.layout.held, self.layout.held + len(self.pins))
         # A state that is held at zero is known to the rounding of what it is elsewhere.
         terms[held] += np.abs(jacobian[held, : self.size]) @ self.cycle_scales[1]
         own = SOLVED * self.mesh.tolerance * self.equation_scales
-        own[self.layout.guards + self.layout.legs :] = 0.0
+        own[self._exact] = 0.0
         return own + (8.0 + steps) * EPSILON * terms + 1e-300
 
     def _errors(self, linearization: Linearization) -> np.ndarray:
         """Estimated error of each equation: that of the steps, beside what it is solved to."""
         errors = linearization.levels[0].copy()
-        last = self.layout.guards + self.layout.legs
-        errors[:last] += GLOBAL * self.mesh.growth * self.mesh.tolerance * self.equation_scales[:last]
-        return errors
+        steps = GLOBAL * self.mesh.growth * self.mesh.tolerance * self.equation_scales
+        steps[self._exact] = 0.0
+        return errors + steps
+
+    @property
+    def _exact(self) -> slice:
+        """The equations that no motion is integrated for."""
+        return slice(self.layout.guards + self.layout.legs, self.layout.rest.stop)
 
     def magnitudes_near(self, z: np.ndarray) -> np.ndarray:
         """Half the range of each state over the orbit; declared scales where there are any."""
@@ -539,8 +596,8 @@ class HybridOrbit:
             if state.scale is not None:
                 half[i] = state.scale
         result, m = np.full(self.size + 1, np.nan), self.layout.legs
-        for place, passage in zip(self.layout.states, self.passages, strict=True):
-            result[place] = half[list(passage.states)] * np.sqrt(m)
+        for place, passage in self._places:
+            result[place] = half[list(passage.states)] * np.sqrt(len(self.layout.segments))
         total = abs(self.duration(z))
         result[self.layout.durations] = total * np.sqrt(m)
         if self.layout.start is not None:
@@ -564,7 +621,7 @@ class HybridOrbit:
     def beginnings(self, z: np.ndarray) -> np.ndarray:
         """Typical magnitudes for the first corrections of a start, shape (N + 1,)."""
         result = np.ones(self.size + 1)
-        for place, passage in zip(self.layout.states, self.passages, strict=True):
+        for place, passage in self._places:
             result[place] = self.mesh.variation[list(passage.states)]
         result[self.layout.durations] = abs(self.duration(z))
         if self.layout.start is not None:
@@ -582,14 +639,18 @@ class HybridOrbit:
         if not grown or max(grown) < STRETCHED:
             return ""
         most = int(np.argmax(grown))
-        name, mode = self.word.legs[most].name, self.word.legs[most].mode
-        ends = f"ends with '{name}'" if name else "no event ends"
-        return (
-            f"Deviations grow by {grown[most]:.0e} over the leg in mode '{mode}' that {ends}: where it "
-            "passes beside a saddle, or along what repels it (a canard, or a homoclinic orbit nearby), the "
-            "parameter stands still while the orbit changes, and beyond some of this growth no start of the "
-            "leg tells its end. A smaller `tolerance` (`engine`) goes a little further."
+        leg = self.word.legs[self.layout.segments[most].leg]
+        ends = f"ends with '{leg.name}'" if leg.name else "no event ends"
+        where = "" if self.cuts == 1 else f"one of {self.cuts} segments of "
+        told = (
+            f"Deviations grow by {grown[most]:.0e} over {where}the leg in mode '{leg.mode}' that {ends}: "
+            "where it passes beside a saddle, or along what repels it (a canard, or a homoclinic orbit "
+            "nearby), the parameter stands still while the orbit changes, and beyond some of this growth no "
+            "start of the leg tells its end."
         )
+        if not self.cuttable:
+            return f"{told} A smaller `tolerance` (`engine`) goes a little further."
+        return f"{told} Begin the branch with more segments (`engine: {{segments: {2 * self.cuts}}}`)."
 
     def explain(self, z: np.ndarray) -> str:
         """Where a residual at z is not finite."""
@@ -602,7 +663,7 @@ class HybridOrbit:
         return {
             "problem": self.kind,
             "observables": self.observable_names,
-            "unknowns": self.size,
+            "unknowns": self.cut_into(cutting.room(self)).size,
             "spectrum": max(self.spectrum_size, 1),
             "closure": self.whole[0],
             "signature": self.signature,
@@ -614,6 +675,7 @@ class HybridOrbit:
                 "image": self.word.image,
                 "turns": self.turns.tolist(),
                 "reported": observing.place(self),
+                "room": cutting.room(self),
             },
         }
 
@@ -648,33 +710,58 @@ class HybridOrbit:
         Of a forced system the time of the event is one more coordinate, the last one. A leg that no event
         ends lasts until the closure is over.
         """
-        layout, result = self.layout, []
-        for i in range(layout.legs):
-            rows, place = layout.matches[i], layout.states[i]
-            x = jacobian[rows, place].copy()
-            if layout.legs == 1:
-                x += np.eye(len(x))
-            if self.word.legs[i].transition is None:
-                result.append(self._to_the_end(i, x, jacobian))
-                continue
-            own, guard = layout.durations.start + i, layout.guards + i
-            by_duration, guard_x = jacobian[rows, own], jacobian[guard, place]
-            # An event without rate: those multipliers that stay finite have a limit, and this is near it.
-            least = NO_RATE * float(self._guard_scales[i]) / self.mesh.total
-            rate = jacobian[guard, own]
-            rate = rate if abs(rate) > least else (-least if self.word.legs[i].falls else least)
+        return [product(own) for own in self.chain(jacobian)]
+
+    def chain(self, jacobian: np.ndarray) -> list[list[np.ndarray]]:
+        """The factors of each of `factors`, one for each of its leg's segments.
+
+        What lies between two segments of a leg is held at its instant: there a deviation along the motion is
+        one like others.
+        """
+        layout = self.layout
+        return [
+            [self._factor(segment, jacobian) for segment in layout.segments_of(i)] for i in range(layout.legs)
+        ]
+
+    def _factor(self, segment: Segment, jacobian: np.ndarray) -> np.ndarray:
+        layout, i = self.layout, segment.leg
+        rows, place = segment.ends, segment.states
+        x = jacobian[rows, place].copy()
+        if segment.following == place:
+            x += np.eye(len(x))
+        if not segment.last:
+            if not self.timed(i):
+                return x
+            still = np.append(np.zeros(len(x)), 1.0)
+            return np.vstack([np.hstack([x, jacobian[rows, layout.start, None]]), still])
+        if self.word.legs[i].transition is None:
+            return self._to_the_end(i, x, jacobian)
+        guard = layout.guards + i
+        by_duration, guard_x = self.by_duration(segment, jacobian, rows), jacobian[guard, place]
+        # An event without rate: those multipliers that stay finite have a limit, and this is near it.
+        least = NO_RATE * float(self._guard_scales[i]) / self.mesh.total
+        rate = self.by_duration(segment, jacobian, guard)
+        rate = rate if abs(rate) > least else (-least if self.word.legs[i].falls else least)
+        if self.timed(i):
+            x = np.hstack([x, jacobian[rows, layout.start, None]])
+            guard_x = np.append(guard_x, jacobian[guard, layout.start])
+        lasting = -guard_x / rate
+        whole = x + np.outer(by_duration, lasting)
+        if self.timed((i + 1) % layout.legs):
+            time = lasting.copy()
             if self.timed(i):
-                x = np.hstack([x, jacobian[rows, layout.start, None]])
-                guard_x = np.append(guard_x, jacobian[guard, layout.start])
-            lasting = -guard_x / rate
-            whole = x + np.outer(by_duration, lasting)
-            if self.timed((i + 1) % layout.legs):
-                time = lasting.copy()
-                if self.timed(i):
-                    time[-1] += 1.0
-                whole = np.vstack([whole, time])
-            result.append(whole)
-        return result
+                time[-1] += 1.0
+            whole = np.vstack([whole, time])
+        return whole
+
+    def by_duration(self, segment: Segment, jacobian: np.ndarray, rows: Any) -> Any:
+        """Derivatives of a segment's end by its own duration, when it starts being held."""
+        found = jacobian[rows, self.layout.durations.start + segment.leg]
+        if segment.begin == 0.0 and segment.last:
+            return found
+        if self.forced:
+            found = found - segment.begin * jacobian[rows, self.layout.start]
+        return found / (segment.end - segment.begin)
 
     def _to_the_end(self, i: int, x: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
         """A factor of a leg that no event ends: of a forced system, one that starts later is shorter."""
@@ -687,10 +774,10 @@ class HybridOrbit:
     def once_round(self, jacobian: np.ndarray, first: int) -> np.ndarray:
         """Derivative of the closure by the start of a leg: the product of all factors from that leg on."""
         factors = self.factors(jacobian)
-        product = np.eye(len(self.extended(first)))
+        whole = np.eye(len(self.extended(first)))
         for k in range(len(factors)):
-            product = factors[(first + k) % len(factors)] @ product
-        return product
+            whole = factors[(first + k) % len(factors)] @ whole
+        return whole
 
     def _arrives_without_rate(self, jacobian: np.ndarray) -> bool:
         """Whether an event is a terminal grazing, to rounding: there multipliers may be infinite."""
@@ -704,16 +791,20 @@ class HybridOrbit:
         own = self.mesh.variation[list(self.passages[i].states)]
         return np.append(own, self.mesh.total) if self.timed(i) else own
 
-    def flow_direction(self, z: np.ndarray, i: int) -> np.ndarray:
-        """What a later start of leg i on the same orbit differs by: velocity, and time if forced."""
-        x, scalars = self.layout.inputs(i, z)
+    def flow_direction(self, z: np.ndarray, i: int, j: int = 0) -> np.ndarray:
+        """What a later start of leg i, or of its segment j, on the same orbit differs by: velocity, and time
+        if forced.
+        """
+        x, scalars = self.layout.inputs_of(self.layout.segments_of(i)[j], z)
         duration = scalars[0] if scalars[0] != 0.0 else 1.0
         own = self.pieces[i].velocity(x, np.concatenate([[duration], scalars[1:]])) / duration
         return np.append(own, 1.0) if self.timed(i) else own
 
-    def pinned_directions(self, z: np.ndarray, i: int) -> list[np.ndarray]:
-        """Generators of the pinned directions at the start of leg i, as `flow_direction` has the flow's."""
-        x = self.passages[i].full(self.layout.inputs(i, z)[0])
+    def pinned_directions(self, z: np.ndarray, i: int, j: int = 0) -> list[np.ndarray]:
+        """Generators of the pinned directions at the start of leg i, or of its segment j, as `flow_direction`
+        has the flow's.
+        """
+        x = self.passages[i].full(z[self.layout.segments_of(i)[j].states])
         along = families.directions(self.system, self.pins, x, self.values_of(z))
         own = along[list(self.passages[i].states)]
         return list((np.vstack([own, np.zeros((1, own.shape[1]))]) if self.timed(i) else own).T)
@@ -736,20 +827,43 @@ class HybridOrbit:
     def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
         """Multipliers of the closure, of the map of the smallest section."""
         smallest = self.smallest
-        product = self.once_round(jacobian, smallest)
-        if not np.all(np.isfinite(product)):
+        once = self.once_round(jacobian, smallest)
+        if not np.all(np.isfinite(once)):
             return Multipliers(
                 np.full(self.spectrum_size, np.nan + 0j), np.full(self.spectrum_size, np.inf), 1.0
             )
-        neutral = self.neutral_directions(z, smallest)
         tolerance = self.mesh.growth * self.mesh.tolerance
         gradients = len(self.system.conserved)
-        found = multipliers([product], [neutral], self.extended(smallest), tolerance, gradients=gradients)
+        if self.cuts > 1 and not gradients:
+            found = of_sections(*self._sections(z, jacobian), tolerance)
+        else:
+            neutral = self.neutral_directions(z, smallest)
+            found = multipliers([once], [neutral], self.extended(smallest), tolerance, gradients=gradients)
         if self._arrives_without_rate(jacobian):
             endless = np.abs(found.values) > 0.01 / NO_RATE
             limit = np.where(endless, complex(np.inf, 0.0), found.values)
             return Multipliers(limit, np.where(endless, 0.0, found.errors), max(found.accuracy, NO_RATE))
         return found
+
+    def _sections(
+        self, z: np.ndarray, jacobian: np.ndarray
+    ) -> tuple[list[np.ndarray], list[np.ndarray], list[np.ndarray]]:
+        """Factors once round from the smallest section on; where each begins, magnitudes, and directions that
+        are left out.
+
+        Inside a leg that is the flow's own, which the next event forgets. Right after an event nothing is
+        left out: it has gone already.
+        """
+        factors, magnitudes, left_out = [], [], []
+        chain, legs, first = self.chain(jacobian), self.layout.legs, self.smallest
+        for i in ((first + k) % legs for k in range(legs)):
+            for j, factor in enumerate(chain[i]):
+                own = self.extended(i)
+                factors.append(factor)
+                magnitudes.append(own)
+                left_out.append(self.flow_direction(z, i, j)[:, None] if j else np.zeros((len(own), 0)))
+        left_out[0] = self.neutral_directions(z, first)
+        return factors, magnitudes, left_out
 
     def trivial_error(self, z: np.ndarray, jacobian: np.ndarray) -> float:
         """How well each leg's map forgets where on the orbit it started, relative; NaN for a forced one.
@@ -759,18 +873,23 @@ class HybridOrbit:
         """
         if self.forced or self._arrives_without_rate(jacobian):
             return float("nan")
-        worst = 0.0
-        for i, factor in enumerate(self.factors(jacobian)):
+        worst, legs = 0.0, self.layout.legs
+        for i, factors in enumerate(self.chain(jacobian)):
             if self.word.legs[i].collapsed:
                 continue
-            own, there = self.flow_direction(z, i), (i + 1) % self.layout.legs
-            size = float(np.linalg.norm(own / self.extended(i)))
-            left = factor @ own
-            if self.word.legs[i].transition is None:
-                left = left - self.flow_direction(z, there)
-            scale = float(np.linalg.norm((np.abs(factor) @ np.abs(own)) / self.extended(there)))
-            if size > 0.0 and scale > 0.0:
-                worst = max(worst, float(np.linalg.norm(left / self.extended(there))) / max(scale, size))
+            for j, factor in enumerate(factors):
+                last, there = j == len(factors) - 1, (i + 1) % legs
+                own = self.flow_direction(z, i, j)
+                units = self.extended(there if last else i)
+                size = float(np.linalg.norm(own / self.extended(i)))
+                left = factor @ own
+                if not last:
+                    left = left - self.flow_direction(z, i, j + 1)
+                elif self.word.legs[i].transition is None:
+                    left = left - self.flow_direction(z, there)
+                scale = float(np.linalg.norm((np.abs(factor) @ np.abs(own)) / units))
+                if size > 0.0 and scale > 0.0:
+                    worst = max(worst, float(np.linalg.norm(left / units)) / max(scale, size))
         return worst
 
     # -- second derivatives ------------------------------------------------------------------------------
@@ -779,7 +898,7 @@ class HybridOrbit:
     def cycle_scales(self) -> tuple[np.ndarray, np.ndarray]:
         """Units of the rows and of the columns of `cycle_matrix`."""
         columns = np.ones(self.size)
-        for place, passage in zip(self.layout.states, self.passages, strict=True):
+        for place, passage in self._places:
             columns[place] = self.mesh.variation[list(passage.states)]
         columns[self.layout.durations] = self.mesh.total
         if self.layout.start is not None:
@@ -809,30 +928,30 @@ class HybridOrbit:
     def cycle_rate(self, z: np.ndarray, v: np.ndarray, tangent: np.ndarray) -> np.ndarray:
         """Derivative of L v along a direction, for a real v, shape (N,)."""
         layout, lifted, result = self.layout, np.append(v, 0.0), np.zeros(self.size)
-        for i, piece in enumerate(self.pieces):
-            direction, along = layout.inputs(i, lifted), layout.inputs(i, tangent)
-            moved = piece.changing(*layout.inputs(i, z), direction, along)
-            width, rows = len(moved) // 2, layout.matches[i]
+        for segment, piece in zip(layout.segments, self.segments, strict=True):
+            direction, along = layout.inputs_of(segment, lifted), layout.inputs_of(segment, tangent)
+            moved = piece.changing(*layout.inputs_of(segment, z), direction, along)
+            width, rows = len(moved) // 2, segment.ends
             n = rows.stop - rows.start
             result[rows] = moved[width : width + n]
             if width > n:
-                result[layout.guards + i] = moved[width + n]
+                result[layout.guards + segment.leg] = moved[width + n]
         return result
 
     def derivative_along(self, z: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Derivative by z of DF(z) v for a real v of length N + 1, shape (N, N + 1)."""
         layout, result = self.layout, np.zeros((self.size, self.size + 1))
-        for i, piece in enumerate(self.pieces):
-            x, scalars = layout.inputs(i, z)
-            direction, along = layout.inputs(i, v)
+        for segment, piece in zip(layout.segments, self.segments, strict=True):
+            x, scalars = layout.inputs_of(segment, z)
+            direction, along = layout.inputs_of(segment, v)
             _, moved = piece.differentiated(TANGENT, np.concatenate([x, direction]), scalars, along)
             width = len(moved) // 2
-            derivative = layout.spread(i, moved[width:])
-            rows = layout.matches[i]
+            derivative = layout.along(segment, moved[width:])
+            rows = segment.ends
             n = rows.stop - rows.start
             result[rows] += derivative[:n]
             if width > n:
-                result[layout.guards + i] = derivative[n]
+                result[layout.guards + segment.leg] = derivative[n]
         if layout.sum is not None and v[-1] != 0.0:
             result[layout.sum, -1] = -self._period(z, TANGENT, v[-1:])[1]
         return result
@@ -969,9 +1088,20 @@ class HybridOrbit:
         Where a leg passes a saddle, what was a solution on the steps of the last orbit may be none on these:
         it is then corrected.
         """
-        problem = self.adapted_to(sample.z, sample.weights)
+        room = 2 * self.cuts <= cutting.room(self)
+        try:
+            problem = self.adapted_to(sample.z, sample.weights)
+        except NotFinite:  # on other steps the leg's own start no longer leads to its end
+            found = cutting.recut(self, sample) if room else None
+            if found is None:
+                raise
+            return found
         if problem.linearize(sample.z).excess_in(sample.weights) > MISSED:
             return problem._corrected(sample)
+        if room and cutting.stretched(problem, sample.z):
+            found = cutting.recut(problem, sample)
+            if found is not None:
+                return found
         tangent = problem.into_section(sample.z, sample.tangent)
         linearization = problem.linearize(sample.z)
         again = problem.examine(sample.z, tangent, sample.weights, linearization, sample.unstable, sample)
@@ -1083,12 +1213,12 @@ class HybridOrbit:
     def slow_place(self, z: np.ndarray) -> SlowPlace:
         """Where the orbit is slowest, and the field there."""
         even, places = np.linspace(0.0, 1.0, AROUND), []
-        for i, piece in enumerate(self.pieces):
-            x, scalars = self.layout.inputs(i, z)
+        for view in self.view(z):
+            piece, scalars = view.piece, view.scalars
             if scalars[0] == 0.0:
                 continue
             field, times = piece.passage.field(PLAIN), np.union1d(piece.steps, even)
-            path = piece.at(piece.nodes(x, scalars), times, scalars)
+            path = piece.at(view.nodes, times, scalars)
             c, scale = field.constants(piece.values(scalars)), self.mesh.variation[list(piece.passage.states)]
             places.append(slow_place_on(field, c, abs(float(scalars[0])), times, path, scale))
         fastest = max(place.fastest for place in places)
@@ -1112,12 +1242,14 @@ class HybridOrbit:
         NotFinite
             If the motion from z ends before the closure does.
         """
-        inputs = [self.layout.inputs(i, z) for i in range(self.layout.legs)]
+        if len(z) != self.size + 1:
+            return self.fitting(z).adapted_to(z, weights, tolerance)
+        inputs = [self.layout.inputs_of(segment, z) for segment in self.layout.segments]
         magnitudes = self.magnitudes_of(weights)
         most = self._most_steps or most_steps(self._mesh, tolerance or self.discretization.walking)
         try:
             mesh = meshed(
-                self.passages,
+                [self.passages[segment.leg] for segment in self.layout.segments],
                 [x for x, _ in inputs],
                 [scalars for _, scalars in inputs],
                 self.fixed,
@@ -1208,7 +1340,8 @@ class HybridOrbit:
     def limit_of(self, point: SpecialPoint) -> int:
         """Which of the limits a special point is one of."""
         z = np.array(point.unknowns)
-        there = self if self._mesh is not None else switching.discretized(self, z)
+        known = self._mesh is not None and len(z) == self.size + 1
+        there = self if known else switching.discretized(self, z)
         return limits.nearest(there, point)
 
     def stopped(self, label: str, located: Located, sample: Sample) -> str:
@@ -1220,6 +1353,8 @@ class HybridOrbit:
 
         Of a forced orbit the instant at which it begins counts modulo its period, as an angle does.
         """
+        if len(z) != self.size + 1:
+            return self.fitting(z).nearest_turn(z, near)
         periods = self.periods
         if self.layout.start is not None:
             periods[self.layout.start] = self.rounds * self.duration(z)
@@ -1286,9 +1421,24 @@ class HybridOrbit:
 
     def same(self, a: Sample, b: Sample) -> bool:
         """Whether two solutions at the same parameter are one orbit."""
-        if abs(a.period - b.period) > ALIKE * abs(a.period) or len(a.z) != len(b.z):
+        if abs(a.period - b.period) > ALIKE * abs(a.period):
+            return False
+        if self.cuttable:
+            a, b = (
+                replace(each, z=cutting.bare(self, each.z), weights=cutting.bare(self, each.weights))
+                for each in (a, b)
+            )
+        if len(a.z) != len(b.z):
             return False
         if not (self.word.eventful or self.forced):
             return self.passes(b.z, [self.first_state(a.z)])
         there = self.nearest_turn(a.z, b.z)
         return bool(np.linalg.norm((there - b.z) / b.weights) < 30.0 * ALIKE)
+
+
+def product(factors: Sequence[np.ndarray]) -> np.ndarray:
+    """The product of factors in the order in which they act."""
+    whole = factors[0]
+    for factor in factors[1:]:
+        whole = factor @ whole
+    return whole

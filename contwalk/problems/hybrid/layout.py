@@ -4,14 +4,41 @@ Unknowns: the states at the starts of the legs, each as long as its mode has sta
 forced system the time at which the first leg starts; a drift for each pinned direction; the free parameter.
 Equations: each leg's end is the next one's start; each leg ends where its guard is zero; of a forced system
 the durations add up to whole periods; each pinned direction is held.
+
+A leg over which deviations grow is cut into segments of equal duration. The states at their starts, but for
+the first one's, are unknowns too; that a segment ends where the next one starts are as many equations. Both
+stand behind the others, in the same order, before the free parameter: what belongs to whole legs stands where
+it does without them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A part of a leg, from share `begin` to share `end` of its duration.
+
+    `states` is where its start stands among the unknowns, `ends` where its end among the equations, and
+    `following` where the state stands that this end is.
+    """
+
+    leg: int
+    begin: float
+    end: float
+    states: slice
+    ends: slice
+    following: slice
+
+    @property
+    def last(self) -> bool:
+        """Whether it ends with the leg's event."""
+        return self.end == 1.0
 
 
 class Layout:
@@ -23,9 +50,13 @@ class Layout:
         Number of states of each leg.
     forced : bool
     pins : int
+    cuts : sequence of int, optional
+        Number of segments of each leg; one by default.
     """
 
-    def __init__(self, sizes: Sequence[int], forced: bool, pins: int) -> None:
+    def __init__(
+        self, sizes: Sequence[int], forced: bool, pins: int, cuts: Sequence[int] | None = None
+    ) -> None:
         self.sizes, self.forced, self.pins = tuple(sizes), forced, pins
         self.legs = m = len(sizes)
         ends = np.cumsum([0, *sizes])
@@ -35,7 +66,7 @@ class Layout:
         self.start = total + m if forced else None
         first = total + m + int(forced)
         self.drifts = slice(first, first + pins)
-        self.size = first + pins
+        self.rest = slice(self.durations.stop, first + pins)
         # Equations: a leg's end has as many as the next leg has states.
         following = [sizes[(i + 1) % m] for i in range(m)]
         rows = np.cumsum([0, *following])
@@ -43,8 +74,32 @@ class Layout:
         self.guards = total
         self.sum = total + m if forced else None
         self.held = first
+        self.cuts = (1,) * m if cuts is None else tuple(cuts)
+        places = np.cumsum([first + pins, *(n * (c - 1) for n, c in zip(sizes, self.cuts, strict=True))])
+        self.inner = [self._inner(i, int(places[i])) for i in range(m)]
+        self.inside = slice(first + pins, int(places[-1]))
+        self.size = self.inside.stop
+        self.segments = [segment for i in range(m) for segment in self._segments(i)]
 
         self._local = [self._positions(i) for i in range(m)]
+
+    def _inner(self, i: int, first: int) -> list[slice]:
+        n = self.sizes[i]
+        return [slice(first + j * n, first + (j + 1) * n) for j in range(self.cuts[i] - 1)]
+
+    def _segments(self, i: int) -> list[Segment]:
+        count, inner = self.cuts[i], self.inner[i]
+        starts, ends = [self.states[i], *inner], [*inner, self.matches[i]]
+        following = [*inner, self.states[(i + 1) % self.legs]]
+        return [
+            Segment(i, j / count, (j + 1) / count, *places)
+            for j, places in enumerate(zip(starts, ends, following, strict=True))
+        ]
+
+    def segments_of(self, i: int) -> list[Segment]:
+        """The segments of a leg."""
+        first = sum(self.cuts[:i])
+        return self.segments[first : first + self.cuts[i]]
 
     def _positions(self, i: int) -> tuple[np.ndarray, np.ndarray]:
         own = np.concatenate(
@@ -79,3 +134,29 @@ class Layout:
         if not self.forced:
             return values[:n], values[n:]
         return values[:n], np.concatenate([values[n : n + 1], [z[before].sum()], values[n + 1 :]])
+
+    def along(self, segment: Segment, rows: np.ndarray) -> np.ndarray:
+        """Derivatives by a segment's inputs, (r, n_i + k), as derivatives by z, (r, N + 1)."""
+        i = segment.leg
+        if self.cuts[i] == 1:
+            return self.spread(i, rows)
+        n, rows = self.sizes[i], rows.copy()
+        rows[:, n] *= segment.end - segment.begin
+        if self.forced:
+            rows[:, n] += segment.begin * rows[:, n + 1]
+        result, place = self.spread(i, rows), self.states[i]
+        result[:, place] = 0.0
+        result[:, segment.states] = rows[:, :n]
+        return result
+
+    def inputs_of(self, segment: Segment, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """As `inputs`, of a segment: its own state, duration, and starting time."""
+        i = segment.leg
+        x, scalars = self.inputs(i, z)
+        if self.cuts[i] == 1:
+            return x, scalars
+        lasting, scalars = scalars[0], scalars.copy()
+        scalars[0] = (segment.end - segment.begin) * lasting
+        if self.forced:
+            scalars[1] += segment.begin * lasting
+        return z[segment.states], scalars

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contwalk.flow.hybrid.machine import hybrid_machine
-from contwalk.problems.hybrid import families
+from contwalk.problems.hybrid import cutting, families
 from contwalk.problems.hybrid.mirrors import Span, carries, why_not_carried
 from contwalk.problems.hybrid.switching import discretized, shifted
 from contwalk.problems.hybrid.word import Leg, Word, has_image, imaged_leg
@@ -111,7 +111,8 @@ def _beginning(
     """The first legs of an orbit, which close up to an image, as one of a period so many times shorter."""
     layout = problem.layout
     states, lasting = slice(0, layout.states[legs].start), layout.durations.start
-    start = np.concatenate([z[states], z[lasting : lasting + legs], z[layout.durations.stop :]])
+    start = np.concatenate([z[states], z[lasting : lasting + legs], z[layout.rest], z[-1:]])
+    start = cutting.completed(start, cutting.blocks(problem, z)[:legs])
     other = problem.of_word(Word(problem.word.legs[:legs], image), turns=problem.turns / times)
     other.subharmonic = max(problem.subharmonic // times, 1)
     there = discretized(other, start)

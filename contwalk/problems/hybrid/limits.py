@@ -29,6 +29,7 @@ from contwalk.branch import SpecialPoint
 from contwalk.errors import StartError
 from contwalk.problems.hybrid.shooting import Piece
 from contwalk.problems.hybrid.view import LegView
+from contwalk.problems.hybrid.watching import Watched
 from contwalk.problems.hybrid.word import imaged_leg
 from contwalk.problems.orbit import augmented
 from contwalk.problems.orbit.branching import filled_magnitudes
@@ -58,6 +59,8 @@ LITTLE, NO_TIME = 1e-3, 1e-12
 ROUNDED, STILL, SLOWLY = 1e-13, 1e-8, 0.1
 # A rate below this part of the guard's largest one is zero but for what the instants of events are known to.
 NO_RATE = 1e-7
+# An instant that lies beyond this part of a segment is looked at from its start.
+AFTER = 0.1
 
 
 @dataclass(frozen=True)
@@ -706,12 +709,12 @@ def _rows(problem: HybridOrbit, limit: Limit, y: np.ndarray, share: float) -> tu
         return y[layout.durations.start + i, None], row
     z, piece = y[: size + 1], problem.pieces[i]
     x, scalars = layout.inputs(i, z)
-    n = len(x)
     if limit.test == "condition":
         map_ = piece.passage.condition(problem.named_conditions[limit.name])
+        piece, x, scalars = _ending(problem, i, z)
         end, moved = piece.before_differentiated(PLAIN, x, scalars)
         values, derivative = piece.through(map_, end, moved, piece.values(scalars))
-        return values, layout.spread(i, derivative)
+        return values, layout.along(layout.segments_of(i)[-1], derivative)
     transition = problem.transition_of(limit)
     if limit.test == "leaving":
         map_ = piece.passage.bending(transition)
@@ -723,17 +726,51 @@ def _rows(problem: HybridOrbit, limit: Limit, y: np.ndarray, share: float) -> tu
         there, slopes = _at_entry(piece, transition, x, scalars)
         return np.array([there]), layout.spread(i, slopes[None])
     if limit.test == "dip":
-        inside = piece.steps[1:][piece.steps[1:] < share - 1e-12] / max(share, 1e-12)
-        piece = Piece(piece.passage, np.concatenate([[0.0], inside, [1.0]]), piece.method, piece.fixed)
-        scalars = np.concatenate([y[-1:], scalars[1:]])
+        return _touching(problem, i, y, share, watched)
+    piece, x, scalars = _ending(problem, i, z)
     end, moved = piece.before_differentiated(PLAIN, x, scalars)
     values, derivative = watched.differentiated(1.0, end, moved, piece.values(scalars))
-    if limit.test == "dip":
-        by_time = derivative[:, n].copy()
-        derivative[:, n] = 0.0
-        return values, np.hstack([layout.spread(i, derivative), by_time[:, None]])
     k = 1 if limit.test == "rate" else 0
-    return values[k : k + 1], layout.spread(i, derivative[k : k + 1])
+    return values[k : k + 1], layout.along(layout.segments_of(i)[-1], derivative[k : k + 1])
+
+
+def _ending(problem: HybridOrbit, i: int, z: np.ndarray) -> tuple[Piece, np.ndarray, np.ndarray]:
+    """The last segment of leg i, with its state and scalars."""
+    layout = problem.layout
+    last = sum(layout.cuts[: i + 1]) - 1
+    return problem.segments[last], *layout.inputs_of(layout.segments[last], z)
+
+
+def _touching(
+    problem: HybridOrbit, i: int, y: np.ndarray, share: float, watched: Watched
+) -> tuple[np.ndarray, np.ndarray]:
+    """A guard and its rate at the last unknown, an instant of leg i near a share of it, with derivatives.
+
+    The motion is that of the segment in which it lies, from its start up to there.
+    """
+    layout, size = problem.layout, problem.size
+    first = sum(layout.cuts[:i])
+    # One at the very start of a segment is looked at from the one before: motions of no time tell no rate.
+    within = [
+        k for k, own in enumerate(layout.segments_of(i)) if own.begin < share - AFTER * (own.end - own.begin)
+    ]
+    number = first + max(within, default=0)
+    segment, piece = layout.segments[number], problem.segments[number]
+    x, scalars = layout.inputs_of(segment, y[: size + 1])
+    n, lasting = len(x), float(y[layout.durations.start + i])
+    share = (share - segment.begin) / (segment.end - segment.begin)
+    inside = piece.steps[1:][piece.steps[1:] < share - 1e-12] / max(share, 1e-12)
+    piece = Piece(piece.passage, np.concatenate([[0.0], inside, [1.0]]), piece.method, piece.fixed)
+    since = y[-1] - segment.begin * lasting if number > first else y[-1]
+    scalars = np.concatenate([[since], scalars[1:]])
+    end, moved = piece.before_differentiated(PLAIN, x, scalars)
+    values, derivative = watched.differentiated(1.0, end, moved, piece.values(scalars))
+    by_time = derivative[:, n].copy()
+    derivative[:, n] = 0.0
+    rows = layout.along(segment, derivative)
+    if number > first:  # a longer leg lets its segment begin later
+        rows[:, layout.durations.start + i] -= segment.begin * by_time
+    return values, np.hstack([rows, by_time[:, None]])
 
 
 def growth(problem: HybridOrbit, z: np.ndarray, limit: Limit, direction: np.ndarray) -> float:

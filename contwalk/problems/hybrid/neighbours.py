@@ -327,10 +327,9 @@ def _arrival(found: limits.Margins, which: int, legs: int) -> int:
 
 def _turning(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, place: float) -> float:
     """Where on its leg a guard turns, by the secant method on its exact rate from nearly there."""
-    piece, (x, scalars) = problem.pieces[limit.leg], problem.layout.inputs(limit.leg, z)
-    transition = problem.transition_of(limit)
-    watched = piece.passage.watched(transition.name, transition.guard)
-    nodes, values = piece.nodes(x, scalars), piece.values(scalars)
+    view, transition = problem.view(z)[limit.leg], problem.transition_of(limit)
+    piece, scalars, nodes = view.piece, view.scalars, view.nodes
+    watched, values = piece.passage.watched(transition.name, transition.guard), piece.values(scalars)
 
     def rate(time: float) -> float:
         return float(watched(time, piece.at(nodes, np.array([time]), scalars)[0], values)[1])
@@ -382,8 +381,8 @@ def _unchanged(problem: HybridOrbit, transition: Transition, before: np.ndarray,
 
 def _at(problem: HybridOrbit, z: np.ndarray, i: int, place: float) -> np.ndarray:
     """Full state on leg i."""
-    piece, (x, scalars) = problem.pieces[i], problem.layout.inputs(i, z)
-    return piece.passage.full(piece.at(piece.nodes(x, scalars), np.array([place]), scalars)[0])
+    view = problem.view(z)[i]
+    return view.full(view.piece.at(view.nodes, np.array([place]), view.scalars)[0])
 
 
 def _after(problem: HybridOrbit, leg: Leg, x: np.ndarray, t: float, z: np.ndarray) -> np.ndarray:
@@ -468,10 +467,7 @@ def _after_event(
 
 def _falls(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> bool:
     """Whether a guard of direction `both` comes down to zero: it is positive elsewhere on its leg."""
-    piece, (x, scalars) = problem.pieces[limit.leg], problem.layout.inputs(limit.leg, z)
-    transition = problem.transition_of(limit)
-    watched = piece.passage.watched(transition.name, transition.guard)
-    values = watched.along(piece.steps, piece.nodes(x, scalars), piece.values(scalars))[:, 0]
+    values = problem.view(z)[limit.leg].guard_values(problem.transition_of(limit))
     return bool(values[int(np.argmax(np.abs(values)))] > 0.0)
 
 

@@ -50,15 +50,27 @@ class EventMap(SectionMap):
         self.coordinates = (self.basis / magnitudes[:, None]).T / magnitudes
 
     @cached_property
+    def _round_trip(self) -> list[int]:
+        """Numbers of all segments, from the first of the leg that the map starts with on."""
+        layout = self.problem.layout
+        before = sum(layout.cuts[: self.first])
+        return [(before + k) % len(layout.segments) for k in range(len(layout.segments))]
+
+    @cached_property
     def _inputs(self) -> list[tuple[np.ndarray, np.ndarray]]:
         layout = self.problem.layout
-        return [layout.inputs(i, self.z) for i in range(layout.legs)]
+        return [layout.inputs_of(segment, self.z) for segment in layout.segments]
 
     @cached_property
     def _rates(self) -> list[tuple[np.ndarray, float]]:
-        """Of each leg, the derivatives of its end and of what ends it by its duration."""
+        """Of each segment, the derivatives of its end and of what ends it by its duration; one that another
+        one follows has its own at all times.
+        """
         problem, found = self.problem, []
-        for piece, (x, scalars) in zip(problem.pieces, self._inputs, strict=True):
+        for piece, (x, scalars) in zip(problem.segments, self._inputs, strict=True):
+            if piece.inner:
+                found.append((np.zeros(len(x)), np.inf))
+                continue
             _, moved = piece.differentiated(PLAIN, x, scalars)
             column, width = moved[:, len(x)], len(piece.passage.following)
             found.append((column[:width], self._ending(column, width)))
@@ -98,9 +110,8 @@ class EventMap(SectionMap):
         states = [entry[:width] for entry in start]
         times = [float(entry[width]) if self.timed else 0.0 for entry in start]
         period = self._period(lam)
-        for k in range(layout.legs):
-            i = (self.first + k) % layout.legs
-            states, times = self._through(i, states, times, drifts, lam, period, order)
+        for k in self._round_trip:
+            states, times = self._through(k, states, times, drifts, lam, period, order)
         if not self.timed:
             return states[:order]
         return [np.append(states[j], times[j] - period[j]) for j in range(order)]
@@ -131,7 +142,7 @@ class EventMap(SectionMap):
 
     def _through(
         self,
-        i: int,
+        number: int,
         states: list[np.ndarray],
         times: list[float],
         drifts: list[np.ndarray],
@@ -139,10 +150,10 @@ class EventMap(SectionMap):
         period: list[float],
         order: int,
     ) -> tuple[list[np.ndarray], list[float]]:
-        """Derivatives of state and time at the next leg's start, its duration held to its event."""
-        problem, piece, (x, scalars) = self.problem, self.problem.pieces[i], self._inputs[i]
-        by_duration, rate = self._rates[i]
-        width, forced = len(piece.passage.following), problem.forced
+        """Derivatives of state and time at the next segment's start, a leg's duration held to its event."""
+        problem, piece, (x, scalars) = self.problem, self.problem.segments[number], self._inputs[number]
+        by_duration, rate = self._rates[number]
+        width, forced = len(by_duration), problem.forced
         lasting = [0.0] * ORDERS
         ends: list[np.ndarray] = []
         for j in range(order):
@@ -159,7 +170,9 @@ class EventMap(SectionMap):
             out = piece.end(JET, jets, scalars, *directions)
             each = len(out) // (ORDERS + 1)
             end = out[(j + 1) * each : (j + 2) * each]
-            if piece.passage.leg.transition is not None or not forced:
+            if piece.inner:
+                lasting[j] = 0.0
+            elif piece.passage.leg.transition is not None or not forced:
                 lasting[j] = -self._ending(end, width) / rate
             else:
                 lasting[j] = period[j] - times[j]
@@ -192,13 +205,13 @@ class EventMap(SectionMap):
 
     def _mean_square(self, v: np.ndarray) -> float:
         problem, layout = self.problem, self.problem.layout
-        factors = problem.factors(problem.linearize(self.z).jacobian)
-        total, m = 0.0, layout.legs
+        chain = problem.chain(problem.linearize(self.z).jacobian)
+        factors, total = [factor for own in chain for factor in own], 0.0
         whole = abs(problem.duration(self.z))
         half = units(problem.system, problem.motion_of(self.z)[1], problem.mesh.magnitudes)
-        for k in range(m):
-            i = (self.first + k) % m
-            piece, (x, scalars) = problem.pieces[i], self._inputs[i]
+        for k in self._round_trip:
+            i = layout.segments[k].leg
+            piece, (x, scalars) = problem.segments[k], self._inputs[k]
             n, field = len(x), piece.passage.field(TANGENT)
             direction = np.zeros(len(scalars))
             if problem.timed(i):
@@ -216,7 +229,7 @@ class EventMap(SectionMap):
                 deviations -= np.sum(deviations * along, axis=1, keepdims=True) * along
             mean = float(SHARES @ np.sum(deviations**2, axis=1))
             total += mean * abs(float(scalars[0])) / max(whole, 1e-300)
-            v = factors[i] @ v
+            v = factors[k] @ v
         return total
 
     def _across_pins(self, i: int, states: np.ndarray, deviations: np.ndarray) -> np.ndarray:

@@ -34,10 +34,10 @@ MOST_STEPS, LEAST_MOST, MANY_TIMES = 100_000, 2_000, 50
 
 @dataclass(frozen=True, eq=False)
 class LegMesh(Mesh):
-    """Steps of each leg, in its own time from 0 to 1.
+    """Steps of each segment of each leg, in its own time from 0 to 1.
 
-    `growth` is what local errors grow by at most over a leg, in units of the tolerance.
-    `grown` is how much a deviation grows at most over each leg, from any time on.
+    `growth` is what local errors grow by at most over a segment, in units of the tolerance.
+    `grown` is how much a deviation grows at most over each segment, from any time on.
     `total` is the duration of the closure, `guards` the largest value of each leg's own guard on it, shape
     (m,): the units of durations and of guards.
     """
@@ -49,7 +49,7 @@ class LegMesh(Mesh):
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """A leg on its steps.
+    """A leg, or a segment of one, on its steps.
 
     Parameters
     ----------
@@ -59,12 +59,15 @@ class Piece:
     method : str
     fixed : ndarray
         Values of the parameters, and their changes along a path.
+    inner : bool
+        Whether another segment of the leg follows it: then no transition does.
     """
 
     passage: Passage
     steps: np.ndarray
     method: str
     fixed: np.ndarray
+    inner: bool = False
 
     def values(self, scalars: np.ndarray, *directions: np.ndarray) -> np.ndarray:
         """What a lift's functions depend on, in their order."""
@@ -81,6 +84,8 @@ class Piece:
 
     def end(self, lift: str, y: np.ndarray, scalars: np.ndarray, *directions: np.ndarray) -> np.ndarray:
         """State after the transition and guard, of a lift order by order."""
+        if self.inner:
+            return self.before(lift, y, scalars, *directions)
         map_ = self.passage.end(lift)
         c = map_.constants(self.values(scalars, *directions))
         return map_(1.0, self.before(lift, y, scalars, *directions), c)
@@ -92,6 +97,8 @@ class Piece:
         n + k).
         """
         x, moved = self.before_differentiated(lift, y, scalars, *directions)
+        if self.inner:
+            return x, moved
         map_ = self.passage.end(lift)
         return self.through(map_, x, moved, self.values(scalars, *directions))
 
@@ -116,6 +123,8 @@ class Piece:
         Directions are of the state and of the scalars. Of many states it is far cheaper than all derivatives.
         """
         moved, change = self._moved_along(x, scalars, direction, along)
+        if self.inner:
+            return change
         map_ = self.passage.end(TANGENT)
         _, derivative = map_.linearized(1.0, moved, map_.constants(self.values(scalars, direction[1])))
         return derivative[:, : len(moved)] @ change + derivative[:, len(moved) :] @ along[1]
@@ -189,10 +198,12 @@ def meshed(
     alike: bool,
     most: int = MOST_STEPS,
 ) -> LegMesh:
-    """Steps on which each leg, and a generic neighbour of it, are integrated to a tolerance.
+    """Steps on which each segment, and a generic neighbour of it, are integrated to a tolerance.
 
     Parameters
     ----------
+    passages, starts, scalars : sequences
+        One for each segment.
     magnitudes : ndarray, shape (n,)
         Typical magnitudes of all states. Where one varies less along the orbit, its variation counts.
     alike : bool

@@ -65,6 +65,11 @@ class SoftOrbit(HybridOrbit):
             raise ValueError("the problem has no mesh yet: see `adapted_to`")
         return self._inner
 
+    @property
+    def cuttable(self) -> bool:
+        """Whether legs may be cut into segments: legs that soft transitions divide anew are not."""
+        return False
+
     # -- what lies under it ------------------------------------------------------------------------------
 
     def explicit_of(self, word: Word) -> HybridOrbit:
@@ -330,10 +335,10 @@ class SoftOrbit(HybridOrbit):
         explicit, unknowns = self.explicit(z)
         return explicit.reported(unknowns)
 
-    def flow_direction(self, z: np.ndarray, i: int) -> np.ndarray:
+    def flow_direction(self, z: np.ndarray, i: int, j: int = 0) -> np.ndarray:
         """What a later start of leg i on the same orbit differs by."""
         there = self._at(z)
-        return there.explicit.flow_direction(there.unknowns, there.grouping.groups[i][0])
+        return there.explicit.flow_direction(there.unknowns, there.grouping.groups[i][0], j)
 
     def slow_place(self, z: np.ndarray) -> SlowPlace:
         """Where the orbit is slowest, and the field there."""

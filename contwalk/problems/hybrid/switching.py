@@ -10,6 +10,7 @@ import numpy as np
 
 from contwalk import flow
 from contwalk.branch import SpecialPoint
+from contwalk.problems.hybrid import cutting
 from contwalk.problems.hybrid.shooting import AT_REST
 from contwalk.problems.hybrid.word import imaged_leg
 from contwalk.problems.orbit.branching import amplitude, crossing, filled_magnitudes
@@ -55,6 +56,7 @@ def discretized(problem: HybridOrbit, z: np.ndarray, parent: HybridOrbit | None 
     A solution at rest may be a rounding of zero, which is no scale. What its states are measured in is known
     where the problem, or the parent that it is an orbit of, has been walked along.
     """
+    problem = problem.fitting(z)
     layout = problem.layout
     reached = np.zeros(problem.states)
     for place, passage in zip(layout.states, problem.passages, strict=True):
@@ -79,8 +81,9 @@ def _between(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
     found = []
     for count in PILOT:
         reached, times = np.zeros(problem.states), np.linspace(0.0, 1.0, count + 1)
-        for i, passage in enumerate(problem.passages):
-            x, scalars = problem.layout.inputs(i, z)
+        for segment in problem.layout.segments:
+            passage = problem.passages[segment.leg]
+            x, scalars = problem.layout.inputs_of(segment, z)
             field = passage.field(PLAIN)
             c = field.constants(np.concatenate([scalars, problem.fixed]))
             states = flow.along(field, c, times, x, "dop853")
@@ -161,8 +164,8 @@ def _alternating(
     matrix = problem.cycle_matrix(problem.linearize(z).jacobian, -1.0)
     v, _ = null_vectors(problem, matrix, *problem.cycle_scales)
     v = v.real
-    lasting, rest = layout.durations, slice(layout.durations.stop, layout.size)
-    still = np.zeros(layout.size - lasting.stop)
+    lasting, rest = layout.durations, layout.rest
+    still = np.zeros(rest.stop - rest.start)
     if layout.start is not None:
         still[0] = v[layout.start]
     # A leg that no event ends is one with the first leg of the second round.
@@ -173,6 +176,10 @@ def _alternating(
     twice, alternating = _joined(problem, z[lasting], 1.0), _joined(problem, v[lasting], -1.0)
     start = np.concatenate([z[states], *second, twice, z[rest], z[-1:]])
     tangent = np.concatenate([v[states], *turned, alternating, still, [0.0]])
+    inner, moved = cutting.blocks(problem, z), cutting.blocks(problem, v)
+    again = [np.array([image(i, x) for x in own]) for i, own in enumerate(inner)]
+    back = [np.array([-image(i, x) for x in own]) for i, own in enumerate(moved)]
+    start, tangent = cutting.completed(start, inner + again), cutting.completed(tangent, moved + back)
     there = discretized(other, start, problem)
     weights = np.concatenate([there.cycle_scales[1], [1.0]])
     if problem.pins:
@@ -240,18 +247,38 @@ def rotated(problem: HybridOrbit, z: np.ndarray, first: int) -> tuple[HybridOrbi
         float(z[-1]),
         float(problem.starting_times(z)[first]),
     )
+    result = _with_segments(problem, z, other, result, first, symmetry, p)
     other.reference = other.first_state(result)
     there = discretized(other, result)
     return there, shifted(there, result)
 
 
+def _with_segments(
+    problem: HybridOrbit,
+    z: np.ndarray,
+    other: HybridOrbit,
+    bare: np.ndarray,
+    first: int,
+    symmetry: Symmetry | None,
+    p: ParameterValues,
+) -> np.ndarray:
+    """Unknowns of a rotated orbit with the inner states of the legs, images of those that come first here."""
+    inner, m = cutting.blocks(problem, z), problem.layout.legs
+    found = inner[first:]
+    for i in range(first):
+        own, there = problem.passages[i], other.passages[m - first + i]
+        moved = [imaged(symmetry, own.full(x), p)[list(there.states)] for x in inner[i]]
+        found.append(np.array(moved))
+    return cutting.completed(bare, found)
+
+
 def _along_pins(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
     """Directions in which the legs' starts move along pinned directions, and the drifts, as columns."""
     layout, columns = problem.layout, []
-    for i, place in enumerate(layout.states):
-        n = layout.sizes[i]
-        for direction in problem.pinned_directions(z, i):
-            column = np.zeros(layout.size + 1)
-            column[place] = direction[:n]
-            columns.append(column)
+    for i, n in enumerate(layout.sizes):
+        for j, segment in enumerate(layout.segments_of(i)):
+            for direction in problem.pinned_directions(z, i, j):
+                column = np.zeros(layout.size + 1)
+                column[segment.states] = direction[:n]
+                columns.append(column)
     return np.column_stack([*columns, np.eye(layout.size + 1)[:, layout.drifts]])

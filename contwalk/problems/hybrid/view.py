@@ -7,7 +7,7 @@ tells, and the state there is that of the integrator's own interpolation.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -19,6 +19,7 @@ from contwalk.errors import UnsupportedOperation
 from contwalk.fields.blame import first_switched
 from contwalk.fields.switching import Inputs
 from contwalk.numerics.linear import EPSILON
+from contwalk.problems.hybrid.layout import Segment
 from contwalk.problems.hybrid.shooting import Piece
 from contwalk.problems.kinks import Course, inputs
 from contwalk.problems.orbit.extrema import Smooth, sampled, turns
@@ -50,6 +51,8 @@ class LegView:
         Time at which it starts.
     left : collection of str
         Transitions whose guards are zero where it starts: those of the hard one that leads into it.
+    segments : sequence of tuple (Segment, Piece, ndarray, ndarray)
+        Of a leg that is cut, its segments with their own pieces, states and scalars.
     """
 
     def __init__(
@@ -59,15 +62,20 @@ class LegView:
         scalars: np.ndarray,
         start: float,
         left: Collection[str] = (),
+        segments: Sequence[tuple[Segment, Piece, np.ndarray, np.ndarray]] = (),
     ) -> None:
+        self.segments = segments
         self.piece, self.x, self.scalars, self.start = piece, x, scalars, start
         self.duration = float(scalars[0])
         self.left = [k for k, t in enumerate(piece.passage.leaving) if t.name in left]
 
     @cached_property
     def nodes(self) -> np.ndarray:
-        """States at the steps, shape (s + 1, n_i)."""
-        return self.piece.nodes(self.x, self.scalars)
+        """States at the steps, shape (s + 1, n_i); where two segments meet, that of the later one."""
+        if not self.segments:
+            return self.piece.nodes(self.x, self.scalars)
+        parts = [piece.nodes(x, scalars) for _, piece, x, scalars in self.segments]
+        return np.concatenate([*(part[:-1] for part in parts), parts[-1][-1:]])
 
     @cached_property
     def _values(self) -> np.ndarray:
@@ -108,6 +116,10 @@ class LegView:
 
     def stepped(self, share: float) -> np.ndarray:
         """State of the mode at an instant in 0..1 to which the last step is cut: no interpolation."""
+        if self.segments:
+            segment, piece, x, scalars = next(own for own in reversed(self.segments) if own[0].begin <= share)
+            share = (share - segment.begin) / (segment.end - segment.begin)
+            return LegView(piece, x, scalars, 0.0).stepped(share) if share > 0.0 else x
         inside = self.piece.steps[self.piece.steps < share - 1e-12] / share
         piece = replace(self.piece, steps=np.append(inside, 1.0))
         return piece.before(PLAIN, self.x, np.concatenate([[self.duration * share], self.scalars[1:]]))
@@ -253,9 +265,25 @@ def view_of(problem: HybridOrbit, z: np.ndarray) -> tuple[LegView, ...]:
     """The legs of a solution."""
     times = problem.starting_times(z)
     return tuple(
-        LegView(piece, *problem.layout.inputs(i, z), float(times[i]), _left(problem, i))
+        LegView(
+            piece, *problem.layout.inputs(i, z), float(times[i]), _left(problem, i), _segments(problem, z, i)
+        )
         for i, piece in enumerate(problem.pieces)
     )
+
+
+def _segments(
+    problem: HybridOrbit, z: np.ndarray, i: int
+) -> list[tuple[Segment, Piece, np.ndarray, np.ndarray]]:
+    """The segments of leg i, if there are several."""
+    layout = problem.layout
+    if layout.cuts[i] == 1:
+        return []
+    return [
+        (segment, piece, *layout.inputs_of(segment, z))
+        for segment, piece in zip(layout.segments, problem.segments, strict=True)
+        if segment.leg == i
+    ]
 
 
 def _left(problem: HybridOrbit, i: int) -> Collection[str]:

@@ -10,7 +10,7 @@ import numpy as np
 from contwalk.errors import StartError, called
 from contwalk.flow.hybrid.motions import HybridMachine, hybrid_machine
 from contwalk.problems.angles import whole_turns
-from contwalk.problems.hybrid import families
+from contwalk.problems.hybrid import cutting, families
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.initial.lap import Lap
 from contwalk.problems.initial.orbit_from_state import started
@@ -53,7 +53,7 @@ def orbit_of(
         problem = problem.of_word(lap.word, max(round(whole / period), 1))
         z[layout.start] = lap.stretches[0].start % period if problem.word.eventful else 0.0
     problem = problem.turning(_turns(system, lap))
-    return problem.adapted_to(z, problem.weighted(lap.magnitudes)), z
+    return cutting.begun(problem.adapted_to(z, problem.weighted(lap.magnitudes)), z)
 
 
 def _check_zeros(machine: HybridMachine, lap: Lap) -> None:

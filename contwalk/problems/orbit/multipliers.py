@@ -147,6 +147,35 @@ def multipliers(
     return reciprocal(found, ROUNDING * coarser * max(1.0, *sizes, float(np.linalg.norm(whole, 2))))
 
 
+def of_sections(
+    factors: Sequence[np.ndarray],
+    magnitudes: Sequence[np.ndarray],
+    left_out: Sequence[np.ndarray],
+    tolerance: float,
+) -> Multipliers:
+    """Multipliers of a product of factors between spaces whose dimensions differ.
+
+    As `multipliers`, with magnitudes of its own where each factor begins, and each between the quotients by
+    what is left out at its ends. An orthonormal basis of what comes out of the first space is carried along:
+    in these bases all factors are square. The first quotient is the smallest.
+    """
+    m = len(factors)
+    bases = [complement(some / own[:, None]) for some, own in zip(left_out, magnitudes, strict=True)]
+    if not bases[0].shape[1]:
+        return Multipliers(np.zeros(0, dtype=complex), np.zeros(0), 0.0)
+    squares, sizes, carried = [], [], np.eye(bases[0].shape[1])
+    for i, factor in enumerate(factors):
+        there = (i + 1) % m
+        scaled = factor / magnitudes[there][:, None] * magnitudes[i]
+        sizes.append(max(float(np.linalg.norm(scaled, 2)), LEAST))
+        moved = bases[there].T @ (scaled @ (bases[i] @ carried))
+        if there:
+            carried, moved = np.linalg.qr(moved)
+        squares.append(moved)
+    values, errors = _eigenvalues(squares, sizes)
+    return Multipliers(values, errors, float(errors[0] * (1.0 + GLOBAL * tolerance / ROUNDING)))
+
+
 def reciprocal(found: Multipliers, error: float) -> Multipliers:
     """Multipliers of a motion that conserves something, which may come in pairs mu, 1/mu, by moduli.
 

@@ -33,7 +33,7 @@ from contwalk.problems.orbit.section import Reference, Section, better_phase, re
 from contwalk.problems.orbit.shooting import Curve, Mesh, Shooting, meshed, velocity
 from contwalk.problems.orbit.solution import Solution
 from contwalk.problems.orbit.solving import error_holding
-from contwalk.problems.orbit.transport import closed, moved, recut
+from contwalk.problems.orbit.transport import STRETCHED, TOO_MUCH, closed, moved, recut
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.passing import Place
 from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed
@@ -58,10 +58,8 @@ CONSTANT = 1e-5
 MOVES = 1e-2
 # The flow's own multiplier, one, missed by more than this tells nothing of the others.
 UNTOLD = 0.3
-# Growth of deviations over a segment beyond which an orbit is cut into twice as many: on the way, and from
-# its start to its end (some times what orbits are cut for when they are begun); what the flow may miss its
-# own velocity by.
-TOO_MUCH, STRETCHED, MISSED = 1e6, 3e4, 1e-3
+# What the flow may miss its own velocity by before an orbit is cut into twice as many segments.
+MISSED = 1e-3
 # Linearizations and motions that are kept: a step asks for the same ones several times.
 MOST_KEPT = 12
 # A drift this many times what errors of the steps make of zero is one.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -16,11 +16,16 @@ from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
-    from contwalk.problems.problem import Sample
+    from contwalk.problems.problem import Problem, Sample
+
+Kind = TypeVar("Kind", bound="Problem")
 
 # Growth over one segment that shooting still takes easily: four digits of sixteen.
 MOST_GROWTH = 1e4
 PARTS = 16
+# Growth over a segment beyond which an orbit is cut into twice as many: on the way, and from its start to its
+# end (some times what orbits are cut for when they are begun).
+TOO_MUCH, STRETCHED = 1e6, 3e4
 MOST_SEGMENTS = 24
 # Residuals this many times above their error still count as solved, as of any point; how many corrections.
 CLOSED, MOST_CORRECTIONS = 20.0, 8
@@ -141,7 +146,7 @@ def moved(problem: PeriodicOrbit, sample: Sample, time: float) -> tuple[Periodic
     return begun, replace(again, iterations=sample.iterations)
 
 
-def closed(problem: PeriodicOrbit, rough: Sample) -> tuple[PeriodicOrbit, Sample] | None:
+def closed(problem: Kind, rough: Sample) -> tuple[Kind, Sample] | None:
     """The orbit corrected on the steps that it was cut or moved to; None where that does not converge.
 
     Where deviations grow, what was a solution on other steps is none on these: its gap is the error of both,

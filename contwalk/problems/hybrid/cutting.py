@@ -1,0 +1,163 @@
+"""Legs cut into segments: when, how many there is room for, and the same orbit on more of them.
+
+Where deviations grow by 1e12 over a leg, as along a canard or beside a saddle, no start tells its end, and
+Newton's method has nothing to correct. Over a segment they grow by a root of that (multiple shooting: U. M.
+Ascher, R. M. M. Mattheij, R. D. Russell, "Numerical Solution of Boundary Value Problems for Ordinary
+Differential Equations", SIAM 1995, chapter 4). The rule is that of orbits without events.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contwalk.errors import NotFinite
+from contwalk.problems.hybrid.layout import Segment
+from contwalk.problems.orbit.transport import STRETCHED, TOO_MUCH, closed, segments_of_growth
+
+if TYPE_CHECKING:
+    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
+    from contwalk.problems.problem import Sample
+
+# Segments of a leg that a branch has room for, if it does not begin with more, and how many unknowns with
+# them: rows of a branch have one length, and those of large machines would be nothing but room.
+ROOM, MOST_UNKNOWNS = 16, 400
+# More growth than any number of segments takes.
+MOST_GROWTH = 1e300
+
+
+def sizes(problem: HybridOrbit) -> tuple[int, int]:
+    """Number of unknowns with one segment in each leg, and how many each further one adds."""
+    each = zip(problem.word.legs, problem.layout.sizes, strict=True)
+    return problem.layout.rest.stop, sum(n for leg, n in each if not leg.collapsed)
+
+
+def room(problem: HybridOrbit) -> int:
+    """Into how many segments legs may be cut along a branch: so many times two what they are cut into."""
+    if not problem.cuttable:
+        return problem.cuts
+    if problem.room is not None:
+        return max(problem.room, problem.cuts)
+    bare, more = sizes(problem)
+    most = problem.cuts
+    while 2 * most <= ROOM and bare + (2 * most - 1) * more <= MOST_UNKNOWNS:
+        most *= 2
+    return most
+
+
+def joined(segments: Sequence[Segment], steps: Sequence[np.ndarray]) -> np.ndarray:
+    """Times of a leg's steps, 0..1, from those of its segments."""
+    parts = [
+        own.begin + (own.end - own.begin) * times[:-1] for own, times in zip(segments, steps, strict=True)
+    ]
+    return np.append(np.concatenate(parts), 1.0)
+
+
+def stretched(problem: HybridOrbit, z: np.ndarray) -> bool:
+    """Whether a segment is too long for Newton's method to be at ease."""
+    return max(problem.mesh.grown, default=0.0) > TOO_MUCH or _carried(problem, z) > STRETCHED
+
+
+def _carried(problem: HybridOrbit, z: np.ndarray) -> float:
+    """By how much deviations grow at most from the start of a segment to its end, events included."""
+    largest, jacobian, variation = 0.0, problem.linearize(z).jacobian, problem.mesh.variation
+    for segment in problem.layout.segments:
+        passage = problem.passages[segment.leg]
+        to = passage.following if segment.last else passage.states
+        matrix = jacobian[segment.ends, segment.states]
+        if segment.states == segment.following:
+            matrix = matrix + np.eye(len(matrix))
+        grown = matrix / variation[list(to)][:, None] * variation[list(passage.states)]
+        largest = max(largest, float(np.linalg.norm(grown)))
+    return largest
+
+
+def begun(problem: HybridOrbit, z: np.ndarray) -> tuple[HybridOrbit, np.ndarray]:
+    """A first orbit cut into as many segments as the run file asks for, or the growth of deviations does."""
+    if not problem.cuttable:
+        return problem, z
+    cuts = problem.discretization.segments
+    if cuts is None:
+        if not stretched(problem, z):
+            return problem, z
+        most = max(*problem.mesh.grown, _carried(problem, z))
+        cuts = min(segments_of_growth(float(np.log(min(most, MOST_GROWTH)))), room(problem))
+    if cuts <= problem.cuts:
+        return problem, z
+    there = filled(problem, bare(problem, z), cuts, problem, z)
+    finer = problem.cut_into(cuts)
+    return finer.adapted_to(there, finer.weighted(problem.mesh.magnitudes)), there
+
+
+def filled(
+    problem: HybridOrbit, bare: np.ndarray, cuts: int, source: HybridOrbit, z: np.ndarray
+) -> np.ndarray:
+    """Unknowns with so many segments in each leg, their starts taken from the motion of the same legs.
+
+    Parameters
+    ----------
+    problem : HybridOrbit
+    bare : ndarray
+        Unknowns with one segment in each leg.
+    cuts : int
+    source, z : HybridOrbit, ndarray
+        Whose legs begin with those of `problem`, in their order.
+    """
+    layout = problem.cut_into(cuts).layout
+    result = np.concatenate([bare[:-1], np.zeros(layout.size + 1 - len(bare)), bare[-1:]])
+    for view, own in zip(source.view(z), range(layout.legs), strict=False):
+        segments = layout.segments_of(own)[1:]
+        if segments:
+            states = view.at(np.array([segment.begin for segment in segments]))
+            for segment, x in zip(segments, states, strict=True):
+                result[segment.states] = x
+    return result
+
+
+def blocks(problem: HybridOrbit, vector: np.ndarray) -> list[np.ndarray]:
+    """Of unknowns, or of a direction of them, each leg's states at the starts of its inner segments."""
+    return [
+        np.array([vector[place] for place in own]).reshape(len(own), n)
+        for own, n in zip(problem.layout.inner, problem.layout.sizes, strict=True)
+    ]
+
+
+def completed(bare: np.ndarray, inner: Sequence[np.ndarray]) -> np.ndarray:
+    """Unknowns from those of whole legs, the parameter last, and each leg's inner states."""
+    return np.concatenate([bare[:-1], *(block.ravel() for block in inner), bare[-1:]])
+
+
+def bare(problem: HybridOrbit, vector: np.ndarray) -> np.ndarray:
+    """Unknowns, or a direction or weights of them, without those of inner segments."""
+    return np.append(vector[: problem.layout.rest.stop], vector[-1])
+
+
+def recut(problem: HybridOrbit, sample: Sample) -> tuple[HybridOrbit, Sample] | None:
+    """The same solution on twice as many segments, corrected there; None where that does not converge."""
+    cuts, z = 2 * problem.cuts, sample.z
+    there = filled(problem, bare(problem, z), cuts, problem, z)
+    finer = problem.cut_into(cuts)
+    # Each state's share of the metric stays what it is: the squares of all segments add up.
+    share = np.sqrt(len(finer.layout.segments) / len(problem.layout.segments))
+    magnitudes = problem.magnitudes_of(sample.weights)
+    weights = finer.weighted(magnitudes)
+    own, rest = problem.layout.rest.stop, problem.layout.durations.start
+    for i, place in enumerate(problem.layout.states):
+        for segment in finer.layout.segments_of(i):
+            weights[segment.states] = share * sample.weights[place]
+    weights[rest:own], weights[-1] = sample.weights[rest:own], sample.weights[-1]
+    along = np.zeros(len(there))
+    along[:own], along[-1] = sample.tangent[:own], sample.tangent[-1]
+    along = along / weights**2
+    try:
+        finer = finer.adapted_to(there, weights)
+        found = finer.linearize(there)
+        tangent = found.tangent(along, weights)
+        rough = finer.examine(there, tangent, weights, found, sample.unstable)
+        done = closed(finer, replace(rough, iterations=sample.iterations))
+    except (NotFinite, np.linalg.LinAlgError):
+        return None
+    return done
