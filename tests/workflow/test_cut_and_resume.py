@@ -133,9 +133,46 @@ diagram: none
 """
 
 
-def test_a_run_that_is_cut_where_its_orbit_is_cut_into_segments_goes_on_to_the_same_diagram(tmp_path):
-    (tmp_path / "growing.py").write_text(GROWING)
-    (tmp_path / "run.yaml").write_text(STRETCHED)
+REPELLING = """
+import numpy as np
+
+from contwalk.system import Mode, Parameter, State, System, Transition
+
+def field(t, x, p, dx):
+    dx[0] = x[0] - np.sin(x[1]) - np.cos(x[1])
+    dx[1] = -1.0
+
+def leaves(t, x, p):
+    return 1.0 - x[0] + np.sin(x[1])
+
+def set_anew(t, x, p, after):
+    after[0] = p.a + 0.1 * x[1]
+    after[1] = 0.0
+
+SYSTEM = System(
+    name="growing",
+    states=(State("x"), State("y")),
+    parameters=(Parameter("a", 0.5),),
+    modes=(Mode("near", field),),
+    transitions=(Transition("leaves", "near", "near", leaves, reset=set_anew),),
+)
+"""
+# The leg lasts about 10 a, over which deviations grow by its exponential.
+STRETCHED_LEG = """
+contwalk: 1
+system: ./growing.py
+start: {simulate: {state: {x: 0.4, y: 0.0}, until: settled}}
+continue: {parameter: a, range: [0.3, 2.6], direction: backward}
+diagram: none
+"""
+
+
+@pytest.mark.parametrize(("plugin", "run_file"), [(GROWING, STRETCHED), (REPELLING, STRETCHED_LEG)])
+def test_a_run_that_is_cut_where_its_orbit_is_cut_into_segments_goes_on_to_the_same_diagram(
+    tmp_path, plugin, run_file
+):
+    (tmp_path / "growing.py").write_text(plugin)
+    (tmp_path / "run.yaml").write_text(run_file)
     whole = study(tmp_path, "whole.h5")
     with open_database(tmp_path / "whole.h5") as db:
         (branch,) = db.branches()
