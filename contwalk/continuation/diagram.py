@@ -247,7 +247,7 @@ class Diagram:
                         f"method {work.info.name}", f"{work.info.name}: integrated by {problem.method}."
                     )
             yield from self._kinks(problem, work, opening.here.sample, opening.here.sample)
-            work.rows = [to_row(work.info, problem, opening.here, 1.0, special=False)]
+            work.rows = [to_row(work.info, problem, opening.here, 1.0, None)]
             yield Found(work.info, work.rows[0], None)
             # The walk sets out from what the row tells, as it would when taken up again.
             born = work.info.parent is not None
@@ -284,7 +284,7 @@ class Diagram:
             # Before the point itself is: a run that is killed between the two tells it again.
             yield from self._kinks(problem, work, last, event.here.sample)
             last = event.here.sample
-            row = to_row(work.info, problem, event.here, sign, event.special is not None)
+            row = to_row(work.info, problem, event.here, sign, event.special)
             work.rows.append(row)
             if event.special is not None:
                 work.special_points.append(event.special)
@@ -341,8 +341,8 @@ class Diagram:
         """Marks that the start of a branch has itself."""
         problem, here = opening.problem, opening.here
         for kind in marks_at(here.sample, self._plan.settings.marks, observer):
-            row = to_row(work.info, problem, here, 1.0, special=True)
             record = start_record(problem, here, kind)
+            row = to_row(work.info, problem, here, 1.0, record)
             work.rows.append(row)
             work.special_points.append(record)
             yield Found(work.info, row, record)

@@ -66,7 +66,7 @@ def walk(
                 number += 1
                 if outcome := _stop(problem, found, record, settings):
                     place = replace(place, sample=replace(place.sample, unstable=found.after))
-                    yield End(outcome, end_record(problem, place, outcome, sign))
+                    yield End(outcome, end_record(problem, place, outcome, sign, record.error))
                     return
             here = _arrived(problem, step, here, sign, settings, before)
             try:

@@ -43,9 +43,15 @@ def _described(problem: Problem, found: Found, s: float) -> SpecialPoint:
         return replace(record, label=found.label, kind=None, note=note)
 
 
-def end_record(problem: Problem, here: Here, outcome: Outcome, sign: float) -> SpecialPoint:
-    """The record of an end point; its note keeps the outcome's sentence."""
-    error = 0.0 if outcome.reason == "bound" else float(np.spacing(abs(here.sample.parameter)))
+def end_record(
+    problem: Problem, here: Here, outcome: Outcome, sign: float, error: float | None = None
+) -> SpecialPoint:
+    """The record of an end point; its note keeps the outcome's sentence.
+
+    `error` is that of the special point that ends the branch. Elsewhere the parameter is what it is.
+    """
+    if error is None:
+        error = 0.0 if outcome.reason == "bound" else float(np.spacing(abs(here.sample.parameter)))
     record = problem.special_point("EP", Located(here.sample.z, error), here.sample, here.s)
     count = here.sample.unstable
     return replace(

@@ -6,14 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from contwalk.branch import BranchInfo
+from contwalk.branch import BranchInfo, SpecialPoint
 from contwalk.continuation.state import Here, adapted
 from contwalk.problems.problem import Problem
 
 
-def to_row(info: BranchInfo, problem: Problem, here: Here, sign: float, special: bool) -> np.ndarray:
+def to_row(
+    info: BranchInfo, problem: Problem, here: Here, sign: float, special: SpecialPoint | None
+) -> np.ndarray:
     """The stored row, shape (1,), of dtype `info.point_dtype()`; its tangent points towards growing s."""
     sample = here.sample
+    born = info.parent is not None and here.s == 0.0
+    # There equations are singular, and tell no error; the point has been located by others.
+    singular = born or (special is not None and special.label == "BP" and special.status == "located")
     row = np.zeros(1, dtype=info.point_dtype())
     eigenvalues = np.full(info.spectrum, np.nan + 0j)
     eigenvalues[: len(sample.eigenvalues)] = sample.spectrum
@@ -25,11 +30,13 @@ def to_row(info: BranchInfo, problem: Problem, here: Here, sign: float, special:
     row["trivial_error"] = sample.trivial_error
     row["spectrum"] = eigenvalues
     own = sample.errors[sample.leading] if len(sample.errors) else 0.0
-    row["spectrum_error"] = own if sample.spectrum_error is None else sample.spectrum_error
+    known = sample.spectrum_accuracy if singular else None
+    known = sample.spectrum_error if known is None else known
+    row["spectrum_error"] = own if known is None else known
     row["unstable"] = sample.unstable
     row["stable"] = sample.unstable == 0
     row["admissible"] = sample.admissible
-    row["special"] = special
+    row["special"] = special is not None
     for column, values in (
         ("unknowns", sample.z[:-1]),
         ("tangent", sign * sample.tangent),
@@ -38,8 +45,7 @@ def to_row(info: BranchInfo, problem: Problem, here: Here, sign: float, special:
         row[column] = np.nan
         row[column][0, : len(values)] = values
     row["step"] = here.step
-    born = info.parent is not None and here.s == 0.0  # the equations are singular there, and tell no error
-    row["error"] = np.nan if born else sample.error
+    row["error"] = np.nan if singular else sample.error
     row["residual"] = sample.excess
     row["iterations"] = sample.iterations
     row["rhs"] = sample.evaluations

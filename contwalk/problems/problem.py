@@ -183,6 +183,8 @@ class Sample:
     spectrum_error : float, optional
         Estimated error of the leading eigenvalue, where `errors` are only what blurs its sign along the
         branch.
+    spectrum_accuracy : float, optional
+        The same for a solution that is known exactly: `spectrum_error` may have what z is not known to.
     sizes : ndarray, shape (N + 1,), optional
         What the weights of the metric grow with along the branch; |z| if not given.
     error : float
@@ -220,6 +222,7 @@ class Sample:
     period: float = float("nan")
     trivial_error: float = float("nan")
     spectrum_error: float | None = None
+    spectrum_accuracy: float | None = None
     sizes: np.ndarray | None = None
     error: float = float("nan")
     margins: np.ndarray = field(default_factory=lambda: np.zeros(0))

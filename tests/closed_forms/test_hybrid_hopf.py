@@ -74,6 +74,8 @@ def test_the_cycle_is_followed_to_the_event_that_it_touches() -> None:
     assert_met(point, "lam", A**2)
     assert point.kind == "interior"
     assert cycle.outcome.reason == "grazing"
+    (end,) = [q for q in labelled(cycle, "EP") if q.kind == "grazing"]
+    assert end.error == point.error
     assert cycle["lam"].max() == point.parameters["lam"]
     assert np.all(cycle["admissible"])
     # Rows are known to the walk's steps, which are made for the cycle as it will be.

@@ -102,4 +102,9 @@ def far(flow: ModeFlow, t: float, x: np.ndarray, weights: np.ndarray) -> float:
 def why(flow: ModeFlow, status: str, t: float) -> str:
     """A sentence for steps that cannot go on."""
     words = {"not_finite": "is not finite beyond", "step_too_small": "asks for steps below rounding at"}
-    return f"The field of mode '{flow.name}' {words[status]} t = {t:.10g}."
+    said = f"The field of mode '{flow.name}' {words[status]} t = {t:.10g}."
+    if status == "not_finite":
+        return said
+    return (
+        f"{said} If the motion runs to a pole there, as a spike does, an event has to act earlier on its way."
+    )

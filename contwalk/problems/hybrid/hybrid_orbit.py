@@ -1007,6 +1007,7 @@ class HybridOrbit:
         trivial = self.trivial_error(z, linearization.jacobian)
         orientation, error = linearization.orientation_and_error(unit, weights, self._errors(linearization))
         margins, met = self.margins(z), self.kinks_of(z) if known is None else known.kinks
+        accuracy = max(found.accuracy, 2.0 * float(np.nan_to_num(trivial)))
         kinks.refuse(met)
         return Sample(
             z=z,
@@ -1024,7 +1025,8 @@ class HybridOrbit:
             error=error,
             critical=1.0,
             # What the orbit itself is not known to, its multipliers are not either.
-            spectrum_error=max(found.accuracy, 2.0 * float(np.nan_to_num(trivial)), error),
+            spectrum_error=max(accuracy, error),
+            spectrum_accuracy=accuracy,
             sizes=np.nan_to_num(linearization.magnitudes),
             period=self.duration(z),
             trivial_error=trivial,
