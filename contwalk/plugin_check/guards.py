@@ -54,7 +54,9 @@ def _interval(guard: Traced) -> Interval:
 
 
 def _cannot_be_level(guard: Traced, transition: Transition) -> str:
-    if not transition.level or guard.depends() != {0}:
+    # Out of another mode it happens no more: friction that holds until a force exceeds it, for example.
+    again = transition.target == transition.source
+    if not (transition.level and again) or guard.depends() != {0}:
         return ""
     return (
         "With level=True its transition happens wherever its mode is entered while it is past zero, but it "

@@ -199,7 +199,41 @@ SYSTEM = System(
 """
 
 
-SOUND = {"contact": CONTACT, "relay": RELAY, "ball": BALL, "stops": STOPS, "hop": HOP}
+# A block that dry friction holds until the floor shakes it too much: a level that is of time alone.
+HELD = """\
+import math
+from contwalk.system import Mode, Parameter, State, System, Transition
+
+def rests(t, x, p, dx):
+    dx[0] = 0.0 * x[0]
+
+def slides(t, x, p, dx):
+    dx[0] = math.sin(t) - p.k
+
+def speed(t, x, p):
+    return x[0]
+
+def pushed(t, x, p):
+    return math.sin(t) - p.r
+
+def stops(t, x, p, x_plus):
+    x_plus[0] = 0.0 * x[0]
+
+SYSTEM = System(
+    name="held",
+    states=(State("v"),),
+    parameters=(Parameter("r", 0.5), Parameter("k", 0.4)),
+    modes=(Mode("rest", rests), Mode("slide", slides)),
+    transitions=(
+        Transition("goes", "rest", "slide", pushed, "rising", level=True),
+        Transition("stops", "slide", "rest", speed, reset=stops),
+    ),
+    period=lambda p: 2.0 * math.pi,
+)
+"""
+
+
+SOUND = {"contact": CONTACT, "relay": RELAY, "ball": BALL, "stops": STOPS, "hop": HOP, "held": HELD}
 
 
 @dataclass(frozen=True)

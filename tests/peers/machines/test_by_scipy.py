@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from peers.form import Value
+from peers.machines.cam_follower import cam, gap, on_the_cam
 from peers.machines.double_pendulum import BY_HAND
 from peers.machines.hopper import pushes_on_ground
 from peers.machines.shooting_by_scipy import Cycle, multipliers_test, touching
@@ -81,6 +82,8 @@ CONVERSION = [("off", "switch_on"), ("on", "tick_on")]
 SWING = [("free", "strike")]
 STUCK_BEFORE_LEFT = [("stick", "goes_left"), ("left", "halts")]
 STUCK_BEFORE_RIGHT = [("stick", "goes_right"), ("right", "stops")]
+# Where the follower leaves its cam as soon as it has come down.
+LANDS = Transition("lands", "lifted", "lifted", gap, reset=on_the_cam)
 FASTEST = Transition("fastest", "slower", "slower", lambda t, x, p: p.s - pull(t, x, p))
 SHOTS = [
     Shot(
@@ -183,6 +186,48 @@ SHOTS = [
         "PD",
         [("pushed", "release"), ("pulled", "press")],
         [0.0, 0.6289, 0.8628, 1.8827, 0.9103, 2.2885],
+    ),
+    Shot(
+        "boost",
+        0.4943,
+        "PD",
+        [("off", "tick_off"), ("on", "peak")],
+        [0.494, 8.6, 4.6e-5, 5.4e-5, 4.6e-5, 0.494],
+    ),
+    Shot(
+        "boost",
+        0.6437,
+        "OC",
+        [("off", "tick_off"), ("on", "tick_on"), ("on", "peak")],
+        [0.644, 8.47, 0.0, 1e-4, 1e-4, 0.0, 0.644],
+        5,
+    ),
+    Shot(
+        "cam_follower",
+        2.178,
+        "OC",
+        [("lifted", "strikes"), ("rides", "leaves")],
+        [0.272, 2.1, 2.88, 0.0, 2.29, 2.18],
+        3,
+    ),
+    Shot("cam_follower", 2.444, "PD", [("lifted", LANDS)], [0.618, 1.92, 2.57, 2.2, 2.444]),
+    Shot(
+        "cam_follower",
+        2.5085,
+        "OC",
+        [("lifted", "strikes"), ("rides", "leaves"), ("lifted", LANDS)],
+        [0.887, 1.157, 2.153, 0.0, 2.856, 2.314, 2.5085],
+        3,
+        rest={"periods": 2.0},
+    ),
+    Shot(
+        "cam_follower",
+        2.7157,
+        touching(lambda t, x, p: x[1] - cam(t, p)[1]),
+        [("lifted", LANDS), ("lifted", "strikes"), ("rides", "leaves")],
+        [0.179, 2.672, 3.173, 0.57, 0.885, 4.115, 2.7157],
+        2,
+        rest={"periods": 2.0},
     ),
     Shot(
         "shaken_friction",
