@@ -127,6 +127,7 @@ class Diagram:
         self._plan = plan
         self._restore = restore
         self.branches: list[Branch] = []
+        self._mirrored: tuple[Opening, Mirror | None] | None = None
 
     def events(self) -> Iterator[Event]:
         """Everything that happens, as it happens."""
@@ -163,6 +164,9 @@ class Diagram:
         problem, here = start.opening.problem, start.opening.here
         if start.parent is None:
             return known_branch(problem, here.sample, self.branches)
+        twin = self._twin(start)
+        if twin is not None:
+            return twin
         if start.label == "HB":
             ending = next((b.name for b in self.branches if _ends_at_point(b, here)), None)
             if ending is not None:
@@ -173,6 +177,17 @@ class Diagram:
         beside = [sample for place in facing if (sample := self._beside(problem, place)) is not None]
         names = [known_branch(problem, sample, self.branches) for sample in beside]
         return names[0] if names and None not in names else None
+
+    def _twin(self, start: Start) -> Known | None:
+        """The branch that leaves the image of a start's point, on the other half of its parent."""
+        assert start.parent is not None
+        name, s = start.parent
+        parent = next((branch for branch in self.branches if branch.name == name), None)
+        mirror = None if parent is None else parent.info.settings.get("mirror")
+        if not mirror or start.label not in ONE_BRANCH:
+            return None
+        leaving = [b for b in self.branches if b.info.parent == (name, -s) and len(b) > 1]
+        return Known(leaving[0].name, tuple(mirror)) if len(leaving) == 1 else None
 
     def _beside(self, problem: Problem, here: Here) -> Sample | None:
         """The first point away from a start, or half way to where the branch ends before it."""
@@ -197,7 +212,9 @@ class Diagram:
         both = start.parent is not None and len(self._signs(start)) == 2
         if not both or self._plan.settings.mirror_images == "walked":
             return None
-        return opening.problem.mirror(opening.here.sample)
+        if self._mirrored is None or self._mirrored[0] is not opening:  # asked several times of one start
+            self._mirrored = opening, opening.problem.mirror(opening.here.sample)
+        return self._mirrored[1]
 
     def _info(self, start: Start, name: str) -> BranchInfo:
         """What is true of the whole branch of a start, its symmetry among it."""
@@ -304,12 +321,12 @@ class Diagram:
             return False
         if not mirror_images.continues(mirror, half, done):
             return False
-        yield Noted(key, mirror_images.told(work.info, mirror, sum(map(len, half.steps))))
-        last = mirror.sample((done or work.rows)[-1 if done else 0][0])
+        before = [half.start, *(row for row in done if not row["special"][0])][-1]
+        last = mirror.sample(before[0])
         for step in half.after(len(done)):
-            images = mirror_images.imaged(mirror, step)
+            images = mirror_images.imaged(mirror, step, before)
             if images is None:
-                value = float(step[-1][0]["free"][0, 0])
+                value = float(step[-1].row["free"][0, 0])
                 why = f"from {problem.free} = {value:.10g} on the images do not satisfy the equations"
                 yield Noted(key, mirror_images.told_walked(work.info, mirror, why))
                 return False
@@ -321,8 +338,11 @@ class Diagram:
                 if point is not None:
                     work.special_points.append(point)
                 yield Found(work.info, row, point)
+            before = images[-1][0]
         told = next(outcome for sign, outcome in work.outcomes if sign > 0.0)
-        outcome, end = mirror_images.end_of_image(mirror, half.end, told)
+        outcome, end = mirror_images.end_of_image(work.info, mirror, half.end, told, work.rows[-1])
+        # Before the end itself is: a run that is killed between the two tells it again.
+        yield Noted(key, mirror_images.told(work.info, mirror, sum(map(len, half.steps))))
         work.outcomes.append((-1.0, outcome))
         work.special_points.append(end)
         yield Found(work.info, None, end)
@@ -391,6 +411,8 @@ def _broken(error: ContwalkError | np.linalg.LinAlgError, what: str) -> Outcome:
     return outcomes.broken(f"{what}: its equations are singular ({error}).", "Start elsewhere.")
 
 
+# Special points that one branch leaves.
+ONE_BRANCH = ("BP", "HB", "PD")
 # How near the last orbit of a family is to the Hopf point that it ends at, in parameter, period and state.
 NEAR_PARAMETER, NEAR_PERIOD, NEAR_STATE = 0.05, 0.1, 0.5
 

@@ -22,9 +22,20 @@ TIMED = ("seconds",)
 # Ends whose sentences are true of both halves as they stand.
 ALIKE = ("bound", "max_points")
 # A marked observable is the same on both halves if it differs by no more than this part of itself.
-SAME = 1e-9
+SAME = 1e-6
 
-Entry = tuple[np.ndarray, SpecialPoint | None]
+
+@dataclass(frozen=True)
+class Entry:
+    """A stored row, the regular one from which the walk stepped to it, and the special point that it is."""
+
+    row: np.ndarray
+    before: np.ndarray
+    point: SpecialPoint | None
+
+    def image(self, mirror: Mirror, last: np.ndarray) -> np.ndarray | None:
+        """The row's image; None where it does not satisfy the equations. `last`: that of the row before."""
+        return mirror.row(self.row[0], self.before[0], last[0])
 
 
 @dataclass(frozen=True)
@@ -33,6 +44,7 @@ class Half:
 
     steps: list[list[Entry]]
     end: SpecialPoint
+    start: np.ndarray
 
     @classmethod
     def of(cls, rows: list[np.ndarray], points: list[SpecialPoint], sign: float) -> Half | None:
@@ -40,16 +52,18 @@ class Half:
         records = iter([p for p in points if p.s * sign > 0.0 and p.label != "EP"])
         ends = [p for p in points if p.s * sign > 0.0 and p.label == "EP"]
         steps: list[list[Entry]] = [[]]
+        before = rows[0]
         for row in rows:
             if not row["s"][0] * sign > 0.0:
                 continue
             special = bool(row["special"][0])
-            steps[-1].append((row, next(records) if special else None))
+            steps[-1].append(Entry(row, before, next(records) if special else None))
             if not special:
+                before = row
                 steps.append([])
-        if not (ends and steps[0] and any(point is None for _, point in steps[0])):
+        if not (ends and len(steps) > 1):
             return None
-        return cls([step for step in steps if step], ends[-1])
+        return cls([step for step in steps if step], ends[-1], rows[0])
 
     def entries(self) -> Iterator[Entry]:
         """All rows in the order in which they were walked."""
@@ -77,13 +91,21 @@ def differing(mirror: Mirror, half: Half, numbers: list[int]) -> int | None:
     """
     if not numbers:
         return None
-    pairs = [(row, image) for row, _ in half.entries() if (image := mirror.row(row[0])) is not None]
-    for number in numbers:
-        here, there = (
-            np.array([own["observables"][0, number] for own in side]) for side in zip(*pairs, strict=True)
-        )
-        largest = float(np.max(np.abs(here), initial=0.0, where=np.isfinite(here)))
-        if not np.allclose(here, there, rtol=SAME, atol=SAME * largest, equal_nan=True):
+    compared: list[tuple[np.ndarray, np.ndarray]] = []
+    last = half.start
+    for step in half.steps:
+        images = imaged(mirror, step, last)
+        if images is None:
+            break
+        for entry, (image, _) in zip(step, images, strict=True):
+            compared.append((entry.row["observables"][0, numbers], image["observables"][0, numbers]))
+        last = images[-1][0]
+    if not compared:
+        return None
+    here, there = (np.array(side) for side in zip(*compared, strict=True))
+    for k, number in enumerate(numbers):
+        largest = float(np.max(np.abs(here[:, k]), initial=0.0, where=np.isfinite(here[:, k])))
+        if not np.allclose(here[:, k], there[:, k], rtol=SAME, atol=SAME * largest, equal_nan=True):
             return number
     return None
 
@@ -92,19 +114,30 @@ def continues(mirror: Mirror, half: Half, done: list[np.ndarray]) -> bool:
     """Whether the rows that are there already are images of a half's first ones, and not walked."""
     if not done:
         return True
-    before = [row for row, _ in half.entries()][: len(done)]
-    image = mirror.row(before[-1][0]) if len(before) == len(done) else None
+    walked = list(half.entries())[: len(done)]
+    if len(walked) != len(done):
+        return False
+    before = [half.start, *(row for row in done[:-1] if not row["special"][0])]
+    image = walked[-1].image(mirror, before[-1])
     return image is not None and same_rows(image, done[-1])
 
 
-def imaged(mirror: Mirror, step: list[Entry]) -> list[Entry] | None:
-    """The image of what a step stored; None where a solution does not satisfy the equations."""
-    found: list[Entry] = []
-    for row, point in step:
-        image = mirror.row(row[0])
+def imaged(
+    mirror: Mirror, step: list[Entry], last: np.ndarray
+) -> list[tuple[np.ndarray, SpecialPoint | None]] | None:
+    """The image of what a step stored; None where a solution does not satisfy the equations.
+
+    `last` is the image of the row that it was a step from.
+    """
+    found: list[tuple[np.ndarray, SpecialPoint | None]] = []
+    for entry in step:
+        image = entry.image(mirror, last)
         if image is None:
             return None
-        found.append((image, None if point is None else mirror.special_point(point)))
+        point = None
+        if entry.point is not None:
+            point = mirror.special_point(entry.point, entry.row[0], last[0])
+        found.append((image, point))
     return found
 
 
@@ -116,12 +149,24 @@ def same_rows(a: np.ndarray, b: np.ndarray) -> bool:
     return a.tobytes() == b.tobytes()
 
 
-def end_of_image(mirror: Mirror, end: SpecialPoint, outcome: Outcome) -> tuple[Outcome, SpecialPoint]:
-    """How the image of a half ends, with the record of its end."""
+def end_of_image(
+    info: BranchInfo, mirror: Mirror, end: SpecialPoint, outcome: Outcome, row: np.ndarray
+) -> tuple[Outcome, SpecialPoint]:
+    """How the image of a half ends, with the record of its end, which is its last row."""
     message = outcome.message
     if outcome.reason not in ALIKE:
         message = f"As the other half, of which it is the image under {in_words(mirror.names)}: {message}"
-    return replace(outcome, message=message), replace(mirror.special_point(end), note=message)
+    size = int(np.sum(np.isfinite(row["unknowns"][0])))
+    record = replace(
+        end,
+        s=float(row["s"][0]),
+        state=dict(zip(info.states, row["state"][0].tolist(), strict=True)),
+        unknowns=(*row["unknowns"][0, :size].tolist(), float(row["free"][0, 0])),
+        tangent=tuple(row["tangent"][0, : size + 1].tolist()),
+        admissible=bool(row["admissible"][0]),
+        note=message,
+    )
+    return replace(outcome, message=message), record
 
 
 def told(info: BranchInfo, mirror: Mirror, count: int) -> str:

@@ -322,16 +322,19 @@ class Mirror(Protocol):
         """Names of the symmetries in the order in which they are applied."""
         ...
 
-    def row(self, row: np.void) -> np.ndarray | None:
-        """The stored image of a stored solution, shape (1,); None if it does not solve the equations."""
+    def row(self, row: np.void, before: np.void, last: np.void) -> np.ndarray | None:
+        """The stored image of a stored solution, shape (1,); None if it does not solve the equations.
+
+        `before` is the regular row from which the walk stepped to it, and `last` that row's image.
+        """
         ...
 
     def sample(self, row: np.void) -> Sample:
         """Place and metric of a stored solution, as a sample that tells no more."""
         ...
 
-    def special_point(self, point: SpecialPoint) -> SpecialPoint:
-        """The image of a special point."""
+    def special_point(self, point: SpecialPoint, row: np.void, last: np.void) -> SpecialPoint:
+        """The image of a special point, whose row is given; `last` as of `row`."""
         ...
 
 

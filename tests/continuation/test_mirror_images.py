@@ -13,7 +13,7 @@ from contwalk.continuation.branch_in_progress import Start, Stored
 from contwalk.continuation.diagram import Diagram, Found, Noted, Plan
 from contwalk.continuation.opening import opened
 from contwalk.continuation.settings import Mark, Settings
-from contwalk.problems import mirror as mirrors
+from contwalk.problems.equilibrium import mirror as mirrors
 from contwalk.system import Observable, State, Symmetry
 from contwalk.system.declarations import ParameterValues
 
@@ -229,11 +229,10 @@ def test_a_mark_that_is_not_the_same_on_the_image_is_looked_for_there():
 
 
 def test_where_an_image_does_not_satisfy_the_equations_the_walk_goes_on(monkeypatch):
-    own, asked = mirrors.Mirror.row, []
+    own = mirrors.Mirror.row
 
-    def row(self, row):
-        asked.append(row["s"])
-        return None if row["s"] > 5.0 else own(self, row)
+    def row(self, row, *more):
+        return None if row["s"] > 5.0 else own(self, row, *more)
 
     monkeypatch.setattr(mirrors.Mirror, "row", row)
     branches, notes = made("lorenz")
@@ -262,7 +261,7 @@ def test_a_run_that_is_killed_anywhere_goes_on_to_the_same_bits(name, trusted, m
     if not trusted:
         own = mirrors.Mirror.row
         monkeypatch.setattr(
-            mirrors.Mirror, "row", lambda self, row: None if row["s"] > 1.0 else own(self, row)
+            mirrors.Mirror, "row", lambda self, row, *more: None if row["s"] > 1.0 else own(self, row, *more)
         )
     settings = Settings(range=SYSTEMS[name][3])
 

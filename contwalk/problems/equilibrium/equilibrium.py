@@ -19,6 +19,7 @@ from contwalk.problems.angles import whole_turns
 from contwalk.problems.equilibrium import defining_systems as defining
 from contwalk.problems.equilibrium import vertical
 from contwalk.problems.equilibrium.equations import GROUPS, equations_of
+from contwalk.problems.equilibrium.mirror import Mirror, mirror_of
 from contwalk.problems.equilibrium.record import described
 from contwalk.problems.equilibrium.second_direction import (
     branch_point_seeds,
@@ -28,7 +29,6 @@ from contwalk.problems.equilibrium.second_direction import (
 from contwalk.problems.equilibrium.spectrum import EPSILON, Spectrum, spectrum
 from contwalk.problems.equilibrium.unbounded import escape
 from contwalk.problems.kinks import Kink, between
-from contwalk.problems.mirror import Mirror, mirror_of
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.problem import MAX_RE, Linearization, Located, Rates, Sample, Seed

@@ -24,6 +24,7 @@ from contwalk.problems.orbit.discretization import FINEST, Discretization
 from contwalk.problems.orbit.extrema import extremes
 from contwalk.problems.orbit.homoclinic import SlowPlace
 from contwalk.problems.orbit.meeting import distance
+from contwalk.problems.orbit.mirror import OrbitMirror, mirror_of
 from contwalk.problems.orbit.motion import MIXED, TANGENT, Motion, motion_of
 from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers, multipliers
 from contwalk.problems.orbit.normal_forms import ReturnMap
@@ -161,6 +162,11 @@ class PeriodicOrbit:
     def on(self, mesh: Mesh, section: Section | None) -> PeriodicOrbit:
         """The same problem on another mesh, with another section."""
         return self._varied(_mesh=mesh, section=section)
+
+    def imaged_on(self, mesh: Mesh, x: np.ndarray, values: np.ndarray) -> PeriodicOrbit:
+        """The same problem on another mesh, with a section of its own through a state."""
+        section = self._section_at(x, values, mesh.magnitudes)
+        return self._varied(_mesh=mesh, section=section, _reference=None)
 
     @property
     def mesh(self) -> Mesh:
@@ -605,18 +611,22 @@ class PeriodicOrbit:
         starts = np.arange(len(pieces)) * duration
         return (starts[:, None] + duration * times).ravel(), np.concatenate(pieces)
 
-    def observables(self, z: np.ndarray, found: Multipliers) -> np.ndarray:
-        """Values of `observable_names`, shape (o,)."""
-        values = []
+    def measured_along(self, z: np.ndarray) -> list[float]:
+        """Values of the observables that no multiplier tells, in their order."""
+        values: list[float] = []
         if self.system.observables:
             t, x = self.motion_of(z)
             p = ParameterValues(**self.values_of(z))
             values = [
                 measured(f"observable '{o.name}'", o.function, t, x, p) for o in self.system.observables
             ]
-        largest = float(np.abs(found.values[0])) if len(found.values) else float("nan")
         low, high = extremes(self, z)
-        return np.array([*values, *high, *low, largest**self.rounds])
+        return [*values, *high.tolist(), *low.tolist()]
+
+    def observables(self, z: np.ndarray, found: Multipliers) -> np.ndarray:
+        """Values of `observable_names`, shape (o,)."""
+        largest = float(np.abs(found.values[0])) if len(found.values) else float("nan")
+        return np.array([*self.measured_along(z), largest**self.rounds])
 
     def observable(self, name: str, z: np.ndarray) -> float:
         """The value of one observable that is not `max_abs`."""
@@ -968,9 +978,9 @@ class PeriodicOrbit:
         """The same solution with its angles turned as near as possible to those of another one."""
         return z + whole_turns(near - z, self.periods)
 
-    def mirror(self, sample: Sample) -> None:
-        """Both halves of a branch of orbits are walked."""
-        return
+    def mirror(self, sample: Sample) -> OrbitMirror | None:
+        """What takes one half of the branch that leaves an orbit to the other, if a symmetry does."""
+        return mirror_of(self, sample)
 
     def seeds(self, point: SpecialPoint) -> Sequence[Seed]:
         """The branches that leave a special point."""

@@ -139,15 +139,15 @@ def seeds(problem: PeriodicOrbit, point: SpecialPoint) -> Sequence[Seed]:
     """The branches that leave a special point of a branch of orbits."""
     z = np.array(point.unknowns)
     if point.label == "PD":
-        return _doubled(_discretized(problem, z), z)
+        return _doubled(discretized(problem, z), z)
     if point.label == "BP" and point.kind == "symmetry-breaking":
-        return _whole(_discretized(problem, z), z)
+        return _whole(discretized(problem, z), z)
     if point.label == "BP" and point.coefficients:
-        return crossing(_discretized(problem, z), z, point)
+        return crossing(discretized(problem, z), z, point)
     return ()
 
 
-def _discretized(problem: PeriodicOrbit, z: np.ndarray) -> PeriodicOrbit:
+def discretized(problem: PeriodicOrbit, z: np.ndarray) -> PeriodicOrbit:
     """The problem on fine steps for a stored solution, which may have other segments than the branch
     began with.
     """

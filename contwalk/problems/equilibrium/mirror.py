@@ -98,9 +98,9 @@ class Mirror:
             z = problem.image(symmetry.name, z)
         return total
 
-    def row(self, row: np.void) -> np.ndarray | None:
+    def row(self, row: np.void, before: np.void, last: np.void) -> np.ndarray | None:
         """The stored image of a stored solution, shape (1,); None if it does not solve the equations."""
-        problem, began, before = self._problem, time.perf_counter(), self._problem.evaluations
+        problem, began, spent = self._problem, time.perf_counter(), self._problem.evaluations
         z = np.append(row["unknowns"], row["free"])
         there, derivative = self.image(z), self.derivative(z)
         weights = _metric(derivative, row["weights"])
@@ -121,7 +121,7 @@ class Mirror:
         image["observables"] = [*problem.measured(there), row["observables"][-1]]
         image["admissible"] = not passed_over(problem.system, np.zeros(1), states, parameters)
         image["residual"], image["iterations"] = residual, 0
-        image["rhs"] = problem.evaluations - before
+        image["rhs"] = problem.evaluations - spent
         image["seconds"] = time.perf_counter() - began
         return image
 
@@ -130,7 +130,7 @@ class Mirror:
         z = np.append(row["unknowns"], row["free"])
         return replace(self._born, z=z, weights=np.array(row["weights"]))
 
-    def special_point(self, point: SpecialPoint) -> SpecialPoint:
+    def special_point(self, point: SpecialPoint, row: np.void, last: np.void) -> SpecialPoint:
         """The image of a special point: what is counted before it there is counted after it."""
         problem, z = self._problem, np.array(point.unknowns)
         there, derivative = self.image(z), self.derivative(z)
