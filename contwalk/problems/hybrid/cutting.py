@@ -10,12 +10,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from contwalk import flow
 from contwalk.errors import NotFinite
 from contwalk.problems.hybrid.layout import Segment
+from contwalk.problems.hybrid.shooting import Piece
+from contwalk.problems.orbit.motion import PLAIN
 from contwalk.problems.orbit.transport import STRETCHED, TOO_MUCH, closed, segments_of_growth
 
 if TYPE_CHECKING:
@@ -25,6 +29,8 @@ if TYPE_CHECKING:
 # Segments of a leg that a branch has room for, if it does not begin with more, and how many unknowns with
 # them: rows of a branch have one length, and those of large machines would be nothing but room.
 ROOM, MOST_UNKNOWNS = 16, 400
+# A segment over which a deviation that begins with it grows by less lets none grow; parts that are looked at.
+GROWING, PARTS = 30.0, 16
 # More growth than any number of segments takes.
 MOST_GROWTH = 1e300
 
@@ -58,7 +64,38 @@ def joined(segments: Sequence[Segment], steps: Sequence[np.ndarray]) -> np.ndarr
 
 def stretched(problem: HybridOrbit, z: np.ndarray) -> bool:
     """Whether a segment is too long for Newton's method to be at ease."""
-    return max(problem.mesh.grown, default=0.0) > TOO_MUCH or _carried(problem, z) > STRETCHED
+    return _carried(problem, z) > STRETCHED or _grown(problem, z) > TOO_MUCH
+
+
+def _grown(problem: HybridOrbit, z: np.ndarray) -> float:
+    """By how much deviations grow at most over a segment, from any time on.
+
+    A deviation that began with the segment has decayed onto the motion where this attracts, and does not show
+    how others grow that begin there: where any grows, these are asked too.
+    """
+    grown = max(problem.mesh.grown, default=0.0)
+    if grown < GROWING or grown > TOO_MUCH:
+        return grown
+    for segment, piece in zip(problem.layout.segments, problem.segments, strict=True):
+        until = np.eye(len(piece.passage.states))
+        for factor in reversed(_factors(problem, piece, *problem.layout.inputs_of(segment, z))):
+            until = until @ factor
+            grown = max(grown, float(np.linalg.norm(until, 2)))
+    return grown
+
+
+def _factors(problem: HybridOrbit, piece: Piece, x: np.ndarray, scalars: np.ndarray) -> list[np.ndarray]:
+    """Derivatives of the motion over parts of a segment, in units of the states' variation."""
+    field, n = piece.passage.field(PLAIN), len(x)
+    c, scale = field.constants(piece.values(scalars)), problem.mesh.variation[list(piece.passage.states)]
+    cuts = np.unique(np.linspace(0, len(piece.steps) - 1, PARTS + 1).astype(int))
+    found = []
+    for low, high in pairwise(cuts.tolist()):
+        x, moved = flow.tangents(
+            field, c, piece.steps[low : high + 1], x, np.eye(n), np.full(n, -1), piece.method
+        )
+        found.append(moved / scale[:, None] * scale)
+    return found
 
 
 def _carried(problem: HybridOrbit, z: np.ndarray) -> float:
@@ -83,7 +120,7 @@ def begun(problem: HybridOrbit, z: np.ndarray) -> tuple[HybridOrbit, np.ndarray]
     if cuts is None:
         if not stretched(problem, z):
             return problem, z
-        most = max(*problem.mesh.grown, _carried(problem, z))
+        most = max(_grown(problem, z), _carried(problem, z))
         cuts = min(segments_of_growth(float(np.log(min(most, MOST_GROWTH)))), room(problem))
     if cuts <= problem.cuts:
         return problem, z
