@@ -20,12 +20,16 @@ from contwalk.problems.orbit.discretization import FINEST
 from contwalk.problems.orbit.protocol import Orbit
 from contwalk.problems.orbit.solving import error_holding, newton_on
 from contwalk.problems.problem import Sample
+from contwalk.quantities import AMP
 
 # A state that grows by less in a step may as well converge.
 GROWS = 1e-3
 # One that is smaller than this part of its variation, against others, is no measure of the orbit's size;
 # those that grow like powers of each other have rates that are alike.
 LARGE, ALIKE = 0.3, 0.3
+# A state that moves to another phase may grow where the orbit does not, whose variation then does not grow at
+# least like this power of it.
+TOGETHER = 0.5
 # The parameter's share of the tangent, in the metric, that leaves it more of its way than is asked about.
 STILL = 1e-3
 # Orbits further out are asked for where so little of the parameter's way is left, relative to its magnitude,
@@ -35,10 +39,14 @@ SUSPECTED, REST, KNOWN = 1e-6, 1e-13, 10.0
 FALLEN = 1e-2
 # Newton's method stagnates at rounding, which may be a large part of what is left of the parameter's way.
 STAGNATES = 1e-2
-# How many orbits are asked, the first as far as the step was long, each following one twice as far.
-PROBES, FURTHER = 60, 2.0
+# How many orbits are asked, the first as far as the step was long, each following one twice as far; one that
+# is not found is looked for less far, so many times.
+PROBES, FURTHER, SHORTER, LOST = 60, 2.0, 0.25, 2
 # A power with which another unknown grows: beyond, it goes straight on.
 MOST_POWER = 4.0
+# Orbits must have grown by this factor: the parameter of a canard stands still too, while its size goes from
+# one cycle's to another's.
+GROWN = 10.0
 # They must have gone on so many times as far as where the slope would be zero if it fell in a straight line.
 BEYOND = 2.0
 # A way that is left like a higher power of the state than this falls exponentially.
@@ -59,7 +67,7 @@ def unbounded(problem: Orbit, a: Sample, b: Sample) -> Outcome | None:
     if abs(b.tangent[-1]) > STILL * b.weights[-1]:
         return None
     which = _growing(problem, b)
-    if which is None or not _suspected(which, a, b):
+    if which is None or not _suspected(problem, which, a, b):
         return None
     found = _limit(problem, which, a, b)
     if found is None:
@@ -89,7 +97,7 @@ def _growing(problem: Orbit, b: Sample) -> int | None:
     return which if rates[which] > 0.0 else None
 
 
-def _suspected(which: int, a: Sample, b: Sample) -> bool:
+def _suspected(problem: Orbit, which: int, a: Sample, b: Sample) -> bool:
     """Whether nearly nothing of the parameter's way is left if its slope goes on falling as it does."""
     change = float(b.z[which] - a.z[which])
     if change * b.z[which] <= GROWS * b.z[which] ** 2 or a.tangent[which] * b.tangent[which] <= 0.0:
@@ -97,7 +105,10 @@ def _suspected(which: int, a: Sample, b: Sample) -> bool:
     first, last = (_slope(which, s) for s in (a, b))
     if not (first * last > 0.0 and abs(last) < abs(first)):
         return False
-    return abs(_left(which, a, b)) <= SUSPECTED * float(b.weights[-1])
+    if abs(_left(which, a, b)) > SUSPECTED * float(b.weights[-1]):
+        return False
+    before, now = (problem.observable(f"{AMP}{problem.state_of(which)}", s.z) for s in (a, b))
+    return bool(now >= before * (b.z[which] / a.z[which]) ** TOGETHER)
 
 
 def _limit(problem: Orbit, which: int, a: Sample, b: Sample) -> tuple[float, float] | None:
@@ -109,18 +120,24 @@ def _limit(problem: Orbit, which: int, a: Sample, b: Sample) -> tuple[float, flo
     last = next(places, None)
     if last is None:
         return None
-    begun, left, arrived = last, np.inf, False
+    begun, limit, error = last, np.nan, np.inf
     for place in places:
-        falls = _slope(which, place) * _slope(which, last) >= 0.0
-        if not (falls and abs(_slope(which, place)) < abs(_slope(which, last))):
+        arrived = np.isfinite(error)
+        if arrived and abs(float(place.z[-1]) - limit) > KNOWN * (error + place.error):
             return None
-        left, last = _left(which, last, place), place
-        if arrived := abs(left) <= max(REST * size, KNOWN * place.error):
-            break
-    gone = abs(float(last.z[which] - begun.z[which])) > BEYOND * straight
-    if not (arrived and gone and abs(left) <= FALLEN * SUSPECTED * size):
-        return None
-    return float(last.z[-1]) + left, abs(left) + last.error
+        if not arrived:
+            if not 0.0 < _slope(which, place) / _slope(which, last) < 1.0:
+                return None
+            left = _left(which, last, place)
+            if abs(left) <= max(REST * size, KNOWN * place.error):
+                limit, error = float(place.z[-1]) + left, abs(left) + place.error
+                if abs(left) > FALLEN * SUSPECTED * size:
+                    return None
+        last = place
+        far = abs(float(last.z[which] - begun.z[which])) > BEYOND * straight
+        if np.isfinite(error) and far and float(last.z[which] / begun.z[which]) > GROWN:
+            return limit, error
+    return None
 
 
 def _slope(which: int, there: Sample | _Place) -> float:
@@ -141,17 +158,24 @@ def _further(problem: Orbit, which: int, step: float, a: Sample, b: Sample) -> I
     """The orbit of b on fine steps, and orbits further and further out along a state, while there are any."""
     left = _left(which, a, b)
     states = np.array([problem.state_of(k) is not None for k in range(len(b.z))])
-    place = _solved(problem, which, b.z, b.weights, left)
-    for number in range(PROBES):
-        if place is None:
-            return
-        yield place
-        last, there = place, float(place.z[which]) + step * FURTHER**number
+    last, lost = _solved(problem, which, b.z, b.weights, left), 0
+    if last is None:
+        return
+    yield last
+    for _ in range(PROBES):
+        there = float(last.z[which]) + step
         guess = _guess(last, which, there, left)
         grown = np.where(states, there / float(b.z[which]), 1.0)
         place = _solved(problem, which, guess, b.weights * grown, left)
-        if place is not None and _slope(which, last) / _slope(which, place) > 1.0:
+        if place is None:
+            lost, step = lost + 1, SHORTER * step
+            if lost > LOST:
+                return
+            continue
+        if _slope(which, last) / _slope(which, place) > 1.0:
             left = _left(which, last, place)
+        last, lost, step = place, 0, FURTHER * step
+        yield place
 
 
 def _guess(place: _Place, which: int, there: float, left: float) -> np.ndarray:
@@ -166,7 +190,8 @@ def _guess(place: _Place, which: int, there: float, left: float) -> np.ndarray:
     guess = np.where(steady, z * (there / z[which]) ** np.where(steady, powers, 0.0), straight)
     rate = tangent[-1] / left  # at which its logarithm falls
     power, on = rate * z[which], there - z[which]
-    falls = (there / z[which]) ** -power if power < EXPONENTIAL else np.exp(-rate * on)
+    with np.errstate(over="ignore"):
+        falls = (there / z[which]) ** -power if power < EXPONENTIAL else np.exp(-rate * on)
     guess[-1] = z[-1] + left * (1.0 - falls)
     return guess
 
