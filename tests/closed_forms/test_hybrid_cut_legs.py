@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hybrid_runs import assert_met, branch_of, machine, solution
+from hybrid_runs import assert_met, branch_of, diagram, machine, solution
 
 from contwalk.problems.hybrid import condensed, cutting, limits
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
@@ -25,8 +25,10 @@ C, S, G = 0.1, 0.5, 0.05
 GROWN, WALKED = 1e7, 1e-7
 
 
-def repelling(level: float | None = None) -> System:
-    """With a level, an event that changes nothing happens where u passes it on the way."""
+def repelling(level: float | None = None, touched: float | None = None) -> System:
+    """With a level, an event that changes nothing happens where u passes it on the way; z is pushed at a time
+    that is touched first where lambda = 3.
+    """
 
     def field(t, x, p, dx):
         dx[0] = x[0] - np.sin(x[1]) - np.cos(x[1])
@@ -49,6 +51,16 @@ def repelling(level: float | None = None) -> System:
             Transition("passes", "near", "off", lambda t, x, p: level - x[0] + np.sin(x[1])),
             Transition("leaves", "off", "near", leaves, reset=set_anew),
         ]
+    if touched is not None:
+
+        def pushed(t, x, p, after):
+            after[0], after[1], after[2] = x[0], x[1], x[2] + (x[1] + touched)
+
+        transitions.append(
+            Transition(
+                "touch", "near", "near", lambda t, x, p: (x[1] + touched) ** 2 + 3.0 - p.lam, reset=pushed
+            )
+        )
     return machine(["x", "y", "z"], {"lam": 1.0}, modes, transitions)
 
 
@@ -93,6 +105,24 @@ class TestAlongTheBranch:
         counts = np.isfinite(branch.points["unknowns"]).sum(axis=1)
         assert set(counts[np.exp(branch["period"]) < 1e3]) == {min(counts)}
         assert min(counts[np.exp(branch["period"]) > GROWN]) > min(counts)
+
+
+@pytest.mark.parametrize("touched", [2.0, 15.0, 28.0])
+def test_orbits_beyond_a_grazing_have_segments_too(touched):
+    """Deviations grow by e^30 there, so that a simulation tells of a part of the orbit at most."""
+    before, beyond = diagram(
+        repelling(None, touched), "lam", (0.2, 4.2), start(1.0), {"lam": parameter(1.0)}, mode="near",
+        until="settled", events={"GR": "switch"}, follow=("GR",),
+    )  # fmt: skip
+    (grazing,) = [point for point in before.special_points if point.label == "GR"]
+    assert_met(grazing, "lam", 3.0)
+    assert max(before["lam"]) == pytest.approx(3.0, abs=1e-12)
+    assert beyond.info.signature == ("leaves", "touch")
+    assert beyond.outcome.reason == "bound", beyond.outcome.message
+    for T, found in zip(beyond["period"][1:], beyond.points["spectrum"][1:], strict=True):
+        # The push moves z, and nothing else depends on it.
+        assert np.abs(found) == pytest.approx(multipliers(T), rel=1e-4, abs=1e-6)
+    assert beyond["lam"] == pytest.approx([parameter(T) for T in beyond["period"]], abs=1e-8)
 
 
 # -- one orbit, in one segment a leg and in several ---------------------------------------------------------

@@ -154,6 +154,35 @@ def filled(
     return result
 
 
+def copied(
+    problem: HybridOrbit, bare: np.ndarray, start: float, source: HybridOrbit, z: np.ndarray
+) -> np.ndarray:
+    """Unknowns of an orbit of other legs along the motion of `source`, from `start` on, in as many segments.
+
+    Those with one segment in each leg where the motion goes on beyond the closure, as its image or with its
+    angles turned.
+    """
+    finer = problem.cut_into(source.cuts if problem.cuttable else 1)
+    times, layout = source.starting_times(z), finer.layout
+    result = np.concatenate([bare[:-1], np.zeros(layout.size + 1 - len(bare)), bare[-1:]])
+    begins = start + np.concatenate([[0.0], np.cumsum(bare[layout.durations])])
+    goes_on = source.word.image or np.any(source.turns)
+    for segment in layout.segments:
+        if segment.begin == 0.0:
+            continue
+        at = begins[segment.leg] + segment.begin * bare[layout.durations][segment.leg]
+        if not times[0] <= at <= times[-1]:
+            if goes_on:
+                return bare
+            at = times[0] + (at - times[0]) % (times[-1] - times[0])
+        k = int(np.clip(np.searchsorted(times, at, "right") - 1, 0, source.layout.legs - 1))
+        view = source.view(z)[k]
+        share = (at - times[k]) / view.duration if view.duration > 0.0 else 0.0
+        x = view.full(view.at(np.array([share]))[0])
+        result[segment.states] = x[list(finer.passages[segment.leg].states)]
+    return result
+
+
 def blocks(problem: HybridOrbit, vector: np.ndarray) -> list[np.ndarray]:
     """Of unknowns, or of a direction of them, each leg's states at the starts of its inner segments."""
     return [

@@ -21,7 +21,7 @@ from contwalk.branch import SpecialPoint
 from contwalk.errors import ContwalkError, NotFinite, StartError
 from contwalk.numerics.linear import kernel_direction
 from contwalk.problems.equilibrium.spectrum import complement
-from contwalk.problems.hybrid import beyond, limits
+from contwalk.problems.hybrid import beyond, cutting, limits
 from contwalk.problems.hybrid.following import follows
 from contwalk.problems.hybrid.least import least
 from contwalk.problems.hybrid.switching import discretized, rotated
@@ -404,6 +404,8 @@ def _of_legs(
     """A problem and its unknowns from full states at the legs' starts and their durations."""
     other, drifts = problem.of_word(word), z[problem.layout.drifts]
     unknowns = other.assembled(states, lasting, drifts, float(z[-1]), start if word.eventful else 0.0)
+    if problem.fitting(z).cuts > 1:
+        unknowns = cutting.copied(other, unknowns, start, discretized(problem, z), z)
     return discretized(other, unknowns), unknowns
 
 
