@@ -317,7 +317,7 @@ class Diagram:
         other = mirror_images.differing(mirror, half, numbers)
         if other is not None:
             why = f"'{work.info.observables[other]}', which is looked for, is not the same there"
-            yield Noted(key, mirror_images.told_walked(work.info, mirror, why))
+            yield Noted(key, mirror_images.told_walked(work.info, mirror, 0, why))
             return False
         if not mirror_images.continues(mirror, half, done):
             return False
@@ -325,10 +325,11 @@ class Diagram:
         last = mirror.sample(before[0])
         for step in half.after(len(done)):
             images = mirror_images.imaged(mirror, step, before)
-            if images is None:
+            if isinstance(images, str):
                 value = float(step[-1].row["free"][0, 0])
-                why = f"from {problem.free} = {value:.10g} on the images do not satisfy the equations"
-                yield Noted(key, mirror_images.told_walked(work.info, mirror, why))
+                count = sum(1 for row in work.rows if row["s"][0] < 0.0)
+                why = f"at {problem.free} = {value:.10g} {images}"
+                yield Noted(key, mirror_images.told_walked(work.info, mirror, count, why))
                 return False
             for row, point in images:
                 sample = mirror.sample(row[0])

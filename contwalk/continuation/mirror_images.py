@@ -95,7 +95,7 @@ def differing(mirror: Mirror, half: Half, numbers: list[int]) -> int | None:
     last = half.start
     for step in half.steps:
         images = imaged(mirror, step, last)
-        if images is None:
+        if isinstance(images, str):
             break
         for entry, (image, _) in zip(step, images, strict=True):
             compared.append((entry.row["observables"][0, numbers], image["observables"][0, numbers]))
@@ -124,16 +124,18 @@ def continues(mirror: Mirror, half: Half, done: list[np.ndarray]) -> bool:
 
 def imaged(
     mirror: Mirror, step: list[Entry], last: np.ndarray
-) -> list[tuple[np.ndarray, SpecialPoint | None]] | None:
-    """The image of what a step stored; None where a solution does not satisfy the equations.
+) -> list[tuple[np.ndarray, SpecialPoint | None]] | str:
+    """The image of what a step stored, or in words why it is to be walked.
 
     `last` is the image of the row that it was a step from.
     """
     found: list[tuple[np.ndarray, SpecialPoint | None]] = []
     for entry in step:
+        if entry.point is not None and (why := mirror.refuses(entry.point)):
+            return why
         image = entry.image(mirror, last)
         if image is None:
-            return None
+            return "the images do not satisfy the equations"
         point = None
         if entry.point is not None:
             point = mirror.special_point(entry.point, entry.row[0], last[0])
@@ -164,6 +166,7 @@ def end_of_image(
         unknowns=(*row["unknowns"][0, :size].tolist(), float(row["free"][0, 0])),
         tangent=tuple(row["tangent"][0, : size + 1].tolist()),
         admissible=bool(row["admissible"][0]),
+        margin=mirror.margin(row[0]),
         note=message,
     )
     return replace(outcome, message=message), record
@@ -178,9 +181,15 @@ def told(info: BranchInfo, mirror: Mirror, count: int) -> str:
     )
 
 
-def told_walked(info: BranchInfo, mirror: Mirror, why: str) -> str:
-    """That a half is walked although it is the image of the other one."""
+def told_walked(info: BranchInfo, mirror: Mirror, count: int, why: str) -> str:
+    """That a half is walked although it is the image of the other one, from the row after so many on."""
+    under = f"under {in_words(mirror.names)}"
+    if not count:
+        return (
+            f"{info.name}: its half towards negative s is the image of the other one {under}, but {why}: it "
+            "was walked."
+        )
     return (
-        f"{info.name}: its half towards negative s should be the image of the other one under "
-        f"{in_words(mirror.names)}, but {why}. It was walked."
+        f"{info.name}: its half towards negative s is the image of the other one {under}: {count} points are "
+        f"images, each checked by the equations. It was walked from there on, since {why}."
     )

@@ -322,6 +322,10 @@ class Mirror(Protocol):
         """Names of the symmetries in the order in which they are applied."""
         ...
 
+    def refuses(self, point: SpecialPoint) -> str:
+        """Why the image of a special point has to be located itself; empty where it has not."""
+        ...
+
     def row(self, row: np.void, before: np.void, last: np.void) -> np.ndarray | None:
         """The stored image of a stored solution, shape (1,); None if it does not solve the equations.
 
@@ -331,6 +335,10 @@ class Mirror(Protocol):
 
     def sample(self, row: np.void) -> Sample:
         """Place and metric of a stored solution, as a sample that tells no more."""
+        ...
+
+    def margin(self, row: np.void) -> Mapping[str, float]:
+        """What must stay positive on an image, by name."""
         ...
 
     def special_point(self, point: SpecialPoint, row: np.void, last: np.void) -> SpecialPoint:

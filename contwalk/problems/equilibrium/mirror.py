@@ -83,6 +83,10 @@ class Mirror:
         """Names of the symmetries in the order in which they are applied."""
         return self._product.names
 
+    def refuses(self, point: SpecialPoint) -> str:
+        """Why the image of a special point has to be located itself; empty, as it has not."""
+        return ""
+
     def image(self, z: np.ndarray) -> np.ndarray:
         """Image of a solution, shape (N + 1,)."""
         x = self._product.state(z[: self._problem.states], ParameterValues(**self._problem.values_of(z)))
@@ -129,6 +133,10 @@ class Mirror:
         """Place and metric of a stored solution, as a sample that tells no more."""
         z = np.append(row["unknowns"], row["free"])
         return replace(self._born, z=z, weights=np.array(row["weights"]))
+
+    def margin(self, row: np.void) -> Mapping[str, float]:
+        """What must stay positive on an image, by name: nothing."""
+        return {}
 
     def special_point(self, point: SpecialPoint, row: np.void, last: np.void) -> SpecialPoint:
         """The image of a special point: what is counted before it there is counted after it."""

@@ -31,6 +31,7 @@ from contwalk.problems.hybrid import (
 from contwalk.problems.hybrid.effort import Effort
 from contwalk.problems.hybrid.layout import Layout, Segment
 from contwalk.problems.hybrid.limits import Limit, Margins
+from contwalk.problems.hybrid.mirror_image import HybridMirror, mirror_of
 from contwalk.problems.hybrid.passage import Passage, passage_of
 from contwalk.problems.hybrid.return_map import EventMap
 from contwalk.problems.hybrid.shooting import AT_REST, LegMesh, Piece, meshed, most_steps
@@ -1362,9 +1363,9 @@ class HybridOrbit:
             periods[self.layout.start] = self.rounds * self.duration(z)
         return z + whole_turns(near - z, periods)
 
-    def mirror(self, sample: Sample) -> None:
-        """Both halves of a branch of orbits are walked."""
-        return
+    def mirror(self, sample: Sample) -> HybridMirror | None:
+        """What takes one half of the branch that leaves an orbit to the other, if a symmetry does."""
+        return mirror_of(self, sample)
 
     def seeds(self, point: SpecialPoint) -> Sequence[Seed]:
         """The branches that leave a special point."""

@@ -146,6 +146,10 @@ class SoftOrbit(HybridOrbit):
         known += [] if self._followed is None else [self._followed]
         return min(known, key=lambda found: float(np.linalg.norm((z - found.z) / weights)))
 
+    def mirror(self, sample: Sample) -> None:
+        """Both halves are walked: which soft transitions happen is told by the orbits looked at before."""
+        return
+
     def adapted_to(
         self,
         z: np.ndarray,

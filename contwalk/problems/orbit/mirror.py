@@ -9,7 +9,7 @@ asked of the equations on the steps on which the orbit was solved for.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +27,7 @@ from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
+    from contwalk.problems.orbit.protocol import Orbit
     from contwalk.problems.problem import Sample
 
 # In the metric, an orbit that is kept comes back this exactly, and a deviation that is reversed: they are
@@ -52,7 +53,9 @@ def mirror_of(problem: PeriodicOrbit, sample: Sample) -> OrbitMirror | None:
     or are held along neutral directions it is not looked for.
     """
     closure = problem.closure
-    if closure.symmetry is not None or np.any(closure.turns) or problem.pins or not problem.moves(sample.z):
+    if not problem.system.symmetries or closure.symmetry is not None or np.any(closure.turns):
+        return None
+    if problem.pins or not problem.moves(sample.z):
         return None
     there = problem.at_stored(sample.z, sample.weights)
     p = ParameterValues(**problem.values_of(sample.z))
@@ -94,6 +97,10 @@ class OrbitMirror:
     def names(self) -> tuple[str, ...]:
         """Names of the symmetries in the order in which they are applied."""
         return self._product.names
+
+    def refuses(self, point: SpecialPoint) -> str:
+        """Why the image of a special point has to be located itself; empty, as it has not."""
+        return ""
 
     # -- the map -----------------------------------------------------------------------------------------
 
@@ -154,7 +161,7 @@ class OrbitMirror:
         own = self._mirrored(there, image)
         if there.forced:
             return 0.0, own
-        known, n = _vectors(last)[0], there.states
+        known, n = vectors_of(last)[0], there.states
         values = np.concatenate([there.scalars(image), there.fixed])
         cut = there.imaged_on(own.mesh, known[:n], values)
         assert cut.section is not None
@@ -225,7 +232,7 @@ class OrbitMirror:
         it was cut or begun anew.
         """
         began, spent = time.perf_counter(), self._problem.evaluations
-        z, weights, tangent = _vectors(row)
+        z, weights, tangent = vectors_of(row)
         for there in self._places(row, before, z, weights):
             image, moved = self._image(there, z, tangent, weights)
             own, metric = self._mirrored(there, image), self._weights(there, weights)
@@ -267,7 +274,7 @@ class OrbitMirror:
         if row["special"]:
             yield self._on_finest_steps(z, weights)
             return
-        earlier, known, _ = _vectors(before)
+        earlier, known, _ = vectors_of(before)
         if len(earlier) == len(z):
             yield self._on_steps_of(earlier, known)
         yield self._on_steps_of(z, weights)
@@ -286,15 +293,19 @@ class OrbitMirror:
 
     def sample(self, row: np.void) -> Sample:
         """Place, metric and kinks of an image, as a sample that tells no more."""
-        z, weights, _ = _vectors(row)
+        z, weights, _ = vectors_of(row)
         return self._samples.get(
             row["unknowns"].tobytes(), replace(self._born, z=z, weights=weights, kinks=())
         )
 
+    def margin(self, row: np.void) -> Mapping[str, float]:
+        """What must stay positive on an image, by name: nothing."""
+        return {}
+
     def special_point(self, point: SpecialPoint, row: np.void, last: np.void) -> SpecialPoint:
         """The image of a special point: what is counted before it there is counted after it."""
         z, tangent = np.array(point.unknowns), np.array(point.tangent)
-        weights = _vectors(row)[1]
+        weights = vectors_of(row)[1]
         there = self._on_finest_steps(z, weights)
         begun = self._begun(there, z, tangent, weights, last)
         assert begun is not None  # its row has been found
@@ -306,7 +317,7 @@ class OrbitMirror:
             state=dict(zip(own.system.state_names, state.tolist(), strict=True)),
             unstable_before=point.unstable_after,
             unstable_after=point.unstable_before,
-            coefficients=_coefficients(own, point, image),
+            coefficients=coefficients_of(own, point, image),
             unknowns=tuple(image.tolist()),
             tangent=tuple((-moved).tolist()),
         )
@@ -376,14 +387,14 @@ class Passed:
         return last[:n].copy(), last[n:].copy() if len(last) > n else np.zeros(n)
 
 
-def _vectors(row: np.void) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def vectors_of(row: np.void) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Solution, weights and tangent of a stored row."""
     size = int(np.sum(np.isfinite(row["unknowns"])))
     z = np.append(row["unknowns"][:size], row["free"])
     return z, np.array(row["weights"][: size + 1]), np.array(row["tangent"][: size + 1])
 
 
-def _coefficients(own: PeriodicOrbit, point: SpecialPoint, image: np.ndarray) -> dict[str, Any]:
+def coefficients_of(own: Orbit, point: SpecialPoint, image: np.ndarray) -> dict[str, Any]:
     """Coefficients of the normal form: odd ones have the sign of the critical vector at the image."""
     given: dict[str, Any] = dict(point.coefficients)
     odd = {"LP": ("a", "b"), "BP": ("c11", "c22")}.get(point.label, ())

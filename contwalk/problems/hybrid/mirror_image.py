@@ -1,0 +1,246 @@
+"""Orbits with events whose branch leaves a symmetric one: each half is the image of the other.
+
+A symmetry takes legs to legs. Where the legs of a whole orbit, some of them later, are the images of its own,
+and the orbit that its branch leaves is its own image so, the orbits on one side of the branch are the images
+of those on the other: states through the map, durations exchanged with their legs.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+from contwalk.problems.hybrid.limits import LABELS as LIMITS
+from contwalk.problems.hybrid.word import Leg, has_image, image_of
+from contwalk.problems.images import Product, products
+from contwalk.problems.orbit.mirror import AS_WELL, KEPT, MOVED, REVERSED, SOLVED, coefficients_of, vectors_of
+from contwalk.system.declarations import ParameterValues
+
+if TYPE_CHECKING:
+    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
+    from contwalk.problems.problem import Sample
+
+
+def mirror_of(problem: HybridOrbit, sample: Sample) -> HybridMirror | None:
+    """What takes one half of a branch to the other, by the orbit that it leaves and the deviation there.
+
+    None where no declared symmetry, or product of some, does; for orbits that close up to a symmetry, turn,
+    meet no event, or are held along neutral directions it is not looked for.
+    """
+    word = problem.word
+    if word.image or not word.eventful or problem.pins or np.any(problem.turns):
+        return None
+    there, p = None, ParameterValues(**problem.values_of(sample.z))
+    for product in products(problem.system, problem.first_state(sample.z), p):
+        for first in range(len(word)):
+            if _images(problem, product, word.legs[first:] + word.legs[:first]) != word.legs:
+                continue
+            there = there or problem.at_stored(sample.z, sample.weights)
+            for half in (0, 1) if problem.forced else (0,):
+                mirror = HybridMirror(problem, product, first, half, sample)
+                if mirror.keeps(there, sample):
+                    return mirror
+    return None
+
+
+def _images(problem: HybridOrbit, product: Product, legs: tuple[Leg, ...]) -> tuple[Leg, ...] | None:
+    """What a product of symmetries takes legs to; None where there is no such transition."""
+    for symmetry in product.symmetries:
+        if symmetry.role != "spatial" or not all(has_image(problem.system, symmetry, leg) for leg in legs):
+            return None
+        legs = tuple(image_of(problem.system, symmetry, leg) for leg in legs)
+    return legs
+
+
+class HybridMirror:
+    """The map from one half of a branch of whole orbits with events to the other.
+
+    Parameters
+    ----------
+    problem : HybridOrbit
+    product : Product
+        The symmetries that make it, affine maps of the state.
+    first : int
+        The leg whose image is the first one.
+    half : int
+        Whether the image begins half a closure earlier than that leg, as where the force is reversed then.
+    born : Sample
+        The orbit that the branch leaves.
+    """
+
+    def __init__(self, problem: HybridOrbit, product: Product, first: int, half: int, born: Sample) -> None:
+        self._problem, self._product, self._first, self._half = problem, product, first, half
+        self._born = born
+        p, n = ParameterValues(**problem.values_of(born.z)), problem.states
+        sizes = np.maximum(np.abs(problem.first_state(born.z)), problem.mesh.variation)
+        origin = product.state(np.zeros(n), p)
+        moved = [(product.state(s * e, p) - origin) / s for s, e in zip(sizes, np.eye(n), strict=True)]
+        self._linear = np.array(moved).T
+        self._place: tuple[bytes, HybridOrbit] | None = None
+        self._samples: dict[bytes, Sample] = {}
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the symmetries in the order in which they are applied."""
+        return self._product.names
+
+    def refuses(self, point: SpecialPoint) -> str:
+        """Why the image of a special point has to be located itself: limits are told by names of events."""
+        return f"a limit ({point.label}) has to be located" if point.label in LIMITS else ""
+
+    # -- the map -----------------------------------------------------------------------------------------
+
+    def keeps(self, there: HybridOrbit, sample: Sample) -> bool:
+        """Whether an orbit is its own image, and its deviation is reversed."""
+        z, tangent = self._image(there, sample.z, sample.tangent, sample.weights)
+        if float(np.max(np.abs(z - sample.z) / sample.weights)) > KEPT:
+            return False
+        return float(np.linalg.norm((tangent + sample.tangent) / sample.weights)) < REVERSED
+
+    def _pairs(self, there: HybridOrbit) -> Iterator[tuple[int, int]]:
+        """Each segment of the image, and the one that it is the image of, by their numbers."""
+        layout, legs = there.layout, there.layout.legs
+        begins = np.concatenate([[0], np.cumsum(layout.cuts)])
+        for i in range(legs):
+            source = (i + self._first) % legs
+            for j in range(layout.cuts[i]):
+                yield int(begins[i]) + j, int(begins[source]) + j
+
+    def _image(
+        self, there: HybridOrbit, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Image of an orbit and of a deviation of it, each of shape (N + 1,)."""
+        layout, image, moved = there.layout, z.copy(), tangent.copy()
+        change = np.zeros(len(z))
+        change[-1] = MOVED * weights[-1]
+        low, p, high = (ParameterValues(**there.values_of(each)) for each in (z - change, z, z + change))
+        for own, source in self._pairs(there):
+            to, of = layout.segments[own], layout.segments[source]
+            kept = list(there.passages[to.leg].states)
+            x, v = (there.passages[of.leg].full(given[of.states]) for given in (z, tangent))
+            image[to.states] = self._product.state(x, p)[kept]
+            by_parameter = (self._product.state(x, high) - self._product.state(x, low)) / (2.0 * change[-1])
+            moved[to.states] = (self._linear @ v + by_parameter * tangent[-1])[kept]
+        for given, result in ((z, image), (tangent, moved)):
+            lasting = given[layout.durations]
+            result[layout.durations] = np.roll(lasting, -self._first)
+            if layout.start is not None:
+                begins = given[layout.start] + lasting[: self._first].sum()
+                result[layout.start] = begins - 0.5 * self._half * lasting.sum()
+        return image, moved
+
+    def _metric(self, values: np.ndarray) -> np.ndarray:
+        return np.sqrt((self._linear * self._linear) @ (values * values))
+
+    def _weights(self, there: HybridOrbit, weights: np.ndarray) -> np.ndarray:
+        layout, result = there.layout, weights.copy()
+        for own, source in self._pairs(there):
+            to, of = layout.segments[own], layout.segments[source]
+            full = there.passages[of.leg].full(weights[of.states])
+            result[to.states] = self._metric(full)[list(there.passages[to.leg].states)]
+        result[layout.durations] = np.roll(weights[layout.durations], -self._first)
+        return result
+
+    def _mirrored(self, there: HybridOrbit) -> HybridOrbit:
+        """The problem for images: each leg on the steps of the one that it is the image of."""
+        mesh, pairs = there.mesh, list(self._pairs(there))
+        mesh = replace(
+            mesh,
+            steps=tuple(mesh.steps[source] for _, source in pairs),
+            grown=tuple(mesh.grown[source] for _, source in pairs) if mesh.grown else mesh.grown,
+            guards=None if mesh.guards is None else np.roll(mesh.guards, -self._first),
+            variation=self._metric(mesh.variation),
+            magnitudes=self._metric(mesh.magnitudes),
+        )
+        return there.on(mesh, there.section)
+
+    # -- what is stored ----------------------------------------------------------------------------------
+
+    def row(self, row: np.void, before: np.void, last: np.void) -> np.ndarray | None:
+        """The stored image of a stored orbit, shape (1,); None if it does not solve the equations.
+
+        It is asked of the steps that the orbit was solved for on, those of the one before it; of its own, if
+        it was cut anew.
+        """
+        began, spent = time.perf_counter(), self._problem.evaluations
+        z, weights, tangent = vectors_of(row)
+        for there in self._places(row, before, z, weights):
+            image, moved = self._image(there, z, tangent, weights)
+            own, metric = self._mirrored(there), self._weights(there, weights)
+            linearization = own.linearize(image)
+            excess = linearization.excess_in(metric) if linearization.finite else np.inf
+            missed = there.linearize(z).excess_in(weights) if row["special"] else 0.0
+            if excess <= SOLVED + AS_WELL * missed:
+                break
+        else:
+            return None
+        moved = -moved / np.linalg.norm(moved / metric)
+        sample = own.examine(image, moved, metric, linearization, int(row["unstable"]))
+        found, size = np.array([row]), len(z)
+        found["s"] = -row["s"]
+        found["state"] = sample.reported
+        found["unknowns"][0, : size - 1] = image[:-1]
+        found["tangent"][0, :size] = moved
+        found["weights"][0, :size] = metric
+        found["observables"] = [*sample.observables[:-1], row["observables"][-1]]
+        found["admissible"], found["trivial_error"] = sample.admissible, sample.trivial_error
+        found["residual"], found["iterations"] = excess, 0
+        found["rhs"] = self._problem.evaluations - spent
+        found["seconds"] = time.perf_counter() - began
+        self._samples[found["unknowns"].tobytes()] = sample
+        return found
+
+    def _places(
+        self, row: np.void, before: np.void, z: np.ndarray, weights: np.ndarray
+    ) -> Iterator[HybridOrbit]:
+        """The discretisations on which a stored orbit may have been solved for."""
+        if row["special"]:
+            yield self._on_steps_of(z, weights).finest(z, weights)
+            return
+        earlier, known, _ = vectors_of(before)
+        if len(earlier) == len(z):
+            yield self._on_steps_of(earlier, known)
+        yield self._on_steps_of(z, weights)
+
+    def _on_steps_of(self, z: np.ndarray, weights: np.ndarray) -> HybridOrbit:
+        key = z.tobytes()
+        if self._place is None or self._place[0] != key:
+            self._place = key, self._problem.at_stored(z, weights)
+        return self._place[1]
+
+    def sample(self, row: np.void) -> Sample:
+        """Place, metric and kinks of an image, as a sample."""
+        z, weights, _ = vectors_of(row)
+        return self._samples.get(
+            row["unknowns"].tobytes(), replace(self._born, z=z, weights=weights, kinks=())
+        )
+
+    def margin(self, row: np.void) -> Mapping[str, float]:
+        """What must stay positive on an image, by name."""
+        z, weights, _ = vectors_of(row)
+        return self._problem.at_stored(z, weights).margins(z).by_name
+
+    def special_point(self, point: SpecialPoint, row: np.void, last: np.void) -> SpecialPoint:
+        """The image of a special point: what is counted before it there is counted after it."""
+        z, tangent, weights = np.array(point.unknowns), np.array(point.tangent), vectors_of(row)[1]
+        there = self._on_steps_of(z, weights).finest(z, weights)
+        image, moved = self._image(there, z, tangent, weights)
+        own = self._mirrored(there)
+        state, margins = own.reported(image), own.margins(image)
+        return replace(
+            point,
+            s=-point.s,
+            state=dict(zip(own.system.state_names, state.tolist(), strict=True)),
+            unstable_before=point.unstable_after,
+            unstable_after=point.unstable_before,
+            coefficients=coefficients_of(own, point, image),
+            admissible=margins.admissible,
+            margin=margins.by_name,
+            unknowns=tuple(image.tolist()),
+            tangent=tuple((-moved).tolist()),
+        )
