@@ -104,6 +104,10 @@ def plain(function: Any) -> Any:
 
     Whether it has is looked at when the function is first called, since helpers may be defined after it.
     """
+    if type(function) is types.FunctionType and not function.__dict__:
+        known = _KNOWN.get(function, _UNKNOWN)  # asked for at every point of a branch
+        if known is not _UNKNOWN:
+            return known or function
     if isinstance(function, functools.partial):
         inner = plain(function.func)
         same = inner is function.func

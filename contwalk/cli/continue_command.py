@@ -48,6 +48,7 @@ def command(
         raise click.UsageError(
             "--resume goes on with a database, --force replaces it. Give one of them.", context
         )
+    from contwalk.cli.collector import loaded
     from contwalk.cli.entry import say
     from contwalk.cli.progress import reporter_for
     from contwalk.cli.termination import termination
@@ -56,6 +57,7 @@ def command(
     from contwalk.workflow.runner import run
 
     run_file = read_run_file(file, overrides, output)
+    loaded()
     again = _resuming(
         file, overrides, output, {"--no-figures": no_figures, "--strict": strict, "--quiet": quiet}
     )

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import click
 
+from contwalk.cli.collector import hold_collector
 from contwalk.cli.lazy_group import LazyGroup
 from contwalk.errors import ContwalkError
 
@@ -55,6 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     Matrices are small here: threads of the linear algebra would cost more than they gain, and share the
     processor with nobody's good. Whoever wants them sets the variables.
     """
+    hold_collector()
     for library in ("OPENBLAS", "MKL", "OMP"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     sys.exit(run(arguments))

@@ -178,6 +178,10 @@ class Graph:
             return self.constant(FUNCTIONS[name].of_float(*values))
         return self._intern((name, *arguments))
 
+    def has(self, name: str, *arguments: int) -> bool:
+        """Whether there is this function of these nodes."""
+        return (name, *arguments) in self._numbers
+
     def piece(self, a: int, breaks: tuple[float, ...]) -> int:
         """How many of these rising numbers `a` has reached."""
         return self._intern(("piece", a, self._table(breaks)))

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import bisect
+import marshal
 import math
 import operator
+import sys
 from collections.abc import Callable, Sequence
+from types import CodeType
 from typing import Any
 
 import numpy as np
 
 from contwalk.errors import PluginError
-from contwalk.fields import elimination
+from contwalk.fields import elimination, object_cache
 from contwalk.fields.codegen import source
 from contwalk.fields.functions import FUNCTIONS, maximum, minimum
 from contwalk.fields.trace import Program, Raises
@@ -89,6 +92,24 @@ def _of_tables(tables: Sequence[tuple[float, ...]]) -> dict[str, Callable[..., A
     }
 
 
+# Python takes milliseconds to compile longer texts; shorter ones are not worth a file each.
+_LONG = 8000
+
+
+def _compiled(text: str) -> CodeType:
+    """A text's code; of a long one it is kept on disk, under the text itself and the version of Python."""
+    if len(text) < _LONG:
+        return compile(text, "<traced plugin>", "exec")
+    name = object_cache.key("python", sys.implementation.name, sys.version, text)
+    kept = object_cache.load(name)
+    if kept is not None:
+        code: CodeType = marshal.loads(kept)
+        return code
+    code = compile(text, "<traced plugin>", "exec")
+    object_cache.store(name, marshal.dumps(code))
+    return code
+
+
 class Kernel:
     """A program made callable.
 
@@ -120,7 +141,7 @@ class Kernel:
         if arithmetic not in self._functions:
             names = _float_names() if arithmetic == "float" else _mp_names()
             names |= {"PluginRaised": PluginRaised, **_with_quiet(_of_tables(self._tables))}
-            exec(compile(self.text, "<traced plugin>", "exec"), names)
+            exec(_compiled(self.text), names)
             self._functions[arithmetic] = names["evaluate"]
         return self._functions[arithmetic]
 

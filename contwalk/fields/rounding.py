@@ -39,11 +39,29 @@ def error_bounds(graph: Graph, outputs: Sequence[int]) -> list[int]:
         if name == "determinant":
             bounds[node] = determinant_bound(graph, node, bounds.__getitem__)
             continue
-        total = graph.zero if name in ("neg", "abs") else graph.call("abs", node)
+        total = graph.zero if name in ("neg", "abs") else size_of(graph, node)
         for argument, partial in partials(graph, node):
             inherited = bounds[argument]
             if graph.value(inherited) == 0.0:
                 continue
-            total = graph.add(total, graph.mul(graph.call("abs", partial), inherited))
+            total = graph.add(total, graph.mul(size_of(graph, partial), inherited))
         bounds[node] = total
     return [bounds[output] for output in outputs]
+
+
+def size_of(graph: Graph, node: int) -> int:
+    """|node|, to the same bits as `abs` of it, by fewer operations where signs do not matter."""
+    key = graph.nodes[node]
+    if key[0] == "abs" or (key[0] == "mul" and key[1] == key[2]):
+        return node
+    if key[0] == "neg":
+        return size_of(graph, key[1])
+    if key[0] in ("mul", "div") and all(_has_size(graph, argument) for argument in key[1:]):
+        return getattr(graph, key[0])(*(size_of(graph, argument) for argument in key[1:]))
+    return graph.call("abs", node)
+
+
+def _has_size(graph: Graph, node: int) -> bool:
+    """Whether |node| costs nothing that has not been written down already."""
+    name = graph.nodes[node][0]
+    return name in ("const", "abs") or graph.has("abs", node)

@@ -208,8 +208,12 @@ class Equilibrium:
         if not np.any(noise):
             return terms
         zeroed = np.where(noise, 0.0, z)
-        left = self.kernels.rounding(*self.inputs(zeroed)) + np.abs(self.jacobian(zeroed)) @ np.abs(zeroed)
-        return np.where(left > 0.0, terms, 0.0)
+        inputs = self.inputs(zeroed)
+        rounding = self.kernels.rounding(*inputs)
+        sizes = np.abs(self.kernels.linearization(*inputs)[:, 1:]) @ np.abs(zeroed)
+        if np.any((rounding == 0.0) & (sizes > 0.0)):  # of slopes that are no noise themselves?
+            sizes = np.abs(self.jacobian(zeroed)) @ np.abs(zeroed)
+        return np.where(rounding + sizes > 0.0, terms, 0.0)
 
     @cached_property
     def _switching(self) -> Switching | None:
