@@ -46,7 +46,7 @@ def passed(segment: Segment, begins: bool) -> list[Found]:
     """
     problem, a, b = segment.problem, segment.a, segment.b
     found: list[Found] = []
-    for which in sorted(range(len(a.margins)), key=lambda k: problem.limits[k].rank):
+    for which in sorted(_changed(a.margins, b.margins, begins), key=lambda k: problem.limits[k].rank):
         first, last = float(a.margins[which]), float(b.margins[which])
         if abs(first) <= BORN and last > 0.0:
             continue  # born there, or begun next to it, and gone to the machine's side
@@ -62,6 +62,14 @@ def passed(segment: Segment, begins: bool) -> list[Found]:
         if point is not None and not any(point is known for known in found):
             found.append(point)
     return sorted(found, key=lambda f: f.theta)
+
+
+def _changed(a: np.ndarray, b: np.ndarray, begins: bool) -> list[int]:
+    """Those that may be passed: of different signs; all of them where the walk begins."""
+    if begins:
+        return list(range(len(a)))
+    positive = [(margins > 0.0) | (np.abs(margins) <= ROUNDED) for margins in (a, b)]
+    return np.flatnonzero(positive[0] != positive[1]).tolist()
 
 
 def _beside(segment: Segment, which: int) -> tuple[float, float]:

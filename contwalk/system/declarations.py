@@ -918,10 +918,17 @@ class System:
 
         They are edges: where the guard goes on that way, it has to come back before they happen again.
         """
-        ways = self._entering.get((last, mode), {})
-        return frozenset(
-            t.name for t in self.leaving(mode) if not t.at_entry and t.direction in ways.get(t.guard, ())
-        )
+        if (last, mode) not in self._passed:
+            ways = self._entering.get((last, mode), {})
+            self._passed[last, mode] = frozenset(
+                t.name for t in self.leaving(mode) if not t.at_entry and t.direction in ways.get(t.guard, ())
+            )
+        return self._passed[last, mode]
+
+    @cached_property
+    def _passed(self) -> dict[tuple[str, str], frozenset[str]]:
+        """Answers of `passed`, which is asked for every guard of every leg of each solution."""
+        return {}
 
     @cached_property
     def _entering(self) -> dict[tuple[str, str], dict[Callable[..., float], set[str]]]:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.fields.codegen import source
+from contwalk.memory import remembered
 from contwalk.problems.equilibrium.equilibrium import Equilibrium
 from contwalk.python_functions import is_own, original, values_used
 from contwalk.workflow.run_file.reading import RunFile
@@ -29,6 +30,10 @@ def equations_hash(run_file: RunFile) -> str:
     return hashlib.sha256("\n".join(texts).encode()).hexdigest()
 
 
+# A run asks once whether its equations can be traced, and once more for their hash.
+_KNOWN: dict[int, tuple[RunFile, str]] = {}
+
+
 def equations_text(run_file: RunFile) -> str:
     """The traced equations as text, so that a change in any function that they call shows.
 
@@ -37,6 +42,11 @@ def equations_text(run_file: RunFile) -> str:
     UnsupportedOperation, SystemDefinitionError
         With the line of the plugin.
     """
+    # What is kept keeps its run file, and so its identity.
+    return remembered(_KNOWN, id(run_file), 1, lambda: (run_file, _equations_text(run_file)))[1]
+
+
+def _equations_text(run_file: RunFile) -> str:
     given = run_file.system, run_file.parameters, run_file.free, run_file.parameter_path
     if run_file.system.acting:
         from contwalk.problems.hybrid.source_text import equations_text as hybrid_text

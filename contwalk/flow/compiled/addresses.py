@@ -15,6 +15,7 @@ def address(array: np.ndarray) -> int:
     `array.ctypes.data` is the same, but makes an object and takes 3 us, as long as a short integration does.
     It is left for what offers no buffer to write to: constant arrays, and empty ones.
     """
-    if array.flags.writeable and array.size:
+    try:
         return _addressof(_from_buffer(array))  # type: ignore[arg-type]
-    return int(array.ctypes.data)
+    except (BufferError, TypeError, ValueError):
+        return int(array.ctypes.data)

@@ -43,6 +43,11 @@ class CompiledField(ABC):
     def __init__(self, parameter_count: int) -> None:
         self.parameter_count = parameter_count
 
+    @cached_property
+    def forms(self) -> dict[tuple[str, int], Any]:
+        """What calls of a method with so many tangents have in common; `explicit` keeps it here."""
+        return {}
+
     @property
     @abstractmethod
     def constant_count(self) -> int:

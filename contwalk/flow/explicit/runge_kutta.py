@@ -45,29 +45,46 @@ def warmup() -> None:
         stages.code(name)
 
 
+class Form:
+    """What all calls of a method with so many tangents of a field have in common.
+
+    `plan` is what a driver is told of it; it is copied, and never written to.
+    """
+
+    def __init__(self, field: CompiledField, method: str, columns: int) -> None:
+        self.method = _method(method)
+        self.start = _padded(field.n)
+        self.width = _padded(columns)
+        self.length = self.start + field.n * self.width
+        self.vectors = stages.vectors(self.method)
+        code = stages.code(method)
+        self.plan = np.zeros(plan.PLAN_LENGTH, dtype=np.int64)
+        self.plan[plan.STEP], self.plan[plan.ERROR] = code.addresses["step"], code.addresses["error"]
+        self.plan[plan.EXTEND] = code.addresses.get("extend", 0)
+        self.plan[plan.EVALUATE] = code.addresses["tangent" if columns else "plain"]
+        self.plan[plan.N], self.plan[plan.LENGTH] = field.n, self.length
+        self.plan[plan.VECTORS] = self.vectors
+        self.plan[plan.LAST_STAGE] = stages.FIRST + self.method.stages - 1
+
+
 class Call:
     """The memory of one call, and the plan that tells a driver of it."""
 
     def __init__(
         self, field: CompiledField, c: np.ndarray, method: str, x0: Vector | None, columns: int = 0
     ) -> None:
-        self.field, self.method = field, _method(method)
-        self.start = _padded(field.n)
-        self.width = _padded(columns)
-        self.length = self.start + field.n * self.width
-        self.vectors = _aligned(stages.vectors(self.method), self.length)
+        form = field.forms.get((method, columns))
+        if form is None:
+            form = field.forms[method, columns] = Form(field, method, columns)
+        self.field, self.method = field, form.method
+        self.start, self.width, self.length = form.start, form.width, form.length
+        self.vectors = _aligned(form.vectors, self.length)
         self._c = _checked(c, (max(field.constant_count, 1),), "constants")
         if x0 is not None:
             self.vectors[stages.Y, : field.n] = _checked(x0, (field.n,), "start")
         self._kept: list[np.ndarray] = []
-        self.plan = np.zeros(plan.PLAN_LENGTH, dtype=np.int64)
-        code = stages.code(method)
-        self.plan[plan.STEP], self.plan[plan.ERROR] = code.addresses["step"], code.addresses["error"]
-        self.plan[plan.EXTEND] = code.addresses.get("extend", 0)
-        self.plan[plan.EVALUATE] = code.addresses["tangent" if columns else "plain"]
-        self.plan[plan.N], self.plan[plan.LENGTH] = field.n, self.length
-        self.plan[plan.WORK], self.plan[plan.VECTORS] = address(self.vectors), len(self.vectors)
-        self.plan[plan.LAST_STAGE] = stages.FIRST + self.method.stages - 1
+        self.plan = form.plan.copy()
+        self.plan[plan.WORK] = address(self.vectors)
         if not columns:
             self.give(plan.PROBLEM, np.array([field.rhs_address, address(self._c)], dtype=np.int64))
 
@@ -412,7 +429,8 @@ class Interpolation:
         at = np.ascontiguousarray(times, dtype=float)
         if self._coefficients is None:
             return dense(*self._given, at, self._method)
-        which = np.clip(np.searchsorted(self._grid, at, side="right") - 1, 0, len(self._grid) - 2)
+        which = np.searchsorted(self._grid, at, side="right") - 1
+        which = np.minimum(np.maximum(which, 0), len(self._grid) - 2)
         own = self._coefficients[:, which if self._polynomials is None else self._polynomials[which]]
         found = _polynomial(self._nodes[which], own, self._grid, which, at)
         last = at == self._grid[-1]
@@ -425,9 +443,10 @@ def _polynomial(
 ) -> np.ndarray:
     """start + s (c0 + (1 - s) (c1 + s (c2 + ...))), s the fraction of the step."""
     s = ((at - grid[which]) / (grid[which + 1] - grid[which]))[:, None]
-    total = np.zeros_like(start)
+    rest, total = 1.0 - s, np.zeros_like(start)
     for i in reversed(range(len(coefficients))):
-        total = (coefficients[i] + total) * (s if i % 2 == 0 else 1.0 - s)
+        total += coefficients[i]
+        total *= s if i % 2 == 0 else rest
     return start + total
 
 

@@ -217,7 +217,12 @@ class _Watch:
         back = np.flatnonzero(self.values > ZERO * self.scale)
         return int(back[0]) if len(back) else len(self.values)
 
-    @property
+    @cached_property
+    def fastest(self) -> float:
+        """Largest modulus of its rate."""
+        return float(np.abs(self.rates).max())
+
+    @cached_property
     def dips(self) -> list[tuple[int, float, float]]:
         """Where it is least: after which sample, at which instant, and its value there.
 
@@ -227,7 +232,7 @@ class _Watch:
         transition there is no turn, and the guard's value there is a limit of its own.
         """
         dips = [dip for dip in self.turns(-1.0) if dip[0] >= self.behind]
-        last, still = len(self.times) - 2, NO_RATE * float(np.abs(self.rates).max())
+        last, still = len(self.times) - 2, NO_RATE * self.fastest
         if abs(self.rates[0]) <= still and not self.own:
             dips = [dip for dip in dips if dip[0] > 0]
             if self.opens and not self.known and self.rates[1] > 0.0:
@@ -320,7 +325,7 @@ def _at_entry(
 
 def _leaving(watch: _Watch) -> tuple[float, float, float]:
     """Value, scale and place of how a guard goes on that its own event has left without rate."""
-    fastest = max(float(np.abs(watch.rates).max()), 1e-300)
+    fastest = max(watch.fastest, 1e-300)
     if abs(watch.rates[0]) > ZERO * fastest or abs(watch.values[0]) > ZERO * watch.scale:
         return np.inf, fastest, 0.0
     view, map_ = watch.view, watch.view.piece.passage.bending(watch.transition)
@@ -383,7 +388,7 @@ def _of_watch(test: str, watch: _Watch, duration: float) -> tuple[float, float, 
     """Value, scale and place of a limit that a guard has."""
     scale, v, r, t = watch.scale, watch.values, watch.rates, watch.times
     if test == "rate":
-        whole = max(float(np.abs(r).max()), 1e-300)
+        whole = max(watch.fastest, 1e-300)
         per_second = duration if duration != 0.0 else 1.0
         return -float(r[-1]) / per_second, whole / abs(per_second), 1.0
     if test in ("start", "end"):

@@ -71,6 +71,8 @@ class Passage:
         self.system, self.leg, self.target, self.image = system, leg, target, image
         self.forced = system.period is not None
         self.states = system.states_of(leg.mode)
+        self._own = np.array(self.states, dtype=int)
+        self._every = self._own.tolist() == list(range(len(system.states)))
         self.following = system.states_of(target)
         self._free, self._moving, self.pins = free, frozenset(moving), tuple(pins)
         count = len(system.parameters)
@@ -381,8 +383,10 @@ class Passage:
 
     def full(self, x: np.ndarray) -> np.ndarray:
         """States of the mode (k, n_i) or (n_i,) as states of the system; those that do not exist are zero."""
+        if self._every:
+            return np.array(x, dtype=float)
         result = np.zeros((*x.shape[:-1], len(self.system.states)))
-        result[..., list(self.states)] = x
+        result[..., self._own] = x
         return result
 
 

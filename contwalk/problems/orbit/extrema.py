@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 # Samples of each step.
 PARTS = 4
+_SHARES = np.arange(PARTS) / PARTS
 # A turn that the cubic puts so much below the best sample, in parts of the range, is not looked at.
 BELOW = 0.05
 # Displacement, in parts of what is passed in the whole time, over which a map of the states is differenced.
@@ -66,8 +67,9 @@ class Smooth:
     def brackets(self, own: np.ndarray) -> tuple[np.ndarray, ...]:
         """Which of some states turn between two samples, and there: times, values and rates of both."""
         t, x, r = self.times, self.states, self.rates
-        turned = np.sign(r[:-1]) * np.sign(r[1:]) < 0.0
-        k, j = np.nonzero(turned & (t[1:] > t[:-1])[:, None] & np.isin(np.arange(x.shape[1]), own))
+        sign, among = np.sign(r), np.zeros(x.shape[1], dtype=bool)
+        among[own] = True
+        k, j = np.nonzero((sign[:-1] * sign[1:] < 0.0) & (t[1:] > t[:-1])[:, None] & among)
         return j, t[k], t[k + 1], x[k, j], x[k + 1, j], r[k, j], r[k + 1, j]
 
 
@@ -128,8 +130,11 @@ def extremes(problem: PeriodicOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 def sampled(steps: np.ndarray) -> np.ndarray:
     """Instants within steps, their ends among them."""
-    inner = steps[:-1, None] + np.diff(steps)[:, None] * (np.arange(PARTS) / PARTS)
-    return np.append(inner.ravel(), steps[-1])
+    found = np.empty(PARTS * (len(steps) - 1) + 1)
+    parts = (steps[1:] - steps[:-1])[:, None] * _SHARES
+    found[:-1] = (steps[:-1, None] + parts).ravel()
+    found[-1] = steps[-1]
+    return found
 
 
 def turns(
@@ -146,7 +151,7 @@ def turns(
         root = np.sqrt(np.maximum(c1 * c1 - 4.0 * c2 * ra, 0.0))
         q = -0.5 * (c1 + np.where(c1 >= 0.0, root, -root))
         between = np.where((c1 >= 0.0) == (rb > 0.0), ra / q, q / c2)
-    return a + h * np.clip(between, 0.0, 1.0)
+    return a + h * np.minimum(np.maximum(between, 0.0), 1.0)
 
 
 def _cubic(
