@@ -4,11 +4,32 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Callable
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, Generic, ParamSpec, TypeVar, overload
 
 Key = TypeVar("Key")
 Value = TypeVar("Value")
 Given = ParamSpec("Given")
+
+
+class computed_once(Generic[Value]):
+    """A property that is computed when it is first asked for, as `functools.cached_property`.
+
+    That one takes a lock in Python 3.11, which costs more than much of what is computed here. Two threads
+    that ask at once may both compute it.
+    """
+
+    def __init__(self, method: Callable[[Any], Value]) -> None:
+        self._method, self._name, self.__doc__ = method, method.__name__, method.__doc__
+
+    @overload
+    def __get__(self, owner: None, kind: type) -> computed_once[Value]: ...
+    @overload
+    def __get__(self, owner: object, kind: type) -> Value: ...
+    def __get__(self, owner: object | None, kind: type) -> computed_once[Value] | Value:
+        if owner is None:
+            return self
+        value = owner.__dict__[self._name] = self._method(owner)
+        return value
 
 
 def remembered(known: dict[Key, Value], key: Key, most: int, make: Callable[[], Value]) -> Value:

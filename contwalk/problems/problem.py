@@ -16,12 +16,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
+from contwalk.memory import computed_once
 from contwalk.numerics.linear import EPSILON, Factored, Factorization
 from contwalk.problems.kinks import Kink
 
@@ -58,12 +58,12 @@ class Linearization:
         self._levels = levels
         self._magnitudes = magnitudes
 
-    @cached_property
+    @computed_once
     def levels(self) -> tuple[np.ndarray, np.ndarray | None]:
         """Rounding level of each residual, shape (N,), and what comes with it of typical magnitudes."""
         return self._levels()
 
-    @cached_property
+    @computed_once
     def magnitudes(self) -> np.ndarray:
         """Typical magnitudes of z, shape (N + 1,), NaN where neither z nor the equations tell."""
         found = self.levels[1] if self._magnitudes is None else self._magnitudes()
@@ -115,7 +115,7 @@ class Linearization:
         level = self.levels[0] + EPSILON * (np.abs(self.jacobian) @ weights)
         return float(np.max(np.abs(self.residual) / level))
 
-    @cached_property
+    @computed_once
     def excess(self) -> float:
         """Largest residual in units of its rounding level; at most a few at a solution."""
         ratio = float(np.max(np.abs(self.residual) / self.levels[0]))

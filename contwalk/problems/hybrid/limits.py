@@ -20,13 +20,13 @@ included.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import StartError
+from contwalk.memory import computed_once
 from contwalk.problems.hybrid.shooting import Piece
 from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.hybrid.watching import Watched
@@ -114,7 +114,7 @@ class Margins:
         """Whether none is negative."""
         return bool(np.all(self.relative >= -NO_MARGIN))
 
-    @cached_property
+    @computed_once
     def by_name(self) -> dict[str, float]:
         """The smallest value under each name, where there is one."""
         found: dict[str, float] = {}
@@ -200,12 +200,16 @@ class _Watch:
     clock: bool  # a guard of time alone
     passed: bool  # its event has led here, and is an edge
 
-    @cached_property
+    @computed_once
     def scale(self) -> float:
         """Largest value; on a leg that lasts nearly no time, what it changes by in a little more."""
-        return max(largest(self.values, self.rates, self.view.duration, self.total), 1e-300)
+        return max(_largest(*self._sizes, self.view.duration, self.total), 1e-300)
 
-    @cached_property
+    @computed_once
+    def _sizes(self) -> tuple[float, float]:
+        return self.view.sizes(self.transition)
+
+    @computed_once
     def behind(self) -> int:
         """After so many samples a guard of time alone whose event has led here is before its zero again.
 
@@ -217,12 +221,12 @@ class _Watch:
         back = np.flatnonzero(self.values > ZERO * self.scale)
         return int(back[0]) if len(back) else len(self.values)
 
-    @cached_property
+    @computed_once
     def fastest(self) -> float:
         """Largest modulus of its rate."""
-        return float(np.abs(self.rates).max())
+        return self._sizes[1]
 
-    @cached_property
+    @computed_once
     def dips(self) -> list[tuple[int, float, float]]:
         """Where it is least: after which sample, at which instant, and its value there.
 
@@ -368,11 +372,15 @@ def _goes_on(transition: Transition | None) -> bool:
 
 def largest(values: np.ndarray, rates: np.ndarray, duration: float, total: float) -> float:
     """Largest modulus of a guard on a leg of at least a little time; rates are over the leg's own time."""
-    largest = float(np.abs(values).max())
+    return _largest(float(np.abs(values).max()), float(np.abs(rates).max()), duration, total)
+
+
+def _largest(value: float, rate: float, duration: float, total: float) -> float:
+    """As `largest`, of largest moduli."""
     little = LITTLE * total
     if not 0.0 < abs(duration) < little:
-        return largest
-    return max(largest, float(np.abs(rates).max()) * little / abs(duration))
+        return value
+    return max(value, rate * little / abs(duration))
 
 
 def _sign(transition: Transition, falls: bool | None, values: np.ndarray) -> float:

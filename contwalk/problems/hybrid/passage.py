@@ -214,15 +214,17 @@ class Passage:
     def field(self, lift: str, implicit: bool = False) -> CompiledField:
         """The compiled field of a lift; an implicit method needs the Jacobian of any."""
         key = "field", lift, implicit or lift in (PLAIN, TANGENT)
+        if key in self._fields:
+            known: CompiledField = self._fields[key]
+            return known
         constants = self.system.mode(self.leg.mode).constants
         if not constants:
             return self._compiled(key, self.program, lift, None)
-        if key not in self._fields:
-            n = len(self.system.states)
-            places = [n * group + i for group in range(len(STATES[lift])) for i in self.states]
-            whole = self._shared.field(lift, key[-1])
-            self._fields[key] = Restricted(whole, places, list(constants.values()))
-        return self._fields[key]
+        n = len(self.system.states)
+        places = [n * group + i for group in range(len(STATES[lift])) for i in self.states]
+        restricted = Restricted(self._shared.field(lift, key[-1]), places, list(constants.values()))
+        self._fields[key] = restricted
+        return restricted
 
     @cached_property
     def _shared(self) -> SharedField:

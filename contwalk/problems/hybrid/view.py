@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +17,7 @@ from contwalk import flow
 from contwalk.errors import UnsupportedOperation
 from contwalk.fields.blame import first_switched
 from contwalk.fields.switching import Inputs
+from contwalk.memory import computed_once
 from contwalk.numerics.linear import EPSILON
 from contwalk.problems.hybrid.layout import Segment
 from contwalk.problems.hybrid.shooting import Piece
@@ -69,7 +69,7 @@ class LegView:
         self.duration = float(scalars[0])
         self.left = [k for k, t in enumerate(piece.passage.leaving) if t.name in left]
 
-    @cached_property
+    @computed_once
     def nodes(self) -> np.ndarray:
         """States at the steps, shape (s + 1, n_i); where two segments meet, that of the later one."""
         if not self.segments:
@@ -77,33 +77,33 @@ class LegView:
         parts = [piece.nodes(x, scalars) for _, piece, x, scalars in self.segments]
         return np.concatenate([*(part[:-1] for part in parts), parts[-1][-1:]])
 
-    @cached_property
+    @computed_once
     def _values(self) -> np.ndarray:
         """What the leg's functions depend on."""
         return self.piece.values(self.scalars)
 
-    @cached_property
+    @computed_once
     def _constants(self) -> np.ndarray:
         """What its field takes from them."""
         return self.piece.passage.field(PLAIN).constants(self._values)
 
-    @cached_property
+    @computed_once
     def times(self) -> np.ndarray:
         """Sampled instants in 0..1, the steps' own among them."""
         return sampled(self.piece.steps)
 
-    @cached_property
+    @computed_once
     def states(self) -> np.ndarray:
         """States of the mode at `times`, shape (k, n_i)."""
         return self.at(self.times)
 
-    @cached_property
+    @computed_once
     def rates(self) -> np.ndarray:
         """Rates of the states over the leg's own time, shape (k, n_i)."""
         field = self.piece.passage.field(PLAIN)
         return field.along(self.times, self.states, self._constants)
 
-    @cached_property
+    @computed_once
     def at(self) -> Callable[[np.ndarray], np.ndarray]:
         """States of the mode at any instants in 0..1, a function of these."""
         field = self.piece.passage.field(PLAIN)
@@ -134,12 +134,28 @@ class LegView:
         times, guards = self._early if k in self.left else (self.times, self._guards)
         return times, guards[:, 2 * k], guards[:, 2 * k + 1]
 
-    @cached_property
+    @computed_once
     def _guards(self) -> np.ndarray:
         """All guards out of the mode with their rates, at the samples."""
         return self._watched(self.times, self.states, self.rates)
 
-    @cached_property
+    def sizes(self, transition: Transition) -> tuple[float, float]:
+        """Largest moduli of a transition's guard and of its rate, at the instants of `guard`."""
+        k = self.piece.passage.leaving.index(transition)
+        found = self._early_sizes if k in self.left else self._sizes
+        return found[2 * k], found[2 * k + 1]
+
+    @computed_once
+    def _sizes(self) -> list[float]:
+        sizes: list[float] = np.abs(self._guards).max(axis=0).tolist()
+        return sizes
+
+    @computed_once
+    def _early_sizes(self) -> list[float]:
+        sizes: list[float] = np.abs(self._early[1]).max(axis=0).tolist()
+        return sizes
+
+    @computed_once
     def _early(self) -> tuple[np.ndarray, np.ndarray]:
         """The samples with some before the first one, and all guards there."""
         early = self.times[1] * EARLY
@@ -168,7 +184,7 @@ class LegView:
         """Where a transition's guard turns: after which sample, at which instant, and its value there."""
         return self._turning[self.piece.passage.leaving.index(transition)]
 
-    @cached_property
+    @computed_once
     def _turning(self) -> list[list[tuple[int, float, float]]]:
         """As `turning`, of all guards."""
         found: list[list[tuple[int, float, float]]] = [[] for _ in self.piece.passage.leaving]
@@ -191,7 +207,7 @@ class LegView:
             for number, *entry in zip(own[g].tolist(), k.tolist(), at.tolist(), values.tolist(), strict=True):
                 found[number].append((entry[0], entry[1], entry[2]))
 
-    @cached_property
+    @computed_once
     def conditions(self) -> dict[str, float]:
         """Values of the conditions at the leg's transition, by name."""
         passage, values = self.piece.passage, self._values
@@ -210,7 +226,7 @@ class LegView:
         at_rest = np.zeros_like(nodes)  # its rate is not asked for, nor are theirs
         return watched.along(self.piece.steps, nodes, self._values, at_rest)[:, 0]
 
-    @cached_property
+    @computed_once
     def motion(self) -> tuple[np.ndarray, np.ndarray]:
         """Times in seconds and full states, with the instants at which a state is extreme."""
         turns = self._extrema()
@@ -222,7 +238,7 @@ class LegView:
             times, states = times[order], states[order]
         return self.start + self.duration * times, self.full(states)
 
-    @cached_property
+    @computed_once
     def smooth(self) -> Smooth:
         """The leg in 0..1 with full states."""
         field = self.piece.passage.field(PLAIN)
