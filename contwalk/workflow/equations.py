@@ -97,6 +97,7 @@ def _texts(value: Any, seen: set[int]) -> Iterator[str]:
             yield from _texts(used, seen)
 
 
+@functools.lru_cache(maxsize=1024)  # observables share helpers
 def _source_of(function: types.FunctionType) -> str:
     """The source of a function as Python would write it; its code where there is none, or none of its own."""
     try:
