@@ -43,9 +43,11 @@ class _Graph:
 
     def __init__(self, program: Program) -> None:
         self.graph, self.nodes, self.value = program.graph, program.graph.nodes, program.graph.value
-        needed = ancestors(program.graph, roots(program.tree))
-        chosen_by = [self.nodes[node][1] for node in needed if self.nodes[node][0] == "select"]
-        self.quiet = frozenset(ancestors(program.graph, chosen_by))
+        self.quiet: frozenset[int] = frozenset()
+        if any(key[0] == "select" for key in self.nodes):
+            needed = ancestors(program.graph, roots(program.tree))
+            chosen_by = [self.nodes[node][1] for node in needed if self.nodes[node][0] == "select"]
+            self.quiet = frozenset(ancestors(program.graph, chosen_by))
 
 
 def _emit(graph: _Graph, tree: Tree, lines: list[str], indent: str, names: dict[int, str]) -> None:

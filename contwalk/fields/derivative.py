@@ -20,12 +20,14 @@ def arguments_of(graph: Graph, node: int) -> tuple[int, ...]:
 def ancestors(graph: Graph, outputs: Iterable[int]) -> list[int]:
     """All nodes that the outputs need, in an order of evaluation."""
     needed: set[int] = set()
-    stack = list(outputs)
+    nodes, stack = graph.nodes, list(outputs)
     while stack:
         node = stack.pop()
         if node not in needed:
             needed.add(node)
-            stack.extend(arguments_of(graph, node))
+            key = nodes[node]
+            if key[0] not in ("const", "input"):
+                stack += key[1:]
     return sorted(needed)
 
 
@@ -80,8 +82,12 @@ def _chained(graph: Graph, node: int, rows: _Rows) -> dict[int, int]:
     """The chain rule."""
     row: dict[int, int] = {}
     for argument, partial in partials(graph, node):
-        for k, inner in rows.get(argument, {}).items():
-            term = graph.mul(partial, inner)
+        found = rows.get(argument)
+        if not found:
+            continue
+        as_it_is = partial == graph.one
+        for k, inner in found.items():
+            term = inner if as_it_is else graph.mul(partial, inner)
             row[k] = graph.add(row[k], term) if k in row else term
     return row
 

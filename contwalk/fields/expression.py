@@ -88,18 +88,20 @@ class Graph:
 
     def add(self, a: int, b: int) -> int:
         """a + b."""
-        va, vb = self.value(a), self.value(b)
-        if va == 0.0:
-            return b
-        if vb == 0.0:
-            return a
-        if va is not None and vb is not None:
-            return self._folded("add", a, b)
-        if self.nodes[b][0] == "neg":
-            return self.sub(a, self.nodes[b][1])
-        if self.nodes[a][0] == "neg":
-            return self.sub(b, self.nodes[a][1])
-        return self._intern(("add", min(a, b), max(a, b)))
+        ka, kb = self.nodes[a], self.nodes[b]
+        if ka[0] == "const" or kb[0] == "const":
+            va, vb = self.value(a), self.value(b)
+            if va == 0.0:
+                return b
+            if vb == 0.0:
+                return a
+            if va is not None and vb is not None:
+                return self._folded("add", a, b)
+        if kb[0] == "neg":
+            return self.sub(a, kb[1])
+        if ka[0] == "neg":
+            return self.sub(b, ka[1])
+        return self._intern(("add", a, b) if a <= b else ("add", b, a))
 
     def sub(self, a: int, b: int) -> int:
         """a - b."""
@@ -125,21 +127,23 @@ class Graph:
 
     def mul(self, a: int, b: int) -> int:
         """a * b."""
-        va, vb = self.value(a), self.value(b)
-        if va is not None and vb is not None:
-            return self._folded("mul", a, b)
-        for constant, other in ((va, b), (vb, a)):
-            if constant == 0.0:
-                return self.zero
-            if constant == 1.0:
-                return other
-            if constant == -1.0:
-                return self.neg(other)
-        if self.nodes[a][0] == "neg":
-            return self.neg(self.mul(self.nodes[a][1], b))
-        if self.nodes[b][0] == "neg":
-            return self.neg(self.mul(a, self.nodes[b][1]))
-        return self._intern(("mul", min(a, b), max(a, b)))
+        ka, kb = self.nodes[a], self.nodes[b]
+        if ka[0] == "const" or kb[0] == "const":
+            va, vb = self.value(a), self.value(b)
+            if va is not None and vb is not None:
+                return self._folded("mul", a, b)
+            for constant, other in ((va, b), (vb, a)):
+                if constant == 0.0:
+                    return self.zero
+                if constant == 1.0:
+                    return other
+                if constant == -1.0:
+                    return self.neg(other)
+        if ka[0] == "neg":
+            return self.neg(self.mul(ka[1], b))
+        if kb[0] == "neg":
+            return self.neg(self.mul(a, kb[1]))
+        return self._intern(("mul", a, b) if a <= b else ("mul", b, a))
 
     def div(self, a: int, b: int) -> int:
         """a / b."""

@@ -37,8 +37,11 @@ def hoisted(graph: Graph, nodes: Iterable[int], parameters: Collection[int]) -> 
     for node, key in enumerate(graph.nodes):  # arguments come before results
         if key[0] == "input":
             varying[node] = node not in parameters
-        else:
-            varying[node] = any(varying[argument] for argument in arguments_of(graph, node))
+        elif key[0] != "const":
+            for argument in key[1:]:
+                if varying[argument]:
+                    varying[node] = True
+                    break
     found: set[int] = set()
     seen: set[int] = set()
     stack = list(nodes)

@@ -17,9 +17,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from contwalk.fields import elimination_code
-from contwalk.fields.derivative import arguments_of
 from contwalk.fields.elimination_code import factor_width
-from contwalk.fields.expression import CONDITIONS, FACTORS, RELATIONS, Graph
+from contwalk.fields.expression import BUNDLES, CONDITIONS, FACTORS, RELATIONS, Graph
 from contwalk.fields.hoisting import width_of
 from contwalk.fields.special_functions import POLYGAMMA
 from contwalk.fields.trace import Fork, Outputs, Program, Raises, Tree, roots
@@ -51,6 +50,8 @@ _UNBOUNDED = frozenset(
 ) | {"gamma", "lgamma", "polygamma"}
 # NaN with some arguments, yet finite: pow(NaN, 0), pow(1, NaN).
 _FORGIVING = frozenset(("pow",))
+# Most operations there are.
+_PLAIN = frozenset({"add", "sub", "mul", "div", "neg"})
 # Among declarations: a function that the module is to define.
 _SYSTEM = "system "
 
@@ -236,14 +237,14 @@ def _shared(body: _Body, tree: Fork) -> list[int]:
 def _needed(graph: Graph, nodes: Iterable[int], known: Mapping[int, object]) -> list[int]:
     """Nodes to be computed for `nodes`, in an order of evaluation; loaded ones included, constants not."""
     needed: set[int] = set()
-    stack = list(nodes)
+    keys, stack = graph.nodes, list(nodes)
     while stack:
         node = stack.pop()
-        if node in needed or graph.value(node) is not None:
+        if node in needed or keys[node][0] == "const":
             continue
         needed.add(node)
-        if node not in known:
-            stack.extend(arguments_of(graph, node))
+        if node not in known and keys[node][0] != "input":
+            stack += keys[node][1:]
     return sorted(needed)
 
 
@@ -255,9 +256,11 @@ def _define(body: _Body, nodes: Iterable[int], names: _Names) -> None:
         if node in body.inputs:
             array, position = body.inputs[node]
             names[node] = "%t" if array == "t" else _loaded(body, node, f"%{array}", position)
-        elif body.graph.is_bundle(node):
+        elif (kind := body.graph.nodes[node][0]) in _PLAIN:
+            names[node] = _operation(body, node, names)
+        elif kind in BUNDLES:
             names[node] = _bundle(body, node, names)
-        elif body.graph.nodes[node][0] in CONDITIONS:
+        elif kind in CONDITIONS:
             _condition(body, node, names)
         else:
             names[node] = _operation(body, node, names)
