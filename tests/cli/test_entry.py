@@ -202,3 +202,15 @@ def test_a_reader_that_stops_reading_is_no_error_of_a_plugin(tmp_path):
     out.file = Closed()
     with pytest.raises(BrokenPipeError):
         line(out, "some text")
+
+
+def test_the_collector_runs_as_usual_after_loading():
+    code = (
+        "import gc; usual = gc.get_threshold()\n"
+        "from contwalk.cli.collector import hold_collector, loaded\n"
+        "loaded(); assert gc.get_freeze_count() == 0, 'nothing was held'\n"
+        "hold_collector(); assert gc.get_threshold()[0] > usual[0]\n"
+        "loaded(); assert gc.get_threshold() == usual and gc.isenabled() and gc.get_freeze_count() > 0\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from traced_kernels import kernel_of, program_of
 
+from contwalk.fields import kernel as kernel_module
 from contwalk.fields.derivative import directional, jacobian
 from contwalk.fields.kernel import Kernel
 from contwalk.problems.equilibrium.equations import Equations
@@ -122,3 +123,37 @@ def test_adjoint_is_the_transposed_jacobian(machine):
     psi = v[:8]
     found = equations.adjoint(*inputs, psi)
     np.testing.assert_allclose(found, np.array(psi) @ table, rtol=1e-12, atol=1e-12 * np.abs(found).max())
+
+
+def long_sum(x):
+    total = x[0]
+    for k in range(1, 400):
+        total = total + math.sin(k * x[0]) / k
+    return total
+
+
+def test_code_of_long_texts_is_kept_and_a_damaged_file_is_not_used(tmp_path, monkeypatch):
+    monkeypatch.setenv("CONTWALK_CACHE_DIR", str(tmp_path))
+    first = kernel_of(long_sum, 1)([0.3])
+    (kept,) = (tmp_path / "objects").iterdir()
+    counted = []
+
+    def counting(*arguments):
+        counted.append(arguments)
+        return compile(*arguments)
+
+    monkeypatch.setattr(kernel_module, "compile", counting, raising=False)
+    assert kernel_of(long_sum, 1)([0.3]).tobytes() == first.tobytes()
+    assert not counted
+    content = bytearray(kept.read_bytes())
+    content[-7] ^= 1
+    kept.write_bytes(bytes(content))
+    assert kernel_of(long_sum, 1)([0.3]).tobytes() == first.tobytes()
+    assert len(counted) == 1
+
+
+def test_another_text_has_its_own_code(tmp_path, monkeypatch):
+    monkeypatch.setenv("CONTWALK_CACHE_DIR", str(tmp_path))
+    one, other = kernel_of(long_sum, 1), kernel_of(lambda x: 2.0 * long_sum(x), 1)
+    assert other([0.3])[0] == 2.0 * one([0.3])[0]
+    assert len(list((tmp_path / "objects").iterdir())) == 2

@@ -10,6 +10,10 @@ import pytest
 from function_samples import SAMPLES
 from traced_kernels import bounds_of, kernel_of
 
+from contwalk.fields.expression import Graph
+from contwalk.fields.kernel import Kernel
+from contwalk.fields.rounding import size_of
+from contwalk.fields.trace import Outputs, Program
 from contwalk.problems.equilibrium.equations import Equations
 from contwalk.system import load_system
 
@@ -92,3 +96,21 @@ def test_bound_holds_for_the_equations_of_a_machine(masses):
             errors = [abs(mpmath.mpf(float(a)) - b) for a, b in zip(found, exact, strict=True)]
         for error, bound in zip(errors, bounds, strict=True):
             assert error <= SECOND_ORDER * EPSILON * bound
+
+
+def test_sizes_are_those_of_abs_to_the_bit_and_cost_no_more():
+    rng = np.random.default_rng(3)
+    graph = Graph()
+    a, b = graph.input("u", 0), graph.input("u", 1)
+    nodes = [graph.mul(a, a), graph.neg(graph.div(a, b)), graph.mul(a, b), graph.div(graph.one, b)]
+    for known in ((), (a, b)):  # those whose sizes have been written down
+        for node in known:
+            graph.call("abs", node)
+        sizes = [size_of(graph, node) for node in nodes]
+        plain = [graph.call("abs", node) for node in nodes]
+        kernel = Kernel(Program(graph, Outputs((*sizes, *plain))), ("u",))
+        for x in (*rng.normal(size=(50, 2)).tolist(), [-0.0, 3.0], [1e-320, -2.0], [1e200, -1e200]):
+            found = kernel(x)
+            assert found[:4].tobytes() == found[4:].tobytes()
+        assert graph.nodes[sizes[0]][0] == "mul"  # a square needs none
+    assert graph.nodes[sizes[2]][0] == "mul"
