@@ -182,11 +182,24 @@ def _draw(ax: Axes, branch: Branch, name: str, fine: Loci, moduli: np.ndarray) -
         shown = np.isfinite(ends).all(axis=(2, 3)) & ~((own.min(axis=0) == 0) & (kind_of == 1))
         for kind in dict.fromkeys(kind_of[shown].tolist()):
             color = PALETTE[kind] if run.admissible else light(PALETTE[kind], WHITE)
-            segments = ends[shown & (kind_of == kind)]
-            lines = LineCollection(segments, colors=color, linewidths=1.6, zorder=3, capstyle="round")
+            own_lines = _connected(places[:, first : last + 1], shown & (kind_of == kind))
+            look: dict[str, Any] = {"capstyle": "round", "joinstyle": "round"}
+            lines = LineCollection(own_lines, colors=color, linewidths=1.6, zorder=3, **look)
             lines.set_gid(f"{name}-{KINDS[kind]}")
             ax.add_collection(lines)
             found.add((kind, run.admissible))
+    return found
+
+
+def _connected(places: np.ndarray, drawn: np.ndarray) -> list[np.ndarray]:
+    """Lines through places, shape (m, k + 1, 2), as long as the segments between them, (m, k), are drawn.
+
+    One line costs little more than one of its segments.
+    """
+    found = []
+    for line, own in zip(places, drawn, strict=True):
+        turns = np.flatnonzero(np.diff(np.concatenate([[False], own, [False]]).astype(int)))
+        found += [line[begin : end + 1] for begin, end in turns.reshape(-1, 2)]
     return found
 
 

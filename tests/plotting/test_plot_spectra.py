@@ -16,6 +16,7 @@ from contwalk.plotting import (
     plot_multiplier_panels,
     plot_multipliers,
 )
+from contwalk.plotting.multiplier_moduli import KINDS
 from contwalk.plotting.spectrum import track
 
 
@@ -146,7 +147,9 @@ def test_moduli_tell_the_kinds_of_multipliers_apart():
     np.testing.assert_allclose(negative[:, 1].max(), 1.5)  # |-1 - mu / 2|
     assert np.concatenate(kinds["complex pair"])[:, 0].max() < 0.6
     # Where a real multiplier changes its sign there is a gap: it passes zero.
-    crossing = [s for s in (*kinds["positive"], *kinds["negative"]) if s[0, 0] < -0.025 < s[1, 0]]
+    steps = [line[k : k + 2] for kind in KINDS[:2] for line in kinds[kind] for k in range(len(line) - 1)]
+    crossing = [s for s in steps if s[0, 0] < -0.025 < s[1, 0]]
+    assert crossing
     assert all(abs(s[:, 1]).min() > 0.3 for s in crossing)
     (mark,) = [line for line in ax.lines if line.get_gid() == "b1-PD1"]
     assert mark.get_ydata()[0] == 1.0
@@ -155,6 +158,14 @@ def test_moduli_tell_the_kinds_of_multipliers_apart():
     legend = [text.get_text() for text in ax.get_legend().get_texts()]
     assert legend == ["positive", "negative", "complex pair"]
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("mu (m)", "modulus of multipliers")
+
+
+def test_neighbouring_segments_of_a_multiplier_are_one_line():
+    ax = plot_multiplier_moduli([doubling()])
+    lines = {(c.get_gid() or "").removeprefix("b1-"): c.get_segments() for c in ax.collections}
+    # Where the orbit is unstable: one that is negative, one that is positive, a pair, and what it becomes.
+    assert [len(lines[kind]) for kind in KINDS] == [3, 1, 2]
+    assert all(len(line) > 2 for kind in KINDS for line in lines[kind])
 
 
 def test_moduli_and_loci_of_what_is_not_admissible_are_told():
