@@ -23,6 +23,14 @@ def check_absent(report: Report, system: System) -> None:
     guards = ((f"guard of transition '{t.name}'", t.guard, t.source) for t in system.transitions)
     for what, function, modes in _by_function(guards):
         _check(report, what, function, system, modes, number_form("guard(t, x, p)"))
+    for kind, entries in (("condition", system.conditions), ("observable", system.observables)):
+        for entry in entries:
+            if entry.at is None:
+                continue
+            at = [t for t in system.acting if t.name == entry.at]
+            existing = [t.source if entry.side == "before" else t.target for t in at]
+            form = number_form("function(t, x, p)")
+            _check(report, f"{kind} '{entry.name}'", entry.function, system, existing, form)
     resets = [(f"reset of transition '{t.name}'", t.reset, t.source) for t in system.transitions if t.reset]
     targets = {
         id(t.reset): [u.target for u in system.transitions if u.reset is t.reset] for t in system.acting

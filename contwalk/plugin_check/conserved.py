@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,7 +14,9 @@ from contwalk.plugin_check.guards import traced_guard
 from contwalk.plugin_check.modes import CheckedFields, distinct_transitions
 from contwalk.plugin_check.samples import Samples
 from contwalk.plugin_check.traced import Traced, number_form, traced, vector_form
+from contwalk.python_functions import plain
 from contwalk.system import Conserved, System, Transition
+from contwalk.system.declarations import ParameterValues
 
 # Both sides are sums of rounded terms; their bounds are of first order and of single operations.
 FACTOR = 100.0
@@ -32,16 +35,20 @@ def check_conserved(
         function = traced(report, what, quantity.of(mode.name), system, FORM, mode=mode.name)
         if function is None:
             return
+        place = place_of(function.function)
         if system.period is None and 0 in function.depends():
-            place = place_of(function.function)
             report.error(what, "It depends on t: what is conserved is a function of the state.", place)
+            return
+        if not function.depends() - {0}:
+            sentence = f"It depends on no state in mode '{mode.name}': any motion conserves such a number."
+            report.error(what, f"{sentence} Return the quantity itself, such as the energy.", place)
             return
         found[mode.name] = function
     compared = 0
     for name, function in found.items():
         if name not in fields:
             continue
-        seen = _along(report, what, function, fields[name], name, samples)
+        seen = _along(report, what, function, fields[name], name, _within(system, name, function, samples))
         if seen is None:
             return
         compared += seen
@@ -60,6 +67,31 @@ def check_conserved(
 
 
 FORM = number_form("function(t, x, p)")
+
+
+def _within(system: System, mode: str, function: Traced, samples: Samples) -> Samples:
+    """The samples at which no transition out of a mode is past its event; all, if there are none.
+
+    One function may serve for all modes, as `0.5 * v ** 2 + 0.5 * k * min(x, 0) ** 2` does for a ball on a
+    spring: in flight it is the energy above the spring only.
+    """
+    p = ParameterValues(**samples.parameters, **system.mode(mode).constants)
+
+    def past(transition: Transition, t: float, x: np.ndarray) -> bool:
+        try:
+            with np.errstate(all="ignore"):
+                value = float(plain(transition.guard)(t, function.given(x), p))
+        except (Exception, SystemExit):  # told where the guard itself is checked
+            return False
+        return {"falling": value < 0.0, "rising": value > 0.0}.get(transition.direction, False)
+
+    acting = [each for each in system.leaving(mode) if each.role != "watched"]
+    rows = [
+        row
+        for row, (t, x) in enumerate(zip(samples.times, samples.states, strict=True))
+        if not any(past(each, float(t), x) for each in acting)
+    ]
+    return replace(samples, states=samples.states[rows], times=samples.times[rows]) if rows else samples
 
 
 def _along(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from contwalk.fields.derivative import jacobian
 from contwalk.plugin_check.declarations import check_repeats
 from contwalk.plugin_check.findings import Report, place_of
 from contwalk.plugin_check.functions import EPSILON, check_guard, check_map
+from contwalk.plugin_check.guards import check_timeless
 from contwalk.plugin_check.samples import Samples
 from contwalk.plugin_check.traced import Form, Traced, traced, vector_form
 from contwalk.system import System, Transition
@@ -25,8 +26,9 @@ BEYOND = 1e-3
 # Rounding leaves a guard this far from zero, in units of the rounding of its terms.
 FACTOR = 1e3
 _SEED = 21
-# How the guard of an event stands after it: left behind; past zero, where it is no event; happening again.
-LEFT, PAST, AGAIN = "left", "past", "again"
+# How the guard of an event stands after it: left behind; past zero, where it is no event, or gone on through
+# it faster than it came; happening again.
+LEFT, PAST, PUSHED, AGAIN = "left", "past", "pushed", "again"
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,17 +55,19 @@ def check_transition(
         return None
     reset = traced_reset(report, transition, system)
     for what, function in (("guard", guard), ("reset", reset)):
-        if period is not None and function is not None:
-            check_repeats(report, f"{what} of transition '{transition.name}'", function, samples, period)
+        named = f"{what} of transition '{transition.name}'"
+        if function is not None and period is not None:
+            check_repeats(report, named, function, samples, period)
+        if function is not None and system.period is None:
+            check_timeless(report, named, function)
     before = _states_at_event(transition, guard, fields[transition.source], samples)
     happening = Happening(transition, guard, before)
     if transition.role == "soft" and reset is not None:
         _check_kept(report, happening, reset, samples)
     if transition.role == "soft":
         _check_continuous(report, happening, fields, samples)
-    _check_passing(report, happening, samples)
     if transition.role != "watched" and transition.reset is not None:
-        _check_leaving(report, happening, system, samples)
+        _check_leaving(report, happening, system, fields[transition.source], samples)
     if transition.role == "watched" and transition.reset is not None:
         report.warning(
             f"reset of transition '{transition.name}'",
@@ -74,8 +78,17 @@ def check_transition(
     return happening
 
 
-def _check_passing(report: Report, happening: Happening, samples: Samples) -> None:
-    """The guard must have another sign beyond its zeros, and zeros at all."""
+def check_passing(
+    report: Report,
+    happening: Happening,
+    field: Traced,
+    samples: Samples,
+    happenings: Sequence[Happening],
+) -> None:
+    """The guard must have another sign beyond its zeros, and zeros at all.
+
+    One that is passed against its direction only is no mistake where others lead out of its mode.
+    """
     transition, guard = happening.transition, happening.guard
     what = f"guard of transition '{transition.name}'"
     place = place_of(transition.guard)
@@ -88,6 +101,16 @@ def _check_passing(report: Report, happening: Happening, samples: Samples) -> No
             "sign there, such as a distance that becomes negative.",
             place,
         )
+    elif not beyond and (others := _passing_back(happening, field, samples)):
+        sources = [h.transition.source for h in happenings if h.before and h.transition.role != "watched"]
+        report.add(
+            "ok" if transition.source in sources else "warning",
+            what,
+            f"It passes zero the other way at all {len(others)} of its zeros that were tried, and its "
+            f"transition happens where it is {transition.direction}. If it is meant to happen there, turn "
+            "the direction round, or the sign of the guard.",
+            place,
+        )
     elif not beyond and guard.depends() - {0}:
         values = [samples.evaluate(guard, row)[0] for row in range(len(samples.states))]
         sign = "positive" if min(values) > 0.0 else "negative" if max(values) < 0.0 else "finite"
@@ -98,6 +121,14 @@ def _check_passing(report: Report, happening: Happening, samples: Samples) -> No
             "touches zero, such as a square or an absolute value, is no guard.",
             place,
         )
+
+
+def _passing_back(happening: Happening, field: Traced, samples: Samples) -> list[tuple[float, np.ndarray]]:
+    """Times and states on the guard at which it passes zero against the transition's direction."""
+    other = {"falling": "rising", "rising": "falling"}.get(happening.transition.direction)
+    if other is None:
+        return []
+    return _states_at_event(replace(happening.transition, direction=other), happening.guard, field, samples)
 
 
 def _just_beyond(transition: Transition, guard: Traced, t: float, x: np.ndarray, samples: Samples) -> float:
@@ -270,14 +301,16 @@ def _read(relabel: Traced, into: Sequence[int]) -> set[int]:
     return {k for leaf in rows for row in leaf for k in row}
 
 
-def _check_leaving(report: Report, happening: Happening, system: System, samples: Samples) -> None:
+def _check_leaving(
+    report: Report, happening: Happening, system: System, field: Traced, samples: Samples
+) -> None:
     """After its own reset a guard that is armed again must be off zero on the right side, or leaving it."""
     transition = happening.transition
     what, place = f"reset of transition '{transition.name}'", place_of(transition.reset)
     if not any(t.source == transition.target and t.guard is transition.guard for t in system.transitions):
         report.ok(what, "leads to a mode in which its guard is not armed.", place)
         return
-    known = _left_behind(happening, system, samples)
+    known = _left_behind(happening, system, field, samples)
     leaving, past = sum(kind != AGAIN for kind in known), known.count(PAST)
     if not known:
         report.ok(
@@ -291,6 +324,12 @@ def _check_leaving(report: Report, happening: Happening, system: System, samples
             "push; correct the reset, if the guard should turn back there, as at a stop."
         )
         report.warning(what, sentence, place)
+    elif PUSHED in known and leaving == len(known):
+        sentence = (
+            f"goes on through its guard faster than it came, at {known.count(PUSHED)} of {len(known)} states "
+            "at the event, as after a clock's push: it happens again only where it has been back."
+        )
+        report.ok(what, sentence, place)
     elif leaving == len(known):
         report.ok(what, f"leaves its guard behind, at {leaving} states at the event.", place)
     else:
@@ -340,7 +379,7 @@ def _onto(guard: Traced, t: float, x: np.ndarray, samples: Samples) -> np.ndarra
     return None
 
 
-def _left_behind(happening: Happening, system: System, samples: Samples) -> list[str]:
+def _left_behind(happening: Happening, system: System, field: Traced, samples: Samples) -> list[str]:
     """For each state at the event how its guard stands after it, where that can be said."""
     from contwalk.flow.hybrid import departure  # compiled flows
     from contwalk.flow.hybrid.machine import hybrid_machine, landed
@@ -363,7 +402,12 @@ def _left_behind(happening: Happening, system: System, samples: Samples) -> list
         if departure.UNDEFINED not in kinds:
             again = any(departure.happens_at_once(flow, i, standing[i]) for i in numbers)
             stuck = again or departure.RESTING in kinds
-            found.append(AGAIN if stuck else PAST if goes_on else LEFT)
+            arriving = abs(_rate(happening.guard, field, t, x, samples))
+            passed = [standing[i] for i in numbers if flow.transitions[i].name == transition.name]
+            pushed = departure.BEYOND not in kinds and any(
+                each.kind == departure.PASSED and abs(each.rate) > arriving for each in passed
+            )
+            found.append(AGAIN if stuck else PUSHED if pushed else PAST if goes_on else LEFT)
     return found
 
 

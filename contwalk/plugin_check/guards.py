@@ -65,20 +65,15 @@ def _cannot_be_level(guard: Traced, transition: Transition) -> str:
     )
 
 
-def check_clocks(
-    report: Report, transition: Transition, system: System, functions: Mapping[str, Traced]
-) -> None:
-    """What depends on the time at a transition belongs to a system with a period."""
-    if system.period is not None:
-        return
-    for what, function in functions.items():
-        if 0 in function.depends():
-            report.error(
-                f"{what} of transition '{transition.name}'",
-                "It depends on t, but the system declares no period: motions can be simulated, but no orbit "
-                "can be found. Declare period=function of p, as period=lambda p: 2 * math.pi / p.omega.",
-                place_of(function.function),
-            )
+def check_timeless(report: Report, what: str, function: Traced) -> None:
+    """Check that what belongs to a transition does not depend on time, in a system that has no period."""
+    if 0 in function.depends():
+        report.error(
+            what,
+            "It depends on t, but the system declares no period: motions can be simulated, but no orbit "
+            "can be found. Declare period=function of p, as period=lambda p: 2 * math.pi / p.omega.",
+            place_of(function.function),
+        )
 
 
 def check_twins(report: Report, system: System, guards: Mapping[str, Traced]) -> None:

@@ -16,12 +16,13 @@ from contwalk.plugin_check import declarations
 from contwalk.plugin_check.absent import check_absent
 from contwalk.plugin_check.at_events import check_at_event
 from contwalk.plugin_check.conserved import check_conserved
-from contwalk.plugin_check.events import Happening, check_transition
+from contwalk.plugin_check.events import Happening, check_passing, check_transition
 from contwalk.plugin_check.findings import Finding, Report, place_of, place_of_error, split_place
 from contwalk.plugin_check.functions import check_map
 from contwalk.plugin_check.guards import check_twins
 from contwalk.plugin_check.kinks import check_kinks
 from contwalk.plugin_check.modes import CheckedFields, distinct_transitions
+from contwalk.plugin_check.reachable import check_reachable
 from contwalk.plugin_check.samples import Samples, samples_of
 from contwalk.plugin_check.signals import check_signal
 from contwalk.plugin_check.symmetry import check_symmetry
@@ -100,6 +101,10 @@ def check_system(system: System, sources: Sequence[Path] = (), model: str = "") 
         happening = check_transition(report, transition, system, fields, samples, period)
         if happening is not None:
             happenings.append(happening)
+    for happening in happenings:
+        field = fields[happening.transition.source]
+        check_passing(report, happening, field, samples, happenings)
+    check_reachable(report, system)
     check_twins(report, system, {each.transition.name: each.guard for each in happenings})
     seen = None
     if system.acting and len(happenings) == len(distinct):

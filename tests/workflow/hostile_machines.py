@@ -233,7 +233,34 @@ SYSTEM = System(
 """
 
 
+# One energy for both modes: in the air it is that above the floor only.
+HOP_IN_ONE = (
+    HOP.replace(
+        "+ p.r * x[0]\n\ndef pressed", "+ p.r * x[0] + 0.5 * p.k * min(x[0], 0.0) ** 2\n\ndef pressed"
+    )
+    .replace('{"air": energy, "ground": pressed}', "energy")
+    .replace('"hop"', '"hop_in_one"')
+)
+# A push at the lowest point: the event goes on through its guard.
+CLOCK_PUSH = RELAY.replace(
+    '        Transition("warm", "on", "off", hot),\n        Transition("cool", "off", "on", cold),\n',
+    '        Transition("push", "on", "on", lambda t, x, p: x[0], "rising", reset=push),\n',
+)
+CLOCK_PUSH = (
+    CLOCK_PUSH.replace(
+        "def cooling(", "def push(t, x, p, y):\n    y[0], y[1] = x[0], x[1] + p.r\n\ndef cooling("
+    )
+    .replace(
+        "    dx[0] = p.r - x[0] + 0.3 * x[1]\n    dx[1] = 0.7 * (x[0] - x[1])",
+        "    dx[0], dx[1] = x[1], -x[0] - 0.3 * x[1]",
+        1,
+    )
+    .replace(', Mode("off", cooling)', "")
+    .replace('"relay"', '"clock"')
+)
+
 SOUND = {"contact": CONTACT, "relay": RELAY, "ball": BALL, "stops": STOPS, "hop": HOP, "held": HELD}
+SOUND |= {"hop_in_one": HOP_IN_ONE, "clock": CLOCK_PUSH}
 
 
 @dataclass(frozen=True)
@@ -471,6 +498,16 @@ WRONG: dict[str, Wrong] = {
         "1.0 / (0.5 - x[0])", "error", "It jumps through zero, or passes it at a pole"
     ),
     "guard is a cube": _tried("(0.5 - x[0]) ** 3", "error", "it only comes to it"),
+    "condition that reads what does not exist": _found(
+        CONTACT,
+        "warning",
+        "It reads x[2] (state f), which does not exist in mode 'free'",
+        'Condition("o"',
+        (
+            '    name="contact",\n',
+            '    name="contact",\n    conditions=(Condition("o", lambda t, x, p: x[F], "hit"),),\n',
+        ),
+    ),
     # -- resets ------------------------------------------------------------------------------------------
     "reset without a new state": _refused(
         CONTACT, "does not write x_plus[2] (state f)", "def touch", ("    x_plus[F] = 0.01\n", "")
@@ -630,7 +667,42 @@ WRONG: dict[str, Wrong] = {
         "def hot",
         ("x[0] - 0.5", "x[0] - 1.5"),
     ),
+    "hysteresis that is passed the other way": _found(
+        RELAY, "warning", "It passes zero the other way at all", "def hot", (WARM, f'{WARM[:-1]}, "rising")')
+    ),
+    "mode that no transition leads to": _found(
+        RELAY, "warning", "No transition that acts leads to it", "def cooling", (MODES, SPARE)
+    ),
+    "event that is only watched": _found(
+        RELAY,
+        "warning",
+        "No transition that acts leads to it",
+        "def cooling",
+        (WARM, f'{WARM[:-1]}, role="watched")'),
+    ),
+    "no way back": _found(RELAY, "warning", "never come round", "def hot", (f"{COOL},\n", "\n")),
+    "source and target exchanged": _found(
+        CONTACT,
+        "warning",
+        "never come round",
+        "def gap",
+        ('"hit", "free", "pressed"', '"hit", "pressed", "free"'),
+    ),
     # -- time --------------------------------------------------------------------------------------------
+    "guard of time without a period": _found(
+        RELAY,
+        "error",
+        "It depends on t, but the system declares no period",
+        'Transition("kick"',
+        (COOL, f'{COOL}, Transition("kick", "off", "off", lambda t, x, p: t - 3.0, "rising", reset={KICK})'),
+    ),
+    "reset of time without a period": _found(
+        RELAY,
+        "error",
+        "It depends on t, but the system declares no period",
+        'Transition("cool"',
+        (COOL, f"{COOL[:-1]}, reset={KICK.replace('0.1', '0.1 * math.sin(t)')})"),
+    ),
     # -- fields ------------------------------------------------------------------------------------------
     "field leaves out a state of its mode": _refused(
         CONTACT, "does not write dx[2] (state f)", "def pressed", ("    dx[F] = (p.k", "    unused = (p.k")
@@ -728,6 +800,12 @@ WRONG: dict[str, Wrong] = {
     ),
     "energy of another mode": _refused(
         HOP, "It is not conserved in mode", "def pressed", ('"air": energy', '"air": pressed')
+    ),
+    "energy that is a constant": _refused(
+        HOP,
+        "It depends on no state in mode 'air'",
+        'Conserved("energy"',
+        ('{"air": energy, "ground": pressed}', "lambda t, x, p: 1.0"),
     ),
     "energy of one mode only": _refused(
         HOP, "has no function for mode 'ground'", "SYSTEM", (', "ground": pressed', "")

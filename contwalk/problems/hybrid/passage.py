@@ -27,7 +27,7 @@ from contwalk.problems.hybrid.watching import Watched
 from contwalk.problems.hybrid.word import Leg
 from contwalk.problems.kinks import Kink
 from contwalk.problems.orbit.motion import DIRECTIONS, PLAIN, STATES, TANGENT, lifted
-from contwalk.problems.tracing import parameter_symbols, refuse_time, time_refused
+from contwalk.problems.tracing import parameter_symbols, refuse_time, refuse_time_of, time_refused
 from contwalk.system import Condition, Neutral, System, Transition
 from contwalk.system.declarations import ParameterValues
 
@@ -209,6 +209,12 @@ class Passage:
         if program.reads(TIME):
             mode = self.system.mode(self.leg.mode)
             refuse_time(self.system, mode.name, mode.field, f"field of mode '{mode.name}'")
+            transition = self.leg.transition
+            if transition is not None:
+                what = f"transition '{transition.name}'"
+                refuse_time_of(self.system, mode.name, transition.guard, f"guard of {what}")
+                if transition.reset is not None:
+                    refuse_time(self.system, mode.name, transition.reset, f"reset of {what}")
             raise time_refused(self.system, mode.field, f"guard or reset at the end of mode '{mode.name}'")
 
     def field(self, lift: str, implicit: bool = False) -> CompiledField:

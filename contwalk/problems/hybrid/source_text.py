@@ -11,9 +11,16 @@ from contwalk.fields.codegen import source
 from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow.compiled.traced import CONSTANT, TIME, arguments, field_program, shared_program
+from contwalk.problems.hybrid.passage import TIME as OF_LEG
 from contwalk.problems.hybrid.passage import passage_of
 from contwalk.problems.hybrid.word import Leg
-from contwalk.problems.tracing import parameter_symbols, state_symbols, time_refused
+from contwalk.problems.tracing import (
+    parameter_symbols,
+    refuse_time,
+    refuse_time_of,
+    state_symbols,
+    time_refused,
+)
 from contwalk.system import Mode, System, Transition
 from contwalk.system.declarations import ParameterValues
 
@@ -35,7 +42,7 @@ def equations_text(system: System, free: str | None) -> str:
         _refuse_time(system, [program], one.field, f"field of mode '{one.name}'")
     for transition in transitions.values():
         found = _transition(system, transition, free)
-        _refuse_time(system, found, transition.guard, f"guard or reset of transition '{transition.name}'")
+        _refuse_clock(system, found, transition)
         programs += found
     for condition in system.conditions:
         mode, copy = system.sources(condition.at)[0], rebound(condition.function)
@@ -56,6 +63,18 @@ def _refuse_time(
 ) -> None:
     if system.period is None and any(program.reads(TIME) for program in programs):
         raise time_refused(system, function, what)
+
+
+def _refuse_clock(system: System, programs: Sequence[Program], transition: Transition) -> None:
+    """Refuse a guard or a reset that depends on time in a system that has no period."""
+    if system.period is not None or not any(
+        program.reads(time) for program in programs for time in (TIME, OF_LEG)
+    ):
+        return
+    refuse_time_of(system, transition.source, transition.guard, f"guard of transition '{transition.name}'")
+    if transition.reset is not None:
+        what = f"reset of transition '{transition.name}'"
+        refuse_time(system, transition.source, transition.reset, what)
 
 
 def _tables(system: System) -> list[str]:

@@ -1,0 +1,43 @@
+"""Which modes transitions lead to: those that no motion enters, and machines whose events come once only."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from contwalk.plugin_check.findings import Report, place_of
+from contwalk.system import System
+
+
+def check_reachable(report: Report, system: System) -> None:
+    """Tell of modes that no transition leads to, and of transitions that never come round."""
+    if not system.acting:
+        return
+    leads = {mode.name: {t.target for t in system.acting if t.source == mode.name} for mode in system.modes}
+    entered = _closure(leads, [system.modes[0].name])
+    for mode in system.modes:
+        if mode.name not in entered and not any(mode.name in targets for targets in leads.values()):
+            report.warning(
+                f"mode '{mode.name}'",
+                "No transition that acts leads to it: a motion is in it only if it starts there. Is it the "
+                "target of a transition that names another mode, or that is watched?",
+                place_of(mode.field),
+            )
+    if not any(name in _closure(leads, leads[name]) for name in leads):
+        names = ", ".join(dict.fromkeys(t.name for t in system.acting))
+        report.warning(
+            f"system '{system.name}'",
+            f"Its transitions ({names}) never come round: each happens once at most, and no orbit passes "
+            "them. Lead one of them back to an earlier mode.",
+            place_of(system.acting[0].guard),
+        )
+
+
+def _closure(leads: dict[str, set[str]], names: Iterable[str]) -> set[str]:
+    """These modes, and all that transitions lead to from them."""
+    found, left = set[str](), list(names)
+    while left:
+        name = left.pop()
+        if name not in found:
+            found.add(name)
+            left += leads[name]
+    return found
