@@ -28,11 +28,10 @@ def ran(tmp_path_factory):
     return where, told
 
 
-@pytest.mark.parametrize(("name", "warnings"), [("dry", 0), ("relay", 0), ("clock", 1)])
-def test_plugins_pass_the_check(ran, name, warnings):
+@pytest.mark.parametrize("name", PAGES)
+def test_plugins_pass_the_check(ran, name):
     told = ran[1][f"contwalk systems check {name}.py"]
-    assert f"{warnings} warning" in told
-    assert "0 errors" in told
+    assert "0 warnings, 0 errors" in told
 
 
 def test_rest_begins_to_last_where_it_does(ran):
