@@ -15,6 +15,8 @@ from contwalk.continuation.opening import Opening, opened
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import Here, begin
 from contwalk.errors import NotFinite, PluginError, StartError
+from contwalk.flow.hybrid.going_through import going_through
+from contwalk.flow.hybrid.machine import HybridMachine, hybrid_machine
 from contwalk.problems.conserving import with_own_values
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.least import least, unused_symmetries
@@ -22,6 +24,7 @@ from contwalk.problems.hybrid.soft_orbit import SoftOrbit, applies, softened
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.hybrid.word import named_word
 from contwalk.problems.initial.event_recurrence import lap_from
+from contwalk.problems.initial.lap import Lap
 from contwalk.problems.initial.orbit_from_recurrence import orbit_of
 from contwalk.problems.initial.orbit_from_state import orbit_at, repetitions, symmetric
 from contwalk.problems.initial.recurrence import AtRest, recurrent
@@ -131,7 +134,8 @@ def _opened_orbit(
         if system.acting:
             lap = lap_from(system, at_path(parameters, path, at), state, mode, event, until)
             explicit = orbit_of(system, parameters, free, lap, path, at, discretization)
-            return _hybrid(*softened(*explicit), settings, until == "settled")
+            opening = _hybrid(*softened(*explicit), settings, until == "settled")
+            return _with_pushes(opening, hybrid_machine(system, at_path(parameters, path, at)), lap)
         faint = False
         if until is not None:
             found = recurrent(system, at_path(parameters, path, at), state, until)
@@ -173,6 +177,17 @@ def _opened_orbit(
         return outcomes.no_start("not_finite", error.sentence)
     except StartError as error:
         return outcomes.refused(error.sentence, error.remedy)
+
+
+def _with_pushes(opening: Opening | Outcome, machine: HybridMachine, lap: Lap) -> Opening | Outcome:
+    """The opening, with a word on events of the lap after which the machine goes on as a stop would not."""
+    if isinstance(opening, Outcome):
+        return opening
+    legs = [(stretch.leg.transition, stretch) for stretch in lap.stretches if not stretch.leg.collapsed]
+    ends = [
+        (each, stretch.start + stretch.duration, stretch.end) for each, stretch in legs if each is not None
+    ]
+    return replace(opening, message=f"{opening.message} {going_through(machine, ends)}".strip())
 
 
 def _resting(opening: Opening | Outcome) -> Opening | Outcome:

@@ -373,7 +373,7 @@ def _onto(guard: Traced, t: float, x: np.ndarray, samples: Samples) -> np.ndarra
             return x
         slope = guard.slopes(t, x, samples.values)[0, 1:]
         scaled = slope * samples.scales
-        if not np.isfinite(scaled).all() or not scaled.any():
+        if not np.isfinite(scaled).all() or not scaled @ scaled > 0.0:
             return None
         x = x - value * samples.scales * scaled / (scaled @ scaled)
     return None

@@ -10,6 +10,7 @@ import numpy as np
 from contwalk.flow import dense
 from contwalk.flow.events.crossings import Event
 from contwalk.flow.events.settling import Settling
+from contwalk.flow.hybrid.going_through import going_through
 from contwalk.flow.hybrid.motions import Arc, HybridMachine, applied, hybrid_machine, parts
 from contwalk.flow.hybrid.on_guard import check_on_guard
 from contwalk.flow.hybrid.past_zero import past_zero
@@ -104,6 +105,9 @@ def simulated(
             settled = settling.add(_between(machine, part, even, method), own)
             if settled or steps >= LONGEST:
                 break
+    events = [(machine.transition(each.transition, each.mode), each) for each in found if each.transition]
+    ends = [(transition, float(each.times[-1]), each.states[-1]) for transition, each in events]
+    note = f"{note} {going_through(machine, ends)}".strip()
     begin, finish = found[0].times[0], found[-1].times[-1]
     times, values, modes = _stored(machine, found, np.linspace(begin, finish, points), method)
     steps_taken = np.unique(np.concatenate([part.times for part in found]))

@@ -278,7 +278,10 @@ class _Search:
             for arrival, missed in zip(arrivals, misses[:, back], strict=True):
                 if not (missed < ROUND * SETTLED or self._better(missed)):
                     continue
-                lap = self._lap(arrival, self.stretches[-1 - back :], float(missed))
+                part = self.stretches[-1 - back :]
+                if not any(stretch.duration > 0.0 for stretch in part):  # transitions at one instant
+                    continue
+                lap = self._lap(arrival, part, float(missed))
                 if lap is None:
                     continue
                 if self._better(missed):
