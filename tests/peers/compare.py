@@ -13,7 +13,7 @@ from contwalk.branch import Branch, SpecialPoint
 # Labels of points that must all be known. UZ and EP are what a run file asks for and where branches end.
 COMPARED = ("LP", "BP", "HB", "PD", "NS", "GR", "OC", "AZ")
 # The limit of the parameter that a message tells, with its error.
-LIMIT = re.compile(r"= (\S+) \+- (\S+?),? ")
+LIMIT = re.compile(r"= (\S+) \+- (\S+?)[,:]? ")
 # A found point this near to a value, relative to it, is meant to be it. Whether it is near enough is for its
 # claimed error to say.
 NEAR = 1e-3
