@@ -189,3 +189,13 @@ def test_a_family_that_shrinks_to_no_time_says_where(centre):
     )
     value, error = told(branch, "h")
     assert abs(value) <= error <= 1e-8
+
+
+@pytest.mark.parametrize("speed", [1e-3, 1e-6, 5e-10])
+@pytest.mark.parametrize("centre", [0.0, 3.0])
+def test_a_start_with_a_tiny_kick_is_no_orbit_at_rest(speed, centre):
+    """At rest the equations hold for every mu, with events without a speed: no such branch is followed."""
+    system = kicked(lambda v, p: (1.0 + p.mu) * v - v**3, 0.0, centre, mu=-0.3)
+    branch = branch_of(system, "mu", (-0.5, 1.0), [centre, speed], mode="on", event="kick")
+    assert (branch.outcome.status, branch.outcome.reason) == ("failed", "no_convergence")
+    assert len(branch.points) == 0
