@@ -6,7 +6,8 @@
 | a guard, all along the leg that it ends | at a point: beyond it the event would pass zero the other way |
 | the duration | where events follow each other at once |
 
-All of these are smooth along the family, and so a cubic through both orbits tells where they pass zero.
+All of these are smooth along the family. A cubic through both orbits tells where a guard, or the duration,
+passes zero.
 """
 
 from __future__ import annotations
@@ -39,20 +40,24 @@ CLOSE, SEARCHES = 1e-13, 60
 Size = Callable[[np.ndarray], float]
 
 
-def at_a_point(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:
-    """A cycle shrinks to an equilibrium: beyond it the same ones follow, half a period later."""
+def at_a_point(problem: PeriodicOrbit | HybridOrbit, a: Sample, b: Sample) -> Outcome | None:
+    """A cycle shrinks to an equilibrium: beyond it the same ones follow, half a period later.
+
+    The last orbit touches the section, which need not pass through the equilibrium: the parameter there is
+    near that of the Hopf point, to the square of what is left of the orbit.
+    """
     if problem.forced or problem.section is None:
         return None
     normal = problem.section.normal
-
-    def speed(z: np.ndarray) -> float:
-        return float(normal @ problem.velocity(z))
-
-    if not speed(a.z) > 0.0 > speed(b.z):
+    before, after = float(normal @ problem.velocity(a.z)), float(normal @ problem.velocity(b.z))
+    if not before > 0.0 > after:
         return None
+    # The parameter changes with the square of the amplitude, and so of the velocity.
+    share = before**2 / (before**2 - after**2) if abs(before + after) > 1e-3 * before else 0.5
+    value = float(a.z[-1] + share * (b.z[-1] - a.z[-1]))
     return _shrunk(
-        f"The orbit shrinks onto an equilibrium, at a Hopf point near {_where(problem, a, b, speed)}: the "
-        "family ends there. Nothing to do."
+        f"The orbit shrinks onto an equilibrium, at a Hopf point near {problem.free} = {value:.6g}: "
+        "the family ends there. Nothing to do."
     )
 
 
@@ -117,7 +122,7 @@ def _to_zero(problem: HybridOrbit, leg: int, a: Sample, b: Sample) -> str:
     return _told(problem, float(b.z[-1]), MOST_POWER * abs(left))
 
 
-def _where(problem: PeriodicOrbit | HybridOrbit, a: Sample, b: Sample, size: Size) -> str:
+def _where(problem: HybridOrbit, a: Sample, b: Sample, size: Size) -> str:
     """The parameter at which a size passes zero between two orbits, with its error, in words."""
     share = _root(a, b, size)
     value = float(_cubic(a, b)(share)[-1])
@@ -125,12 +130,12 @@ def _where(problem: PeriodicOrbit | HybridOrbit, a: Sample, b: Sample, size: Siz
     return _told(problem, value, abs(value - straight) + _noise(problem, a, b))
 
 
-def _told(problem: PeriodicOrbit | HybridOrbit, value: float, error: float) -> str:
+def _told(problem: HybridOrbit, value: float, error: float) -> str:
     value = 0.0 if abs(value) <= error else value
     return f"{problem.free} = {value:.10g} +- {error:.1e}"
 
 
-def _noise(problem: PeriodicOrbit | HybridOrbit, a: Sample, b: Sample) -> float:
+def _noise(problem: HybridOrbit, a: Sample, b: Sample) -> float:
     """What errors of the equations do to the parameter of an orbit of a size."""
     held = (b.z - a.z) / a.weights**2
     held[-1] = 0.0
