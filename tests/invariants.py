@@ -58,9 +58,9 @@ def _check_order(branch: Branch) -> None:
 def parameters_at(branch: Branch, problem: Equilibrium, row: np.void) -> SimpleNamespace:
     """All parameters at a row."""
     value = float(row["free"][0])
-    if problem.path is None:
+    if problem.line.ends is None:
         return SimpleNamespace(**{**branch.info.parameters, branch.info.free[0]: value})
-    begin, end = problem.path
+    begin, end = problem.line.ends
     return SimpleNamespace(**{name: begin[name] + value * (end[name] - begin[name]) for name in begin})
 
 

@@ -94,8 +94,8 @@ def orbit_of(branch: Branch, problem: PeriodicOrbit | Equilibrium, row: np.void)
     m, fold = int(np.isfinite(row["unknowns"]).sum()) // n, int(branch.info.settings["fold"])
     value = float(row["free"][0])
     parameters = {**branch.info.parameters, branch.info.free[0]: value}
-    if problem.path is not None:
-        begin, end = problem.path
+    if problem.line.ends is not None:
+        begin, end = problem.line.ends
         parameters = {name: begin[name] + value * (end[name] - begin[name]) for name in begin}
     duration = float(row["period"])
     if system.period is not None:

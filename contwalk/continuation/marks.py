@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -14,6 +14,7 @@ from contwalk.continuation.newton import correct
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Mark
 from contwalk.numerics.bracketing import narrow
+from contwalk.problems.parameter_line import ParameterLine
 from contwalk.problems.problem import Located, Problem, Sample
 
 # How near to a turn of the branch, in parts of the segment, no extremum is looked for.
@@ -26,22 +27,18 @@ FINER = 0.05
 
 @dataclass(frozen=True)
 class Observer:
-    """Names of the free parameter and of the observables, in the order of `Sample.observables`.
-
-    On a path, `line` has the parameters that change along it: value at its beginning, and change.
+    """What changes along a branch: the parameters of its line, and its observables, in the order of
+    `Sample.observables`.
     """
 
-    parameter: str
+    line: ParameterLine
     observables: tuple[str, ...]
-    line: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def value(self, name: str, sample: Sample) -> float:
         """Value of a mark's name at a sample; NaN where the problem lacks it, as an equilibrium `max_abs`."""
-        if name == self.parameter:
-            return sample.parameter
-        if name in self.line:
-            begin, change = self.line[name]
-            return begin + sample.parameter * change
+        along = self.line.value(name, sample.parameter)
+        if along is not None:
+            return along
         if name == quantities.PERIOD:
             return sample.period
         value = quantities.column(name, self.observables, sample.observables)
@@ -49,19 +46,12 @@ class Observer:
 
     def place(self, name: str, level: float) -> float | None:
         """The free parameter at which `name` has the value `level`; None if `name` is an observable."""
-        if name in self.line:
-            begin, change = self.line[name]
-            return (level - begin) / change
-        return level if name == self.parameter else None
+        return self.line.coordinate(name, level)
 
 
 def observer_of(problem: Problem) -> Observer:
     """The observer of a problem's branches."""
-    line = {}
-    if problem.path is not None:
-        begin, end = problem.path
-        line = {name: (a, end[name] - a) for name, a in begin.items() if end[name] != a}
-    return Observer(problem.free, problem.observable_names, line)
+    return Observer(problem.line, problem.observable_names)
 
 
 def marked(

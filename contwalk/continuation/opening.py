@@ -17,6 +17,7 @@ from contwalk.problems.equilibrium.equilibrium import Equilibrium, solution_at
 from contwalk.problems.equilibrium.second_direction import second_direction
 from contwalk.problems.neutral import active, constant, forced
 from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.parameter_line import Ends
 from contwalk.problems.problem import Problem, Sample
 from contwalk.system import System
 
@@ -43,7 +44,7 @@ def opened(
     free: str,
     state: np.ndarray,
     settings: Settings,
-    path: tuple[Mapping[str, float], Mapping[str, float]] | None = None,
+    path: Ends | None = None,
     at: float | None = None,
     discretization: Discretization | None = None,
 ) -> Opening | Outcome:

@@ -31,7 +31,7 @@ from contwalk.problems.initial.recurrence import AtRest, recurrent
 from contwalk.problems.kinks import refuse
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
-from contwalk.problems.paths import Path, at_path
+from contwalk.problems.parameter_line import Ends, ParameterLine
 from contwalk.problems.problem import NO_MARGIN
 from contwalk.problems.stored_word import StoredWord
 from contwalk.signatures import folded
@@ -53,7 +53,7 @@ def opened_orbit(
     free: str,
     state: np.ndarray,
     settings: Settings,
-    path: Path | None = None,
+    path: Ends | None = None,
     at: float | None = None,
     discretization: Discretization | None = None,
     period: float | None = None,
@@ -78,25 +78,25 @@ def opened_orbit(
     subharmonic, pins
         Of smooth orbits, as for `orbit.beginning.orbit_at`.
     """
-    found = _opened_orbit(
-        system,
-        parameters,
-        free,
-        state,
-        settings,
-        path,
-        at,
-        discretization,
-        period,
-        until,
-        mode,
-        event,
-        subharmonic,
-        pins,
-    )
+    line = ParameterLine.of(system, parameters, free, path)
+    given = system, line, at, state, settings, discretization
+    try:
+        if system.acting:
+            found = _eventful(*given, until, mode, event)
+        else:
+            found = _smooth(*given, period, until, subharmonic, pins)
+    except AtRest as rest:
+        ends = line.ends
+        found = _resting(opened(system, parameters, free, rest.state, settings, ends, at, discretization))
+    except PluginError as error:
+        found = outcomes.no_start("plugin_error", error.sentence)
+    except NotFinite as error:
+        found = outcomes.no_start("not_finite", error.sentence)
+    except StartError as error:
+        found = outcomes.refused(error.sentence, error.remedy)
     if not isinstance(found, Outcome) or found.reason != "no_convergence":
         return found
-    asked = _other_values(system, at_path(parameters, path, at), state, mode or system.modes[0].name)
+    asked = _other_values(system, line.at(line.place(at)), state, mode or system.modes[0].name)
     return replace(found, message=f"{found.message} {asked}".strip())
 
 
@@ -114,69 +114,71 @@ def _other_values(system: System, values: Mapping[str, float], state: np.ndarray
     return " ".join(told)
 
 
-def _opened_orbit(
+def _eventful(
     system: System,
-    parameters: Mapping[str, float],
-    free: str,
+    line: ParameterLine,
+    at: float | None,
     state: np.ndarray,
     settings: Settings,
-    path: Path | None,
-    at: float | None,
     discretization: Discretization | None,
-    period: float | None,
     until: float | str | None,
     mode: str | None,
     event: str | None,
+) -> Opening | Outcome:
+    """The branch of orbits through events that a simulation from a state comes back on."""
+    values = line.at(line.place(at))
+    lap = lap_from(system, values, state, mode, event, until)
+    explicit = orbit_of(system, line, at, lap, discretization)
+    opening = _hybrid(*softened(*explicit), settings, until == "settled")
+    return _with_pushes(opening, hybrid_machine(system, values), lap)
+
+
+def _smooth(
+    system: System,
+    line: ParameterLine,
+    at: float | None,
+    state: np.ndarray,
+    settings: Settings,
+    discretization: Discretization | None,
+    period: float | None,
+    until: float | str | None,
     subharmonic: int,
     pins: Sequence[Neutral] | None,
 ) -> Opening | Outcome:
-    try:
-        if system.acting:
-            lap = lap_from(system, at_path(parameters, path, at), state, mode, event, until)
-            explicit = orbit_of(system, parameters, free, lap, path, at, discretization)
-            opening = _hybrid(*softened(*explicit), settings, until == "settled")
-            return _with_pushes(opening, hybrid_machine(system, at_path(parameters, path, at)), lap)
-        faint = False
-        if until is not None:
-            found = recurrent(system, at_path(parameters, path, at), state, until)
-            faint = bool(np.all(found.variation <= FAINT * np.abs(found.state).max()))
-            state, period = found.state, found.period
-        given = path, at, discretization, subharmonic, pins
-        problem, z = orbit_at(system, parameters, free, state, period, *given)
-        here = begin(problem, z, settings)
-        if isinstance(here, Here) and problem.moves(here.sample.z):
-            times = repetitions(problem, here.sample.z)
-            if times > 1:  # it was begun with a multiple of its period
-                first = here.sample.z[: problem.states]
-                part = problem.duration(here.sample.z) / times
-                problem, z = orbit_at(system, parameters, free, first, part, *given)
-                here = begin(problem, z, settings)
-        if not isinstance(here, Here):
-            refuse(problem.kinks_of(z))
-            return _not_alone(problem, z, here) or outcomes.no_start(
-                here.reason, here.sentence, "a periodic orbit"
-            )
-        if not problem.moves(here.sample.z):
-            if faint:  # the last of a motion that dies away
-                raise AtRest(state)
-            return _family(problem, z) or outcomes.no_start(
-                "no_convergence",
-                "The correction ends at an equilibrium, which is no orbit.",
-                "a periodic orbit",
-            )
-        if is_one_of_a_family(problem, here.sample.z):
-            return _family(problem, z) or _one_of_many()
-        if name := problem.not_conserved(here.sample):
-            return _not_conserved(name)
-        return _closed(problem, here, settings)
-    except AtRest as rest:
-        return _resting(opened(system, parameters, free, rest.state, settings, path, at, discretization))
-    except PluginError as error:
-        return outcomes.no_start("plugin_error", error.sentence)
-    except NotFinite as error:
-        return outcomes.no_start("not_finite", error.sentence)
-    except StartError as error:
-        return outcomes.refused(error.sentence, error.remedy)
+    """The branch of smooth orbits through a state, or through what a simulation from it settles on."""
+    faint = False
+    if until is not None:
+        found = recurrent(system, line.at(line.place(at)), state, until)
+        faint = bool(np.all(found.variation <= FAINT * np.abs(found.state).max()))
+        state, period = found.state, found.period
+    given = discretization, subharmonic, pins
+    problem, z = orbit_at(system, line, at, state, period, *given)
+    here = begin(problem, z, settings)
+    if isinstance(here, Here) and problem.moves(here.sample.z):
+        times = repetitions(problem, here.sample.z)
+        if times > 1:  # it was begun with a multiple of its period
+            first = here.sample.z[: problem.states]
+            part = problem.duration(here.sample.z) / times
+            problem, z = orbit_at(system, line, at, first, part, *given)
+            here = begin(problem, z, settings)
+    if not isinstance(here, Here):
+        refuse(problem.kinks_of(z))
+        return _not_alone(problem, z, here) or outcomes.no_start(
+            here.reason, here.sentence, "a periodic orbit"
+        )
+    if not problem.moves(here.sample.z):
+        if faint:  # the last of a motion that dies away
+            raise AtRest(state)
+        return _family(problem, z) or outcomes.no_start(
+            "no_convergence",
+            "The correction ends at an equilibrium, which is no orbit.",
+            "a periodic orbit",
+        )
+    if is_one_of_a_family(problem, here.sample.z):
+        return _family(problem, z) or _one_of_many()
+    if name := problem.not_conserved(here.sample):
+        return _not_conserved(name)
+    return _closed(problem, here, settings)
 
 
 def _with_pushes(opening: Opening | Outcome, machine: HybridMachine, lap: Lap) -> Opening | Outcome:
@@ -204,7 +206,7 @@ def opened_word(
     free: str,
     state: np.ndarray,
     settings: Settings,
-    path: Path | None,
+    path: Ends | None,
     at: float | None,
     discretization: Discretization | None,
     stored: StoredWord,

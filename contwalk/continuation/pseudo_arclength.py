@@ -92,7 +92,7 @@ def walk(
         sentence = error.sentence if isinstance(error, ContwalkError) else singular
         known = problem.obstacle(here.sample.z) if reason == "not_finite" else ""
         outcome = outcomes.stuck(
-            reason, sentence, here.step, observer.parameter, here.sample.parameter, known
+            reason, sentence, here.step, observer.line.free, here.sample.parameter, known
         )
     yield End(outcome, end_record(problem, here, outcome, sign))
 
@@ -102,7 +102,7 @@ def _finished(here: Here, number: int, points: int, settings: Settings, observer
     if number >= points:
         return outcomes.max_points(settings.max_points)
     if here.at_bound(settings):
-        return outcomes.bound(observer.parameter, here.sample.parameter)
+        return outcomes.bound(observer.line.free, here.sample.parameter)
     return None
 
 

@@ -88,8 +88,7 @@ def _comparable(problem: Equilibrium | PeriodicOrbit | HybridOrbit, branch: Bran
     if branch.info.settings.get("pins") != [pin.name for pin in problem.pins]:
         return False
     # Along a path, a problem may have been made at any of its points.
-    begin, end = problem.path or ({}, {})
-    moving = {problem.free, *(name for name in begin if begin[name] != end[name])}
+    moving = problem.line.moving_names
     fixed = {name: v for name, v in problem.parameters.items() if name not in moving}
     return all(branch.info.parameters.get(name) == v for name, v in fixed.items())
 

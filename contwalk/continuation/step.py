@@ -125,7 +125,7 @@ def take_step(problem: Problem, here: Here, settings: Settings, observer: Observ
         if smallest or (edge is not None and length < EDGE):
             reason, sentence = edge or (reason, sentence)
             known = problem.obstacle(here.sample.z)
-            return outcomes.stuck(reason, sentence, length, observer.parameter, here.sample.parameter, known)
+            return outcomes.stuck(reason, sentence, length, observer.line.free, here.sample.parameter, known)
         length = control.shrunk(length)
 
 

@@ -159,7 +159,7 @@ def _opened(
         If there is none near the state.
     """
     x = _state(problem, state)
-    given = problem.system, problem.parameters, problem.free, x, settings, problem.path
+    given = problem.system, problem.parameters, problem.free, x, settings, problem.line.ends
     if isinstance(problem, Equilibrium):
         opening = opened(*given, discretization=problem.discretization)
     else:
@@ -225,30 +225,10 @@ def _settings(
                 f"'{name}' is not watched along the branch, so it cannot be marked.",
                 f"Known: {', '.join(watched)}. {nearest(name, watched)}".strip(),
             )
-    low, high = _range(problem) if range is None else (float(range[0]), float(range[1]))
+    low, high = problem.line.range(problem.system) if range is None else (float(range[0]), float(range[1]))
     value = problem.parameters.get(problem.free, low) if start is None else start
     _check_within(problem.free, low if isnan(value) else value, (low, high))
     return Settings(range=(low, high), marks=chosen, **settings)
-
-
-def _range(problem: Equilibrium | PeriodicOrbit | HybridOrbit) -> tuple[float, float]:
-    """Where a branch ends that nobody gave a range: at the parameter's declared bounds, or the path's.
-
-    Raises
-    ------
-    StartError
-        If there are none.
-    """
-    if problem.path is not None:
-        return 0.0, 1.0
-    low, high = next(p.bounds for p in problem.system.parameters if p.name == problem.free)
-    if low is None or high is None:
-        raise StartError(
-            f"No range is given, and '{problem.system.name}' declares no bounds for {problem.free}: the "
-            "branch may go on for ever.",
-            "Give range=(low, high); an end may be math.inf where max_points is to end it.",
-        )
-    return low, high
 
 
 def _direction(direction: str) -> tuple[float, ...]:

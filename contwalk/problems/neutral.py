@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contwalk.errors import called
+from contwalk.problems.parameter_line import ParameterLine
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 
@@ -107,14 +108,15 @@ def constant(direction: np.ndarray) -> Neutral:
 
 def kept(
     pins: Sequence[Neutral],
-    parameters: Mapping[str, float],
+    line: ParameterLine,
     states: int,
-    path: Sequence[Mapping[str, float]] | None,
 ) -> dict[str, Any]:
     """What is stored with a branch so that its equations can be set up again, as plain JSON values."""
-    undeclared = [generator_at(pin, np.zeros(states), parameters) for pin in pins if pin.name == UNDECLARED]
+    undeclared = [
+        generator_at(pin, np.zeros(states), line.parameters) for pin in pins if pin.name == UNDECLARED
+    ]
     return {
         "pins": [pin.name for pin in pins],
         "undeclared": [direction.tolist() for direction in undeclared],
-        "path": None if path is None else [dict(end) for end in path],
+        "path": None if line.ends is None else [dict(end) for end in line.ends],
     }

@@ -24,6 +24,7 @@ from contwalk.branch import Outcome, SpecialPoint
 from contwalk.memory import computed_once
 from contwalk.numerics.linear import EPSILON, Factored, Factorization
 from contwalk.problems.kinks import Kink
+from contwalk.problems.parameter_line import ParameterLine
 
 # Observables that every problem has: the largest real part of an equilibrium, the largest modulus of an
 # orbit.
@@ -373,7 +374,7 @@ class Problem(Protocol):
     free: str
     # Values of all parameters where the branch begins.
     parameters: dict[str, float]
-    path: tuple[Mapping[str, float], Mapping[str, float]] | None
+    line: ParameterLine
     # How far from a branch point that a walk begins at its side is looked at, in parts of the first step.
     beside: float
     # A located point lies on the branch if it is this near, relative to the segment, beside rounding.

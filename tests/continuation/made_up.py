@@ -12,10 +12,13 @@ from typing import Any
 import numpy as np
 
 from contwalk.continuation.segment import Segment
+from contwalk.problems.parameter_line import ParameterLine
 from contwalk.problems.problem import Linearization, Located, Rates, Sample
 
 # What an evaluation of these equations may be off by.
 LEVEL = 4e-16
+# What moves along a made-up branch.
+LINE = ParameterLine("lam", {"lam": 0.0})
 
 
 @dataclass
@@ -36,7 +39,7 @@ class MadeUp:
     error: float = 1e-14
     evaluated: int = 0
 
-    kind, free, path, discretized, beside, blur, limits = "made_up", "lam", None, False, 1e-4, 1e-6, ()
+    kind, free, line, discretized, beside, blur, limits = "made_up", "lam", LINE, False, 1e-4, 1e-6, ()
     method, evaluations = "", 0
 
     @property

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import islice
 
-from made_up import MadeUp, line
+from made_up import LINE, MadeUp, line
 
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.pseudo_arclength import Point, walk
@@ -33,7 +33,7 @@ def test_the_evaluations_of_the_points_are_those_of_the_walk():
     problem = Counting(straight.f, straight.df, straight.eigenvalues)
     here = Here(problem.sample((0.0, 0.0), (0.0, 1.0)), 0.0, 0.1)
     before = problem.evaluated
-    found = walk(problem, here, Settings(range=(-1.0, 1.0), step=0.1), Observer("lam", ()), 1.0, 100)
+    found = walk(problem, here, Settings(range=(-1.0, 1.0), step=0.1), Observer(LINE, ()), 1.0, 100)
     costs = [item.here.sample.evaluations for item in islice(found, 5) if isinstance(item, Point)]
     assert len(costs) == 5
     assert sum(costs) == problem.evaluated - before

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_up import MadeUp, at, line
+from made_up import LINE, MadeUp, at, line
 
 from contwalk.branch import SpecialPoint
 from contwalk.continuation.marks import Observer
@@ -49,7 +49,7 @@ def test_a_count_changes_at_a_special_point_only(begin):
     settings = Settings(range=(-1.0, 1.0), step=0.1, max_share=1.0)
     here = Here(sample, 0.0, 0.1)
     count, met = 0, []
-    for item in walk(problem, here, settings, Observer("lam", ()), 1.0, 100):
+    for item in walk(problem, here, settings, Observer(LINE, ()), 1.0, 100):
         if not isinstance(item, Point):
             continue
         if item.special is not None:

@@ -6,12 +6,13 @@ import math
 
 import numpy as np
 import pytest
-from made_up import MadeUp, at, line
+from made_up import LINE, MadeUp, at, line
 
 from contwalk.continuation.marks import Observer, _extremum_error, _parameter_at, marked, marks_at
 from contwalk.continuation.settings import Mark
+from contwalk.problems.parameter_line import ParameterLine
 
-PARAMETER = Observer("lam", ())
+PARAMETER = Observer(LINE, ())
 
 
 def straight(**observe):
@@ -43,7 +44,7 @@ def test_values_come_in_the_order_of_the_branch():
 def test_a_birth_is_no_extremum():
     """What is seen along a branch that is born is alike on both sides of its birth, but for rounding."""
     problem = straight(size=lambda z: (z[1] - 1e-5) ** 2)
-    observer, marks = Observer("lam", ("size",)), (Mark("size", (), extremum=True),)
+    observer, marks = Observer(LINE, ("size",)), (Mark("size", (), extremum=True),)
     segment = segment_of(problem, 0.0, 0.3)
     assert [f.kind for f in marked(segment, marks, observer)] == ["extremum"]
     assert marked(segment, marks, observer, turns=[0.0]) == []
@@ -61,7 +62,7 @@ def test_a_value_at_a_joint_of_two_segments_is_met_once():
 def test_a_value_of_an_observable_is_where_its_equation_is_solved():
     problem = straight(height=lambda z: math.exp(z[1]))
     problem.special["height"] = [at(0.0, math.log(1.2))]
-    observer = Observer("lam", ("height",))
+    observer = Observer(LINE, ("height",))
     found = marked(segment_of(problem, 0.0, 0.3), (Mark("height", (1.2,)),), observer)
     assert places(found) == [math.log(1.2)]
     assert found[0].kind == "observable"
@@ -71,7 +72,7 @@ def test_a_value_of_an_observable_is_where_its_equation_is_solved():
 def test_a_solution_that_is_not_there_is_not_told(wrong):
     problem = straight(height=lambda z: math.exp(z[1]))
     problem.special["height"] = [at(*wrong)]
-    observer = Observer("lam", ("height",))
+    observer = Observer(LINE, ("height",))
     assert marked(segment_of(problem, 0.0, 0.3), (Mark("height", (1.2,)),), observer) == []
 
 
@@ -81,7 +82,7 @@ def test_what_a_problem_does_not_have_is_no_mark():
 
 def test_a_smooth_extremum_is_found_with_an_error_that_covers():
     problem = straight(height=lambda z: math.cos(3.0 * (z[1] - 0.17)))
-    observer = Observer("lam", ("height",))
+    observer = Observer(LINE, ("height",))
     found = marked(segment_of(problem, 0.0, 0.3), (Mark("height", (), True),), observer)
     assert [f.kind for f in found] == ["extremum"]
     # The rate is a difference with a step of 1e-5: rounding 1e-11 of it, over its slope of nine.
@@ -92,13 +93,13 @@ def test_a_smooth_extremum_is_found_with_an_error_that_covers():
 def test_a_kink_is_no_extremum():
     problem = straight(height=lambda z: -abs(z[1] - 0.17))
     problem.slopes["height"] = lambda z: math.copysign(1.0, 0.17 - z[1])
-    observer = Observer("lam", ("height",))
+    observer = Observer(LINE, ("height",))
     assert marked(segment_of(problem, 0.0, 0.3), (Mark("height", (), True),), observer) == []
 
 
 def test_where_the_branch_turns_nothing_is_extreme():
     problem = straight(height=lambda z: (z[1] - 0.15) ** 2)
-    observer = Observer("lam", ("height",))
+    observer = Observer(LINE, ("height",))
     segment = segment_of(problem, 0.0, 0.3)
     assert len(marked(segment, (Mark("height", (), True),), observer)) == 1
     assert marked(segment, (Mark("height", (), True),), observer, turns=[0.5]) == []
@@ -106,7 +107,7 @@ def test_where_the_branch_turns_nothing_is_extreme():
 
 def test_on_a_path_a_parameter_is_a_line():
     """c = 2 + 3 path: c = 2.3 is path = 0.1, to the rounding of the division."""
-    observer = Observer("path", (), {"c": (2.0, 3.0)})
+    observer = Observer(ParameterLine("path", {"c": 2.0}, ({"c": 2.0}, {"c": 5.0})), ())
     found = marked(segment_of(straight(), 0.0, 0.3), (Mark("c", (2.3,)),), observer)
     assert places(found) == pytest.approx([0.1], abs=1e-16)
     assert found[0].kind == "parameter"
@@ -114,7 +115,7 @@ def test_on_a_path_a_parameter_is_a_line():
 
 def test_marks_that_a_start_has_itself():
     problem = straight(height=lambda z: math.exp(z[1]))
-    observer = Observer("lam", ("height",))
+    observer = Observer(LINE, ("height",))
     sample = problem.sample((0.0, 0.1), (0.0, 1.0))
     marks = (Mark("lam", (0.1, 0.2)), Mark("height", (float(np.exp(0.1)), 7.0)))
     assert marks_at(sample, marks, observer) == ["parameter", "observable"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from made_up import at, line
+from made_up import LINE, at, line
 
 from contwalk.continuation import step
 from contwalk.continuation.locating import Found
@@ -27,7 +27,7 @@ def test_a_mark_at_a_bifurcation_is_at_its_place(monkeypatch, apart, moved):
     monkeypatch.setattr(step, "bifurcations", lambda segment: [found(0.3, "HB"), found(0.6, "LP")])
     monkeypatch.setattr(step, "marked", marked)
     segment = line(lambda z: [-1.0]).segment((0.0, 0.0), (0.0, 1.0))
-    told = step._smooth(segment, Settings(range=(-1.0, 1.0)), Observer("lam", ()), born=False)
+    told = step._smooth(segment, Settings(range=(-1.0, 1.0)), Observer(LINE, ()), born=False)
     assert turns == [0.6]
     assert [f.label for f in told] == ["HB", "LP", "UZ", "UZ"]
     assert [f.theta for f in told] == [0.3, 0.6, 0.6 if moved else 0.6 + apart, 0.9]

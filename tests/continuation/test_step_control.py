@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_up import MadeUp, at, circle, line, parabola, pitchfork
+from made_up import LINE, MadeUp, at, circle, line, parabola, pitchfork
 
 from contwalk.branch import Outcome
 from contwalk.continuation import control
@@ -17,7 +17,7 @@ from contwalk.continuation.state import Here
 from contwalk.continuation.step import predict, take_step
 
 RANGE = Settings(range=(-2.0, 2.0), step=0.1, max_step=0.5, max_share=1.0)
-OBSERVER = Observer("lam", ())
+OBSERVER = Observer(LINE, ())
 
 
 def on_circle(problem, angle):

@@ -285,7 +285,7 @@ def test_branch_points_on_a_path():
     branch = cw.continue_branch(problem, [0.0], range=(0.0, 1.0))
     (point,) = labelled(branch, "BP")
     again = problem_of(system, branch.info, np.zeros(1))
-    assert again.path == ends
+    assert again.line.ends == ends
     found = checked(system, branch, point)
     assert found.verdict == AGREES
     assert found.recomputed == pytest.approx(1.0 / 3.0, rel=1e-15)  # a + b = 3 path, to an ulp

@@ -30,6 +30,7 @@ from contwalk.problems.equilibrium.spectrum import EPSILON, Spectrum, spectrum
 from contwalk.problems.equilibrium.unbounded import escape
 from contwalk.problems.kinks import Kink, between
 from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.parameter_line import Ends, ParameterLine
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.problem import MAX_RE, Linearization, Located, Rates, Sample, Seed
 from contwalk.python_functions import plain
@@ -75,7 +76,7 @@ class Equilibrium:
         system: System,
         parameters: Mapping[str, float],
         free: str,
-        path: tuple[Mapping[str, float], Mapping[str, float]] | None = None,
+        path: Ends | None = None,
         pins: Sequence[Neutral] = (),
         reference: np.ndarray | None = None,
         discretization: Discretization | None = None,
@@ -85,29 +86,21 @@ class Equilibrium:
                 f"System '{system.name}' is forced periodically (period=...), so it has no equilibria.",
                 "Its periodic orbits are another kind of problem.",
             )
-        if path is None:
-            system.require_parameter(free)
         self.system = system
-        self.free = free
-        self.path = path
+        self.line = ParameterLine.of(system, parameters, free, path)
+        self.free, self.parameters = free, self.line.parameters
         self.pins = tuple(pins)
         self.states = len(system.states)
         self.size = self.states + len(self.pins)
-        self.parameters = system.all_parameters(parameters)
         self.reference = reference
         self.discretization = discretization
         self.evaluations = 0
-        names = system.parameter_names
-        begin, end = map(system.all_parameters, path or (self.parameters, self.parameters))
-        self._base = [float(begin[name]) for name in names]
-        # What nobody gives of a conserved quantity is the equilibrium's own: NaN, which does not move.
-        self._direction = [float(np.nan_to_num(end[name] - begin[name])) for name in names]
-        moving = [k for k, d in enumerate(self._direction) if d != 0.0]
+        self._base, self._direction = self.line.base.tolist(), self.line.direction.tolist()
         self._held = self._held_values()
         declared = [(i, s.scale) for i, s in enumerate(system.states) if s.scale is not None]
         self._declared = [i for i, _ in declared]
         self._scales = [scale for _, scale in declared]
-        self.kernels = equations_of(system, None if path is not None else free, tuple(moving), self.pins)
+        self.kernels = equations_of(system, self.line.own, self.line.moving, self.pins)
         self._observables: dict[str, tuple[Kernel, Kernel]] = {}
         self.periods = np.array([s.period or 0.0 for s in system.states] + [0.0] * (len(self.pins) + 1))
 
@@ -133,7 +126,7 @@ class Equilibrium:
         """The same problem with other pinned directions, held at the state `reference`."""
         held = self.reference if reference is None else reference
         return Equilibrium(
-            self.system, self.parameters, self.free, self.path, pins, held, self.discretization
+            self.system, self.parameters, self.free, self.line.ends, pins, held, self.discretization
         )
 
     # -- evaluation --------------------------------------------------------------------------------------
@@ -154,12 +147,7 @@ class Equilibrium:
 
     def values_of(self, z: np.ndarray) -> dict[str, float]:
         """All parameters at z, by name; of what is conserved, what the equilibrium has of it."""
-        lam = float(z[-1])
-        if self.path is None:
-            values = {**self.parameters, self.free: lam}
-        else:
-            each = zip(self.system.parameter_names, self._base, self._direction, strict=True)
-            values = {name: b + lam * d for name, b, d in each}
+        values = self.line.at(float(z[-1]))
         for quantity in self.system.conserved:
             function = plain(quantity.of(self.system.modes[0].name))
             values[quantity.name] = float(function(0.0, z[: self.states], ParameterValues(**values)))
@@ -385,7 +373,7 @@ class Equilibrium:
             "observables": self.observable_names,
             "unknowns": self.size,
             "spectrum": max(self.states - len(self.pins), 1),
-            "settings": neutrals.kept(self.pins, self.parameters, self.states, self.path),
+            "settings": neutrals.kept(self.pins, self.line, self.states),
         }
 
     def beginnings(self, z: np.ndarray) -> np.ndarray:
@@ -536,7 +524,7 @@ def solution_at(
     parameters: Mapping[str, float],
     free: str,
     state: np.ndarray,
-    path: tuple[Mapping[str, float], Mapping[str, float]] | None = None,
+    path: Ends | None = None,
     at: float | None = None,
     discretization: Discretization | None = None,
 ) -> tuple[Equilibrium, np.ndarray]:
@@ -548,8 +536,7 @@ def solution_at(
         If the field is not finite at the start.
     """
     problem = Equilibrium(system, parameters, free, path, discretization=discretization)
-    value = float(at or 0.0) if path is not None else float(parameters[free])
-    z = np.append(np.asarray(state, dtype=float), value)
+    z = np.append(np.asarray(state, dtype=float), problem.line.place(at))
     matrix = problem.jacobian(z)[:, : problem.states]
     if not np.all(np.isfinite(matrix)):
         raise NotFinite(

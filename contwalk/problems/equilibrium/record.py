@@ -35,7 +35,7 @@ def described(problem: Equilibrium, label: str, located: Located, sample: Sample
         label=label,
         s=s,
         kind=kind,
-        parameters=problem.values_of(z) | ({problem.free: float(z[-1])} if problem.path is not None else {}),
+        parameters=problem.values_of(z) | {problem.free: float(z[-1])},
         state=dict(zip(problem.system.state_names, z[: problem.states].tolist(), strict=True)),
         spectrum=tuple(complex(v) for v in sample.spectrum),
         error=located.error,

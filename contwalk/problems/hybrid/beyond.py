@@ -6,6 +6,7 @@ Where no orbit of another word passes through the limit itself the motion beyond
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -90,10 +91,8 @@ def _simulated(problem: HybridOrbit, guess: np.ndarray, outward: np.ndarray, lab
     lasted = sum(stretch.duration for stretch in lap.stretches)
     if _alike(word, lap.word, round(lasted / problem.duration(guess))):
         raise ContwalkError("the motion has the same signature still")
-    at = None if problem.path is None else float(guess[-1])
-    rough, start = orbit_of(
-        problem.system, values, problem.free, lap, problem.path, at, problem.discretization
-    )
+    line = replace(problem.line, parameters=values)
+    rough, start = orbit_of(problem.system, line, float(guess[-1]), lap, problem.discretization)
     weights = filled_magnitudes(rough, start)
     normal = np.zeros(len(start))
     normal[-1] = 1.0 / weights[-1]

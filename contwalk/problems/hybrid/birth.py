@@ -37,7 +37,7 @@ def eventful(born: Seed) -> Seed:
         word,
         smooth.parameters,
         smooth.free,
-        smooth.path,
+        smooth.line.ends,
         reference=x,
         discretization=smooth.discretization,
     )

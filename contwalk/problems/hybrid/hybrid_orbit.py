@@ -51,6 +51,7 @@ from contwalk.problems.orbit.section import Section, section_at
 from contwalk.problems.orbit.solving import error_holding, newton_on
 from contwalk.problems.orbit.unbounded import unbounded
 from contwalk.problems.orbit.vanishing import at_a_point, in_no_time, onto_an_event
+from contwalk.problems.parameter_line import Ends, ParameterLine
 from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed
 from contwalk.system import Condition, Neutral, System, Transition
 from contwalk.system.declarations import ParameterValues
@@ -123,26 +124,20 @@ class HybridOrbit:
         word: Word,
         parameters: Mapping[str, float],
         free: str,
-        path: tuple[Mapping[str, float], Mapping[str, float]] | None = None,
+        path: Ends | None = None,
         pins: Sequence[Neutral] = (),
         reference: np.ndarray | None = None,
         subharmonic: int = 1,
         discretization: Discretization | None = None,
     ) -> None:
-        if path is None:
-            system.require_parameter(free)
-        self.system, self.word, self.free, self.path = system, word, free, path
+        self.system, self.word = system, word
+        self.line = ParameterLine.of(system, parameters, free, path)
+        self.free, self.parameters = free, self.line.parameters
         self.pins, self.reference = tuple(pins), reference
-        self.parameters = system.all_parameters(parameters)
         self.subharmonic = subharmonic
         self.discretization = discretization or Discretization()
         self.states = len(system.states)
         self.forced = system.period is not None
-        names = system.parameter_names
-        begin, end = map(system.all_parameters, path or (self.parameters, self.parameters))
-        self._base = np.array([float(begin[name]) for name in names])
-        self._direction = np.array([float(end[name]) - float(begin[name]) for name in names])
-        self.fixed = np.concatenate([self._base, self._direction])
         self.turns = np.zeros(self.states)
         self.section: Section | None = None
         self._mesh: LegMesh | None = None
@@ -183,7 +178,7 @@ class HybridOrbit:
             word,
             self.parameters,
             self.free,
-            self.path,
+            self.line.ends,
             self.pins,
             self.reference,
             self.subharmonic * (times if self.forced else 1),
@@ -231,10 +226,9 @@ class HybridOrbit:
     @cached_property
     def passages(self) -> tuple[Passage, ...]:
         """The legs' compiled functions."""
-        moving = tuple(np.flatnonzero(self._direction).tolist())
-        free = None if self.path is not None else self.free
+        own, moving = self.line.own, self.line.moving
         return tuple(
-            passage_of(self.system, leg, self.word.target(i), free, moving, self.pins, self.word.image_at(i))
+            passage_of(self.system, leg, self.word.target(i), own, moving, self.pins, self.word.image_at(i))
             for i, leg in enumerate(self.word.legs)
         )
 
@@ -255,7 +249,7 @@ class HybridOrbit:
         """The segments of the legs on their steps, each in its own time."""
         mesh = self.mesh
         return tuple(
-            Piece(self.passages[own.leg], steps, mesh.method, self.fixed, not own.last)
+            Piece(self.passages[own.leg], steps, mesh.method, self.line.constants, not own.last)
             for own, steps in zip(self.layout.segments, mesh.steps, strict=True)
         )
 
@@ -313,11 +307,7 @@ class HybridOrbit:
 
     def values_of(self, z: np.ndarray) -> dict[str, float]:
         """All parameters at z, by name."""
-        lam = float(z[-1])
-        if self.path is None:
-            return {**self.parameters, self.free: lam}
-        names = self.system.parameter_names
-        return {n: b + lam * d for n, b, d in zip(names, self._base, self._direction, strict=True)}
+        return self.line.at(float(z[-1]))
 
     def duration(self, z: np.ndarray) -> float:
         """Duration of the closure, seconds."""
@@ -501,23 +491,20 @@ class HybridOrbit:
 
     def _period(self, z: np.ndarray, lift: str = PLAIN, *directions: np.ndarray) -> Any:
         """Duration of the closure of a forced orbit, and its derivative by the free parameter."""
-        free = None if self.path is not None else self.free
-        given = np.concatenate([self.fixed, *directions])
-        value, slope = period_and_slope(self.system, free, self._direction, float(z[-1]), given, lift)
+        own, direction = self.line.own, self.line.direction
+        given = np.concatenate([self.line.constants, *directions])
+        value, slope = period_and_slope(self.system, own, direction, float(z[-1]), given, lift)
         return self.forcings * value, self.forcings * slope
 
     def _pinned(self, pin: Neutral, z: np.ndarray, row: np.ndarray) -> float:
         """Residual of a pinned direction, at the start of the first leg; its gradient is written
         into `row`.
         """
-        place, names = self.layout.states[0], self.system.parameter_names
+        place = self.layout.states[0]
         normal, apart = self.held(pin, self.first_state(z), self.values_of(z))
         row[place] = normal[list(self.passages[0].states)]
         if pin.pin is not None and pin.value is not None:
-            if self.path is not None:
-                row[-1] = -self._direction[names.index(pin.value)]
-            elif pin.value == self.free:
-                row[-1] = -1.0
+            row[-1] = -self.line.slope(pin.value)
         return apart
 
     def held(self, pin: Neutral, x: np.ndarray, values: Mapping[str, float]) -> tuple[np.ndarray, float]:
@@ -670,7 +657,7 @@ class HybridOrbit:
             "signature": self.signature,
             "subharmonic": self.subharmonic,
             "settings": {
-                **neutrals.kept(self.pins, self.parameters, self.states, self.path),
+                **neutrals.kept(self.pins, self.line, self.states),
                 "legs": [stored_leg(leg) for leg in self.word.legs],
                 "fold": self.whole[1],
                 "image": self.word.image,
@@ -1255,7 +1242,7 @@ class HybridOrbit:
                 [self.passages[segment.leg] for segment in self.layout.segments],
                 [x for x, _ in inputs],
                 [scalars for _, scalars in inputs],
-                self.fixed,
+                self.line.constants,
                 magnitudes,
                 tolerance or self.discretization.walking,
                 self.discretization.method,
@@ -1268,7 +1255,7 @@ class HybridOrbit:
         self.effort.spend(2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps))
         if section is None and not (self.word.eventful or self.forced):
             x, scalars = inputs[0]
-            c = self.passages[0].field(PLAIN).constants(np.concatenate([scalars, self.fixed]))
+            c = self.passages[0].field(PLAIN).constants(np.concatenate([scalars, self.line.constants]))
             own, units = self.passages[0].field(PLAIN)(0.0, x, c), magnitudes[list(self.passages[0].states)]
             # At a Hopf point nothing moves: the section is that with which the cycle was begun.
             still = np.linalg.norm(own / units) <= AT_REST and self.section is not None

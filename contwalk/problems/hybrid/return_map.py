@@ -135,9 +135,8 @@ class EventMap(SectionMap):
         problem = self.problem
         if not problem.forced:
             return [0.0] * ORDERS
-        free = None if problem.path is not None else problem.free
-        map_ = period_map(problem.system, free, problem._direction, JET)
-        given = np.concatenate([self.z[-1:], problem.fixed, [lam], [0.0], [0.0]])
+        map_ = period_map(problem.system, problem.line.own, problem.line.direction, JET)
+        given = np.concatenate([self.z[-1:], problem.line.constants, [lam], [0.0], [0.0]])
         return (problem.forcings * map_(0.0, np.zeros(0), map_.constants(given)))[1:].tolist()
 
     def _through(

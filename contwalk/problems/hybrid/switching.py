@@ -85,7 +85,7 @@ def _between(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
             passage = problem.passages[segment.leg]
             x, scalars = problem.layout.inputs_of(segment, z)
             field = passage.field(PLAIN)
-            c = field.constants(np.concatenate([scalars, problem.fixed]))
+            c = field.constants(np.concatenate([scalars, problem.line.constants]))
             states = flow.along(field, c, times, x, "dop853")
             if not np.isfinite(states).all():
                 return np.zeros(problem.states)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +15,7 @@ from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.initial.lap import Lap
 from contwalk.problems.initial.orbit_from_state import started
 from contwalk.problems.orbit.discretization import Discretization
-from contwalk.problems.paths import Path, at_path
+from contwalk.problems.parameter_line import ParameterLine
 from contwalk.python_functions import line_of
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
@@ -28,24 +28,24 @@ BEFORE = 1e-3
 
 def orbit_of(
     system: System,
-    parameters: Mapping[str, float],
-    free: str,
+    line: ParameterLine,
+    at: float | None,
     lap: Lap,
-    path: Path | None = None,
-    at: float | None = None,
     discretization: Discretization | None = None,
 ) -> tuple[HybridOrbit, np.ndarray]:
-    """The problem of a lap's word, discretised for it, and the lap as its unknowns."""
+    """The problem of a lap's word, discretised for it, and the lap as its unknowns.
+
+    `at` is the lap's place on the line; by default that of the point that the line was made from.
+    """
     first = lap.stretches[0]
-    parameters, path = started(system, parameters, path, at, first.state, first.leg.mode)
-    values = at_path(parameters, path, at)
+    line = started(system, line, at, first.state, first.leg.mode)
+    value = line.place(at)
+    values = line.at(value)
     _check_zeros(hybrid_machine(system, values), lap)
-    pins = _neutral(system, values, free, lap, path) if system.neutral else []
+    pins = _neutral(system, line, values, lap) if system.neutral else []
     lap = _placed(system, pins, lap, values)
-    problem = HybridOrbit(
-        system, lap.word, parameters, free, path, pins, lap.stretches[0].state, discretization=discretization
-    )
-    value = parameters[free] if at is None else at
+    given = line.parameters, line.free, line.ends, pins, lap.stretches[0].state
+    problem = HybridOrbit(system, lap.word, *given, discretization=discretization)
     layout = problem.layout
     lasting = np.array([stretch.duration for stretch in lap.stretches])
     drifts, states = _drifting(problem, lap, values)
@@ -82,9 +82,7 @@ def _check_zeros(machine: HybridMachine, lap: Lap) -> None:
             )
 
 
-def _neutral(
-    system: System, values: dict[str, float], free: str, lap: Lap, path: Path | None
-) -> list[Neutral]:
+def _neutral(system: System, line: ParameterLine, values: dict[str, float], lap: Lap) -> list[Neutral]:
     """The directions that are neutral along a lap, and so along its branch.
 
     Raises
@@ -93,13 +91,13 @@ def _neutral(
         If one is neutral where the branch begins, and not beside it.
     """
     pins = families.active(hybrid_machine(system, values), lap)
-    others = [dict(end) for end in path] if path else [{**values, free: _beside(values[free])}]
-    for other in others:
-        kept = families.active(hybrid_machine(system, other), lap)
+    places = [0.0, 1.0] if line.own is None else [_beside(values[line.own])]
+    for place in places:
+        kept = families.active(hybrid_machine(system, line.at(place)), lap)
         lost = [pin.name for pin in pins if pin not in kept]
         if lost:
             raise StartError(
-                f"The direction '{lost[0]}' is neutral where the branch begins, and not along '{free}': "
+                f"The direction '{lost[0]}' is neutral where the branch begins, and not along '{line.free}': "
                 "orbits are not isolated there.",
                 "Begin elsewhere, such as at the other end of the path.",
             )

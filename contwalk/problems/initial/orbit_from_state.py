@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from contwalk.problems.orbit.own_image import OWN_IMAGE, carries
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.problems.orbit.shooting import Mesh, arrived, velocity
 from contwalk.problems.orbit.transport import carried_to, segments_for
-from contwalk.problems.paths import Path, at_path
+from contwalk.problems.parameter_line import ParameterLine
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 
@@ -38,12 +38,10 @@ ROUGH = 1e-7
 
 def orbit_at(
     system: System,
-    parameters: Mapping[str, float],
-    free: str,
+    line: ParameterLine,
+    at: float | None,
     state: np.ndarray,
     period: float | None,
-    path: Path | None = None,
-    at: float | None = None,
     discretization: Discretization | None = None,
     subharmonic: int = 1,
     pins: Sequence[Neutral] | None = None,
@@ -52,6 +50,9 @@ def orbit_at(
 
     Parameters
     ----------
+    line, at
+        The line of parameters, and the place on it; by default that of the point that it was made from.
+    state : ndarray, shape (n,)
     period : float or None
         Seconds; None for a forced system, whose own period it is. A multiple of that makes a subharmonic.
     subharmonic : int
@@ -65,57 +66,43 @@ def orbit_at(
         If the motion from the state ends within one period.
     """
     x = np.asarray(state, dtype=float)
-    parameters, path = started(system, parameters, path, at, x, system.modes[0].name)
-    value = float(at or 0.0) if path is not None else float(parameters[free])
+    line = started(system, line, at, x, system.modes[0].name)
+    value = line.place(at)
     if system.period is not None and period is not None:
-        own = float(called("period", system.period, ParameterValues(**parameters)))
+        own = float(called("period", system.period, ParameterValues(**line.parameters)))
         subharmonic = max(round(period / own), 1)
     if pins is None:
-        pins = _neutral(system, at_path(parameters, path, at), free, path, x)
-    problem = PeriodicOrbit(system, parameters, free, path, pins, x, subharmonic, discretization)
+        pins = _neutral(system, line, value, x)
+    problem = PeriodicOrbit(
+        system, line.parameters, line.free, line.ends, pins, x, subharmonic, discretization
+    )
     durations = [] if problem.forced else [float(period or 0.0)]
     scalars = np.array([*durations, *[0.0] * len(pins), value])
-    values = np.concatenate([scalars, problem.fixed])
+    values = np.concatenate([scalars, problem.line.constants])
     _check_moves(problem, x, values)
     turns, mesh = _once_round(problem, x, values)
     z = np.concatenate([x, scalars])
     return cut(problem.closing(turns).on(mesh, None), z, mesh.magnitudes)
 
 
-def started(
-    system: System,
-    parameters: Mapping[str, float],
-    path: Path | None,
-    at: float | None,
-    x: np.ndarray,
-    mode: str,
-) -> tuple[dict[str, float], Path | None]:
-    """Parameters and path with the start's own values of conserved quantities, where no others are given."""
+def started(system: System, line: ParameterLine, at: float | None, x: np.ndarray, mode: str) -> ParameterLine:
+    """The line with a start's own values of conserved quantities, where no others are given."""
     if not system.conserved:
-        return dict(parameters), path
-    given = {**parameters, **at_path(parameters, path, at)}
-    own = with_own_values(system, given, x, mode)
-    told = {name: own[name] for name in system.conserved_names}
-
-    def filled(values: Mapping[str, float]) -> dict[str, float]:
-        known = {name: value for name, value in values.items() if not np.isnan(value)}
-        return {name: known.get(name, told.get(name, value)) for name, value in values.items()}
-
-    return filled({**told, **parameters}), None if path is None else (filled(path[0]), filled(path[1]))
+        return line
+    own = with_own_values(system, line.at(line.place(at)), x, mode)
+    return line.filled({name: own[name] for name in system.conserved_names})
 
 
-def _neutral(
-    system: System, parameters: dict[str, float], free: str, path: Path | None, x: np.ndarray
-) -> list[Neutral]:
+def _neutral(system: System, line: ParameterLine, at: float, x: np.ndarray) -> list[Neutral]:
     """The declared directions that motions through a state come in families along, beside it as well.
 
     One that is neutral at a start only is none of the branch.
     """
     if not system.neutral:
         return []
+    parameters = line.at(at)
     beside = dict(parameters)
-    moving = [free] if path is None else [n for n, value in path[0].items() if path[1][n] != value]
-    for name in moving:
+    for name in line.moving_names:
         beside[name] += BESIDE * (abs(beside[name]) or 1.0)
     scale = np.maximum(np.abs(x), float(np.abs(x).max()) or 1.0)
     machines = [hybrid_machine(system, values) for values in (parameters, beside)]

@@ -63,7 +63,7 @@ def described(problem: Orbit, label: str, located: Located, sample: Sample, s: f
         label="BP" if label == "SB" else label,
         s=s,
         kind=kind,
-        parameters=values | ({problem.free: float(z[-1])} if problem.path is not None else {}),
+        parameters=values | {problem.free: float(z[-1])},
         state=dict(zip(problem.system.state_names, state.tolist(), strict=True)),
         period=duration,
         period_full=duration * fold,

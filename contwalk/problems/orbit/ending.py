@@ -87,7 +87,7 @@ def _extent(problem: PeriodicOrbit, sample: Sample) -> float:
 def slow_place(problem: PeriodicOrbit, z: np.ndarray) -> SlowPlace:
     """Where the orbit is slowest, and the field there."""
     field = problem.motion.field(PLAIN)
-    c = field.constants(np.concatenate([problem.scalars(z), problem.fixed]))
+    c = field.constants(np.concatenate([problem.scalars(z), problem.line.constants]))
     times, path = problem.curve(z).sampled(AROUND)
     return slow_place_on(field, c, problem.duration(z), times, path, problem.mesh.variation)
 

@@ -117,7 +117,7 @@ class OrbitMirror:
         problem = self._problem
         p, values = (
             ParameterValues(**problem.values_of(z)),
-            np.concatenate([problem.scalars(z), problem.fixed]),
+            np.concatenate([problem.scalars(z), problem.line.constants]),
         )
         scale, at = problem.mesh.variation, 0.3
         x = problem.starts(z)[0] + 0.1 * scale * np.cos(np.arange(1.0, problem.states + 1.0))
@@ -162,7 +162,7 @@ class OrbitMirror:
         if there.forced:
             return 0.0, own
         known, n = vectors_of(last)[0], there.states
-        values = np.concatenate([there.scalars(image), there.fixed])
+        values = np.concatenate([there.scalars(image), there.line.constants])
         cut = there.imaged_on(own.mesh, known[:n], values)
         assert cut.section is not None
         passed, p = Passed(there, z, np.zeros(len(z))), ParameterValues(**there.values_of(z))
@@ -206,7 +206,7 @@ class OrbitMirror:
         """The problem on the same steps for an image, its section where the image begins."""
         mesh = there.mesh
         mesh = replace(mesh, variation=self._metric(mesh.variation), magnitudes=self._metric(mesh.magnitudes))
-        values = np.concatenate([there.scalars(image), there.fixed])
+        values = np.concatenate([there.scalars(image), there.line.constants])
         return there.imaged_on(mesh, image[: there.states], values)
 
     # -- what is stored ----------------------------------------------------------------------------------
@@ -374,7 +374,7 @@ class Passed:
         self, x: np.ndarray, v: np.ndarray, begin: float, end: float
     ) -> tuple[np.ndarray, np.ndarray]:
         problem, mesh, n = self._problem, self._problem.mesh, self._problem.states
-        values = np.concatenate([problem.scalars(self._z), problem.fixed])
+        values = np.concatenate([problem.scalars(self._z), problem.line.constants])
         field, y, weights = problem.motion.field(PLAIN), x, mesh.variation
         if np.any(self._tangent):
             field, y = problem.motion.field(TANGENT), np.concatenate([x, v])

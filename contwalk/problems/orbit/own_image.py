@@ -22,7 +22,7 @@ OWN_IMAGE = 1e-5
 def carries(problem: PeriodicOrbit, z: np.ndarray, symmetry: Symmetry, power: int, order: int) -> bool:
     """Whether the field itself has the symmetry, a part of the period later, at a state off the orbit."""
     p = ParameterValues(**problem.values_of(z))
-    values = np.concatenate([problem.scalars(z), problem.fixed])
+    values = np.concatenate([problem.scalars(z), problem.line.constants])
     x = problem.starts(z)[0] + 0.1 * problem.mesh.variation * np.cos(np.arange(1.0, problem.states + 1.0))
     time, step = 0.3, 1e-6
     f = velocity(problem.motion, x, time, values)

@@ -35,6 +35,7 @@ from contwalk.problems.orbit.shooting import Curve, Mesh, Shooting, meshed, velo
 from contwalk.problems.orbit.solution import Solution
 from contwalk.problems.orbit.solving import error_holding
 from contwalk.problems.orbit.transport import STRETCHED, TOO_MUCH, closed, moved, recut
+from contwalk.problems.parameter_line import Ends, ParameterLine
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.passing import Place
 from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed
@@ -107,26 +108,19 @@ class PeriodicOrbit:
         system: System,
         parameters: Mapping[str, float],
         free: str,
-        path: tuple[Mapping[str, float], Mapping[str, float]] | None = None,
+        path: Ends | None = None,
         pins: Sequence[Neutral] = (),
         reference: np.ndarray | None = None,
         subharmonic: int = 1,
         discretization: Discretization | None = None,
     ) -> None:
-        if path is None:
-            system.require_parameter(free)
-        self.system, self.free, self.path = system, free, path
+        self.system, self.line = system, ParameterLine.of(system, parameters, free, path)
+        self.free, self.parameters = free, self.line.parameters
         self.pins, self.reference = tuple(pins), reference
-        self.parameters = system.all_parameters(parameters)
         self.subharmonic = subharmonic
         self.discretization = discretization or Discretization()
         self.states = len(system.states)
         self.forced = system.period is not None
-        names = system.parameter_names
-        begin, end = map(system.all_parameters, path or (self.parameters, self.parameters))
-        self._base = np.array([float(begin[name]) for name in names])
-        self._direction = np.array([float(end[name]) - float(begin[name]) for name in names])
-        self.fixed = np.concatenate([self._base, self._direction])
         self.closure = self._closed(np.zeros(self.states))
         self.parts = PARTS  # of the closure in which the steps are alike
         self.section: Section | None = None
@@ -137,9 +131,8 @@ class PeriodicOrbit:
         self._solutions: dict[bytes, Solution] = {}
 
     def _motion(self, fold: int) -> Motion:
-        moving = tuple(np.flatnonzero(self._direction).tolist())
-        free = None if self.path is not None else self.free
-        return motion_of(self.system, free, moving, self.pins, self.subharmonic / fold, holding=True)
+        line, share = self.line, self.subharmonic / fold
+        return motion_of(self.system, line.own, line.moving, self.pins, share, holding=True)
 
     def _closed(self, turns: np.ndarray, symmetry: Any = None, power: int = 1, fold: int = 1) -> Closure:
         return Closure(self._motion(fold), turns, symmetry, power, fold)
@@ -183,7 +176,7 @@ class PeriodicOrbit:
     @property
     def shooting(self) -> Shooting:
         """Integration over the segments."""
-        return Shooting(self.motion, self.closure, self.mesh, self.fixed)
+        return Shooting(self.motion, self.closure, self.mesh, self.line.constants)
 
     @property
     def segments(self) -> int:
@@ -223,11 +216,7 @@ class PeriodicOrbit:
 
     def values_of(self, z: np.ndarray) -> dict[str, float]:
         """All parameters at z, by name."""
-        lam = float(z[-1])
-        if self.path is None:
-            return {**self.parameters, self.free: lam}
-        names = self.system.parameter_names
-        return {n: b + lam * d for n, b, d in zip(names, self._base, self._direction, strict=True)}
+        return self.line.at(float(z[-1]))
 
     def duration(self, z: np.ndarray) -> float:
         """Duration of the closure, seconds."""
@@ -327,7 +316,7 @@ class PeriodicOrbit:
     def pinned(self, pin: Neutral, z: np.ndarray, row: np.ndarray) -> float:
         """Residual of a pinned direction; its gradient is written into `row`."""
         assert self.reference is not None
-        x, names = z[: self.states], self.system.parameter_names
+        x = z[: self.states]
         if pin.pin is None:
             g = neutrals.generator_at(pin, self.reference, self.parameters)
             row[: self.states] = g / np.linalg.norm(g)
@@ -336,10 +325,7 @@ class PeriodicOrbit:
         row[k] = 1.0
         if pin.value is None:
             return float(x[k] - self.reference[k])
-        if self.path is not None:
-            row[-1] = -self._direction[names.index(pin.value)]
-        elif pin.value == self.free:
-            row[-1] = -1.0
+        row[-1] = -self.line.slope(pin.value)
         return float(x[k] - self.values_of(z)[pin.value])
 
     def _levels(self, z: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
@@ -413,7 +399,7 @@ class PeriodicOrbit:
             "closure": self.closure.name,
             "subharmonic": self.subharmonic,
             "settings": {
-                **neutrals.kept(self.pins, self.parameters, self.states, self.path),
+                **neutrals.kept(self.pins, self.line, self.states),
                 "segments": self.segments,
                 "fold": self.closure.fold,
                 "parts": self.parts,
@@ -494,7 +480,7 @@ class PeriodicOrbit:
         motion = self.motion
         if motion.switching is None:
             return ()
-        curve, values = self.curve(z), np.concatenate([self.scalars(z), self.fixed])
+        curve, values = self.curve(z), np.concatenate([self.scalars(z), self.line.constants])
         course = motion.course(values, *curve.sampled(SAMPLES), curve.at)
         return () if course is None else kinks.along(course, motion.kinks)
 
@@ -733,7 +719,7 @@ class PeriodicOrbit:
         magnitudes = weights[: self.states] / np.sqrt(m)
         tolerance = tolerance or self.discretization.walking
         method = self.discretization.method
-        values = np.concatenate([scalars, self.fixed])
+        values = np.concatenate([scalars, self.line.constants])
         mesh = meshed(self.motion, starts, values, magnitudes, tolerance, method, self.parts)
         self._tally[0] += 2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps)
         problem = self.on(mesh, self._section_at(starts[0], values, magnitudes))
@@ -859,8 +845,8 @@ class PeriodicOrbit:
         """Derivative of the closure's duration by unknowns and free parameter, shape (N + 1,)."""
         gradient = np.zeros(len(z))
         if self.forced:
-            free = self.free if self.path is None else None
-            _, slope = period_and_slope(self.system, free, self._direction, float(z[-1]), self.fixed)
+            line = self.line
+            _, slope = period_and_slope(self.system, line.own, line.direction, float(z[-1]), line.constants)
             gradient[-1] = self.subharmonic / self.closure.fold * slope
         else:
             gradient[self.segments * self.states] = 1.0

@@ -21,7 +21,7 @@ class Orbit(Protocol):
 
     system: System
     free: str
-    path: Any
+    line: Any
     discretization: Discretization
     forced: bool
 

@@ -44,7 +44,7 @@ def from_hopf(equilibrium: Equilibrium, point: SpecialPoint) -> Sequence[Seed]:
         equilibrium.system,
         equilibrium.parameters | own,
         equilibrium.free,
-        equilibrium.path,
+        equilibrium.line.ends,
         equilibrium.pins,
         equilibrium.reference,
         discretization=equilibrium.discretization,
@@ -56,7 +56,7 @@ def from_hopf(equilibrium: Equilibrium, point: SpecialPoint) -> Sequence[Seed]:
         period /= closing[2]
     scalars = np.concatenate([[period], np.zeros(len(equilibrium.pins)), z[-1:]])
     section = section_at(x, (1j * omega * q).real, magnitudes)
-    values = np.concatenate([scalars, orbit.fixed])
+    values = np.concatenate([scalars, orbit.line.constants])
     tolerance = orbit.discretization.walking
     method = orbit.discretization.method
 

@@ -44,7 +44,7 @@ def carried_to(
     if time - begin < 1e-12:
         return x.copy(), v.copy()
     mesh = problem.mesh
-    values = np.concatenate([problem.scalars(z), problem.fixed])
+    values = np.concatenate([problem.scalars(z), problem.line.constants])
     if not np.any(tangent):
         field, y, weights = problem.motion.field(PLAIN), x, mesh.variation
     else:
@@ -67,7 +67,7 @@ def growth(problem: PeriodicOrbit, z: np.ndarray, times: int = 1) -> float:
     """
     n, m = problem.states, problem.segments
     field = problem.motion.field(PLAIN)
-    values = np.concatenate([problem.scalars(z), problem.fixed])
+    values = np.concatenate([problem.scalars(z), problem.line.constants])
     c = field.constants(values)
     sources, variation = np.full(n, -1), problem.mesh.variation
     factors = []

@@ -18,7 +18,7 @@ from ruamel.yaml import YAML
 
 from contwalk.errors import ContwalkError, RunFileError
 from contwalk.plugin_check.at_load import load_system
-from contwalk.problems.paths import at_path
+from contwalk.problems.parameter_line import ParameterLine
 from contwalk.system import System
 from contwalk.system.loading import load_declaration
 from contwalk.workflow.run_file import settings
@@ -248,7 +248,7 @@ def _checked(problems: Problems, model: RunModel, system: System, path: Path, ou
         else tuple(filter(None, [free]))
     )
     low, high = settings.continued_range(problems, system, model, free)
-    at_start = at_path(parameters, ends, low)
+    at_start = dict(parameters) if ends is None else ParameterLine("path", parameters, ends).at(low)
     reader = StartReader(problems, system, path.parent, at_start, given, varying, settable=ends is None)
     starts = reader.read(model.start)
     measured = None

@@ -10,6 +10,7 @@ import contwalk as cw
 from contwalk import flow
 from contwalk.problems.initial.orbit_from_state import orbit_at
 from contwalk.problems.orbit import ending
+from contwalk.problems.parameter_line import ParameterLine
 from contwalk.system import Observable
 
 VERBS = ("along", "along_with_tangents", "dense", "interpolation", "tangents")
@@ -43,7 +44,12 @@ def integrated(monkeypatch):
 def test_a_motion_is_integrated_once_with_derivatives_and_once_densely(integrated, segments, method):
     chosen = cw.Discretization(segments=segments, method=method, report_at=(1, 0.5, 1.0))
     problem, z = orbit_at(
-        CYCLE, CYCLE.defaults(), "lam", np.array([1.0, 0.0]), math.pi, discretization=chosen
+        CYCLE,
+        ParameterLine.of(CYCLE, CYCLE.defaults(), "lam"),
+        None,
+        np.array([1.0, 0.0]),
+        math.pi,
+        discretization=chosen,
     )
     assert problem.segments == segments
     problem = problem.alike(problem.parts)  # remembers nothing

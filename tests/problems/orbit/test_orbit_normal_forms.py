@@ -13,6 +13,7 @@ import contwalk as cw
 from contwalk.problems.initial.orbit_from_state import orbit_at
 from contwalk.problems.orbit.describing import _criticality
 from contwalk.problems.orbit.normal_forms import ReturnMap, units
+from contwalk.problems.parameter_line import ParameterLine
 from contwalk.system import State
 
 
@@ -41,7 +42,9 @@ def at_orbit():
         cw.points(problem, [1.0, 0.0, 0.0, 0.0], (0.5, 1.5), until="settled", max_points=2)
     ).here.sample
     x, period = first.z[:4], float(first.z[4])
-    there, z = orbit_at(SYSTEM, SYSTEM.defaults(), "lam", x, period, discretization=chosen)
+    there, z = orbit_at(
+        SYSTEM, ParameterLine.of(SYSTEM, SYSTEM.defaults(), "lam"), None, x, period, discretization=chosen
+    )
     for _ in range(5):  # onto this problem's own steps, in its section
         linearization = there.linearize(z)
         z = z.copy()

@@ -8,6 +8,7 @@ from small_systems import small_system
 
 import contwalk as cw
 from contwalk.problems.orbit import rates
+from contwalk.problems.parameter_line import ParameterLine
 from contwalk.system import Observable
 
 
@@ -35,7 +36,14 @@ def test_the_rate_of_a_modulus_is_that_of_its_closed_form():
 
     start = np.array([math.sqrt(0.02), 0.0])
     chosen = cw.Discretization(accuracy=1e-11)
-    problem, z = orbit_at(system, system.defaults(), "lam", start, 2 * math.pi / 2.01, discretization=chosen)
+    problem, z = orbit_at(
+        system,
+        ParameterLine.of(system, system.defaults(), "lam"),
+        None,
+        start,
+        2 * math.pi / 2.01,
+        discretization=chosen,
+    )
     linearization = problem.linearize(z)
     # The tangent in closed form: x, y, T, lam.
     tangent = np.array([0.5 / math.sqrt(0.02), 0.0, -2 * math.pi * 0.5 / 2.01**2, 1.0])

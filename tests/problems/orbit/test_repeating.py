@@ -8,6 +8,7 @@ from small_systems import circle, small_system
 
 from contwalk.problems.initial.orbit_from_state import orbit_at
 from contwalk.problems.orbit.repeating import repeating
+from contwalk.problems.parameter_line import ParameterLine
 
 
 @pytest.mark.parametrize("parts", [2, 3])
@@ -33,7 +34,13 @@ def test_steps_too_short_for_a_later_part_are_left_out_of_all(parts, segments):
 def test_steps_of_an_orbit_are_alike_in_its_halves():
     """So that pitchforks of orbits stay pitchforks, though nobody has declared a symmetry."""
     system = small_system(circle, "xy", {"mu": 0.5})
-    problem, _ = orbit_at(system, system.defaults(), "mu", np.array([np.sqrt(0.5), 0.0]), 2.0 * np.pi)
+    problem, _ = orbit_at(
+        system,
+        ParameterLine.of(system, system.defaults(), "mu"),
+        None,
+        np.array([np.sqrt(0.5), 0.0]),
+        2.0 * np.pi,
+    )
     (steps,) = problem.mesh.steps
     first, second = np.diff(steps).reshape(2, -1)
     assert second == pytest.approx(first, abs=5e-16)  # times are rounded at the size of the closure, one

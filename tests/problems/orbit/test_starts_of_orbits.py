@@ -7,6 +7,7 @@ from small_systems import circle, labelled, small_system
 import contwalk as cw
 from contwalk.problems.initial.orbit_from_state import orbit_at
 from contwalk.problems.orbit.switching import _at
+from contwalk.problems.parameter_line import ParameterLine
 from contwalk.system import Neutral
 
 
@@ -47,7 +48,7 @@ def test_whether_a_direction_is_neutral_is_asked_near_the_start():
 
     system = small_system(field, "xyz", {"mu": 0.5}, neutral=(Neutral("along", along),))
     start = np.array([np.sqrt(0.5), 0.0, 3.0])
-    problem, _ = orbit_at(system, system.defaults(), "mu", start, 2.0 * np.pi)
+    problem, _ = orbit_at(system, ParameterLine.of(system, system.defaults(), "mu"), None, start, 2.0 * np.pi)
     assert [pin.name for pin in problem.pins] == ["along"]
 
 
@@ -113,7 +114,9 @@ def test_doubled_orbits_begin_with_deviations_that_change_their_sign_each_round(
     """Of the circle, where what is off outwards turns with it and dies out like exp(-2 mu t)."""
     system = small_system(circle, "xy", {"mu": 0.1})
     size = np.sqrt(0.1)
-    problem, z = orbit_at(system, system.defaults(), "mu", np.array([size, 0.0]), 2.0 * np.pi)
+    problem, z = orbit_at(
+        system, ParameterLine.of(system, system.defaults(), "mu"), None, np.array([size, 0.0]), 2.0 * np.pi
+    )
     x, v = _at(problem, z, np.array([1.0, 0.0, 0.0, 0.0]), time)
     angle = 2.0 * np.pi * place
     way = np.array([np.cos(angle), np.sin(angle)])
