@@ -21,6 +21,10 @@ def field(t, x, p, dx):
 def height(t, x, p):
     return x[0]
 
+def rebound(t, x, p, x_plus):
+    x_plus[0] = 0.0
+    x_plus[1] = -x[1]
+
 def build(masses, suspension):
     return System(
         name="rotor",
@@ -31,7 +35,7 @@ def build(masses, suspension):
             Parameter("load", 0.0, unit="N"),
         ),
         modes=(Mode("free", field),),
-        transitions=(Transition("touch_down", "free", "free", height),),
+        transitions=(Transition("touch_down", "free", "free", height, reset=rebound),),
         observables=(Observable("swing", lambda t, x, p: x[:, 0].max(), unit="rad"),),
         starts=(
             Start("balanced", lambda p: [[0.0, 0.0]]),
