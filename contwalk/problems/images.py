@@ -47,6 +47,13 @@ class Product:
             x = imaged(symmetry, x, p)
         return x
 
+    def linear(self, sizes: np.ndarray, p: ParameterValues) -> np.ndarray:
+        """The matrix of an affine map, shape (n, n), from its values at states of these sizes."""
+        n = len(sizes)
+        origin = self.state(np.zeros(n), p)
+        moved = [(self.state(s * e, p) - origin) / s for s, e in zip(sizes, np.eye(n), strict=True)]
+        return np.array(moved).T
+
 
 def in_words(names: tuple[str, ...]) -> str:
     """`the symmetry 'mirror'`, or `the symmetries 'swap', 'mirror' in turn`."""

@@ -18,7 +18,8 @@ from contwalk.branch import SpecialPoint
 from contwalk.problems.hybrid.limits import LABELS as LIMITS
 from contwalk.problems.hybrid.word import Leg, has_image, image_of
 from contwalk.problems.images import Product, products
-from contwalk.problems.orbit.mirror import AS_WELL, KEPT, MOVED, REVERSED, SOLVED, coefficients_of, vectors_of
+from contwalk.problems.orbit.mirror import AS_WELL, KEPT, MOVED, REVERSED, SOLVED, coefficients_of
+from contwalk.problems.orbit.stored_discretizations import StoredDiscretizations, vectors_of
 from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:
@@ -76,12 +77,10 @@ class HybridMirror:
     def __init__(self, problem: HybridOrbit, product: Product, first: int, half: int, born: Sample) -> None:
         self._problem, self._product, self._first, self._half = problem, product, first, half
         self._born = born
-        p, n = ParameterValues(**problem.values_of(born.z)), problem.states
+        p = ParameterValues(**problem.values_of(born.z))
         sizes = np.maximum(np.abs(problem.first_state(born.z)), problem.mesh.variation)
-        origin = product.state(np.zeros(n), p)
-        moved = [(product.state(s * e, p) - origin) / s for s, e in zip(sizes, np.eye(n), strict=True)]
-        self._linear = np.array(moved).T
-        self._place: tuple[bytes, HybridOrbit] | None = None
+        self._linear = product.linear(sizes, p)
+        self._stored = StoredDiscretizations(problem)
         self._samples: dict[bytes, Sample] = {}
 
     @property
@@ -169,7 +168,7 @@ class HybridMirror:
         """
         began, spent = time.perf_counter(), self._problem.evaluations
         z, weights, tangent = vectors_of(row)
-        for there in self._places(row, before, z, weights):
+        for there in self._stored.of_row(row, before, z, weights):
             image, moved = self._image(there, z, tangent, weights)
             own, metric = self._mirrored(there), self._weights(there, weights)
             linearization = own.linearize(image)
@@ -195,24 +194,6 @@ class HybridMirror:
         self._samples[found["unknowns"].tobytes()] = sample
         return found
 
-    def _places(
-        self, row: np.void, before: np.void, z: np.ndarray, weights: np.ndarray
-    ) -> Iterator[HybridOrbit]:
-        """The discretisations on which a stored orbit may have been solved for."""
-        if row["special"]:
-            yield self._on_steps_of(z, weights).finest(z, weights)
-            return
-        earlier, known, _ = vectors_of(before)
-        if len(earlier) == len(z):
-            yield self._on_steps_of(earlier, known)
-        yield self._on_steps_of(z, weights)
-
-    def _on_steps_of(self, z: np.ndarray, weights: np.ndarray) -> HybridOrbit:
-        key = z.tobytes()
-        if self._place is None or self._place[0] != key:
-            self._place = key, self._problem.at_stored(z, weights)
-        return self._place[1]
-
     def sample(self, row: np.void) -> Sample:
         """Place, metric and kinks of an image, as a sample."""
         z, weights, _ = vectors_of(row)
@@ -228,7 +209,7 @@ class HybridMirror:
     def special_point(self, point: SpecialPoint, row: np.void, last: np.void) -> SpecialPoint:
         """The image of a special point: what is counted before it there is counted after it."""
         z, tangent, weights = np.array(point.unknowns), np.array(point.tangent), vectors_of(row)[1]
-        there = self._on_steps_of(z, weights).finest(z, weights)
+        there = self._stored.finest(z, weights)
         image, moved = self._image(there, z, tangent, weights)
         own = self._mirrored(there)
         state, margins = own.reported(image), own.margins(image)

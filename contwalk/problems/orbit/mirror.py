@@ -9,7 +9,7 @@ asked of the equations on the steps on which the orbit was solved for.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +22,7 @@ from contwalk.problems.orbit import normal_forms
 from contwalk.problems.orbit.discretization import FINEST
 from contwalk.problems.orbit.motion import PLAIN, TANGENT
 from contwalk.problems.orbit.shooting import arrived, velocity
+from contwalk.problems.orbit.stored_discretizations import StoredDiscretizations, vectors_of
 from contwalk.problems.passed_over import passed_over
 from contwalk.system.declarations import ParameterValues
 
@@ -85,11 +86,8 @@ class OrbitMirror:
         self._problem, self._product, self._share, self._born = problem, product, share, born
         x, p = born.z[: problem.states], ParameterValues(**problem.values_of(born.z))
         sizes = np.maximum(np.abs(x), problem.mesh.variation)
-        origin = product.state(np.zeros(len(x)), p)
-        moved = [(product.state(s * e, p) - origin) / s for s, e in zip(sizes, np.eye(len(x)), strict=True)]
-        self._linear = np.array(moved).T
-        self._place: tuple[bytes, PeriodicOrbit] | None = None
-        self._finest: tuple[bytes, PeriodicOrbit] | None = None
+        self._linear = product.linear(sizes, p)
+        self._stored = StoredDiscretizations(problem)
         self._passed: tuple[PeriodicOrbit, bytes, Passed] | None = None
         self._samples: dict[bytes, Sample] = {}
 
@@ -233,7 +231,7 @@ class OrbitMirror:
         """
         began, spent = time.perf_counter(), self._problem.evaluations
         z, weights, tangent = vectors_of(row)
-        for there in self._places(row, before, z, weights):
+        for there in self._stored.of_row(row, before, z, weights):
             image, moved = self._image(there, z, tangent, weights)
             own, metric = self._mirrored(there, image), self._weights(there, weights)
             residual = own.linearize(image)
@@ -267,30 +265,6 @@ class OrbitMirror:
         self._samples[found["unknowns"].tobytes()] = replace(self._born, z=image, weights=metric, kinks=kinks)
         return found
 
-    def _places(
-        self, row: np.void, before: np.void, z: np.ndarray, weights: np.ndarray
-    ) -> Iterator[PeriodicOrbit]:
-        """The discretisations on which a stored orbit may have been solved for."""
-        if row["special"]:
-            yield self._on_finest_steps(z, weights)
-            return
-        earlier, known, _ = vectors_of(before)
-        if len(earlier) == len(z):
-            yield self._on_steps_of(earlier, known)
-        yield self._on_steps_of(z, weights)
-
-    def _on_steps_of(self, z: np.ndarray, weights: np.ndarray) -> PeriodicOrbit:
-        key = z.tobytes()
-        if self._place is None or self._place[0] != key:
-            self._place = key, self._problem.at_stored(z, weights)
-        return self._place[1]
-
-    def _on_finest_steps(self, z: np.ndarray, weights: np.ndarray) -> PeriodicOrbit:
-        key = z.tobytes()
-        if self._finest is None or self._finest[0] != key:
-            self._finest = key, self._problem.at_stored(z, weights).finest(z, weights)
-        return self._finest[1]
-
     def sample(self, row: np.void) -> Sample:
         """Place, metric and kinks of an image, as a sample that tells no more."""
         z, weights, _ = vectors_of(row)
@@ -306,7 +280,7 @@ class OrbitMirror:
         """The image of a special point: what is counted before it there is counted after it."""
         z, tangent = np.array(point.unknowns), np.array(point.tangent)
         weights = vectors_of(row)[1]
-        there = self._on_finest_steps(z, weights)
+        there = self._stored.finest(z, weights)
         begun = self._begun(there, z, tangent, weights, last)
         assert begun is not None  # its row has been found
         own, image, moved = begun
@@ -385,13 +359,6 @@ class Passed:
         path = arrived(flow.adaptive(field, c, begin, y, end, tolerance, weights, mesh.method))
         last = path.states[-1]
         return last[:n].copy(), last[n:].copy() if len(last) > n else np.zeros(n)
-
-
-def vectors_of(row: np.void) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Solution, weights and tangent of a stored row."""
-    size = int(np.sum(np.isfinite(row["unknowns"])))
-    z = np.append(row["unknowns"][:size], row["free"])
-    return z, np.array(row["weights"][: size + 1]), np.array(row["tangent"][: size + 1])
 
 
 def coefficients_of(own: Orbit, point: SpecialPoint, image: np.ndarray) -> dict[str, Any]:
