@@ -26,10 +26,9 @@ from .contacts import (
 from .dips import make_dips
 from .model import TWO_SIDED, Model
 from .motion import toe_place, toe_velocity
-from .states import KNEE, LEGS, TOES, anchor
+from .states import KNEE, LEGS, STATES, TOES, anchor
 
 Guard = Callable[[Any, Any, Any], Any]
-STATES = 28
 
 
 @dataclass(frozen=True)
@@ -172,7 +171,7 @@ def _landed(leg: int, toe: int, model: Model) -> Callable[..., None]:
     a_side, a_down = anchor(leg, toe)
 
     def landed(t: Any, x: Any, p: Any, x_plus: Any) -> None:
-        for i in range(STATES):
+        for i in range(len(STATES)):
             x_plus[i] = x[i]
         side, _, down = toe_place(x, p, leg, toe, model)
         x_plus[a_side] = side

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+# Columns of tangents that are moved at once: the doubles of one register. Arrays of them are padded to it.
 WIDTH = 4
 _VECTOR = f"<{WIDTH} x double>"
 

@@ -24,13 +24,13 @@ from collections.abc import Sequence
 from functools import cache
 
 from contwalk.fields.llvm import Code, code_of
+from contwalk.flow.compiled.products import WIDTH
 from contwalk.flow.tableaus.dop853 import DOP853
 from contwalk.flow.tableaus.runge_kutta import Combination, RungeKutta
 from contwalk.flow.tableaus.verner98 import VERNER98
 
 TABLEAUS = {method.name: method for method in (DOP853, VERNER98)}
 
-WIDTH = 4
 Y, NEXT, STAGE, FIRST = 0, 1, 2, 3
 
 _VECTOR = f"<{WIDTH} x double>"
