@@ -49,6 +49,7 @@ def document(db: Database, points: bool = False, only: Sequence[str] | None = No
         "model": _json(header.model),
         "config": header.config,
         "branches": [_branch(db, _load(db, name, loaded), loaded, points) for name in names],
+        "notes": [{"key": key, "text": text} for key, text in db.notes().items()],
     }
 
 

@@ -30,6 +30,7 @@ from contwalk.workflow.going_on import WIDENED, Claims, differences, header_of_b
 from contwalk.workflow.run_file.reading import RunFile
 from contwalk.workflow.starting import Place, places, starts
 from contwalk.workflow.sweep_notes import lost_values
+from contwalk.workflow.without_value import notes_of
 
 
 class Reporter:
@@ -248,7 +249,7 @@ class _Recorder:
 
     def __init__(self, db: Database, reporter: Reporter, result: RunResult, run_file: RunFile) -> None:
         self.db, self.reporter, self.result, self.accuracy = db, reporter, result, run_file.accuracy
-        self._observables = run_file.system.observables
+        self._system, self._report_at = run_file.system, run_file.report_at
         self.noted: set[str] = set()
         self._current: BranchInfo | None = None
         self._number = 0
@@ -283,7 +284,8 @@ class _Recorder:
         elif isinstance(event, Found):
             self._found(event)
         elif isinstance(event, Ended):
-            self._check_observables(event.branch)
+            for key, text in notes_of(event.branch, self._system, self._report_at):
+                self.note(key, text)
             self.db.finish(event.branch.name, event.branch.outcome, event.branch.cost)
             self._current = None
             self.reporter.branch_ended(event.branch)
@@ -303,21 +305,6 @@ class _Recorder:
             self.db.append_special(name, event.special)
             self.reporter.special(event.info, event.special)
             self._check_accuracy(event.info, event.special)
-
-    def _check_observables(self, branch: Branch) -> None:
-        """Say which observables of the plugin are no numbers at some points."""
-        for observable in self._observables:
-            name = observable.name
-            lacking = ~np.isfinite(branch[name])
-            # One that belongs to an event is nowhere a number on a branch that does not have the event.
-            if not np.any(lacking) or (np.all(lacking) and observable.at is not None):
-                continue
-            value, free = float(branch.points["free"][lacking][0, 0]), branch.info.free[0]
-            text = (
-                f"{branch.name}: observable '{name}' is not a number at {np.sum(lacking)} of {len(lacking)} "
-                f"points, the first of them at {free} = {value:.10g}; marks of it cannot be found there."
-            )
-            self.note(f"observable {branch.name} {name}", text)
 
     def _check_accuracy(self, info: BranchInfo, point: SpecialPoint) -> None:
         """Say where a point is known less well than was asked for."""

@@ -58,6 +58,7 @@ def test_document(run, header):
     assert second["signature"] == ["knee_strike", "heel_strike"]
     assert (second["status"], second["reason"]) == ("stopped", "interrupted")
     assert "points" not in first
+    assert content["notes"] == []
 
 
 def test_numbers_that_are_not_finite(run):
