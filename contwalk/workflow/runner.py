@@ -211,7 +211,6 @@ def _claims(db: Database) -> dict[str, Any]:
 def provenance(run_file: RunFile) -> dict[str, Any]:
     """Where and with what a database was made, as plain values."""
     import h5py
-    import numpy as np
 
     from contwalk import __version__
     from contwalk.plotting.quantities import units_of

@@ -1,4 +1,4 @@
-"""What a branch does not have at some of its points: numbers of the plugin's observables, the reported state."""
+"""What a branch lacks at some of its points: numbers of the plugin's observables, the reported state."""
 
 from __future__ import annotations
 
@@ -65,9 +65,7 @@ def _events(branch: Branch, system: System) -> tuple[str, ...]:
     return tuple(dict.fromkeys(leg.name for leg in word.legs if leg.name))
 
 
-def _absent(
-    branch: Branch, system: System, place: ReportAt | None, events: tuple[str, ...] | None
-) -> str:
+def _absent(branch: Branch, system: System, place: ReportAt | None, events: tuple[str, ...] | None) -> str:
     """A sentence where an event never happens at which something is asked for; empty where all of them do."""
     if events is None:
         return ""
@@ -78,7 +76,9 @@ def _absent(
     said = []
     if asked is not None:
         missing = bool(np.all(np.isnan(branch.points["state"])))
-        stored = "NaN is stored as their state" if missing else "their state is that where their phase is fixed"
+        stored = (
+            "NaN is stored as their state" if missing else "their state is that where their phase is fixed"
+        )
         said.append(f"`report_at` asks for their state at '{asked}', {_why(system, asked)}: {stored}.")
     for observable in observables:
         at = str(observable.at)
@@ -89,7 +89,9 @@ def _absent(
         other = "one of these events or " if events else ""
         remedies.append(f"Let `report_at` name {other}a section, or leave it out")
     if observables:
-        remedies.append("take observables at events that orbits have, or over the whole motion (without `at`)")
+        remedies.append(
+            "take observables at events that orbits have, or over the whole motion (without `at`)"
+        )
     remedy = "; ".join(remedies)
     return f"{branch.name}, its orbits: {' '.join(said)} {they} {remedy[0].upper()}{remedy[1:]}."
 

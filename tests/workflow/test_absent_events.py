@@ -45,7 +45,9 @@ continue: {parameter: force, range: [0.95, 1.3], max_points: 4}
 diagram: none
 output: out.h5
 """
-FAR = "Observable('speed', lambda t, x, p: x[1], at='far'), Observable('hit', lambda t, x, p: x[1], at='wall'),"
+FAR = (
+    "Observable('speed', lambda t, x, p: x[1], at='far'), Observable('hit', lambda t, x, p: x[1], at='wall'),"
+)
 HIT = "Observable('hit', lambda t, x, p: x[1], at='wall'),"
 
 
