@@ -8,7 +8,8 @@ import sys
 import traceback
 from collections.abc import Mapping
 from dataclasses import replace
-from importlib.metadata import entry_points
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,13 @@ GROUP = "contwalk.systems"
 
 def list_systems() -> dict[str, str]:
     """Installed systems: entry-point name -> `module:attribute`."""
-    return {point.name: point.value for point in sorted(entry_points(group=GROUP), key=lambda e: e.name)}
+    return {point.name: point.value for point in sorted(_installed(), key=lambda e: e.name)}
+
+
+@cache
+def _installed() -> tuple[EntryPoint, ...]:
+    """Entry points of systems; to find them all packages that are installed are looked through."""
+    return tuple(entry_points(group=GROUP))
 
 
 def is_path(reference: str) -> bool:
@@ -47,7 +54,7 @@ def load_declaration(reference: str, base: Path | None = None) -> System | Famil
     """
     if is_path(reference):
         return _from_file((base or Path.cwd()) / reference, reference)
-    for point in entry_points(group=GROUP):
+    for point in _installed():
         if point.name == reference:
             try:
                 return _checked(point.load(), reference)
@@ -97,7 +104,7 @@ def plugin_files(reference: str, base: Path | None = None) -> dict[str, str]:
     """
     if is_path(reference):
         return hashes_of_file((base or Path.cwd()) / reference)
-    point = next((point for point in entry_points(group=GROUP) if point.name == reference), None)
+    point = next((point for point in _installed() if point.name == reference), None)
     return {} if point is None else hashes_of_installed(point)
 
 

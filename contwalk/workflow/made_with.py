@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import platform
 import sys
 from datetime import UTC, datetime
 from pathlib import Path
@@ -11,6 +10,7 @@ import numpy as np
 
 from contwalk import __version__
 from contwalk.system import System
+from contwalk.workflow.machine import name_of_machine
 
 
 def made_with(path: Path, reference: str, system: System) -> dict[str, str]:
@@ -19,7 +19,7 @@ def made_with(path: Path, reference: str, system: System) -> dict[str, str]:
         "contwalk_version": __version__,
         "python": sys.version.split()[0],
         "numpy": np.__version__,
-        "platform": platform.platform(),
+        "platform": name_of_machine(),
         "time": datetime.now(UTC).isoformat(timespec="seconds"),
         "run_file": str(path),
         "run_file_directory": str(path.resolve().parent),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import platform
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -27,6 +26,7 @@ from contwalk.workflow.equations import equations_hash, equations_text
 from contwalk.workflow.figures import draw_figure
 from contwalk.workflow.file_names import beside
 from contwalk.workflow.going_on import WIDENED, Claims, differences, header_of_both
+from contwalk.workflow.machine import name_of_machine
 from contwalk.workflow.run_file.reading import RunFile
 from contwalk.workflow.starting import Place, places, starts
 from contwalk.workflow.sweep_notes import lost_values
@@ -221,7 +221,7 @@ def provenance(run_file: RunFile) -> dict[str, Any]:
         "python": sys.version.split()[0],
         "numpy": np.__version__,
         "h5py": h5py.__version__,
-        "platform": platform.platform(),
+        "platform": name_of_machine(),
         "time": datetime.now(UTC).isoformat(timespec="seconds"),
         "run_file": str(run_file.path),
         "run_file_directory": str(run_file.path.resolve().parent),

@@ -1156,18 +1156,23 @@ class HybridOrbit:
         each = [(i, leg.transition) for i, leg in enumerate(self.word.legs) if not leg.collapsed]
         return [(i, own) for i, own in each if own and not self.passages[i].of_time_alone(own)]
 
-    def arrival(self, z: np.ndarray, i: int) -> tuple[float, float]:
-        """How fast the guard that ends leg i arrives, and its largest value on the leg."""
-        transition, pieces = self.word.legs[i].transition, self.pieces_of(z, i)
+    def arrival(self, z: np.ndarray, i: int) -> float:
+        """How fast the guard that ends leg i arrives."""
+        transition, piece = self.word.legs[i].transition, self.pieces_of(z, i)[-1]
         assert transition is not None
-        reach = max(float(np.abs(piece.guard_values(transition)).max()) for piece in pieces)
-        return float(pieces[-1].guard(transition)[2][-1]) / (pieces[-1].duration or 1.0), reach
+        return float(piece.guard(transition)[2][-1]) / (piece.duration or 1.0)
 
-    def typical_guard(self, z: np.ndarray, weights: np.ndarray, i: int) -> float:
-        """What typical changes of the states make of the guard that ends leg i."""
+    def reach(self, z: np.ndarray, i: int) -> float:
+        """Largest value, at the steps, of the guard that ends leg i."""
         transition = self.word.legs[i].transition
         assert transition is not None
-        return limits.typical(self.pieces_of(z, i)[-1], transition, self.magnitudes_of(weights))
+        return max(piece.size_at_steps(transition) for piece in self.pieces_of(z, i))
+
+    def typical_guard(self, z: np.ndarray, magnitudes: np.ndarray, i: int) -> float:
+        """What typical changes of the states, `magnitudes_of` weights, make of the guard that ends leg i."""
+        transition = self.word.legs[i].transition
+        assert transition is not None
+        return limits.typical(self.pieces_of(z, i)[-1], transition, magnitudes)
 
     def pieces_of(self, z: np.ndarray, i: int) -> list[LegView]:
         """Leg i looked at, piece by piece where there are soft transitions on it."""

@@ -22,7 +22,7 @@ from contwalk.numerics.linear import EPSILON
 from contwalk.problems.hybrid.layout import Segment
 from contwalk.problems.hybrid.shooting import Piece
 from contwalk.problems.kinks import Course, inputs
-from contwalk.problems.orbit.extrema import Smooth, sampled, turns
+from contwalk.problems.orbit.extrema import PARTS, Smooth, sampled, turns
 from contwalk.problems.orbit.motion import PLAIN
 from contwalk.system import Transition
 
@@ -153,6 +153,15 @@ class LegView:
     @computed_once
     def _early_sizes(self) -> list[float]:
         sizes: list[float] = np.abs(self._early[1]).max(axis=0).tolist()
+        return sizes
+
+    def size_at_steps(self, transition: Transition) -> float:
+        """Largest modulus of a transition's guard at the steps, from the samples that lie there."""
+        return self._sizes_at_steps[2 * self.piece.passage.leaving.index(transition)]
+
+    @computed_once
+    def _sizes_at_steps(self) -> list[float]:
+        sizes: list[float] = np.abs(self._guards[::PARTS]).max(axis=0).tolist()
         return sizes
 
     @computed_once

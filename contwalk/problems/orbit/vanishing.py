@@ -73,8 +73,9 @@ def in_no_time(problem: HybridOrbit, a: Sample, b: Sample) -> Outcome | None:
 
 def onto_an_event(problem: HybridOrbit, a: Sample, b: Sample) -> Outcome | None:
     """An event's guard comes to be zero all along its leg, which lasts: the orbit has shrunk to a point."""
+    magnitudes = problem.magnitudes_of(b.weights)
     for leg, transition in problem.events:
-        where = _through_zero(problem, leg, a, b) or _to_zero(problem, leg, a, b)
+        where = _through_zero(problem, leg, a, b) or _to_zero(problem, leg, a, b, magnitudes)
         if where:
             return _shrunk(
                 f"The orbit shrinks to a point near {where}: up to '{transition.name}' its guard is zero all "
@@ -91,31 +92,31 @@ def _through_zero(problem: HybridOrbit, leg: int, a: Sample, b: Sample) -> str:
     """Where a guard vanishes all along its leg between two orbits; empty if it does not."""
 
     def rate(z: np.ndarray) -> float:
-        return problem.arrival(z, leg)[0]
+        return problem.arrival(z, leg)
 
     first, last = rate(a.z), rate(b.z)
     if not first * last < 0.0:
         return ""
     lasting = problem.layout.durations.start + leg
     between = _cubic(a, b)(first / (first - last))
-    reaches = [problem.arrival(z, leg)[1] for z in (a.z, b.z, between)]
+    reaches = [problem.reach(z, leg) for z in (a.z, b.z, between)]
     durations = [abs(float(z[lasting])) for z in (a.z, b.z, between)]
     if reaches[2] > SMALLER * min(reaches[:2]) or durations[2] <= SMALLER * min(durations[:2]):
         return ""
     return _where(problem, a, b, lambda z: rate(z) / first)
 
 
-def _to_zero(problem: HybridOrbit, leg: int, a: Sample, b: Sample) -> str:
+def _to_zero(problem: HybridOrbit, leg: int, a: Sample, b: Sample, magnitudes: np.ndarray) -> str:
     """Where a guard that is nearly zero all along its leg will be; empty if it is not.
 
     A family need not have solutions beyond its point, and is followed then until it is one to rounding. The
     guard falls like a power of what is left of the parameter's way, which its rate at the first orbit tells.
     """
-    before, after = (problem.arrival(s.z, leg)[1] for s in (a, b))
-    if not 0.0 < after < min(POINT * problem.typical_guard(b.z, b.weights, leg), before):
+    before, after = (problem.reach(s.z, leg) for s in (a, b))
+    if not 0.0 < after < before or not after < POINT * problem.typical_guard(b.z, magnitudes, leg):
         return ""
     step = ALONG * float(np.linalg.norm((b.z - a.z) / a.weights)) * a.tangent
-    further = problem.arrival(a.z + step, leg)[1]
+    further = problem.reach(a.z + step, leg)
     left = float(step[-1]) * before / max(before - further, TINY)
     if not before > further or MOST_POWER * abs(left) > REST * float(b.weights[-1]):
         return ""
