@@ -43,7 +43,7 @@ class Entry:
     @cached_property
     def code(self) -> Code:
         """The function in memory; compiled if no earlier process has kept it."""
-        texts = [_text(name) for name in modules_behind(self.module)]
+        texts = text_behind(self.module)
         made_from = (self.name, self.result, self.arguments, *texts, metadata.version("numba"))
         with _LOCK:
             return cached_code(made_from, (self.name,), self._compiled)
@@ -83,6 +83,11 @@ def modules_behind(module: str) -> tuple[str, ...]:
             found.add(name)
             todo += _imported(_text(name))
     return tuple(sorted(found))
+
+
+def text_behind(module: str) -> list[str]:
+    """Texts of `modules_behind`: what decides how something is made by them."""
+    return [_text(name) for name in modules_behind(module)]
 
 
 def _imported(text: str) -> Iterator[str]:

@@ -19,6 +19,7 @@ from contwalk.fields.rounding import error_bounds
 from contwalk.fields.trace import Outputs, Program, roots
 from contwalk.flow.compiled.addresses import address
 from contwalk.flow.compiled.compiled_field import CompiledField
+from contwalk.flow.compiled.derived import Derived, derived
 from contwalk.flow.compiled.products import product_text
 
 _POINTER = ctypes.c_void_p
@@ -76,6 +77,11 @@ class Field(CompiledField):
         self._lock = RLock()
         self._known_constants: dict[bytes, np.ndarray] = {}
         self._differentiable = differentiable
+        # What the graph is now decides all that is derived from it; later it grows by what is derived.
+        self._described = (
+            *(len(graph.nodes), len(graph.tables), self.m, self.n, differentiable),
+            *(self._states, self._parameters, self._time, self._along),
+        )
         self._check(columns, places)
 
     def _check(self, columns: Sequence[Input], places: Sequence[Input]) -> None:
@@ -103,8 +109,22 @@ class Field(CompiledField):
     # -- the Jacobian ------------------------------------------------------------------------------------
 
     @cached_property
+    def _derived(self) -> Derived:
+        """The pattern and the texts, which an earlier process may have kept."""
+        graph, (nodes, tables, *rest) = self._program.graph, self._described
+        described = graph.nodes[:nodes], graph.tables[:tables], self._program.tree, *rest
+        with self._lock:
+            return derived(described, self._derive)
+
+    def _derive(self) -> Derived:
+        own = self._program, *([self._linearization] if self._differentiable else [])
+        texts = [self._text(name, program) for name, program in zip(("rhs", "rhs_jac"), own, strict=False)]
+        rows, ones = (self._rows, self._always_one) if self._differentiable else ([], [])
+        count = sum(width_of(self._program.graph, node) for node in self._hoisted)
+        return Derived(rows, ones, count, texts[0], texts[1] if texts[1:] else "", self._constants_text)
+
+    @cached_property
     def _rows(self) -> list[list[int]]:
-        """For each row the columns of the entries that are nonzero on some path."""
         rows = [set[int]() for _ in range(self.m)]
         for leaf in self._program.leaves():
             if isinstance(leaf, Outputs):
@@ -118,12 +138,12 @@ class Field(CompiledField):
     @cached_property
     def row_ptr(self) -> np.ndarray:  # type: ignore[override]
         """Positions of the rows' first entries in `col`, and their number; (m + 1,)."""
-        return np.cumsum([0, *(len(row) for row in self._rows)], dtype=np.int64)
+        return np.cumsum([0, *(len(row) for row in self._derived.rows)], dtype=np.int64)
 
     @cached_property
     def col(self) -> np.ndarray:  # type: ignore[override]
         """Columns of the entries."""
-        return np.array([k for row in self._rows for k in row], dtype=np.int64)
+        return np.array([k for row in self._derived.rows for k in row], dtype=np.int64)
 
     @cached_property
     def _linearization(self) -> Program:
@@ -149,7 +169,7 @@ class Field(CompiledField):
     @cached_property
     def constant_count(self) -> int:
         """Length of c."""
-        return sum(width_of(self._program.graph, node) for node in self._hoisted)
+        return self._derived.constant_count
 
     def _text(self, name: str, program: Program) -> str:
         places = places_of(self._program.graph, self._hoisted).items()
@@ -159,12 +179,12 @@ class Field(CompiledField):
     @cached_property
     def rhs_text(self) -> str:
         """Its LLVM IR."""
-        return self._text("rhs", self._program)
+        return self._derived.rhs
 
     @cached_property
     def rhs_jac_text(self) -> str:
         """LLVM IR of the field with its Jacobian."""
-        return self._text("rhs_jac", self._linearization)
+        return self._derived.rhs_jac
 
     @cached_property
     def _rhs(self) -> Code:  # type: ignore[override]
@@ -194,24 +214,33 @@ class Field(CompiledField):
         with self._lock:
             return code_of(self.variation_text, ("variation",))
 
-    @cached_property
-    def _constants(self) -> Any:
+    @property
+    def _constants_text(self) -> str:
         program = Program(self._program.graph, Outputs(tuple(self._hoisted)))
-        text = module([function("constants", program, ("p",), self._parameters, time=False)])
-        with self._lock:
-            return code_of(text, ("constants",)).function("constants", None, _POINTER, _POINTER)
+        return module([function("constants", program, ("p",), self._parameters, time=False)])
 
     @cached_property
+    def _constants(self) -> Any:
+        with self._lock:
+            code = code_of(self._derived.constants, ("constants",))
+        return code.function("constants", None, _POINTER, _POINTER)
+
+    @property
     def ones(self) -> list[int]:
         """Positions of the entries of the Jacobian that are always 1."""
-        leaves = [leaf.nodes[self.n :] for leaf in self._linearization.leaves() if isinstance(leaf, Outputs)]
+        return self._derived.ones
+
+    @property
+    def _always_one(self) -> list[int]:
+        leaves = [leaf.nodes[self.m :] for leaf in self._linearization.leaves() if isinstance(leaf, Outputs)]
         one = self._program.graph.one
-        return [i for i in range(len(self.col)) if all(leaf[i] == one for leaf in leaves)]
+        entries = sum(len(row) for row in self._rows)
+        return [i for i in range(entries) if all(leaf[i] == one for leaf in leaves)]
 
     @cached_property
     def _product(self) -> Code:  # type: ignore[override]
         with self._lock:
-            return code_of(product_text(self._rows, self.n, self.ones), ("product",))
+            return code_of(product_text(self._derived.rows, self.n, self.ones), ("product",))
 
     # -- calls from Python -------------------------------------------------------------------------------
 

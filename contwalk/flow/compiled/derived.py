@@ -1,0 +1,81 @@
+"""What is derived from a field's graph, kept on disk: the pattern of its Jacobian, and the texts to compile.
+
+Texts are kept rather than where compiled code is, so that code that is no longer there can be made from them.
+All that belongs to one field is one entry: where constants stand is the same in all of its texts.
+"""
+
+from __future__ import annotations
+
+import marshal
+import sys
+from collections.abc import Callable
+from functools import cache
+from typing import Any, NamedTuple
+
+from contwalk.fields import object_cache
+from contwalk.flow.compiled.entry_points import text_behind
+
+
+class Derived(NamedTuple):
+    """Of one field.
+
+    Parameters
+    ----------
+    rows : list of list of int
+        For each row of the Jacobian the columns of the entries that are nonzero on some path.
+    ones : list of int
+        Positions of the entries that are always 1.
+    constant_count : int
+        How many numbers depend on the parameters alone.
+    rhs, rhs_jac, constants : str
+        LLVM IR. Of a field that is not differentiated `rhs_jac`, `rows` and `ones` are empty.
+    """
+
+    rows: list[list[int]]
+    ones: list[int]
+    constant_count: int
+    rhs: str
+    rhs_jac: str
+    constants: str
+
+
+def derived(described: object, derive: Callable[[], Derived]) -> Derived:
+    """What an earlier process has derived from the same, or what `derive` gives, which is kept.
+
+    Parameters
+    ----------
+    described : object
+        All that decides the result, but for this package's own text: of numbers, texts, and tuples, lists and
+        dictionaries of them, whose `repr` tells all.
+    derive : callable
+        Asked if nothing is kept, or if it is damaged.
+    """
+    name = object_cache.key("derived", sys.version, _generator(), repr(described))
+    found = _read(name, object_cache.load(name))
+    if found is None:
+        found = derive()
+        object_cache.store(name, marshal.dumps((name, *found)))
+    return found
+
+
+def _read(name: str, content: bytes | None) -> Derived | None:
+    """An entry; None if it is none of this name."""
+    if content is None:
+        return None
+    try:
+        own, *values = marshal.loads(content)
+        found = Derived(*values)
+    except (ValueError, TypeError, EOFError):
+        return None
+    return found if own == name and _is_sound(found) else None
+
+
+def _is_sound(found: Derived) -> bool:
+    kinds: tuple[type[Any], ...] = (list, list, int, str, str, str)
+    return all(isinstance(value, kind) for value, kind in zip(found, kinds, strict=True))
+
+
+@cache
+def _generator() -> str:
+    """Hash of the text of all modules that texts are made by."""
+    return object_cache.key(*text_behind("contwalk.flow.compiled.field"))
