@@ -22,6 +22,10 @@ DUST = 1e-18
 CHORDS, NEAR, CONTRACTS = 3, 1e-2, 0.1
 # Iterations that may follow when corrections are small already.
 SETTLING = 12
+# A correction of so many iterations shortens the next step: unknowns that are hard to guess are fitted.
+LABORIOUS = 4
+# Fitted unknowns take a solution out of its hyperplane: it is back in it to this part of the metric.
+ON_PLANE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -64,6 +68,8 @@ def correct(
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             guess = _clean(guess, weights)
             found = _iterated(problem, guess, normal, weights, iterations, damped)
+            if not damped and (not found.ok or found.iterations >= LABORIOUS):
+                found = _with_fitted(problem, guess, normal, weights, iterations, found)
             if found.ok:
                 return _without_dust(problem, found, weights)
             first = problem.linearize(guess)
@@ -72,6 +78,39 @@ def correct(
             return found
     except PluginError as error:
         return Correction(guess, None, 0, "plugin_error", error.sentence)
+
+
+def _with_fitted(
+    problem: Problem,
+    guess: np.ndarray,
+    normal: np.ndarray,
+    weights: np.ndarray,
+    iterations: int,
+    found: Correction,
+) -> Correction:
+    """Newton's method on the other unknowns, those that are hard to guess solved for after each of its steps.
+
+    What was found without stays where this takes no fewer iterations, or where no unknowns are of that kind.
+    """
+    known = problem.linearize(guess) if found.linearization is None else found.linearization
+    fitted = known.fitted
+    if fitted is None:
+        return found
+    z, effort, previous = fitted(guess, normal, weights), 0, np.inf
+    most = iterations + 1 if not found.ok else found.iterations
+    while z is not None and effort < most:
+        here = problem.linearize(z)
+        if not here.finite:
+            return found
+        step = _newton_step(here, here.residual, normal, normal @ (z - guess), weights)
+        size = np.inf if step is None else float(np.linalg.norm(step / weights))
+        if size < ON_PLANE or (size < NEARLY and size > 0.25 * previous):
+            return Correction(z, here, effort) if here.excess <= ROUNDED else found
+        if step is None or size > 0.7 * previous:
+            return found
+        z, previous = fitted(z - step, normal, weights), size
+        effort += int(size >= NEARLY)
+    return found
 
 
 def _clean(z: np.ndarray, weights: np.ndarray) -> np.ndarray:

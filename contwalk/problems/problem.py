@@ -34,12 +34,16 @@ FLAT_FOLD = "FLAT"
 # A relative margin this far below zero is zero still: on the steps of a branch it is not known better.
 NO_MARGIN = 1e-7
 
+# Unknowns fitted for a corrector's hyperplane, given with its normal and the metric.
+Fitted = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray | None]
+
 
 class Linearization:
     """The equations at one z: F, shape (N,), and DF, shape (N, N + 1).
 
     What is only needed near a solution is computed when it is first asked for, by `levels`. `nearby` tells F
-    at other points near z, where that is far cheaper than DF; else it is None.
+    at other points near z, where that is far cheaper than DF; else it is None. `fitted(z, normal,
+    weights)` tells z with those unknowns solved for that are hard to guess, None where there are none.
     """
 
     def __init__(
@@ -50,10 +54,11 @@ class Linearization:
         magnitudes: Callable[[], np.ndarray] | None = None,
         factor: Callable[[np.ndarray, np.ndarray], Factorization] = Factored,
         nearby: Callable[[np.ndarray], np.ndarray] | None = None,
+        fitted: Fitted | None = None,
     ) -> None:
         self.residual = residual
         self.jacobian = jacobian
-        self.nearby = nearby
+        self.nearby, self.fitted = nearby, fitted
         self._factor = factor
         self._bordered: tuple[bytes, Factorization] | None = None
         self._levels = levels

@@ -22,6 +22,7 @@ from contwalk.problems.hybrid import (
     condensed,
     cutting,
     families,
+    lasting,
     least,
     limits,
     neighbours,
@@ -413,7 +414,12 @@ class HybridOrbit:
             lambda: magnitudes(z),
             self._factored,
             unowned(self.residual),
+            unowned(self.fitted),
         )
+
+    def fitted(self, z: np.ndarray, normal: np.ndarray, weights: np.ndarray) -> np.ndarray | None:
+        """Unknowns whose legs last until their guards are met, for steps that are mostly of durations."""
+        return lasting.fitted(self, z, normal, weights)
 
     def jacobian(self, z: np.ndarray) -> np.ndarray:
         """DF(z), shape (N, N + 1)."""

@@ -5,45 +5,9 @@ from __future__ import annotations
 import re
 
 import pytest
+from resets import study, told_limit
 
-import contwalk as cw
-
-PLUGIN = """\
-import math
-from contwalk.system import Mode, Parameter, State, System, Transition
-
-def field(t, x, p, dx):
-{field}
-
-def reset(t, x, p, x_plus):
-{reset}
-
-SYSTEM = System("small", states=({states},), parameters=(Parameter("I", {value}),), modes=(Mode("m", field),),
-    transitions=(Transition("spike", "m", "m", lambda t, x, p: x[0] - {peak}, "rising", reset),))
-"""
 SADDLE = "dx[0] = x[0]; dx[1] = -2.0 * x[1]", "x_plus[0] = p.I + 0.5 * x[1]; x_plus[1] = 1.0"
-
-
-def study(folder, field, reset, states, start, value, low, high, peak):
-    def lines(text):
-        return "\n".join("    " + line for line in text.split("; "))
-
-    declared = ", ".join(f'State("{name}")' for name in states)
-    text = PLUGIN.format(field=lines(field), reset=lines(reset), states=declared, value=value, peak=peak)
-    (folder / "small.py").write_text(text)
-    (folder / "run.yaml").write_text(
-        f"contwalk: 1\nsystem: ./small.py\nstart: {{simulate: {{state: {start}, until: settled}}}}\n"
-        f"continue: {{parameter: I, range: [{low}, {high}], max_points: 300}}\ndiagram: {{follow: none}}\n"
-    )
-    result = cw.run(cw.read_run_file(folder / "run.yaml", output=folder / "run.h5"), figures=False)
-    return result.branches[0]
-
-
-def told_limit(branch):
-    """The parameter at which the message says that the period is infinite, and its error."""
-    found = re.search(r"at I = (\S+) \+- (\S+),", branch.outcome.message)
-    assert found, branch.outcome.message
-    return float(found[1]), float(found[2])
 
 
 @pytest.mark.parametrize(
