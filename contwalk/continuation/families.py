@@ -26,6 +26,9 @@ LASTS = 1e-4
 # be found there.
 BESIDE, THERE = 1e-3, 0.5
 ITERATIONS, SOLVED = 6, 1e3
+# Steps from a guess to a member: how many, and how long they may be. They are damped by the square of the
+# residual, by so much more each time it grows, and never by less than this part of it.
+TRIES, LONGEST, DAMPED, LEAST = 30, 0.5, 10.0, 1e-3
 # A multiplier is 1 to the root of this, where it is double: what rounding and the steps of a start do.
 DOUBLE = 1e-6
 
@@ -120,6 +123,35 @@ def is_one_of_a_family(problem: Orbit, z: np.ndarray) -> bool:
         return False
     moved = float(((there - z) / weights) @ (direction / weights))
     return moved > THERE * BESIDE and own is not None and _deficient(own)
+
+
+def member_near(problem: Orbit, z: np.ndarray) -> np.ndarray | None:
+    """A member of a family near a guess, at the same parameters; None where the guess leads to none.
+
+    Newton's method goes astray there: the smallest singular value vanishes with the residual. Damped by the
+    residual's own size, steps by least squares come to the family as fast as Newton's to a single orbit
+    (J. Fan & Y. Yuan, Computing 74 (2005) 23).
+    """
+    weights, here, extra = filled_magnitudes(problem, z), problem.linearize(z), 1.0
+    for _ in range(TRIES):
+        matrix = here.jacobian[:, :-1] * weights[:-1]
+        if not (np.isfinite(matrix).all() and np.isfinite(here.residual).all()):
+            return None
+        scales = _row_scales(problem, matrix)
+        left, values, right = np.linalg.svd(matrix / scales[:, None])
+        rest = here.residual / scales
+        damping = extra * float(rest @ rest)
+        step = -right.T @ (values / (values**2 + damping) * (left.T @ rest))
+        step *= LONGEST / max(LONGEST, float(np.abs(step).max()))
+        trial = z + np.append(step, 0.0) * weights
+        there = problem.linearize(trial)
+        if not np.linalg.norm(there.residual / scales) < np.linalg.norm(rest):
+            extra *= DAMPED
+            continue
+        z, here, extra = trial, there, max(extra / DAMPED, LEAST)
+        if here.excess_in(weights) <= SOLVED:
+            return z
+    return None
 
 
 def _scaled(problem: Orbit, z: np.ndarray, weights: np.ndarray) -> np.ndarray | None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.continuation import outcomes
-from contwalk.continuation.families import ONE_OF_A_FAMILY, Places, family_at, is_one_of_a_family
+from contwalk.continuation.families import ONE_OF_A_FAMILY, Places, family_at, is_one_of_a_family, member_near
 from contwalk.continuation.newton import Correction
 from contwalk.continuation.opening import Opening, opened
 from contwalk.continuation.settings import Settings
@@ -247,7 +247,8 @@ def _hybrid(
         with problem.effort.of_start(problem.cost, settled):
             here = begin(problem, z, settings)
     except StartError as error:
-        return outcomes.refused(f"{error.sentence} (word: {word})", error.remedy)
+        found = _one_of_a_family_near(problem, z)
+        return found or outcomes.refused(f"{error.sentence} (word: {word})", error.remedy)
     if not isinstance(here, Here):
         refuse(problem.kinks_of(z))
         return _not_alone(problem, z, here) or outcomes.no_start(
@@ -288,7 +289,22 @@ def _hybrid(
 
 def _not_alone(problem: HybridOrbit | PeriodicOrbit, z: np.ndarray, failure: Correction) -> Outcome | None:
     """The outcome where orbits near a start come in a family; None where something else keeps it."""
-    return None if failure.reason != "no_convergence" else _family(problem, z)
+    if failure.reason != "no_convergence":
+        return None
+    found = _family(problem, z)
+    return found or (_one_of_a_family_near(problem, z) if isinstance(problem, HybridOrbit) else None)
+
+
+def _one_of_a_family_near(problem: HybridOrbit, z: np.ndarray) -> Outcome | None:
+    """The outcome of a start that comes back on none of its laps, where orbits near it come in a family."""
+    try:
+        with problem.effort.of_start(problem.cost):
+            member = member_near(problem, z)
+    except (StartError, PluginError, NotFinite, np.linalg.LinAlgError):
+        return None
+    if member is None or problem.collapsed(member) or not is_one_of_a_family(problem, member):
+        return None
+    return _family(problem, member)
 
 
 def _family(problem: HybridOrbit | PeriodicOrbit, z: np.ndarray) -> Outcome | None:
