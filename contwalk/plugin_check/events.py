@@ -355,7 +355,7 @@ def _states_at_event(
         row = k % len(samples.states)
         t = float(samples.times[row])
         x = samples.states[row] + samples.scales * normal(random, len(samples.scales))
-        at = _onto(guard, t, guard.given(x), samples)
+        at = state_on(guard, t, guard.given(x), samples)
         if at is None:
             continue
         rate = _rate(guard, field, t, at, samples)
@@ -364,7 +364,7 @@ def _states_at_event(
     return found
 
 
-def _onto(guard: Traced, t: float, x: np.ndarray, samples: Samples) -> np.ndarray | None:
+def state_on(guard: Traced, t: float, x: np.ndarray, samples: Samples) -> np.ndarray | None:
     """The state where the guard is zero, reached along its gradient in the metric of the scales."""
     for _ in range(ITERATIONS):
         value = guard.values(t, x, samples.values)[0]

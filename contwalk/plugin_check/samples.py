@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from random import Random
 from typing import Any
@@ -80,10 +81,15 @@ def where_not_finite(
 ) -> tuple[Place, str]:
     """The line at which a NaN or infinity first arises, and what arises there."""
     original = function.function
+    text = first_not_finite(as_field(function), t, function.given(x).tolist(), parameters, named=original)
+    return split_place(text or "the result is not finite", place_of(original))
 
-    def as_field(t: Any, x: Any, p: Any, out: Any) -> None:
+
+def as_field(function: Traced) -> Callable[..., Any]:
+    """The function in the form of a field, also where it returns a number."""
+    original = function.function
+
+    def written(t: Any, x: Any, p: Any, out: Any) -> None:
         out[0] = original(t, x, p)
 
-    of_field_form = original if function.form.argument else as_field
-    text = first_not_finite(of_field_form, t, function.given(x).tolist(), parameters, named=original)
-    return split_place(text or "the result is not finite", place_of(original))
+    return original if function.form.argument else written

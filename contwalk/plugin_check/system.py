@@ -16,6 +16,7 @@ from contwalk.plugin_check import declarations
 from contwalk.plugin_check.absent import check_absent
 from contwalk.plugin_check.at_events import check_at_event
 from contwalk.plugin_check.conserved import check_conserved
+from contwalk.plugin_check.event_kinks import check_event_kinks
 from contwalk.plugin_check.events import Happening, check_passing, check_transition
 from contwalk.plugin_check.findings import Finding, Report, place_of, place_of_error, split_place
 from contwalk.plugin_check.functions import check_map
@@ -104,6 +105,7 @@ def check_system(system: System, sources: Sequence[Path] = (), model: str = "") 
     for happening in happenings:
         field = fields[happening.transition.source]
         check_passing(report, happening, field, samples, happenings)
+        check_event_kinks(report, happening, system, samples)
     check_reachable(report, system)
     check_twins(report, system, {each.transition.name: each.guard for each in happenings})
     seen = None
