@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 
 from contwalk.continuation.locating import Disagreement, Found, accepted
-from contwalk.continuation.segment import Segment
+from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.numerics.bracketing import narrow
 from contwalk.problems.problem import Located, Problem
 
@@ -46,6 +46,7 @@ def passed(segment: Segment, begins: bool) -> list[Found]:
     """
     problem, a, b = segment.problem, segment.a, segment.b
     found: list[Found] = []
+    lost: dict[int, LostBranch | Disagreement] = {}
     for which in sorted(_changed(a.margins, b.margins, begins), key=lambda k: problem.limits[k].rank):
         first, last = float(a.margins[which]), float(b.margins[which])
         if abs(first) <= BORN and last > 0.0:
@@ -58,9 +59,16 @@ def passed(segment: Segment, begins: bool) -> list[Found]:
             low, first = _beside(segment, which) if last < 0.0 else (0.0, ROUNDED)
         if (first > 0.0) == (last > 0.0):
             continue
-        point = _located(segment, which, first, last, found, low)
+        try:
+            point = _located(segment, which, first, last, found, low)
+        except (LostBranch, Disagreement) as error:
+            lost[which] = error
+            continue
         if point is not None and not any(point is known for known in found):
             found.append(point)
+    for which, reason in lost.items():  # told by the leg that vanishes where they pass zero
+        if not any(which in point.located.vectors.get("vanishing", ()) for point in found):
+            raise reason
     return sorted(found, key=lambda f: f.theta)
 
 
@@ -126,7 +134,12 @@ def _located(
 
     def known(located: Located, theta: float) -> Found | None:
         same = [f for f in told if abs(f.theta - theta) < SAME_PLACE]
-        alike = (f for f in same if _alike(problem, int(f.located.vectors["limit"]), which))
+        alike = (
+            f
+            for f in same
+            if which in f.located.vectors.get("vanishing", ())
+            or _alike(problem, int(f.located.vectors["limit"]), which)
+        )
         return next(alike, None)
 
     tried = np.inf  # width of the bracket when the equations were last tried, in vain

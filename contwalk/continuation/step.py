@@ -22,6 +22,8 @@ from contwalk.problems.problem import Linearization, Located, Problem, Sample
 COINCIDE = 1e-9
 # What lies this near before the end of the admissible orbits, in parts of the step, is not told from it.
 BEFORE_LIMIT = 1e-4
+# The same where a leg vanishes, as far as solutions are not to be found nearer.
+BEFORE_VANISHING = (1e-2, 1e-1, 3e-1)
 # A family of orbits is followed to this size, in the metric, before it counts as shrunk onto its Hopf point.
 NEARLY_SHRUNK = 1e-3
 # The field's domain ends where a step this short still leaves it.
@@ -240,10 +242,7 @@ def _special(
         if end is None:
             found = [*_smooth(segment, settings, observer, born), *reached]
         else:  # what lies beyond is not the machine's motion, and its tests tell nothing
-            share = end.theta * (1.0 - BEFORE_LIMIT)
-            part = segment.until(share) if share > 0.0 else None
-            found = [] if part is None else _smooth(part, settings, observer, born)
-            found = [replace(f, theta=share * f.theta) for f in found]
+            found = _smooth_before(segment, end, settings, observer, born)
             found += [f for f in reached if f.theta <= end.theta]
     except Disagreement as disagreement:
         if not smallest:
@@ -253,6 +252,28 @@ def _special(
     if any(not low <= f.located.z[-1] <= high for f in found):
         raise Disagreement("EP", "The step passes the end of the range and comes back.")
     return _with_counts(sorted(found, key=lambda f: f.theta), segment.a.unstable)
+
+
+def _smooth_before(
+    segment: Segment, end: Found, settings: Settings, observer: Observer, born: bool
+) -> list[Found]:
+    """Everything special on a segment that lies before a limit at which the branch ends.
+
+    Solutions right beside a leg that vanishes are not to be found: there it is looked for a little less far.
+    """
+    nearer = (BEFORE_LIMIT, *(BEFORE_VANISHING if "vanishing" in end.located.vectors else ()))
+    for less in nearer:
+        share = end.theta * (1.0 - less)
+        if share <= 0.0:
+            break
+        try:
+            found = _smooth(segment.until(share), settings, observer, born)
+        except LostBranch:
+            if less == nearer[-1]:
+                raise
+            continue
+        return [replace(f, theta=share * f.theta) for f in found]
+    return []
 
 
 def _ends_at_a_limit(segment: Segment, found: list[Found], settings: Settings) -> bool:

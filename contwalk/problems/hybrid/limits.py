@@ -19,13 +19,15 @@ included.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.errors import StartError
+from contwalk.errors import StartError, UnsupportedOperation
+from contwalk.flow.events.guard_derivatives import MOST_ORDER
 from contwalk.memory import computed_once
 from contwalk.problems.hybrid.shooting import Piece
 from contwalk.problems.hybrid.view import LegView
@@ -332,7 +334,7 @@ def _leaving(watch: _Watch) -> tuple[float, float, float]:
     fastest = max(watch.fastest, 1e-300)
     if abs(watch.rates[0]) > ZERO * fastest or abs(watch.values[0]) > ZERO * watch.scale:
         return np.inf, fastest, 0.0
-    view, map_ = watch.view, watch.view.piece.passage.bending(watch.transition)
+    view, map_ = watch.view, watch.view.piece.passage.guard_derivative(watch.transition, 2)
     c = map_.constants(view.piece.values(view.scalars))
     return watch.sign * float(map_(0.0, view.x, c)[0]), fastest, 0.0
 
@@ -521,7 +523,7 @@ def located(problem: HybridOrbit, which: int, sample: Sample) -> Located | None:
     try:
         system = _system(problem, which, limit, sample)
         return None if system is None else augmented.solved(problem, system, sample)
-    except np.linalg.LinAlgError:
+    except (np.linalg.LinAlgError, UnsupportedOperation):
         return None
 
 
@@ -558,10 +560,10 @@ def _system(problem: HybridOrbit, which: int, limit: Limit, sample: Sample) -> a
 
 def _doubtful(problem: HybridOrbit, limit: Limit) -> tuple[int, ...]:
     """The legs that may have vanished where a limit is met: its own, or the one that its event leads to."""
-    if limit.test == "rate":
-        return limit.leg, (limit.leg + 1) % problem.layout.legs
     own = problem.word.legs[limit.leg].name == limit.name
-    return (limit.leg,) if limit.test == "duration" or (limit.test == "dip" and own) else ()
+    if limit.test == "rate" or (limit.test == "dip" and own):
+        return limit.leg, (limit.leg + 1) % problem.layout.legs
+    return (limit.leg,) if limit.test == "duration" else ()
 
 
 def _vanishes(problem: HybridOrbit, i: int, sample: Sample) -> bool:
@@ -622,20 +624,22 @@ def collapses(problem: HybridOrbit, i: int) -> bool:
 def _vanishing(problem: HybridOrbit, which: int, i: int, sample: Sample) -> augmented.Augmented:
     """The equations of an orbit whose leg i lasts no time, between zeros of a guard that turns there.
 
-    Its duration is zero, and so is the guard's rate at its start, or the second derivative of one that its
-    motion begins without rate. Legs that vanish with it have no duration either: those of its image, where
-    nobody has declared the symmetry. Of the orbit's own equations as many say nothing new there, mostly those
-    of the guards at the ends of these legs: they are unfolded by unknowns that are zero.
+    Its duration is zero, and so is the first of the guard's derivatives along the motion at its start that is
+    not zero however long the leg lasts: the rate, the second one of a guard that begins without rate, the
+    third one of a contact that is left where its force is zero. Legs that vanish with it have no duration
+    either: those of its image, where nobody has declared the symmetry. Of the orbit's own equations as many
+    say nothing new there, mostly those of the guards at the ends of these legs: they are unfolded by unknowns
+    that are zero.
     """
     size, gone = problem.size, [i, *_vanishing_with(problem, i, sample)]
     transition = problem.word.legs[i].transition
     assert transition is not None
-    bends = _begins_without_rate(problem, i, transition, sample)
+    order = _first_derivative(problem, i, transition, sample)
 
     def conditions(there: Any, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The orbit's equations with those of the legs that have gone."""
         own, lasting = there.linearize(z), np.array(gone) + there.layout.durations.start
-        value, slopes = _starting(there, i, transition, z, bends)
+        value, slopes = _starting(there, i, transition, z, order)
         rows = np.vstack([np.eye(size + 1)[lasting], there.layout.spread(i, slopes[None])])
         return np.concatenate([own.residual, z[lasting], [value]]), np.vstack([own.jacobian, rows])
 
@@ -649,11 +653,24 @@ def _vanishing(problem: HybridOrbit, which: int, i: int, sample: Sample) -> augm
         columns[:size] = there.equation_scales[:, None] * unfolding
         return residual + columns @ y[size + 1 :], np.hstack([jacobian, columns])
 
+    around = _around(problem, gone)
+
     def vectors(there: Any, y: np.ndarray) -> dict:
-        return {"limit": which, "seconds": float(y[there.layout.durations][there.limits[which].leg])}
+        seconds = float(y[there.layout.durations][there.limits[which].leg])
+        return {"limit": which, "seconds": seconds, "vanishing": around}
 
     start, scale = (np.append(v, np.full(len(gone), w)) for v, w in ((sample.z, 0.0), (sample.weights, 1.0)))
     return augmented.Augmented(evaluate, start, scale, vectors)
+
+
+def _around(problem: HybridOrbit, gone: Sequence[int]) -> tuple[int, ...]:
+    """The limits that pass zero where legs vanish: of the events at both ends of each, on it and beside it.
+
+    Solutions beside that point are hardly known: of all equations only one tells whether the leg lasts.
+    """
+    legs, m = problem.word.legs, problem.layout.legs
+    beside = {(i + k) % m: {legs[i].name, legs[(i - 1) % m].name} for i in gone for k in (-1, 0, 1)}
+    return tuple(k for k, limit in enumerate(problem.limits) if limit.name in beside.get(limit.leg, ()))
 
 
 def _redundant(jacobian: np.ndarray, rows: np.ndarray, columns: np.ndarray, count: int) -> np.ndarray:
@@ -681,34 +698,43 @@ def _vanishing_with(problem: HybridOrbit, i: int, sample: Sample) -> list[int]:
     ]
 
 
-def _begins_without_rate(problem: HybridOrbit, i: int, transition: Transition, sample: Sample) -> bool:
-    """Whether a guard's rate is zero where a short leg begins, as after a release from rest, however long it
-    lasts.
+def _first_derivative(problem: HybridOrbit, i: int, transition: Transition, sample: Sample) -> int:
+    """The order of the first derivative of a guard by time that is not zero where a short leg begins, however
+    long it lasts: after a release from rest it is not the rate.
 
-    Otherwise a guard that is zero again after T has begun with the rate -b T / 2, b its second derivative.
+    A guard that is zero again after T has begun with the derivative -b T / (k + 1) of order k, b the next
+    one.
+
+    Raises
+    ------
+    UnsupportedOperation
+        If derivatives become too large before one is not zero.
+    LinAlgError
+        If all of them are zero.
     """
     z = _solution(problem, sample)
-    rate, bend = (float(_starting(problem, i, transition, z, bends)[0]) for bends in (False, True))
-    rounding = STILL * _typical(problem, i, transition, sample) / problem.mesh.total
-    return abs(rate) < max(LITTLE * abs(bend * float(z[problem.layout.durations][i])), rounding)
+    lasting, typical = abs(float(z[problem.layout.durations][i])), _typical(problem, i, transition, sample)
+    value = float(_starting(problem, i, transition, z, 1)[0])
+    for order in range(1, MOST_ORDER):
+        following = float(_starting(problem, i, transition, z, order + 1)[0])
+        rounding = STILL * typical / problem.mesh.total**order
+        if abs(value) >= max(LITTLE * abs(following) * lasting, rounding):
+            return order
+        value = following
+    raise np.linalg.LinAlgError(f"All derivatives of '{transition.name}' are zero where its leg begins.")
 
 
 def _starting(
-    problem: HybridOrbit, i: int, transition: Transition, z: np.ndarray, bends: bool
+    problem: HybridOrbit, i: int, transition: Transition, z: np.ndarray, order: int
 ) -> tuple[float, np.ndarray]:
-    """A guard's rate where leg i begins, or its second derivative, with derivatives by the leg's inputs."""
+    """A guard's derivative by time of an order where leg i begins, with derivatives by the leg's inputs."""
     piece, (x, scalars) = problem.pieces[i], problem.layout.inputs(i, z)
     n = len(x)
     # Over the leg's own time they would be zero with it.
     scalars = np.append(1.0, scalars[1:])
-    if bends:
-        map_ = piece.passage.bending(transition)
-        values, derivative = map_.linearized(0.0, x, map_.constants(piece.values(scalars)))
-        value, slopes = float(values[0]), derivative[0].copy()
-    else:
-        watched = piece.passage.watched(transition.name, transition.guard)
-        found, derivative = watched.differentiated(0.0, x, np.eye(n, n + len(scalars)), piece.values(scalars))
-        value, slopes = float(found[1]), derivative[1].copy()
+    map_ = piece.passage.guard_derivative(transition, order)
+    values, derivative = map_.linearized(0.0, x, map_.constants(piece.values(scalars)))
+    value, slopes = float(values[0]), derivative[0].copy()
     slopes[n] = 0.0
     return value, slopes
 
@@ -730,7 +756,7 @@ def _rows(problem: HybridOrbit, limit: Limit, y: np.ndarray, share: float) -> tu
         return values, layout.along(layout.segments_of(i)[-1], derivative)
     transition = problem.transition_of(limit)
     if limit.test == "leaving":
-        map_ = piece.passage.bending(transition)
+        map_ = piece.passage.guard_derivative(transition, 2)
         c = map_.constants(piece.values(scalars))
         value, derivative = map_.linearized(0.0, x, c)
         return value, layout.spread(i, derivative)

@@ -51,6 +51,8 @@ TOGETHER = 1e-8
 TOUCHES, TOUCHED, ARRIVED, SAME_TOUCH = ("dip", "rate"), 1e-6, 1e-4, 1e-2
 # Directions of a branch before and after an exchange that differ by more make a corner.
 CORNER = 1e-5
+# A state comes back to wherever it starts from if closing up tells this little of it.
+STILL = 1e-9
 # How far along the new branch its orbits are looked at, in the metric: the first that is admissible counts.
 STEPS = (1e-3, 1e-4, 1e-2)
 
@@ -68,11 +70,17 @@ class _None(Exception):
     """There is no neighbour; the text says what was tried."""
 
 
+class _Undetermined(_None):
+    """There are orbits of the neighbouring word, but no branch of them."""
+
+
 def found(problem: HybridOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
     """The branches of neighbouring words that leave a limit, and in words what was found, or tried."""
     try:
         limit, place = _limit_of(problem, point)
         seeds = _leaving(*_turned(problem, np.array(point.unknowns), limit), place, point.label)
+    except _Undetermined as reason:
+        return (), str(reason)
     except _None as reason:
         simulated, told = beyond.seeds(problem, point)
         return simulated, f"No orbit of another signature passes there: {reason} {told}"
@@ -658,6 +666,7 @@ def _seed(neighbour: Neighbour, label: str, words: str) -> Seed:
     rough, z = least(rough, z)
     there = discretized(rough, z)
     weights = filled_magnitudes(there, z)
+    _refuse_undetermined(there, z, weights)
     tangent = kernel_direction(there.linearize(z).jacobian, weights)
     tried = []
     for way in (1.0, -1.0):
@@ -673,6 +682,33 @@ def _seed(neighbour: Neighbour, label: str, words: str) -> Seed:
         return Seed(label, z, direction, amplitude(direction), walking, one_sided=True)
     reasons = told_once(tried)
     raise _None(f"orbits with signature {words} solve the equations there, but beside it {reasons}.")
+
+
+def _refuse_undetermined(problem: HybridOrbit, z: np.ndarray, weights: np.ndarray) -> None:
+    """Refuse orbits without events in which a state closes up from wherever it starts.
+
+    A mode that only keeps a state until it is left, as a contact does, says nothing of where it is.
+
+    Raises
+    ------
+    _Undetermined
+    """
+    if problem.word.eventful or not problem.forced:
+        return
+    scaled = problem.linearize(z).jacobian / problem.equation_scales[:, None] * weights
+    _, sizes, rows = np.linalg.svd(scaled)
+    if sizes[-1] > STILL * sizes[0]:
+        return
+    place, passage = problem.layout.states[0], problem.passages[0]
+    # Of the two directions of solutions, the one in which the parameter stays.
+    one, other = rows[-2], rows[-1]
+    kept = (one * other[-1] - other * one[-1])[place]
+    name = problem.system.state_names[passage.states[int(np.argmax(np.abs(kept)))]]
+    raise _Undetermined(
+        f"Beyond it the machine stays in mode '{problem.word.legs[0].mode}' for ever, where '{name}' comes "
+        f"back to whatever it starts from: at each {problem.free} there is a family of such orbits, and no "
+        "branch to follow. Nothing to do."
+    )
 
 
 def _looks(

@@ -15,12 +15,13 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.errors import SystemDefinitionError
+from contwalk.errors import SystemDefinitionError, UnsupportedOperation
 from contwalk.fields.derivative import directional
 from contwalk.fields.rebind import rebound
 from contwalk.fields.switching import Switching, choices_of
 from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow import CompiledField, Field, Restricted
+from contwalk.flow.events.guard_derivatives import MOST_NODES
 from contwalk.memory import remembered
 from contwalk.problems import conserving
 from contwalk.problems.hybrid.watching import Watched
@@ -327,21 +328,34 @@ class Passage:
             self._fields[key] = self._watching([transition.guard for transition in self.leaving])
         return self._fields[key]
 
-    def bending(self, transition: Transition) -> Field:
-        """The second derivative of a guard over the leg's own time, as a map."""
-        key = "bending", transition.name, True
+    def guard_derivative(self, transition: Transition, order: int) -> Field:
+        """A derivative of a guard over the leg's own time along the motion, of an order from one, as a map.
+
+        Raises
+        ------
+        UnsupportedOperation
+            If its graph is larger than MOST_NODES.
+        """
+        key = "guard derivative", transition.name, order, True
         if key not in self._fields:
             copy = rebound(transition.guard)
             program = trace(lambda tracer: [copy(*self._arguments(tracer)), *self._rates(tracer)])
             graph = program.graph
 
-            def bend(outputs: tuple[int, ...]) -> list[int]:
+            def derivative(outputs: tuple[int, ...]) -> list[int]:
                 value, *rates = outputs
                 inputs = [graph.input("u", k) for k in range(len(self.states))]
                 moving = {graph.input("t", 0): graph.one, **dict(zip(inputs, rates, strict=True))}
-                return directional(graph, directional(graph, [value], moving), moving)
+                for _ in range(order):
+                    if len(graph.nodes) > MOST_NODES:
+                        raise UnsupportedOperation(
+                            f"Derivative {order} of '{transition.name}' by time is too large.",
+                            "Shorten the field or the guard.",
+                        )
+                    (value,) = directional(graph, [value], moving)
+                return [value]
 
-            self._compiled(key, program.transformed(bend), PLAIN, 1)
+            self._compiled(key, program.transformed(derivative), PLAIN, 1)
         return self._fields[key]
 
     @cached_property

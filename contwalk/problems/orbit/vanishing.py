@@ -36,6 +36,8 @@ POINT, REST = 1e-8, 1e-3
 MOST_POWER, ALONG, TINY = 4.0, 1e-2, 1e-300
 # Where a size passes zero is known to this part of the way; steps of the search for it.
 CLOSE, SEARCHES = 1e-13, 60
+# A leg that takes less than this part of the closure vanishes, rather than lasts.
+LASTS = 1e-2
 
 Size = Callable[[np.ndarray], float]
 
@@ -100,6 +102,8 @@ def _through_zero(problem: HybridOrbit, leg: int, a: Sample, b: Sample) -> str:
     lasting = problem.layout.durations.start + leg
     between = _cubic(a, b)(first / (first - last))
     reaches = [problem.reach(z, leg) for z in (a.z, b.z, between)]
+    if a.z[lasting] * b.z[lasting] <= 0.0:
+        return ""  # the leg vanishes, and its guard with it
     durations = [abs(float(z[lasting])) for z in (a.z, b.z, between)]
     if reaches[2] > SMALLER * min(reaches[:2]) or durations[2] <= SMALLER * min(durations[:2]):
         return ""
@@ -117,6 +121,8 @@ def _to_zero(problem: HybridOrbit, leg: int, a: Sample, b: Sample, magnitudes: n
         return ""
     step = ALONG * float(np.linalg.norm((b.z - a.z) / a.weights)) * a.tangent
     further = problem.reach(a.z + step, leg)
+    if abs(float(b.z[problem.layout.durations][leg])) < LASTS * problem.duration(b.z):
+        return ""  # the leg vanishes, and its guard with it
     left = float(step[-1]) * before / max(before - further, TINY)
     if not before > further or MOST_POWER * abs(left) > REST * float(b.weights[-1]):
         return ""
