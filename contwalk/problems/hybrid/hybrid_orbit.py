@@ -1166,7 +1166,9 @@ class HybridOrbit:
         """How fast the guard that ends leg i arrives."""
         transition, piece = self.word.legs[i].transition, self.pieces_of(z, i)[-1]
         assert transition is not None
-        return float(piece.guard(transition)[2][-1]) / (piece.duration or 1.0)
+        # Where soft transitions come and go, the leg ends in another mode than the word was read off in.
+        own = piece.piece.passage.leg.transition or transition
+        return float(piece.guard(own)[2][-1]) / (piece.duration or 1.0)
 
     def reach(self, z: np.ndarray, i: int) -> float:
         """Largest value, at the steps, of the guard that ends leg i."""

@@ -181,3 +181,48 @@ class TestDeclaredHard:
     def test_together_they_reach_both_ends(self, force, signatures, kind):
         forces = np.concatenate([branch["force"] for branch in declared_hard(force)])
         assert [forces.min(), forces.max()] == [0.5 * TOUCH, 2.0 * TOUCH]
+
+
+def filling(t, x, p, dx):
+    dx[0] = p.a - x[0]
+    dx[1] = 1.0
+
+
+def leaking(t, x, p, dx):
+    dx[0] = p.a - 2.0 * x[0]
+    dx[1] = 1.0
+
+
+def taken(t, x, p, x_plus):
+    x_plus[0] = x[0] - 1.0
+    x_plus[1] = 0.0
+
+
+def test_an_event_that_comes_to_happen_in_another_mode_is_passed():
+    """A tank from which one unit is taken each second leaks above zero: its level before that passes zero at
+    a = 1 / (e - 1), and the event's leg ends in the other mode from there on."""
+
+    def due(t, x, p):
+        return x[1] - 1.0
+
+    tank = machine(
+        ["level", "clock"],
+        {"a": 0.3},
+        {"dry": filling, "wet": leaking},
+        [
+            Transition("up", "dry", "wet", lambda t, x, p: x[0], "rising", role="soft"),
+            Transition("down", "wet", "dry", lambda t, x, p: x[0], "falling", role="soft"),
+            Transition("take", "dry", "dry", due, "rising", taken),
+            Transition("take", "wet", "dry", due, "rising", taken),
+        ],
+    )
+    (branch,) = diagram(tank, "a", (0.3, 1.2), [-0.9, 0.0], until="settled", direction="up")
+    assert branch.outcome.reason == "bound", branch.outcome
+    assert {point.label for point in branch.special_points} == {"EP"}
+    below = branch.points[branch["free"][:, 0] < 1.0 / (math.e - 1.0)]
+    above = branch.points[branch["free"][:, 0] > 1.0 / (math.e - 1.0)]
+    assert len(below) > 2
+    assert len(above) > 2
+    level = branch.info.states.index("level")
+    expected = below["free"][:, 0] - 1.0 / (math.e - 1.0)  # right before, as long as it stays dry
+    assert below["state"][:, level] == pytest.approx(expected, abs=1e-8)
