@@ -156,8 +156,14 @@ class LegView:
         return sizes
 
     def size_at_steps(self, transition: Transition) -> float:
-        """Largest modulus of a transition's guard at the steps, from the samples that lie there."""
-        return self._sizes_at_steps[2 * self.piece.passage.leaving.index(transition)]
+        """Largest modulus of a transition's guard at the steps, from the samples that lie there.
+
+        It need not lead out of the mode that the leg is in: the guard of one that does is sampled already.
+        """
+        leaving = self.piece.passage.leaving
+        if transition not in leaving:
+            return float(np.abs(self.guard_values(transition)).max())
+        return self._sizes_at_steps[2 * leaving.index(transition)]
 
     @computed_once
     def _sizes_at_steps(self) -> list[float]:
