@@ -171,7 +171,12 @@ def test_warmup_says_what_it_did_and_where(contwalk, monkeypatch, tmp_path):
     def nothing():
         pass
 
-    parts = {"explicit": compile_it, "radau": nothing, "sampling": nothing, "walk": nothing}
+    parts = {
+        "explicit.runge_kutta": compile_it,
+        "radau.radau_iia": nothing,
+        "ensemble.sampling": nothing,
+        "hybrid.walk": nothing,
+    }
     for name, part in parts.items():
         monkeypatch.setattr(f"contwalk.flow.{name}.warmup", part)
     monkeypatch.setattr("contwalk.problems.hybrid.condensed.warmup", nothing)
