@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from random import Random
 from typing import Any
 
 import numpy as np
@@ -47,21 +46,16 @@ class Samples:
 
 def samples_of(system: System, period: float | None) -> Samples:
     """Positive states, states of any sign, and, where the system names equilibria, states around them."""
-    random = Random(_SEED)
+    random = np.random.default_rng(_SEED)
     parameters = system.defaults()
     scales = np.array([1.0 if state.scale is None else float(state.scale) for state in system.states])
-    states = np.array([scales * normal(random, len(scales)) for _ in range(COUNT)])
+    states = scales * random.standard_normal((COUNT, len(scales)))
     states[: COUNT // 2] = np.abs(states[: COUNT // 2])
     centres = _equilibria(system, parameters)
     for row, centre in zip(range(0, COUNT, 2), centres * COUNT, strict=False):
         states[row] = centre + 0.1 * states[row]
-    times = np.array([random.uniform(0.0, period or 0.0) for _ in range(COUNT)])
+    times = random.uniform(0.0, period or 0.0, COUNT)
     return Samples(parameters, list(parameters.values()), states, times, scales)
-
-
-def normal(random: Random, count: int) -> np.ndarray:
-    """Normally distributed numbers; those of NumPy cost a run 5 ms, for what has to be imported."""
-    return np.array([random.gauss(0.0, 1.0) for _ in range(count)])
 
 
 def _equilibria(system: System, parameters: dict[str, float]) -> list[np.ndarray]:

@@ -63,8 +63,14 @@ def joined(segments: Sequence[Segment], steps: Sequence[np.ndarray]) -> np.ndarr
 
 
 def stretched(problem: HybridOrbit, z: np.ndarray) -> bool:
-    """Whether a segment is too long for Newton's method to be at ease."""
-    return _carried(problem, z) > STRETCHED or _grown(problem, z) > TOO_MUCH
+    """Whether a segment is too long for Newton's method to be at ease.
+
+    Where a state moves by far less on a leg than on the orbit, as on a stiff contact, its deviations may grow
+    in units of the orbit at once: shorter segments do not change that, and units of the leg tell.
+    """
+    if _carried(problem, z) <= STRETCHED and _grown(problem, z) <= TOO_MUCH:
+        return False
+    return _most_on_the_way(problem, z, own=True) > STRETCHED
 
 
 def _grown(problem: HybridOrbit, z: np.ndarray) -> float:
@@ -76,18 +82,31 @@ def _grown(problem: HybridOrbit, z: np.ndarray) -> float:
     grown = max(problem.mesh.grown, default=0.0)
     if grown < GROWING or grown > TOO_MUCH:
         return grown
+    return max(grown, _most_on_the_way(problem, z))
+
+
+def _most_on_the_way(problem: HybridOrbit, z: np.ndarray, own: bool = False) -> float:
+    """By how much deviations grow at most from any time of a segment to its end.
+
+    In units of the states' variation on the orbit, or, where asked for, on the segment's own leg.
+    """
+    grown, views = 0.0, problem.view(z) if own else ()
     for segment, piece in zip(problem.layout.segments, problem.segments, strict=True):
-        until = np.eye(len(piece.passage.states))
-        for factor in reversed(_factors(problem, piece, *problem.layout.inputs_of(segment, z))):
+        scale = problem.mesh.variation[list(piece.passage.states)]
+        if own:
+            moves = np.ptp(views[segment.leg].nodes, axis=0)
+            scale = np.where(moves > 0.0, moves, scale)
+        until = np.eye(len(scale))
+        for factor in reversed(_factors(piece, *problem.layout.inputs_of(segment, z), scale)):
             until = until @ factor
             grown = max(grown, float(np.linalg.norm(until, 2)))
     return grown
 
 
-def _factors(problem: HybridOrbit, piece: Piece, x: np.ndarray, scalars: np.ndarray) -> list[np.ndarray]:
-    """Derivatives of the motion over parts of a segment, in units of the states' variation."""
+def _factors(piece: Piece, x: np.ndarray, scalars: np.ndarray, scale: np.ndarray) -> list[np.ndarray]:
+    """Derivatives of the motion over parts of a segment, in units of the states."""
     field, n = piece.passage.field(PLAIN), len(x)
-    c, scale = field.constants(piece.values(scalars)), problem.mesh.variation[list(piece.passage.states)]
+    c = field.constants(piece.values(scalars))
     cuts = np.unique(np.linspace(0, len(piece.steps) - 1, PARTS + 1).astype(int))
     found = []
     for low, high in pairwise(cuts.tolist()):
