@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from random import Random
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from contwalk.plugin_check.declarations import check_repeats
 from contwalk.plugin_check.findings import Report, place_of
 from contwalk.plugin_check.functions import EPSILON, check_guard, check_map
 from contwalk.plugin_check.guards import check_timeless
-from contwalk.plugin_check.samples import Samples, normal
+from contwalk.plugin_check.samples import Samples
 from contwalk.plugin_check.traced import Form, Traced, traced, vector_form
 from contwalk.system import System, Transition
 
@@ -349,12 +348,12 @@ def _states_at_event(
     transition: Transition, guard: Traced, field: Traced, samples: Samples, tries: int = TRIES
 ) -> list[tuple[float, np.ndarray]]:
     """Times and states on the guard that approach it in the transition's direction."""
-    random = Random(_SEED)
+    random = np.random.default_rng(_SEED)
     found = []
     for k in range(tries):
         row = k % len(samples.states)
         t = float(samples.times[row])
-        x = samples.states[row] + samples.scales * normal(random, len(samples.scales))
+        x = samples.states[row] + samples.scales * random.standard_normal(len(samples.scales))
         at = state_on(guard, t, guard.given(x), samples)
         if at is None:
             continue
