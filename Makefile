@@ -39,8 +39,9 @@ demo: install
 	$(BIN)/contwalk continue runs/autobalancer_load.yaml --output $(DEMO)/autobalancer_load.h5 --force
 	@echo "The command contwalk is at hand after: . $(BIN)/activate"
 
+# The tests of a file share studies: in one process each study is computed once.
 test: install-test
-	$(BIN)/python -m pytest --numprocesses auto $(TEST_OPTIONS)
+	$(BIN)/python -m pytest --numprocesses auto --dist loadfile $(TEST_OPTIONS)
 
 # -- what a contributor types --------------------------------------------------------------------------------
 
