@@ -76,7 +76,7 @@ def opened_orbit(
     mode, event : str, optional
         Of a hybrid system, the mode that the state is in, or the transition that it is right before.
     subharmonic, pins
-        Of smooth orbits, as for `orbit.beginning.orbit_at`.
+        Of smooth orbits, as for `initial.orbit_from_state.orbit_at`.
     """
     line = ParameterLine.of(system, parameters, free, path)
     given = system, line, at, state, settings, discretization

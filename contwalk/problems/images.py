@@ -1,12 +1,13 @@
-"""Products of declared symmetries: which there are, and how they are named."""
+"""Products of declared symmetries: which there are, how they are named, and what is stored of images."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from contwalk.branch import SpecialPoint
 from contwalk.errors import called
 from contwalk.system import Symmetry, System
 from contwalk.system.declarations import ParameterValues
@@ -76,3 +77,41 @@ def products(system: System, x: np.ndarray, p: ParameterValues) -> Iterator[Prod
             new = all(not np.allclose(further, other, rtol=1e-10, atol=1e-12) for _, other in found)
             if new and len(found) < MOST_IMAGES:
                 found.append((product.then(symmetry), further))
+
+
+def row_of_image(
+    row: np.void, image: np.ndarray, tangent: np.ndarray, weights: np.ndarray, **told: object
+) -> np.ndarray:
+    """A stored row, shape (1,), with the image in its place; nothing was iterated for it.
+
+    Parameters
+    ----------
+    row : void
+        Of the solution whose image it is.
+    image, tangent, weights : ndarray, shape (N + 1,)
+    told
+        Further columns, by name, that are not those of the row.
+    """
+    found, size = np.array([row]), len(image)
+    found["s"], found["iterations"] = -row["s"], 0
+    found["unknowns"][0, : size - 1] = image[:-1]
+    found["tangent"][0, :size], found["weights"][0, :size] = tangent, weights
+    for name, values in told.items():
+        found[name] = values
+    return found
+
+
+def point_of_image(
+    point: SpecialPoint, state: Mapping[str, float], image: np.ndarray, tangent: np.ndarray, **told: object
+) -> SpecialPoint:
+    """The image of a special point: what is counted before it there is counted after it."""
+    return replace(
+        point,
+        s=-point.s,
+        state=state,
+        unstable_before=point.unstable_after,
+        unstable_after=point.unstable_before,
+        unknowns=tuple(image.tolist()),
+        tangent=tuple(tangent.tolist()),
+        **told,  # type: ignore[arg-type]
+    )

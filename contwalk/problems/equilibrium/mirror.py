@@ -18,7 +18,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.numerics.linear import nearest_eigenpair
 from contwalk.problems.equilibrium.normal_forms import critical_vectors
-from contwalk.problems.images import Product, products
+from contwalk.problems.images import Product, point_of_image, products, row_of_image
 from contwalk.problems.passed_over import passed_over
 from contwalk.system.declarations import ParameterValues
 
@@ -117,17 +117,18 @@ class Mirror:
         tangent = -(derivative @ row["tangent"])
         length = float(np.linalg.norm(tangent / weights))
         states, parameters = there[None, : problem.states], problem.values_of(there)
-        image = np.array([row])
-        image["s"] = -row["s"]
-        image["state"], image["unknowns"] = there[: problem.states], there[:-1]
-        image["tangent"] = tangent if abs(length - 1.0) < 1e-14 else tangent / length
-        image["weights"] = weights
-        image["observables"] = [*problem.measured(there), row["observables"][-1]]
-        image["admissible"] = not passed_over(problem.system, np.zeros(1), states, parameters)
-        image["residual"], image["iterations"] = residual, 0
-        image["rhs"] = problem.evaluations - spent
-        image["seconds"] = time.perf_counter() - began
-        return image
+        return row_of_image(
+            row,
+            there,
+            tangent if abs(length - 1.0) < 1e-14 else tangent / length,
+            weights,
+            state=there[: problem.states],
+            observables=[*problem.measured(there), row["observables"][-1]],
+            admissible=not passed_over(problem.system, np.zeros(1), states, parameters),
+            residual=residual,
+            rhs=problem.evaluations - spent,
+            seconds=time.perf_counter() - began,
+        )
 
     def sample(self, row: np.void) -> Sample:
         """Place and metric of a stored solution, as a sample that tells no more."""
@@ -144,16 +145,13 @@ class Mirror:
         there, derivative = self.image(z), self.derivative(z)
         values, names = problem.values_of(there), problem.system.state_names
         conserved = {name: values[name] for name in problem.system.conserved_names}
-        return replace(
+        return point_of_image(
             point,
-            s=-point.s,
+            dict(zip(names, there[: problem.states].tolist(), strict=True)),
+            there,
+            -(derivative @ np.array(point.tangent)),
             parameters={**point.parameters, **conserved},
-            state=dict(zip(names, there[: problem.states].tolist(), strict=True)),
-            unstable_before=point.unstable_after,
-            unstable_after=point.unstable_before,
             coefficients=self._coefficients(point, z, there, derivative),
-            unknowns=tuple(there.tolist()),
-            tangent=tuple((-(derivative @ np.array(point.tangent))).tolist()),
         )
 
     def _coefficients(

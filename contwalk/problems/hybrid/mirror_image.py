@@ -17,7 +17,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.problems.hybrid.limits import LABELS as LIMITS
 from contwalk.problems.hybrid.word import Leg, has_image, image_of
-from contwalk.problems.images import Product, products
+from contwalk.problems.images import Product, point_of_image, products, row_of_image
 from contwalk.problems.orbit.mirror import AS_WELL, KEPT, MOVED, REVERSED, SOLVED, coefficients_of
 from contwalk.problems.orbit.stored_discretizations import StoredDiscretizations, vectors_of
 from contwalk.system.declarations import ParameterValues
@@ -180,17 +180,19 @@ class HybridMirror:
             return None
         moved = -moved / np.linalg.norm(moved / metric)
         sample = own.examine(image, moved, metric, linearization, int(row["unstable"]))
-        found, size = np.array([row]), len(z)
-        found["s"] = -row["s"]
-        found["state"] = sample.reported
-        found["unknowns"][0, : size - 1] = image[:-1]
-        found["tangent"][0, :size] = moved
-        found["weights"][0, :size] = metric
-        found["observables"] = [*sample.observables[:-1], row["observables"][-1]]
-        found["admissible"], found["trivial_error"] = sample.admissible, sample.trivial_error
-        found["residual"], found["iterations"] = excess, 0
-        found["rhs"] = self._problem.evaluations - spent
-        found["seconds"] = time.perf_counter() - began
+        found = row_of_image(
+            row,
+            image,
+            moved,
+            metric,
+            state=sample.reported,
+            observables=[*sample.observables[:-1], row["observables"][-1]],
+            admissible=sample.admissible,
+            trivial_error=sample.trivial_error,
+            residual=excess,
+            rhs=self._problem.evaluations - spent,
+            seconds=time.perf_counter() - began,
+        )
         self._samples[found["unknowns"].tobytes()] = sample
         return found
 
@@ -213,15 +215,12 @@ class HybridMirror:
         image, moved = self._image(there, z, tangent, weights)
         own = self._mirrored(there)
         state, margins = own.reported(image), own.margins(image)
-        return replace(
+        return point_of_image(
             point,
-            s=-point.s,
-            state=dict(zip(own.system.state_names, state.tolist(), strict=True)),
-            unstable_before=point.unstable_after,
-            unstable_after=point.unstable_before,
+            dict(zip(own.system.state_names, state.tolist(), strict=True)),
+            image,
+            -moved,
             coefficients=coefficients_of(own, point, image),
             admissible=margins.admissible,
             margin=margins.by_name,
-            unknowns=tuple(image.tolist()),
-            tangent=tuple((-moved).tolist()),
         )

@@ -17,7 +17,7 @@ import numpy as np
 
 from contwalk import flow
 from contwalk.branch import SpecialPoint
-from contwalk.problems.images import Product, products
+from contwalk.problems.images import Product, point_of_image, products, row_of_image
 from contwalk.problems.orbit import normal_forms
 from contwalk.problems.orbit.discretization import FINEST
 from contwalk.problems.orbit.motion import PLAIN, TANGENT
@@ -246,21 +246,21 @@ class OrbitMirror:
         if begun is None:
             return None
         own, image, moved = begun
-        found, size = np.array([row]), len(z)
-        found["s"] = -row["s"]
-        found["state"] = own.reported(image)
-        found["unknowns"][0, : size - 1] = image[:-1]
-        found["tangent"][0, :size] = -moved / np.linalg.norm(moved / metric)
-        found["weights"][0, :size] = metric
-        found["observables"] = [*own.measured_along(image), row["observables"][-1]]
         acting = bool(own.system.acting)
-        found["admissible"] = not (
-            acting and passed_over(own.system, *own.motion_of(image), own.values_of(image))
+        passed = acting and passed_over(own.system, *own.motion_of(image), own.values_of(image))
+        found = row_of_image(
+            row,
+            image,
+            -moved / np.linalg.norm(moved / metric),
+            metric,
+            state=own.reported(image),
+            observables=[*own.measured_along(image), row["observables"][-1]],
+            admissible=not passed,
+            trivial_error=trivial,
+            residual=excess,
+            rhs=self._problem.evaluations - spent,
+            seconds=time.perf_counter() - began,
         )
-        found["trivial_error"] = trivial
-        found["residual"] = excess
-        found["iterations"], found["rhs"] = 0, self._problem.evaluations - spent
-        found["seconds"] = time.perf_counter() - began
         kinks = own.kinks_of(image)
         self._samples[found["unknowns"].tobytes()] = replace(self._born, z=image, weights=metric, kinks=kinks)
         return found
@@ -285,15 +285,12 @@ class OrbitMirror:
         assert begun is not None  # its row has been found
         own, image, moved = begun
         state = own.reported(image)
-        return replace(
+        return point_of_image(
             point,
-            s=-point.s,
-            state=dict(zip(own.system.state_names, state.tolist(), strict=True)),
-            unstable_before=point.unstable_after,
-            unstable_after=point.unstable_before,
+            dict(zip(own.system.state_names, state.tolist(), strict=True)),
+            image,
+            -moved,
             coefficients=coefficients_of(own, point, image),
-            unknowns=tuple(image.tolist()),
-            tangent=tuple((-moved).tolist()),
         )
 
 
