@@ -11,6 +11,8 @@ from contwalk.problems.problem import Sample
 GROWTH, DECAY = 1.6, 0.3
 # Shrinking after a failure: fast where the step is small already.
 SHRINK, PLUNGE, SMALL = 0.4, 0.1, 1e-6
+# How far towards a jump a step goes, and which part of a step counts as near.
+BEFORE, NEAR = 0.99, 0.25
 
 
 def turn(a: Sample, tangent: np.ndarray) -> float:
@@ -46,6 +48,13 @@ def next_step(length: float, angle: float, iterations: int, settings: Settings) 
 def shrunk(step: float) -> float:
     """The next shorter step to try."""
     return step * (SHRINK if step > SMALL else PLUNGE)
+
+
+def beside(step: float, share: float) -> float:
+    """The next step to try where one passes a jump after a part of it: one that ends right before it, or, if
+    that is near, one that shows whether it is there.
+    """
+    return step * (BEFORE * share if share > NEAR else max(2.0 * share, PLUNGE**2))
 
 
 def longest(sample: Sample, settings: Settings) -> float:

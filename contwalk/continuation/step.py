@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,6 +17,8 @@ from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import Here
 from contwalk.errors import NotFinite, PluginError
+from contwalk.problems.event_kinks import Met
+from contwalk.problems.kinks import refusal
 from contwalk.problems.problem import Linearization, Located, Problem, Sample
 
 # A mark this near to a bifurcation, in parts of the step, is at the same place.
@@ -101,9 +104,15 @@ def take_step(problem: Problem, here: Here, settings: Settings, observer: Observ
             prediction = _along(here, length)
             correction = _corrected(problem, here, prediction, settings)
         reason, sentence = correction.reason, correction.sentence
-        if correction.ok:
+        # Newton's method may fail because it is asked for a solution beyond a jump.
+        passed = problem.passed_at_events(here.sample.z, correction.z if correction.ok else prediction.guess)
+        jump = _jump(passed)
+        if jump is not None:
+            reason, sentence = "plugin_error", refusal(jump.kink).sentence
+        elif correction.ok:
             try:
                 segment = _segment(problem, here, prediction, correction, settings, smallest)
+                segment = _with_kinks(segment, passed)
                 if outcome := problem.ended(segment.a, segment.b):
                     if outcome.reason == "shrunk" and length > NEARLY_SHRUNK and not smallest:
                         raise Disagreement("EP", "The orbit shrinks to nothing within the step.")
@@ -122,13 +131,28 @@ def take_step(problem: Problem, here: Here, settings: Settings, observer: Observ
                 reason, sentence = "plugin_error", error.sentence
             except NotFinite as error:
                 reason, sentence = "not_finite", error.sentence
-        if reason in ("not_finite", "plugin_error"):
+        if reason in ("not_finite", "plugin_error") and jump is None:
             edge = reason, sentence
-        if smallest or (edge is not None and length < EDGE):
+        if smallest or (length < EDGE and (edge is not None or jump is not None)):
             reason, sentence = edge or (reason, sentence)
             known = problem.obstacle(here.sample.z)
             return outcomes.stuck(reason, sentence, length, observer.line.free, here.sample.parameter, known)
-        length = control.shrunk(length)
+        # A solution beyond has jumped: where it does along the step, the guess tells.
+        ahead = None if jump is None else _jump(problem.passed_at_events(here.sample.z, prediction.guess))
+        length = control.shrunk(length) if ahead is None else control.beside(length, ahead.share)
+
+
+def _jump(passed: Sequence[Met]) -> Met | None:
+    """The first of what events pass beyond which no branch goes on."""
+    return next((met for met in passed if met.kink.refused), None)
+
+
+def _with_kinks(segment: Segment, passed: Sequence[Met]) -> Segment:
+    """A segment whose end tells of what events pass on the way to it."""
+    if not passed:
+        return segment
+    kinks = (*segment.b.kinks, *(met.kink for met in passed))
+    return Segment(segment.problem, segment.a, replace(segment.b, kinks=tuple(dict.fromkeys(kinks))))
 
 
 def _corrected(problem: Problem, here: Here, prediction: Prediction, settings: Settings) -> Correction:

@@ -15,7 +15,8 @@ from contwalk.errors import SystemDefinitionError
 from contwalk.plugin_check.at_events import traced_at_event
 from contwalk.plugin_check.conserved import check_conserved
 from contwalk.plugin_check.declarations import check_period, check_repeats
-from contwalk.plugin_check.events import check_soft, check_states, traced_reset
+from contwalk.plugin_check.event_kinks import check_on_a_jump, chooses
+from contwalk.plugin_check.events import check_soft, check_states, happening, traced_reset
 from contwalk.plugin_check.findings import Finding, Report
 from contwalk.plugin_check.functions import check_clock, check_never_finite
 from contwalk.plugin_check.guards import check_twins, traced_guard
@@ -83,6 +84,9 @@ def _findings(system: System) -> list[Finding]:
         apart = not check_states(report, transition, system)
         if transition.role == "soft" and not apart and guard is not None:
             check_soft(report, transition, guard, reset, system, fields, samples)
+        if guard is not None and transition.source in fields and chooses(guard, reset):
+            met = happening(transition, guard, fields[transition.source], samples)
+            check_on_a_jump(report, met, reset, system, samples)
     check_twins(report, system, guards)
     for entry in system.conditions:
         traced_at_event(report, entry, system)

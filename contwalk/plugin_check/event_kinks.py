@@ -1,22 +1,27 @@
 """Guards and resets that are smooth by pieces only, where their event happens.
 
 Where a reset or the surface of a guard jumps no orbit beyond is near, and where slopes jump multipliers do.
-Elsewhere nothing depends on it.
+Elsewhere nothing depends on it. Where a jump lies along the surface of the guard itself, rounding decides on
+which side an event is: nothing can be made of that.
 """
 
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
+from contwalk.errors import NO_LINE, UnsupportedOperation
 from contwalk.fields.blame import first_switched
 from contwalk.fields.switching import Inputs, Switching, choices_of
+from contwalk.fields.trace import Tracer, trace
 from contwalk.plugin_check.events import Happening, state_on, traced_reset
 from contwalk.plugin_check.findings import Report, split_place
 from contwalk.plugin_check.samples import Samples, as_field
 from contwalk.plugin_check.traced import Traced
-from contwalk.problems.kinks import Kink, between
+from contwalk.problems.event_kinks import EndMap, between, on_a_jump
+from contwalk.problems.kinks import PARTED, Kink
 from contwalk.system import System
 
 # How many pairs of states at an event are looked between, and at how many places each.
@@ -27,43 +32,99 @@ NEXT = 4.0
 
 def check_event_kinks(report: Report, happening: Happening, system: System, samples: Samples) -> None:
     """Tell of jumps of a transition's guard and reset, and of their slopes, between states at the event."""
-    transition = happening.transition
-    if transition.role == "watched":
+    end = _end_map(happening, traced_reset(Report(), happening.transition, system), system, samples)
+    if end is None or _lies_on_a_jump(report, happening, end):
         return
-    reset = traced_reset(Report(), transition, system)
-    for kind, function in (("guard", happening.guard), ("reset", reset)):
-        if function is None or not choices_of(function.program):
-            continue
-        for kink in _kinks(function, happening, system, samples):
-            line, _, what = kink.where.partition(" (")
-            place, _ = split_place(f"{line}: ")
-            report.warning(
-                f"{kind} of transition '{transition.name}'", _sentence(kink, kind, what.rstrip(")")), place
-            )
+    places = _places(happening)[: PAIRS + 1]
+    found = [
+        met.kink
+        for ends in pairwise(places)
+        for piece in _pieces(happening, *ends, samples)
+        for met in between(end, *piece)
+    ]
+    for kink in dict.fromkeys(found):
+        _tell(report, "warning", kink, _sentence(kink))
 
 
-def _kinks(function: Traced, happening: Happening, system: System, samples: Samples) -> list[Kink]:
-    """What jumps between neighbouring places at the event; second derivatives are left out."""
-    switching = Switching(function.program, [("x", i) for i in range(len(system.states))], ("t", 0))
-    given = samples.parameters | dict(system.mode(happening.transition.source).constants)
+def chooses(*functions: Traced | None) -> bool:
+    """Whether one of some functions is smooth by pieces only."""
+    return any(function is not None and choices_of(function.program) for function in functions)
+
+
+def check_on_a_jump(
+    report: Report, happening: Happening, reset: Traced | None, system: System, samples: Samples
+) -> None:
+    """Tell of a jump of a transition's guard or reset at the states of its own event."""
+    end = _end_map(happening, reset, system, samples)
+    if end is not None:
+        _lies_on_a_jump(report, happening, end)
+
+
+def _lies_on_a_jump(report: Report, happening: Happening, end: EndMap) -> bool:
+    """Whether there are jumps at states of the event, which are told."""
+    places = _places(happening)
+    moving = np.ones(len(end.sizes) + 1, dtype=bool)
+    found = [kink for place in places if (kink := on_a_jump(end, place, moving)) is not None]
+    always = 0 < len(found) == len(places)
+    share = "every state" if always else f"{len(found)} of {len(places)} states"
+    for kink in dict.fromkeys(found):
+        sentence = (
+            f"It jumps here ({_what(kink)}) at {share} of its own event that {'was' if always else 'were'} "
+            "tried: just where the guard is zero, so that rounding decides between two outcomes. Leave the "
+            "choice out: its guard passes zero in one direction; for both, write two transitions."
+        )
+        _tell(report, "error" if always else "warning", kink, sentence)
+    return bool(found)
+
+
+def _tell(report: Report, level: str, kink: Kink, sentence: str) -> None:
+    place, _ = split_place(f"{kink.where.partition(' (')[0]}: ")
+    report.add(level, kink.of, sentence, place)
+
+
+def _what(kink: Kink) -> str:
+    return kink.where.partition(" (")[2].rstrip(")")
+
+
+def _places(happening: Happening) -> np.ndarray:
+    """States at the event with their times, a row each."""
+    return np.array([[*x, t] for t, x in happening.before])
+
+
+def _end_map(happening: Happening, reset: Traced | None, system: System, samples: Samples) -> EndMap | None:
+    """What a transition does, as a function of the state and the time; None where it is smooth or watched."""
+    transition = happening.transition
+    if transition.role == "watched" or not happening.before:
+        return None
+    named = {"reset": reset, "guard": happening.guard}
+    functions = {kind: function for kind, function in named.items() if function is not None}
+
+    def all_of(tracer: Tracer) -> list[Any]:
+        return [entry for function in functions.values() for entry in function.recorded(tracer)]
+
+    if not chooses(*functions.values()):
+        return None
+    try:
+        program = trace(all_of)
+    except UnsupportedOperation:  # together they compare too often, which an orbit's equations refuse
+        return None
+    given = samples.parameters | dict(system.mode(transition.source).constants)
     constants = {("p", k): value for k, value in enumerate(samples.values)}
 
-    def evaluate(_: np.ndarray, places: np.ndarray) -> Inputs:
+    def evaluate(places: np.ndarray) -> Inputs:
         return {("x", i): x for i, x in enumerate(places.T[:-1])} | {("t", 0): places[:, -1]} | constants
 
-    def where(before: tuple[float, np.ndarray], after: tuple[float, np.ndarray]) -> str:
-        (_, a), (_, b) = before, after
-        return first_switched(as_field(function), (a[-1], a[:-1].tolist()), (b[-1], b[:-1].tolist()), given)
+    def blame(before: np.ndarray, after: np.ndarray) -> tuple[str, str]:
+        ends = [(float(place[-1]), place[:-1].tolist()) for place in (before, after)]
+        for kind, function in reversed(functions.items()):
+            where = first_switched(as_field(function), ends[0], ends[1], given)
+            if where != NO_LINE:
+                return f"{kind} of transition '{transition.name}'", where
+        return f"transition '{transition.name}'", NO_LINE
 
-    at_event = np.array([[*x, t] for t, x in happening.before[: PAIRS + 1]])
-    if len(at_event) < 2:
-        return []
-    sizes = np.abs(at_event).max(axis=0)
-    found: dict[Kink, None] = {}
-    for ends in pairwise(at_event):
-        for piece in _pieces(happening, *ends, samples):
-            found |= dict.fromkeys(between(switching, evaluate, piece, sizes, where))
-    return [kink for kink in found if kink.order < 2]
+    switching = Switching(program, [("x", i) for i in range(len(system.states))], ("t", 0))
+    sizes = np.abs(_places(happening)).max(axis=0)[:-1]
+    return EndMap(switching, True, evaluate, sizes, blame)
 
 
 def _pieces(
@@ -82,15 +143,14 @@ def _pieces(
     ]
 
 
-def _sentence(kink: Kink, kind: str, what: str) -> str:
+def _sentence(kink: Kink) -> str:
     if kink.order == 0:
         return (
-            f"It jumps here ({what}), at states where its event happens: a branch that gets there cannot go "
-            "on, and its points pile up. Declare two transitions, one for each side, each with its own "
-            f"{kind}, or make it continuous."
+            f"It jumps here ({_what(kink)}), at states where its event happens: a branch that gets there "
+            f"ends. {PARTED}, or make it continuous."
         )
     return (
-        f"Its slopes jump here ({what}), at states where its event happens: multipliers of a branch that "
-        "crosses this place jump, and special points near it may stay unlocated. Declare two transitions, "
-        f"one for each side, each with its own {kind}, or make it smooth."
+        f"Its slopes jump here ({_what(kink)}), at states where its event happens: multipliers of a branch "
+        f"that crosses this place jump, and special points near it may stay unlocated. {PARTED}, or make it "
+        "smooth."
     )

@@ -237,12 +237,16 @@ def check_soft(
     shared = any(system.mode(mode).constants for mode in (transition.source, transition.target))
     if shared and reset is None:
         return
-    before = _states_at_event(transition, guard, fields[transition.source], samples, FEW_TRIES)
-    happening = Happening(transition, guard, before)
+    met = happening(transition, guard, fields[transition.source], samples)
     if reset is not None:
-        _check_kept(report, happening, reset, samples)
+        _check_kept(report, met, reset, samples)
     if not shared:
-        _check_continuous(report, happening, fields, samples)
+        _check_continuous(report, met, fields, samples)
+
+
+def happening(transition: Transition, guard: Traced, field: Traced, samples: Samples) -> Happening:
+    """A transition at a few states, for what is looked at when a plugin is loaded."""
+    return Happening(transition, guard, _states_at_event(transition, guard, field, samples, FEW_TRIES))
 
 
 def _check_kept(report: Report, happening: Happening, reset: Traced, samples: Samples) -> None:

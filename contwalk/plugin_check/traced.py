@@ -100,10 +100,11 @@ class Traced:
         self._constants = {} if mode is None else dict(system.mode(mode).constants)
         self.unwritten: set[int] = set()
         self._copy, self._plain = rebound(function), plain(function)
-        self.program: Program = trace(self._record)
-        self.repeats = _same(self.program, trace(self._record))
+        self.program: Program = trace(self.recorded)
+        self.repeats = _same(self.program, trace(self.recorded))
 
-    def _record(self, tracer: Tracer) -> list[Any]:
+    def recorded(self, tracer: Tracer) -> list[Any]:
+        """Its entries for the symbols of t, x and p."""
         x = np.full(len(self.system.states), 0.0, dtype=object)
         for i in self.existing:
             x[i] = tracer.symbol("x", i)

@@ -34,6 +34,7 @@ REMEDY = (
     "Declare two modes, one for each side, with a transition between them whose guard is what is compared "
     "there."
 )
+PARTED = "Declare two transitions, one for each side, each with its own guard and reset"
 CLOCK = "Declare a transition whose guard is a function of time (a clock)"
 
 Evaluate = Callable[[np.ndarray, np.ndarray], Inputs]
@@ -43,12 +44,14 @@ Evaluate = Callable[[np.ndarray, np.ndarray], Inputs]
 class Kink:
     """A crossing of such a place: the lowest derivative that jumps, and the plugin's line.
 
-    `moves`: whether the instant depends on the unknowns.
+    `moves`: whether the instant depends on the unknowns. `of`: what jumps there, if not the field: a guard or
+    a reset, at the states of its own event.
     """
 
     order: int
     where: str
     moves: bool = True
+    of: str = ""
 
     @property
     def refused(self) -> bool:
@@ -57,6 +60,11 @@ class Kink:
 
     def sentence(self, of: str) -> str:
         """What it means for `equilibria` or `orbits` of a branch."""
+        if self.of:
+            return (
+                f"Its orbits pass a place where slopes of {self.of} jump: {self.where}. Multipliers jump "
+                f"there, and special points near it may stay unlocated. {PARTED}, or make it smooth."
+            )
         if self.order == 0 and not self.moves:
             return (
                 f"Its {of} pass an instant at which the field jumps: {self.where}. Steps are short and rough "
@@ -88,7 +96,7 @@ def inputs(groups: Mapping[str, int], values: np.ndarray, times: np.ndarray, sta
 
 
 def refuse(kinks: tuple[Kink, ...]) -> None:
-    """Raise for an orbit that crosses a jump of the field.
+    """Raise for an orbit that crosses a jump of the field, or whose event lies at one of its guard or reset.
 
     Raises
     ------
@@ -96,10 +104,20 @@ def refuse(kinks: tuple[Kink, ...]) -> None:
     """
     for kink in kinks:
         if kink.refused:
-            raise NotSmooth(
-                f"The motion crosses a place where the field jumps: {kink.where}. Derivatives of the motion "
-                f"are wrong there, and with them its multipliers. {REMEDY}"
-            )
+            raise refusal(kink)
+
+
+def refusal(kink: Kink) -> NotSmooth:
+    """Why orbits do not go on beyond a jump."""
+    if kink.of:
+        return NotSmooth(
+            f"At its event {kink.of} jumps: {kink.where}. Orbits beyond are not near to "
+            f"those before. {PARTED}, or make it continuous."
+        )
+    return NotSmooth(
+        f"The motion crosses a place where the field jumps: {kink.where}. Derivatives of the motion "
+        f"are wrong there, and with them its multipliers. {REMEDY}"
+    )
 
 
 @dataclass(frozen=True)
@@ -139,28 +157,29 @@ def along(course: Course, known: dict[bytes, Kink]) -> tuple[Kink, ...]:
     sides = course.sides(course.times, course.states)
     a, b = sides[:-1], sides[1:]
     found: dict[Kink, Kink] = {}
-    for k in np.flatnonzero(np.any(_differ(a, b), axis=1)).tolist():
-        changed = np.flatnonzero(_differ(a[k], b[k]))
+    for k in np.flatnonzero(np.any(differ(a, b), axis=1)).tolist():
+        changed = np.flatnonzero(differ(a[k], b[k]))
         key = np.append(changed, np.concatenate([a[k][changed], b[k][changed]])).tobytes()
         kink = known.get(key)
         if kink is None or course.switching.jumps(changed.tolist()):
-            kink = _kink(course, *_located(course, k))
+            kink = _kink(course, *located(course, k))
         if kink is not None:
             found[kink] = known[key] = kink
     return tuple(found)
 
 
-def _differ(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def differ(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Which choices are not the same on two sides; one that is undefined is like any."""
     return (a != b) & ~np.isnan(a) & ~np.isnan(b)
 
 
-def _located(course: Course, k: int) -> tuple[float, float]:
+def located(course: Course, k: int) -> tuple[float, float]:
     """Two instants right beside each other, between which a choice changes in an interval of samples."""
     low, high = course.times[k], course.times[k + 1]
     for _ in range(PASSES):
         times = low + (high - low) * np.linspace(0.0, 1.0, PARTS + 1)
         sides = course.sides(times, course.at(times))
-        apart = np.flatnonzero(np.any(_differ(sides[:1], sides), axis=1))
+        apart = np.flatnonzero(np.any(differ(sides[:1], sides), axis=1))
         if not len(apart):
             break
         low, high = times[apart[0] - 1], times[apart[0]]
@@ -172,7 +191,7 @@ def at_the_end(course: Course) -> str:
     last = slice(-LATELY, None)
     times, states = course.times[last], course.states[last]
     sides = course.sides(times, states)
-    apart = np.flatnonzero(np.any(_differ(sides[:-1], sides[1:]), axis=1)).tolist()
+    apart = np.flatnonzero(np.any(differ(sides[:-1], sides[1:]), axis=1)).tolist()
     if not apart:
         return ""
     k = apart[-1]
@@ -204,7 +223,7 @@ def between(
     for at in (straight(a, b), straight(b - aside, b + aside)):
         shares = np.array([0.0, 1.0])
         course = Course(switching, evaluate, shares, at(shares), at, where)
-        changed = _differ(*course.sides(shares, at(shares)))
+        changed = differ(*course.sides(shares, at(shares)))
         if np.any(changed):
             found |= dict.fromkeys(along(course, {}))
     return tuple(found)
@@ -219,7 +238,7 @@ def _kink(course: Course, low: float, high: float) -> Kink | None:
     before, after = (course.evaluate(times[i : i + 1], states[i : i + 1]) for i in range(2))
     sizes = np.abs(course.states).max(axis=0)
     level = np.abs(course.switching.values(course.evaluate(course.times, course.states)))
-    changed = np.flatnonzero(_differ(*course.sides(times, states)))
+    changed = np.flatnonzero(differ(*course.sides(times, states)))
     return told(
         course.switching,
         (before, before, after),

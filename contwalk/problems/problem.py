@@ -23,6 +23,7 @@ import numpy as np
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.memory import computed_once
 from contwalk.numerics.linear import EPSILON, Factored, Factorization
+from contwalk.problems.event_kinks import Met
 from contwalk.problems.kinks import Kink
 from contwalk.problems.parameter_line import ParameterLine
 
@@ -483,6 +484,10 @@ class Problem(Protocol):
 
     def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
         """Where the equations are smooth by pieces only: between two solutions, or on the second one."""
+        ...
+
+    def passed_at_events(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
+        """What jumps at the events of orbits on the way from one to another, which need not be one."""
         ...
 
     def obstacle(self, z: np.ndarray) -> str:

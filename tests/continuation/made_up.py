@@ -119,6 +119,9 @@ class MadeUp:
     def kinks_between(self, a, b):
         return ()
 
+    def passed_at_events(self, a, b):
+        return ()
+
     def obstacle(self, z: np.ndarray) -> str:
         return ""
 

@@ -609,6 +609,18 @@ WRONG: dict[str, Wrong] = {
         "def bounce",
         ("(1.0 + p.k) * p.r * math.cos(t) - p.k * x[1]", "p.r * math.cos(t)"),
     ),
+    "reset that jumps at its own event": _refused(
+        STOPS,
+        "It jumps here (sign) at every state of its own event that was tried",
+        "-0.6 * x[1]",
+        ("-0.6 * x[1]", "-0.6 * x[1] + 0.1 * np.sign(x[0] - 1.0)"),
+    ),
+    "reset that compares what its guard compares": _refused(
+        BALL,
+        "It jumps here (a comparison) at every state of its own event that was tried",
+        "if x[0] >",
+        ("- p.k * x[1]", "- (p.k if x[0] > p.r * math.sin(t) else 0.0) * x[1]"),
+    ),
     # -- soft transitions --------------------------------------------------------------------------------
     "soft where the field jumps": _refused(
         RELAY,

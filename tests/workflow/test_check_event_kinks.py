@@ -86,6 +86,9 @@ def test_kinks_at_the_event_are_told(change, what, said, line, tmp_path):
         ("speed = x[1]", "speed = x[1] if x[0] < 3.0 else 0.2 * x[1]"),
         ("return 0.6 - x[0]", "return (0.6 - x[0]) * (2.0 if x[0] > 5.0 else 1.0)"),
         ("return 0.6 - x[0]", "return 0.6 - min(x[0], 5.0)"),
+        # Slopes off the guard's surface, which no motion meets, and another number with the same zeros.
+        ("speed = x[1]", "speed = x[1] + abs(x[0] - 0.6)"),
+        ("return 0.6 - x[0]", "return (0.6 - x[0]) / (1.0 + abs(x[2]))"),
     ],
 )
 def test_pieces_that_no_event_meets_are_not(change, tmp_path):

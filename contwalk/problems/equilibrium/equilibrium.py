@@ -28,6 +28,7 @@ from contwalk.problems.equilibrium.second_direction import (
 )
 from contwalk.problems.equilibrium.spectrum import EPSILON, Spectrum, spectrum
 from contwalk.problems.equilibrium.unbounded import escape
+from contwalk.problems.event_kinks import Met
 from contwalk.problems.kinks import Kink, between
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.parameter_line import Ends, ParameterLine
@@ -228,6 +229,10 @@ class Equilibrium:
             return first_switched(field, places[0], places[1], self.values_of(a), self.values_of(b))
 
         return between(self._switching, evaluate, (a.z, b.z), b.weights, where)
+
+    def passed_at_events(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
+        """There are no events."""
+        return ()
 
     def obstacle(self, z: np.ndarray) -> str:
         """Nothing is known of that."""

@@ -18,9 +18,11 @@ from contwalk.numerics.linear import EPSILON, Factored, Factorization
 from contwalk.problems import conserving, kinks
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
+from contwalk.problems.event_kinks import Met
 from contwalk.problems.hybrid import (
     condensed,
     cutting,
+    end_maps,
     families,
     lasting,
     least,
@@ -1030,20 +1032,25 @@ class HybridOrbit:
         )
 
     def kinks_of(self, z: np.ndarray) -> tuple[Kink, ...]:
-        """Where fields are smooth by pieces only along the legs of z."""
+        """Where fields are smooth by pieces only along the legs of z, and jumps that its events lie on."""
+        lying = end_maps.lying(self, z)
         if all(passage.switching is None for passage in self.passages):
-            return ()
+            return lying
         parameters = self.values_of(z)
         found = [
             kinks.along(course, leg.piece.passage.kinks)
             for leg in self.view(z)
             for course in leg.course(parameters)
         ]
-        return tuple(dict.fromkeys(kink for part in found for kink in part))
+        return tuple(dict.fromkeys(kink for part in (*found, lying) for kink in part))
 
     def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
-        """Those that the second orbit crosses."""
+        """Those that the second orbit crosses, and those that events pass on the step to it."""
         return b.kinks
+
+    def passed_at_events(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
+        """Jumps of guards and resets, and of their slopes, that events pass between two orbits."""
+        return end_maps.passed(self, a, b)
 
     def observables(self, z: np.ndarray, found: Multipliers) -> np.ndarray:
         """Values of `observable_names`, shape (o,)."""

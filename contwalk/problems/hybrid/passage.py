@@ -185,6 +185,12 @@ class Passage:
         guard = rebound(transition.guard)
         return trace(lambda tracer: [*self._after(tracer), guard(*self._arguments(tracer))])
 
+    @cached_property
+    def end_switching(self) -> Switching | None:
+        """Where the map at the end is smooth by pieces only; None where it is smooth."""
+        unknowns = [*[("u", k) for k in range(len(self.states))], *self.columns]
+        return Switching(self.end_program, unknowns, ("t", 0)) if choices_of(self.end_program) else None
+
     # -- compiled ----------------------------------------------------------------------------------------
 
     def _compiled(self, key: tuple, program: Program, lift: str, outputs: int | None) -> Field:

@@ -17,6 +17,7 @@ from contwalk.numerics.linear import EPSILON, Factored
 from contwalk.problems import conserving, kinks
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
+from contwalk.problems.event_kinks import Met
 from contwalk.problems.kinks import Kink
 from contwalk.problems.orbit import augmented, branching, describing, ending, rates, switching
 from contwalk.problems.orbit.closure import Closure
@@ -413,6 +414,10 @@ class PeriodicOrbit:
     def explain(self, z: np.ndarray) -> str:
         """Where a residual at z is not finite."""
         return "the motion from there ends or grows without bound within one period"
+
+    def passed_at_events(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
+        """There are no events."""
+        return ()
 
     def obstacle(self, z: np.ndarray) -> str:
         """How much deviations grow over a segment, where that is what Newton's method has to fight with."""

@@ -1,0 +1,128 @@
+"""Guards and resets that are smooth by pieces only, at the states where their event happens.
+
+The equations of an orbit ask for a guard and a reset where their event is, and nowhere else. Where one of
+their choices changes between two solutions of a branch, both pieces are evaluated at one place between: a
+jump of the state after the event, or of the guard, parts the branch; a jump of slopes parts its multipliers.
+Only slopes along the surface of the guard count: no motion has its event beside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from contwalk.fields.switching import Inputs, Switching
+from contwalk.problems.kinks import JUMPS, PARTS, Course, Kink, differ, directions, located
+
+# A state this near to a jump, against its size, is on it: on which side is left to rounding.
+ON = 1e-9
+# A direction along which the guard changes by less than this part of what it does along others keeps to it.
+KEPT = 1e-9
+
+Direction = Mapping[tuple[str, int], float]
+
+
+@dataclass(frozen=True)
+class EndMap:
+    """What happens at an event, as a function of the state there and of what else it depends on.
+
+    Parameters
+    ----------
+    switching : Switching
+        Of the state after the event and, where there is a guard, of that as the last output.
+    guarded : bool
+    evaluate : callable
+        Inputs of the program at places, shape (k, m): the states come first.
+    sizes : ndarray
+        How large the states are.
+    blame : callable
+        What it is that jumps between two places (`the reset of transition 'hit'`), and the plugin's line.
+    """
+
+    switching: Switching
+    guarded: bool
+    evaluate: Callable[[np.ndarray], Inputs]
+    sizes: np.ndarray
+    blame: Callable[[np.ndarray, np.ndarray], tuple[str, str]]
+
+
+@dataclass(frozen=True)
+class Met:
+    """A kink on the straight way between two places, and after which part of it."""
+
+    kink: Kink
+    share: float
+
+
+def between(event: EndMap, a: np.ndarray, b: np.ndarray) -> tuple[Met, ...]:
+    """What jumps between two places, in their order."""
+    course = _straight(event, a, b, np.array([0.0, 1.0]))
+    if not np.any(differ(*course.sides(course.times, course.states))):
+        return ()
+    course = _straight(event, a, b, np.linspace(0.0, 1.0, PARTS + 1))
+    sides = course.sides(course.times, course.states)
+    found = []
+    for k in np.flatnonzero(np.any(differ(sides[:-1], sides[1:]), axis=1)).tolist():
+        low, high = located(course, k)
+        kink = _told(event, course.at(np.array([low, high])))
+        if kink is not None:
+            found.append(Met(kink, low))
+    return tuple(found)
+
+
+def on_a_jump(event: EndMap, at: np.ndarray, moving: np.ndarray) -> Kink | None:
+    """The jump that a place lies on; `moving`: which of its numbers motions differ by, as a mask."""
+    sizes = np.abs(at)
+    sizes[: len(event.sizes)] = np.maximum(sizes[: len(event.sizes)], event.sizes)
+    aside = ON * np.where(moving, sizes, 0.0) * np.cos(1.0 + np.arange(len(at)))
+    kinks = [met.kink for met in between(event, at - aside, at + aside)]
+    return next((kink for kink in kinks if kink.order == 0), None)
+
+
+def _straight(event: EndMap, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> Course:
+    """The way from a to b, looked at as a motion is."""
+
+    def at(shares: np.ndarray) -> np.ndarray:
+        return a + shares[:, None] * (b - a)
+
+    def evaluate(_: np.ndarray, places: np.ndarray) -> Inputs:
+        return event.evaluate(places)
+
+    return Course(event.switching, evaluate, shares, at(shares), at, lambda before, after: "")
+
+
+def _told(event: EndMap, places: np.ndarray) -> Kink | None:
+    """What jumps between two neighbouring places; None if nothing does that matters."""
+    switching = event.switching
+    before, after = (_single(event, place) for place in places)
+    along = directions(switching, before, event.sizes)
+    one, other = switching.beside(before, before, after, along)
+    if not (np.all(np.isfinite(one[:2])) and np.all(np.isfinite(other[:2]))):
+        return None
+    level = np.max(np.abs([*one[:2], *other[:2]]), axis=0)
+    order = 0
+    if not np.any(np.abs(one[0] - other[0]) > JUMPS[0] * level):
+        order = 1
+        one, other = switching.beside(before, before, after, _kept(event, before, after, along))
+        if not np.any(np.abs(one[1] - other[1]) > JUMPS[1] * level):
+            return None
+    of, where = event.blame(*places)
+    return Kink(order, where, of=of)
+
+
+def _single(event: EndMap, place: np.ndarray) -> Inputs:
+    return event.evaluate(place[None])
+
+
+def _kept(event: EndMap, before: Inputs, after: Inputs, along: Direction) -> Direction:
+    """A direction along the surface of the guard, as it is on the first side."""
+    if not event.guarded:
+        return along
+    switching = event.switching
+    other = {name: size * float(np.cos(3.0 * k)) for k, (name, size) in enumerate(along.items())}
+    rates = [switching.beside(before, before, after, each)[0][1][-1] for each in (along, other)]
+    if abs(rates[1]) <= KEPT * abs(rates[0]):
+        return other
+    return {name: along[name] - rates[0] / rates[1] * other[name] for name in along}

@@ -1,0 +1,143 @@
+"""The maps at the ends of an orbit's legs, looked at for jumps of guards and resets, and of their slopes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contwalk.errors import NO_LINE, NotFinite, PluginError
+from contwalk.fields.blame import first_switched
+from contwalk.fields.switching import Inputs
+from contwalk.problems.event_kinks import EndMap, Met, between, on_a_jump
+from contwalk.problems.hybrid.passage import Passage
+from contwalk.problems.hybrid.view import LegView
+from contwalk.problems.kinks import Kink
+
+if TYPE_CHECKING:
+    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
+
+Written = Callable[[Any, Any, Any, Any], None]
+
+
+def passed(problem: HybridOrbit, a: np.ndarray, b: np.ndarray) -> tuple[Met, ...]:
+    """What events pass on the way from one orbit to another.
+
+    b need not be a solution: what has no motion passes nothing. Of soft transitions, which may come and go,
+    those of one orbit alone are left out.
+    """
+    if not _any(problem):
+        return ()
+    try:
+        views = [_ended(problem.view(z)) for z in (a, b)]
+    except (NotFinite, PluginError, np.linalg.LinAlgError):
+        return ()
+    if [view.piece.passage for view in views[0]] != [view.piece.passage for view in views[1]]:
+        views = [[view for view in each if not view.piece.passage.leg.soft] for each in views]
+    met = [
+        found
+        for before, after in zip(*views, strict=True)
+        for found in between(_event(problem, before), place_of(before), place_of(after))
+    ]
+    return tuple(sorted(met, key=lambda found: found.share))
+
+
+def lying(problem: HybridOrbit, z: np.ndarray) -> tuple[Kink, ...]:
+    """The jumps at which events of an orbit are, to rounding: at every state of their guard, perhaps."""
+    if not _any(problem):
+        return ()
+    found = [
+        on_a_jump(_event(problem, view), place_of(view), _moving(view)) for view in _ended(problem.view(z))
+    ]
+    return tuple(dict.fromkeys(kink for kink in found if kink is not None))
+
+
+def _any(problem: HybridOrbit) -> bool:
+    return any(passage.end_switching is not None for passage in problem.passages)
+
+
+def _ended(views: tuple[LegView, ...]) -> list[LegView]:
+    return [view for view in views if view.piece.passage.end_switching is not None]
+
+
+def place_of(view: LegView) -> np.ndarray:
+    """All that the map at a leg's end depends on: the state there, scalars, and parameters."""
+    return np.concatenate([view.end, view.piece.values(view.scalars)])
+
+
+def _moving(view: LegView) -> np.ndarray:
+    """Which of these numbers differ from motion to motion: states and instants."""
+    passage = view.piece.passage
+    names = _names(passage)
+    return np.array([name in ("u", "T", "s") for name, _ in names])
+
+
+def _names(passage: Passage) -> list[tuple[str, int]]:
+    given = [(group, i) for group, size in passage.groups.items() for i in range(size)]
+    return [*[("u", k) for k in range(len(passage.states))], *given]
+
+
+def _event(problem: HybridOrbit, view: LegView) -> EndMap:
+    passage, line = view.piece.passage, problem.line
+    names, switching = _names(passage), passage.end_switching
+    assert switching is not None
+    start, free = names.index(("T", 0)), names.index(("l", 0))
+
+    def evaluate(places: np.ndarray) -> Inputs:
+        return {**dict(zip(names, places.T, strict=True)), ("t", 0): np.ones(len(places))}
+
+    def at(place: np.ndarray) -> tuple[tuple[float, list[float]], dict[str, float]]:
+        """Time and state at a place, and all that the plugin's functions read by name."""
+        t = float(place[start] + place[start + 1]) if passage.forced else 0.0
+        known = line.at(float(place[free])) | dict(passage.system.mode(passage.leg.mode).constants)
+        return (t, passage.full(place[: len(passage.states)]).tolist()), known
+
+    def blame(one: np.ndarray, other: np.ndarray) -> tuple[str, str]:
+        (before, known), (after, then) = at(one), at(other)
+        for of, function in _functions(passage):
+            where = first_switched(function, before, after, known, then)
+            if where != NO_LINE:
+                return of, where
+        return f"what happens at '{passage.leg.name}'", NO_LINE
+
+    sizes = problem.mesh.magnitudes[list(passage.states)]
+    return EndMap(switching, passage.leg.transition is not None, evaluate, sizes, blame)
+
+
+def _functions(passage: Passage) -> list[tuple[str, Written]]:
+    """What the map at the end is made of: the guard, the reset, and that with each map that follows it."""
+    transition = passage.leg.transition
+    found: list[tuple[str, Written]] = []
+    if transition is not None:
+        found.append((f"the guard of transition '{transition.name}'", _written(transition.guard)))
+    before = None if transition is None else transition.reset
+    if transition is not None and before is not None:
+        found.append((f"the reset of transition '{transition.name}'", before))
+    for name in (None if transition is None else transition.relabel, passage.image):
+        if name:
+            before = _after(passage.system.symmetry(name).map, before)
+            found.append((f"the map of symmetry '{name}'", before))
+    return found
+
+
+def _written(number: Callable[[Any, Any, Any], Any]) -> Written:
+    """A number in the form of a field."""
+
+    def written(t: Any, x: Any, p: Any, out: Any) -> None:
+        out[0] = number(t, x, p)
+
+    return written
+
+
+def _after(image: Written, before: Written | None) -> Written:
+    """A map that is applied to what another one writes."""
+
+    def both(t: Any, x: Any, p: Any, out: Any) -> None:
+        given = x
+        if before is not None:
+            given = np.full(len(x), 0.0, dtype=object)
+            before(t, x, p, given)
+        image(t, given, p, out)
+
+    return both

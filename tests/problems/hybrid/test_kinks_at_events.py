@@ -1,0 +1,131 @@
+"""Guards and resets that are smooth by pieces only, where the events of a branch come to another piece."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import contwalk as cw
+
+# An arm that is thrown back by a pad, with a load that lags: -0.8 at the pad where the force is 1.39.
+PLUGIN = """\
+import math
+import numpy as np
+from contwalk.system import Mode, Parameter, State, System, Transition
+
+def swing(t, x, p, dx):
+    dx[0] = x[1]
+    dx[1] = p.force * math.cos(t) - 0.3 * x[1] - x[0]
+    dx[2] = 0.5 * (x[0] - x[2])
+
+def pad(t, x, p):
+    return {guard}
+
+def throw(t, x, p, after):
+    after[0] = x[0]
+    after[1] = {speed}
+    after[2] = x[2]
+
+SYSTEM = System("arm",
+    states=(State("q"), State("w"), State("load")),
+    parameters=(Parameter("force", 1.3),),
+    modes=(Mode("free", swing),),
+    transitions=(Transition("pad", "free", "free", pad, reset=throw),),
+    period=lambda p: 2.0 * math.pi)
+"""
+RUN = """\
+contwalk: 1
+system: ./arm.py
+start: {simulate: {state: {q: 0.0, w: 0.5, load: 0.0}, until: settled}}
+continue: {parameter: force, range: [1.2, 1.5], max_points: 60, direction: forward}
+"""
+GUARD, SPEED = "0.6 - x[0]", "-0.5 * x[1]"
+LINES = {"guard": 11, "reset": 15}
+
+
+def study(folder, guard=GUARD, speed=SPEED):
+    """The branch, the load at its last event, and the notes about kinks."""
+    (folder / "arm.py").write_text(PLUGIN.format(guard=guard, speed=speed))
+    (folder / "run.yaml").write_text(RUN)
+    result = cw.run(cw.read_run_file(folder / "run.yaml", output=folder / "run.h5"), figures=False)
+    with cw.open_database(folder / "run.h5") as db:
+        notes = [text for key, text in db.notes().items() if key.startswith("kink")]
+    branch = result.branches[0]
+    return branch, branch["load"][-1], notes
+
+
+@pytest.mark.parametrize(
+    ("given", "of", "what"),
+    [
+        ({"speed": f"{SPEED} - (0.0 if x[2] > -0.8 else 0.1)"}, "reset", "a comparison"),  # no orbits beyond
+        ({"speed": f"{SPEED} + (0.0 if x[2] > -0.8 else 0.1)"}, "reset", "a comparison"),  # two on both sides
+        ({"speed": f"{SPEED} - np.where(x[2] > -0.8, 0.0, 1e-4)"}, "reset", "a comparison"),  # small
+        ({"speed": f"{SPEED} - 0.1 * np.sign(x[2] + 0.8)"}, "reset", "sign"),
+        ({"speed": f"{SPEED} - 0.1 * math.floor(x[2] + 0.8)"}, "reset", "floor"),
+        ({"speed": f"{SPEED} - 0.1 * ((x[2] + 0.8) % 1.0)"}, "reset", "floor"),
+        ({"guard": f"{GUARD} + (0.05 if x[2] > -0.8 else 0.0)"}, "guard", "a comparison"),
+        ({"guard": f"{GUARD} - (0.05 if x[2] > -0.8 else 0.0)"}, "guard", "a comparison"),
+    ],
+)
+def test_a_branch_ends_where_its_event_comes_to_a_jump(tmp_path, given, of, what):
+    branch, load, _ = study(tmp_path, **given)
+    assert (branch.outcome.status, branch.outcome.reason) == ("failed", "plugin_error")
+    assert f"the {of} of transition 'pad' jumps" in branch.outcome.message
+    assert f"arm.py, line {LINES[of]} ({what})" in branch.outcome.message
+    # The last step that is refused is 1e-7 long, in the metric of the branch.
+    assert -0.8 < load < -0.8 + 1e-6
+    near = branch["force"] > branch["force"][-1] - 1e-3
+    assert near.sum() < 12  # points do not pile up: half the way each would take 17
+    assert branch["stable"].all()
+
+
+def test_a_jump_of_the_free_parameter_ends_the_branch_there(tmp_path):
+    branch, _, _ = study(tmp_path, speed=f"{SPEED} if p.force < 1.4 else -0.45 * x[1]")
+    assert branch.outcome.reason == "plugin_error"
+    assert 0.0 < 1.4 - branch["force"][-1] < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("given", "of", "what"),
+    [
+        ({"speed": f"{SPEED} - 0.3 * max(x[2] + 0.8, 0.0)"}, "reset", "max"),
+        ({"speed": f"{SPEED} - 0.3 * abs(x[2] + 0.8)"}, "reset", "abs"),
+        ({"speed": f"{SPEED} - (0.3 * (x[2] + 0.8) if x[2] < -0.8 else 0.0)"}, "reset", "a comparison"),
+        ({"guard": f"{GUARD} + 0.5 * abs(x[2] + 0.8)"}, "guard", "abs"),
+    ],
+)
+def test_slopes_that_jump_at_the_event_are_told_and_passed(tmp_path, given, of, what):
+    branch, load, (told,) = study(tmp_path, **given)
+    assert branch.outcome.reason == "bound"
+    assert load < -0.8
+    assert f"slopes of the {of} of transition 'pad' jump" in told
+    assert f"arm.py, line {LINES[of]} ({what})" in told
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"speed": f"{SPEED} if x[2] > -0.8 else {SPEED} + 3.0 * (x[0] - 0.6)"},  # the same at the event
+        {"speed": f"{SPEED} + abs(x[0] - 0.6)"},  # no motion has its event beside the guard
+        {"guard": f"({GUARD}) * (2.0 if x[2] > -0.8 else 1.0)"},  # another number, with the same zero
+        {"guard": f"({GUARD}) / (1.0 + abs(x[2] + 0.8))"},
+        {"speed": f"{SPEED} - 0.3 * max(-5.0 - x[2], 0.0)"},  # never reached
+        {"speed": f"{SPEED} if math.cos(t) < 0.9 else 0.1"},
+    ],
+)
+def test_pieces_that_fit_at_the_event_are_none(tmp_path, given):
+    branch, load, notes = study(tmp_path, **given)
+    assert branch.outcome.reason == "bound"
+    assert load < -0.8
+    assert notes == []
+
+
+def test_a_point_beside_a_jump_is_found_again_when_the_run_is_resumed(tmp_path):
+    branch, _, _ = study(tmp_path, speed=f"{SPEED} - (0.0 if x[2] > -0.8 else 0.1)")
+    given = tmp_path / "run.yaml"
+    short = cw.read_run_file(given, ["continue.max_points=9"], output=tmp_path / "short.h5")
+    assert len(cw.run(short, figures=False).branches[0]) < len(branch)
+    whole = cw.read_run_file(given, output=tmp_path / "short.h5")
+    again = cw.run(whole, figures=False, resume=True).branches[0]
+    assert again.outcome == branch.outcome
+    assert np.array_equal(again["force"], branch["force"])
