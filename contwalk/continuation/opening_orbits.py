@@ -19,17 +19,19 @@ from contwalk.flow.hybrid.going_through import going_through
 from contwalk.flow.hybrid.machine import HybridMachine, hybrid_machine
 from contwalk.problems.conserving import with_own_values
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
+from contwalk.problems.hybrid.lap import Lap
 from contwalk.problems.hybrid.least import least, unused_symmetries
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit, applies, softened
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.hybrid.word import named_word
 from contwalk.problems.initial.event_recurrence import lap_from
-from contwalk.problems.initial.lap import Lap
 from contwalk.problems.initial.orbit_from_recurrence import orbit_of
 from contwalk.problems.initial.orbit_from_state import orbit_at, repetitions, symmetric
 from contwalk.problems.initial.recurrence import AtRest, recurrent
 from contwalk.problems.kinks import refuse
+from contwalk.problems.orbit.conservation import off_its_value
 from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.problems.parameter_line import Ends, ParameterLine
 from contwalk.problems.problem import NO_MARGIN
@@ -162,7 +164,7 @@ def _smooth(
             problem, z = orbit_at(system, line, at, first, part, *given)
             here = begin(problem, z, settings)
     if not isinstance(here, Here):
-        refuse(problem.kinks_of(z))
+        refuse(kinks_along(problem, z))
         return _not_alone(problem, z, here) or outcomes.no_start(
             here.reason, here.sentence, "a periodic orbit"
         )
@@ -176,7 +178,7 @@ def _smooth(
         )
     if is_one_of_a_family(problem, here.sample.z):
         return _family(problem, z) or _one_of_many()
-    if name := problem.not_conserved(here.sample):
+    if name := off_its_value(problem, here.sample):
         return _not_conserved(name)
     return _closed(problem, here, settings)
 
@@ -250,7 +252,7 @@ def _hybrid(
         found = _one_of_a_family_near(problem, z)
         return found or outcomes.refused(f"{error.sentence} (word: {word})", error.remedy)
     if not isinstance(here, Here):
-        refuse(problem.kinks_of(z))
+        refuse(kinks_along(problem, z))
         return _not_alone(problem, z, here) or outcomes.no_start(
             here.reason, f"{here.sentence} (word: {word})", "a periodic orbit"
         )
@@ -259,7 +261,7 @@ def _hybrid(
         return _family(problem, z) or _collapsed(problem, here.sample.z, collapsed, word)
     if is_one_of_a_family(problem, here.sample.z):
         return _family(problem, z) or _one_of_many()
-    if name := problem.not_conserved(here.sample):
+    if name := off_its_value(problem, here.sample):
         return _not_conserved(name)
     shorter, z = least(problem, here.sample.z)
     if shorter is not problem:  # it was looked at for longer than its period, or than half of it

@@ -512,7 +512,7 @@ class Equilibrium:
     def seeds(self, point: SpecialPoint) -> Sequence[Seed]:
         """The other branch through a branch point, and the cycle that is born at a Hopf point."""
         if point.label == "HB":
-            from contwalk.problems.orbit.switching import from_hopf  # compiled flows, where they are wanted
+            from contwalk.problems.orbit.from_hopf import from_hopf  # compiled flows, where they are wanted
 
             seeds = from_hopf(self, point)
             if not self.system.acting:

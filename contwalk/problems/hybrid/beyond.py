@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from contwalk.flow.hybrid.departure import ENTERING, departures
 from contwalk.flow.hybrid.machine import hybrid_machine
 from contwalk.numerics.linear import kernel_direction
 from contwalk.problems.hybrid import limits
+from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.least import least
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.hybrid.telling import first_sentence, told_once
@@ -26,9 +26,6 @@ from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.problem import Seed
 from contwalk.signatures import folded
-
-if TYPE_CHECKING:
-    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 
 # How far beyond, in the metric.
 STEPS = (1e-3, 1e-4, 1e-5, 1e-2)
@@ -40,7 +37,7 @@ LONGEST = 20.0
 ROUNDED = 1e-12
 
 
-def seeds(problem: HybridOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
+def seeds(problem: DiscretizedOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
     """The orbit of another word a little beyond a point, and in words what was found, or seen instead."""
     z, tangent = np.array(point.unknowns), np.array(point.tangent)
     outward = tangent if point.s >= 0.0 else -tangent
@@ -59,7 +56,7 @@ def seeds(problem: HybridOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], st
     return (), f"Beyond it: {told_once(told)}."
 
 
-def _simulated(problem: HybridOrbit, guess: np.ndarray, outward: np.ndarray, label: str) -> Seed:
+def _simulated(problem: DiscretizedOrbit, guess: np.ndarray, outward: np.ndarray, label: str) -> Seed:
     """The orbit that a simulation from a guess goes round in.
 
     Raises
@@ -120,7 +117,9 @@ def _simulated(problem: HybridOrbit, guess: np.ndarray, outward: np.ndarray, lab
     return Seed(label, start, tangent, amplitude(tangent), walking)
 
 
-def _goes_back(problem: HybridOrbit, values: dict[str, float], event: str, t: float, x: np.ndarray) -> bool:
+def _goes_back(
+    problem: DiscretizedOrbit, values: dict[str, float], event: str, t: float, x: np.ndarray
+) -> bool:
     """Whether a guess right after an event goes back through its guard.
 
     Beyond the point at which an event arrives with no rate, no state of the guess is one after a reset.

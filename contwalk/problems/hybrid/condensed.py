@@ -13,16 +13,13 @@ Starting times are then unknowns of their own, t_i+1 = t_i + T_i, and the matrix
 from __future__ import annotations
 
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contwalk.flow.compiled.addresses import address
 from contwalk.flow.compiled.entry_points import Entry
 from contwalk.numerics.linear import Factored, Factorization
-
-if TYPE_CHECKING:
-    from contwalk.problems.hybrid.layout import Layout
+from contwalk.problems.hybrid.layout import Layout
 
 _LOOPS = "contwalk.problems.hybrid.elimination"
 ELIMINATE = Entry(_LOOPS, "eliminate", "d", "qqqqqqqq")

@@ -11,20 +11,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contwalk import flow
 from contwalk.errors import NotFinite
-from contwalk.problems.hybrid.layout import Segment
+from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind
 from contwalk.problems.hybrid.shooting import Piece
 from contwalk.problems.orbit.motion import PLAIN
 from contwalk.problems.orbit.transport import STRETCHED, TOO_MUCH, closed, segments_of_growth
-
-if TYPE_CHECKING:
-    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
-    from contwalk.problems.problem import Sample
+from contwalk.problems.problem import Sample
 
 # Segments of a leg that a branch has room for, if it does not begin with more, and how many unknowns with
 # them: rows of a branch have one length, and those of large machines would be nothing but room.
@@ -35,34 +31,20 @@ GROWING, PARTS = 30.0, 16
 MOST_GROWTH = 1e300
 
 
-def sizes(problem: HybridOrbit) -> tuple[int, int]:
-    """Number of unknowns with one segment in each leg, and how many each further one adds."""
-    each = zip(problem.word.legs, problem.layout.sizes, strict=True)
-    return problem.layout.rest.stop, sum(n for leg, n in each if not leg.collapsed)
-
-
-def room(problem: HybridOrbit) -> int:
+def room(problem: DiscretizedOrbit) -> int:
     """Into how many segments legs may be cut along a branch: so many times two what they are cut into."""
     if not problem.cuttable:
         return problem.cuts
     if problem.room is not None:
         return max(problem.room, problem.cuts)
-    bare, more = sizes(problem)
+    bare, more = problem.sizes_with_cuts
     most = problem.cuts
     while 2 * most <= ROOM and bare + (2 * most - 1) * more <= MOST_UNKNOWNS:
         most *= 2
     return most
 
 
-def joined(segments: Sequence[Segment], steps: Sequence[np.ndarray]) -> np.ndarray:
-    """Times of a leg's steps, 0..1, from those of its segments."""
-    parts = [
-        own.begin + (own.end - own.begin) * times[:-1] for own, times in zip(segments, steps, strict=True)
-    ]
-    return np.append(np.concatenate(parts), 1.0)
-
-
-def stretched(problem: HybridOrbit, z: np.ndarray) -> bool:
+def stretched(problem: DiscretizedOrbit, z: np.ndarray) -> bool:
     """Whether a segment is too long for Newton's method to be at ease.
 
     Where a state moves by far less on a leg than on the orbit, as on a stiff contact, its deviations may grow
@@ -73,7 +55,7 @@ def stretched(problem: HybridOrbit, z: np.ndarray) -> bool:
     return _most_on_the_way(problem, z, own=True) > STRETCHED
 
 
-def _grown(problem: HybridOrbit, z: np.ndarray) -> float:
+def _grown(problem: DiscretizedOrbit, z: np.ndarray) -> float:
     """By how much deviations grow at most over a segment, from any time on.
 
     A deviation that began with the segment has decayed onto the motion where this attracts, and does not show
@@ -85,7 +67,7 @@ def _grown(problem: HybridOrbit, z: np.ndarray) -> float:
     return max(grown, _most_on_the_way(problem, z))
 
 
-def _most_on_the_way(problem: HybridOrbit, z: np.ndarray, own: bool = False) -> float:
+def _most_on_the_way(problem: DiscretizedOrbit, z: np.ndarray, own: bool = False) -> float:
     """By how much deviations grow at most from any time of a segment to its end.
 
     In units of the states' variation on the orbit, or, where asked for, on the segment's own leg.
@@ -117,7 +99,7 @@ def _factors(piece: Piece, x: np.ndarray, scalars: np.ndarray, scale: np.ndarray
     return found
 
 
-def _carried(problem: HybridOrbit, z: np.ndarray) -> float:
+def _carried(problem: DiscretizedOrbit, z: np.ndarray) -> float:
     """By how much deviations grow at most from the start of a segment to its end, events included."""
     largest, jacobian, variation = 0.0, problem.linearize(z).jacobian, problem.mesh.variation
     for segment in problem.layout.segments:
@@ -131,7 +113,7 @@ def _carried(problem: HybridOrbit, z: np.ndarray) -> float:
     return largest
 
 
-def begun(problem: HybridOrbit, z: np.ndarray) -> tuple[HybridOrbit, np.ndarray]:
+def begun(problem: Kind, z: np.ndarray) -> tuple[Kind, np.ndarray]:
     """A first orbit cut into as many segments as the run file asks for, or the growth of deviations does."""
     if not problem.cuttable:
         return problem, z
@@ -149,17 +131,17 @@ def begun(problem: HybridOrbit, z: np.ndarray) -> tuple[HybridOrbit, np.ndarray]
 
 
 def filled(
-    problem: HybridOrbit, bare: np.ndarray, cuts: int, source: HybridOrbit, z: np.ndarray
+    problem: DiscretizedOrbit, bare: np.ndarray, cuts: int, source: DiscretizedOrbit, z: np.ndarray
 ) -> np.ndarray:
     """Unknowns with so many segments in each leg, their starts taken from the motion of the same legs.
 
     Parameters
     ----------
-    problem : HybridOrbit
+    problem : DiscretizedOrbit
     bare : ndarray
         Unknowns with one segment in each leg.
     cuts : int
-    source, z : HybridOrbit, ndarray
+    source, z : DiscretizedOrbit, ndarray
         Whose legs begin with those of `problem`, in their order.
     """
     layout = problem.cut_into(cuts).layout
@@ -174,7 +156,7 @@ def filled(
 
 
 def copied(
-    problem: HybridOrbit, bare: np.ndarray, start: float, source: HybridOrbit, z: np.ndarray
+    problem: DiscretizedOrbit, bare: np.ndarray, start: float, source: DiscretizedOrbit, z: np.ndarray
 ) -> np.ndarray:
     """Unknowns of an orbit of other legs along the motion of `source`, from `start` on, in as many segments.
 
@@ -202,7 +184,7 @@ def copied(
     return result
 
 
-def blocks(problem: HybridOrbit, vector: np.ndarray) -> list[np.ndarray]:
+def blocks(problem: DiscretizedOrbit, vector: np.ndarray) -> list[np.ndarray]:
     """Of unknowns, or of a direction of them, each leg's states at the starts of its inner segments."""
     return [
         np.array([vector[place] for place in own]).reshape(len(own), n)
@@ -215,12 +197,12 @@ def completed(bare: np.ndarray, inner: Sequence[np.ndarray]) -> np.ndarray:
     return np.concatenate([bare[:-1], *(block.ravel() for block in inner), bare[-1:]])
 
 
-def bare(problem: HybridOrbit, vector: np.ndarray) -> np.ndarray:
+def bare(problem: DiscretizedOrbit, vector: np.ndarray) -> np.ndarray:
     """Unknowns, or a direction or weights of them, without those of inner segments."""
     return np.append(vector[: problem.layout.rest.stop], vector[-1])
 
 
-def recut(problem: HybridOrbit, sample: Sample) -> tuple[HybridOrbit, Sample] | None:
+def recut(problem: Kind, sample: Sample) -> tuple[Kind, Sample] | None:
     """The same solution on twice as many segments, corrected there; None where that does not converge."""
     cuts, z = 2 * problem.cuts, sample.z
     there = filled(problem, bare(problem, z), cuts, problem, z)

@@ -14,7 +14,9 @@ import numpy as np
 
 from contwalk import flow
 from contwalk.errors import ContwalkError
-from contwalk.problems.hybrid.hybrid_orbit import NO_RATE, HybridOrbit
+from contwalk.problems.hybrid import monodromy
+from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.monodromy import NO_RATE
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit
 from contwalk.problems.orbit.modes import NOTHING, Mode, chosen_multiplier, eigenvector, linear_part
 from contwalk.problems.orbit.motion import TANGENT
@@ -30,7 +32,8 @@ class HybridDeviations:
         A solution.
     """
 
-    def __init__(self, problem: HybridOrbit, z: np.ndarray) -> None:
+    def __init__(self, problem: DiscretizedOrbit, z: np.ndarray) -> None:
+        self.problem: DiscretizedOrbit
         self.problem, self.z = problem.explicit(z) if isinstance(problem, SoftOrbit) else (problem, z)
         self.legs = self.problem.layout.legs
         self.timed = self.problem.timed(0)
@@ -47,12 +50,12 @@ class HybridDeviations:
     def _drifting(self, i: int, j: int = 0) -> np.ndarray:
         """What drifts along pinned directions add to the velocity at the start of leg i, of its segment j."""
         size = self.problem.layout.sizes[i]
-        along = _columns([v[:size] for v in self.problem.pinned_directions(self.z, i, j)], size)
+        along = _columns([v[:size] for v in monodromy.pinned_directions(self.problem, self.z, i, j)], size)
         return along @ self.z[self.problem.layout.drifts]
 
     def _velocity(self, i: int) -> np.ndarray:
         """dx/dt at the start of leg i, as seen from the ground."""
-        flowing = self.problem.flow_direction(self.z, i)[: self.problem.layout.sizes[i]]
+        flowing = monodromy.flow_direction(self.problem, self.z, i)[: self.problem.layout.sizes[i]]
         return flowing - self._drifting(i)
 
     def mode(self, number: int) -> Mode:
@@ -68,14 +71,14 @@ class HybridDeviations:
         problem, z = self.problem, self.z
         multiplier = chosen_multiplier(problem.multipliers(z, self._jacobian).values, number)
         own, size = problem.extended(0), problem.layout.sizes[0]
-        product = problem.once_round(self._jacobian, 0)
-        v = eigenvector(product, problem.neutral_directions(z, 0), own, number)
+        product = monodromy.once_round(problem, self._jacobian, 0)
+        v = eigenvector(product, monodromy.neutral_directions(problem, z, 0), own, number)
         if problem.word.eventful and abs(multiplier) > NOTHING:
             v = product @ v / multiplier
         start = v[:size]
         if self.timed:
             start = start - self._velocity(0) * v[size]
-        along = _columns([direction[:size] for direction in problem.pinned_directions(z, 0)], size)
+        along = _columns([direction[:size] for direction in monodromy.pinned_directions(problem, z, 0)], size)
         if along.shape[1]:
             start = start - along @ np.linalg.solve(self._held @ along, self._held @ start)
         flowing = [] if problem.forced else [self._velocity(0)]
@@ -155,7 +158,7 @@ class HybridDeviations:
         if problem.word.legs[i].transition is None:
             return x @ d
         guard = layout.guards + i
-        rate = problem.by_duration(last, jacobian, guard)
+        rate = monodromy.by_duration(problem, last, jacobian, guard)
         scale = 1.0 if problem.mesh.guards is None else problem.mesh.guards[i]
         if abs(rate) * problem.mesh.total <= NO_RATE * scale:
             raise ContwalkError(
@@ -165,7 +168,7 @@ class HybridDeviations:
             )
         late = -float(jacobian[guard, place] @ d) / rate
         # A mirror may turn a drift round, so that it is left out on both sides.
-        arriving = problem.by_duration(last, jacobian, rows) - x @ self._drifting(
+        arriving = monodromy.by_duration(problem, last, jacobian, rows) - x @ self._drifting(
             i, len(layout.segments_of(i)) - 1
         )
         return x @ d + (arriving - self._velocity((i + 1) % self.legs)) * late

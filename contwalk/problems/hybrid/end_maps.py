@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -11,17 +11,15 @@ from contwalk.errors import NO_LINE, NotFinite, PluginError
 from contwalk.fields.blame import first_switched
 from contwalk.fields.switching import Inputs
 from contwalk.problems.event_kinks import EndMap, Met, between, on_a_jump
+from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.passage import Passage
 from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.kinks import Kink
 
-if TYPE_CHECKING:
-    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
-
 Written = Callable[[Any, Any, Any, Any], None]
 
 
-def passed(problem: HybridOrbit, a: np.ndarray, b: np.ndarray) -> tuple[Met, ...]:
+def passed(problem: DiscretizedOrbit, a: np.ndarray, b: np.ndarray) -> tuple[Met, ...]:
     """What events pass on the way from one orbit to another.
 
     b need not be a solution: what has no motion passes nothing. Of soft transitions, which may come and go,
@@ -43,7 +41,7 @@ def passed(problem: HybridOrbit, a: np.ndarray, b: np.ndarray) -> tuple[Met, ...
     return tuple(sorted(met, key=lambda found: found.share))
 
 
-def lying(problem: HybridOrbit, z: np.ndarray) -> tuple[Kink, ...]:
+def lying(problem: DiscretizedOrbit, z: np.ndarray) -> tuple[Kink, ...]:
     """The jumps at which events of an orbit are, to rounding: at every state of their guard, perhaps."""
     if not _any(problem):
         return ()
@@ -53,7 +51,7 @@ def lying(problem: HybridOrbit, z: np.ndarray) -> tuple[Kink, ...]:
     return tuple(dict.fromkeys(kink for kink in found if kink is not None))
 
 
-def _any(problem: HybridOrbit) -> bool:
+def _any(problem: DiscretizedOrbit) -> bool:
     return any(passage.end_switching is not None for passage in problem.passages)
 
 
@@ -78,7 +76,7 @@ def _names(passage: Passage) -> list[tuple[str, int]]:
     return [*[("u", k) for k in range(len(passage.states))], *given]
 
 
-def _event(problem: HybridOrbit, view: LegView) -> EndMap:
+def _event(problem: DiscretizedOrbit, view: LegView) -> EndMap:
     passage, line = view.piece.passage, problem.line
     names, switching = _names(passage), passage.end_switching
     assert switching is not None

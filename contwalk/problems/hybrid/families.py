@@ -7,19 +7,16 @@ A generator v is neutral if the field carries it along, Df v = Dv f, and each tr
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contwalk.flow.compiled.traced import generator_field
 from contwalk.flow.hybrid.machine import HybridMachine
+from contwalk.problems.hybrid.lap import Lap
 from contwalk.problems.mapping import mapped
 from contwalk.problems.neutral import generator_at
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
-
-if TYPE_CHECKING:
-    from contwalk.problems.initial.lap import Lap
 
 # Both sides agree to this part of the size of their terms; a direction that vanishes but for this has none.
 NEUTRAL, VANISHES = 1e-10, 1e-9

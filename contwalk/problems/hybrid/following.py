@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from contwalk.flow.hybrid.arc import Arc
+from contwalk.flow.hybrid.machine import HybridMachine
 from contwalk.flow.hybrid.motions import arcs, hybrid_machine
 from contwalk.problems.hybrid import families
+from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.layout import Segment
 from contwalk.problems.orbit.closure import imaged
 from contwalk.system.declarations import ParameterValues
-
-if TYPE_CHECKING:
-    from contwalk.flow.hybrid.arc import Arc
-    from contwalk.flow.hybrid.machine import HybridMachine
-    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
-    from contwalk.problems.hybrid.layout import Segment
 
 TOLERANCE = 1e-12
 # A simulated event is the orbit's if it happens within this part of the period, and finds this state.
 SAME_TIME, SAME_STATE = 1e-3, 1e-2
 
 
-def follows(problem: HybridOrbit, z: np.ndarray) -> str | None:
+def follows(problem: DiscretizedOrbit, z: np.ndarray) -> str | None:
     """None if a simulation over one closure meets the events of the word, in their order; else what
     it meets.
 
@@ -36,7 +32,7 @@ def follows(problem: HybridOrbit, z: np.ndarray) -> str | None:
     return next((told for told in each if told is not None), None)
 
 
-def _round(problem: HybridOrbit, machine: HybridMachine, z: np.ndarray) -> str | None:
+def _round(problem: DiscretizedOrbit, machine: HybridMachine, z: np.ndarray) -> str | None:
     """As `follows`, of one simulation."""
     times, legs = problem.starting_times(z), problem.word.legs
     x = problem.passages[0].full(problem.layout.inputs(0, z)[0])
@@ -55,7 +51,7 @@ def _round(problem: HybridOrbit, machine: HybridMachine, z: np.ndarray) -> str |
     return None
 
 
-def _along(problem: HybridOrbit, machine: HybridMachine, z: np.ndarray, segment: Segment) -> str | None:
+def _along(problem: DiscretizedOrbit, machine: HybridMachine, z: np.ndarray, segment: Segment) -> str | None:
     """As `follows`, of a segment."""
     i, layout = segment.leg, problem.layout
     passage, begins, whole = problem.passages[i], problem.starting_times(z)[i], z[layout.durations][i]
@@ -74,11 +70,11 @@ def _along(problem: HybridOrbit, machine: HybridMachine, z: np.ndarray, segment:
     return None
 
 
-def _room(problem: HybridOrbit, z: np.ndarray) -> float:
+def _room(problem: DiscretizedOrbit, z: np.ndarray) -> float:
     return SAME_TIME * abs(problem.duration(z))
 
 
-def _ends_alike(problem: HybridOrbit, z: np.ndarray, i: int, arc: Arc) -> str | None:
+def _ends_alike(problem: DiscretizedOrbit, z: np.ndarray, i: int, arc: Arc) -> str | None:
     """None if an arc ends as leg i does; else how it does."""
     times, legs = problem.starting_times(z), problem.word.legs
     leg = legs[i]

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import copy
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from contwalk.branch import Outcome, SpecialPoint
 from contwalk.errors import NotFinite
 from contwalk.memory import remembered, unowned
 from contwalk.numerics.linear import EPSILON, Factored, Factorization
-from contwalk.problems import conserving, kinks
+from contwalk.problems import kinks
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.event_kinks import Met
@@ -27,36 +26,39 @@ from contwalk.problems.hybrid import (
     lasting,
     least,
     limits,
+    monodromy,
     neighbours,
     observing,
     switching,
 )
-from contwalk.problems.hybrid.effort import Effort
-from contwalk.problems.hybrid.layout import Layout, Segment
-from contwalk.problems.hybrid.limits import Limit, Margins
+from contwalk.problems.hybrid.discretized_orbit import MOST_VIEWS, DiscretizedOrbit
+from contwalk.problems.hybrid.layout import Segment
+from contwalk.problems.hybrid.margins import Limit, Margins
 from contwalk.problems.hybrid.mirror_image import HybridMirror, mirror_of
-from contwalk.problems.hybrid.passage import Passage, passage_of
 from contwalk.problems.hybrid.return_map import EventMap
-from contwalk.problems.hybrid.shooting import AT_REST, LegMesh, Piece, meshed, most_steps
-from contwalk.problems.hybrid.view import LegView, view_of
-from contwalk.problems.hybrid.word import Word, stored_leg
+from contwalk.problems.hybrid.shooting import AT_REST, meshed, most_steps
+from contwalk.problems.hybrid.stretch import Stretch
+from contwalk.problems.hybrid.vanishing import in_no_time, onto_an_event
+from contwalk.problems.hybrid.word import stored_leg
 from contwalk.problems.kinks import Kink
-from contwalk.problems.orbit import augmented, branching, describing, ending, rates
+from contwalk.problems.orbit import augmented, branching, describing, rates
 from contwalk.problems.orbit.closure import imaged
-from contwalk.problems.orbit.discretization import FINEST, Discretization
-from contwalk.problems.orbit.homoclinic import AROUND, SlowPlace, homoclinic, slow_place_on
+from contwalk.problems.orbit.conservation import not_conserved
+from contwalk.problems.orbit.discretization import FINEST
+from contwalk.problems.orbit.homoclinic import homoclinic
+from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.meeting import distance
 from contwalk.problems.orbit.motion import PLAIN, TANGENT
-from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers, multipliers, of_sections
+from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers
 from contwalk.problems.orbit.normal_forms import SectionMap
 from contwalk.problems.orbit.period import period_and_slope
 from contwalk.problems.orbit.section import Section, section_at
+from contwalk.problems.orbit.slow_place import AROUND, SlowPlace, slow_place_on
 from contwalk.problems.orbit.solving import error_holding, newton_on
 from contwalk.problems.orbit.unbounded import unbounded
-from contwalk.problems.orbit.vanishing import at_a_point, in_no_time, onto_an_event
-from contwalk.problems.parameter_line import Ends, ParameterLine
+from contwalk.problems.orbit.vanishing import at_a_point
 from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed
-from contwalk.system import Condition, Neutral, System, Transition
+from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 
 # A residual counts as solved at this part of the tolerance.
@@ -65,12 +67,8 @@ SOLVED = 1e-3
 STAGES = {"dop853": 12, "verner98": 16, "radau5": 24, "radau9": 40}
 # Linearizations that are kept, as far as they fit: a step asks for the same ones several times.
 LEAST_KEPT, MOST_KEPT, MOST_BYTES = 3, 12, 5e7
-# Solutions that are looked at again soon: at a step's ends.
-MOST_VIEWS = 4
 # Residuals so many times above their level are no solution's.
 MISSED = 3e4
-# A guard that changes by less than this part of itself in a closure, at its rate at the event, has no rate.
-NO_RATE = 1e-7
 # Growth of deviations over a leg that is told where a branch cannot go on.
 STRETCHED = 1e3
 # A leg this short, against the closure, is none.
@@ -87,10 +85,8 @@ CLOSELY = np.linspace(0.0, 1.0, 2048)
 _NEIGHBOURS: dict[tuple, tuple[System, tuple[Sequence[Seed], str]]] = {}
 _MOST_NEIGHBOURS = 4
 
-Kind = TypeVar("Kind", bound="HybridOrbit")
 
-
-class HybridOrbit:
+class HybridOrbit(DiscretizedOrbit):
     """Orbits of one word: the legs' ends are the next ones' starts, and each ends where its guard is zero.
 
     Newton's method never looks for an event: durations are unknowns, and a guard is an equation. So the
@@ -121,160 +117,12 @@ class HybridOrbit:
     blur = 1e-3  # solutions are solved for to a part of the tolerance only
     beside = 0.05
 
-    def __init__(
-        self,
-        system: System,
-        word: Word,
-        parameters: Mapping[str, float],
-        free: str,
-        path: Ends | None = None,
-        pins: Sequence[Neutral] = (),
-        reference: np.ndarray | None = None,
-        subharmonic: int = 1,
-        discretization: Discretization | None = None,
-    ) -> None:
-        self.system, self.word = system, word
-        self.line = ParameterLine.of(system, parameters, free, path)
-        self.free, self.parameters = free, self.line.parameters
-        self.pins, self.reference = tuple(pins), reference
-        self.subharmonic = subharmonic
-        self.discretization = discretization or Discretization()
-        self.states = len(system.states)
-        self.forced = system.period is not None
-        self.turns = np.zeros(self.states)
-        self.section: Section | None = None
-        self._mesh: LegMesh | None = None
-        self._most_steps: int | None = None
-        self.effort = Effort()
-        self._kept: dict[bytes, Linearization] = {}
-        self._views: dict[bytes, tuple[LegView, ...]] = {}
-        self._margins: dict[bytes, Margins] = {}
-        self._stretches: dict[bytes, list[observing.Stretch]] = {}
-        # Segments of each leg; how many a stored branch has room for.
-        self.cuts, self.room, self.layout = 1, None, self._laid_out(1)
-
-    def _laid_out(self, cuts: int) -> Layout:
-        """Where what stands with so many segments in each leg; one that is collapsed has one."""
-        sizes = [len(self.system.states_of(leg.mode)) for leg in self.word.legs]
-        each = [1 if leg.collapsed else cuts for leg in self.word.legs]
-        return Layout(sizes, self.forced, len(self.pins), each)
-
     # -- variants ----------------------------------------------------------------------------------------
-
-    def _varied(self, **changes: Any) -> HybridOrbit:
-        other = copy.copy(self)
-        other._kept, other._views, other._margins, other._stretches = {}, {}, {}, {}
-        for name in ("pieces", "segments"):
-            other.__dict__.pop(name, None)
-        for name, value in changes.items():
-            setattr(other, name, value)
-        return other
-
-    def of_word(self, word: Word, times: int = 1, turns: np.ndarray | None = None) -> HybridOrbit:
-        """The orbits of another word, lasting `times` as many periods of the forcing."""
-        return self.like(type(self), word, times, turns)
-
-    def like(self, kind: type[Kind], word: Word, times: int = 1, turns: np.ndarray | None = None) -> Kind:
-        """As `of_word`, of a class of orbits."""
-        other = kind(
-            self.system,
-            word,
-            self.parameters,
-            self.free,
-            self.line.ends,
-            self.pins,
-            self.reference,
-            self.subharmonic * (times if self.forced else 1),
-            self.discretization,
-        )
-        other.turns = self.turns * times if turns is None else turns
-        other.effort = self.effort
-        return other
-
-    def with_room(self, cuts: int) -> HybridOrbit:
-        """The same orbits with room for so many segments in each leg along their branch."""
-        return self._varied(room=cuts)
-
-    def turning(self, turns: np.ndarray) -> HybridOrbit:
-        """The same orbits with states that grow by so much in each closure."""
-        return self._varied(turns=turns)
-
-    def on(self, mesh: LegMesh, section: Section | None) -> HybridOrbit:
-        """The same problem on another mesh, with another section."""
-        return self._varied(_mesh=mesh, section=section)
-
-    def cut_into(self, cuts: int) -> HybridOrbit:
-        """The same problem with so many segments in each leg; its steps are made anew: see `adapted_to`."""
-        return self if cuts == self.cuts else self._varied(cuts=cuts, layout=self._laid_out(cuts))
-
-    @property
-    def cuttable(self) -> bool:
-        """Whether legs may be cut into segments: those of words that end with an event."""
-        return self.word.eventful
-
-    def fitting(self, z: np.ndarray) -> HybridOrbit:
-        """The same problem with the segments of a solution, which its length tells."""
-        if len(z) == self.size + 1:
-            return self
-        bare, more = cutting.sizes(self)
-        return self.cut_into(1 + (len(z) - 1 - bare) // more)
-
-    @property
-    def mesh(self) -> LegMesh:
-        """The steps of this discretisation."""
-        if self._mesh is None:
-            raise ValueError("the problem has no mesh yet: see `adapted_to`")
-        return self._mesh
-
-    @cached_property
-    def passages(self) -> tuple[Passage, ...]:
-        """The legs' compiled functions."""
-        own, moving = self.line.own, self.line.moving
-        return tuple(
-            passage_of(self.system, leg, self.word.target(i), own, moving, self.pins, self.word.image_at(i))
-            for i, leg in enumerate(self.word.legs)
-        )
-
-    @cached_property
-    def pieces(self) -> tuple[Piece, ...]:
-        """The legs on their steps."""
-        if self.cuts == 1:
-            return self.segments
-        own = [self.layout.segments_of(i) for i in range(self.layout.legs)]
-        ends = np.cumsum([0, *map(len, own)])
-        return tuple(
-            replace(self.segments[b - 1], steps=cutting.joined(places, self.mesh.steps[a:b]))
-            for places, a, b in zip(own, ends[:-1].tolist(), ends[1:].tolist(), strict=True)
-        )
-
-    @cached_property
-    def segments(self) -> tuple[Piece, ...]:
-        """The segments of the legs on their steps, each in its own time."""
-        mesh = self.mesh
-        return tuple(
-            Piece(self.passages[own.leg], steps, mesh.method, self.line.constants, not own.last)
-            for own, steps in zip(self.layout.segments, mesh.steps, strict=True)
-        )
 
     @cached_property
     def limits(self) -> tuple[Limit, ...]:
         """All that must stay positive for an orbit to be the machine's."""
         return limits.limits_of(self)
-
-    @property
-    def size(self) -> int:
-        """Number of unknowns without the free parameter."""
-        return self.layout.size
-
-    @property
-    def method(self) -> str:
-        """How motions are integrated, and why so."""
-        return f"{self.mesh.method}, {self.mesh.reason}"
-
-    @property
-    def evaluations(self) -> int:
-        """Steps of integration so far, in right-hand sides."""
-        return self.effort.spent
 
     @property
     def observable_names(self) -> tuple[str, ...]:
@@ -285,121 +133,21 @@ class HybridOrbit:
         later = quantities.visit_names(states, observing.visits(self))
         return (*self.system.observable_names, *quantities.extreme_names(states), *later, MAX_ABS)
 
-    def view(self, z: np.ndarray) -> tuple[LegView, ...]:
-        """A solution looked at leg by leg."""
-        return remembered(self._views, z.tobytes(), MOST_VIEWS, lambda: view_of(self, z))
-
     def margins(self, z: np.ndarray) -> Margins:
         """Values of all limits at a solution."""
-        return remembered(self._margins, z.tobytes(), MOST_VIEWS, lambda: limits.margins(self, z))
+        return self.known.at("margins", z, MOST_VIEWS, lambda: limits.margins(self, z))
 
-    def stretches(self, z: np.ndarray) -> list[observing.Stretch]:
+    def stretches(self, z: np.ndarray) -> list[Stretch]:
         """The legs of the whole motion, images included."""
-        return remembered(self._stretches, z.tobytes(), MOST_VIEWS, lambda: observing.stretches(self, z))
-
-    def transition_of(self, limit: Limit) -> Transition:
-        """The transition that a limit is about, out of its leg's mode."""
-        return self.system.transition(limit.name, self.word.legs[limit.leg].mode)
-
-    @cached_property
-    def named_conditions(self) -> dict[str, Condition]:
-        """The system's conditions by name."""
-        return {condition.name: condition for condition in self.system.conditions}
+        return self.known.at("stretches", z, MOST_VIEWS, lambda: observing.stretches(self, z))
 
     # -- vectors of unknowns -----------------------------------------------------------------------------
-
-    def values_of(self, z: np.ndarray) -> dict[str, float]:
-        """All parameters at z, by name."""
-        return self.line.at(float(z[-1]))
-
-    def duration(self, z: np.ndarray) -> float:
-        """Duration of the closure, seconds."""
-        return float(z[self.layout.durations].sum())
-
-    def starting_times(self, z: np.ndarray) -> np.ndarray:
-        """Times at which the legs start, and the last one ends, shape (m + 1,)."""
-        first = 0.0 if self.layout.start is None else float(z[self.layout.start])
-        return first + np.concatenate([[0.0], np.cumsum(z[self.layout.durations])])
-
-    @property
-    def whole(self) -> tuple[str, int]:
-        """How the orbit closes (`full`, or the name of a symmetry), and how many closures its period has."""
-        name, times = self.word.relabelled(self.system)
-        return name or "full", times
-
-    @property
-    def signature(self) -> tuple[str, ...]:
-        """Names of the events, from the one that leads into the first leg."""
-        return self.word.signature(self.system)
-
-    @property
-    def whole_word(self) -> Word:
-        """The word of the whole motion, images included."""
-        return self.word.unfolded(self.system)
-
-    @property
-    def rounds(self) -> int:
-        """Closures of the motion that `max_abs` is of: a relabelled closure is a whole one."""
-        return 2 if self.word.image else 1
-
-    @property
-    def forcings(self) -> float:
-        """Periods of the forcing in a closure: a half of them, if the closure is half of a cycle."""
-        return self.subharmonic / self.rounds
-
-    @property
-    def periods(self) -> np.ndarray:
-        """Periods of the states that are angles, 0 for the others, shape (N + 1,)."""
-        result = np.zeros(self.size + 1)
-        own = np.array([s.period or 0.0 for s in self.system.states])
-        for place, passage in self._places:
-            result[place] = own[list(passage.states)]
-        return result
-
-    @property
-    def _places(self) -> list[tuple[slice, Passage]]:
-        """Where the states at the starts of all segments stand, and of which legs they are."""
-        return [(segment.states, self.passages[segment.leg]) for segment in self.layout.segments]
-
-    def assembled(
-        self,
-        states: Sequence[np.ndarray],
-        lasting: Sequence[float] | np.ndarray,
-        drifts: np.ndarray,
-        value: float,
-        start: float = 0.0,
-    ) -> np.ndarray:
-        """Unknowns from full states at the starts of the legs, their durations, and when the first begins.
-
-        Segments are not cut: see `cutting.filled`.
-        """
-        z = np.zeros(self.layout.size + 1)
-        for place, passage, x in zip(self.layout.states, self.passages, states, strict=True):
-            z[place] = x[list(passage.states)]
-        z[self.layout.durations], z[self.layout.drifts], z[-1] = lasting, drifts, value
-        if self.layout.start is not None:
-            z[self.layout.start] = start
-        return z
-
-    def weighted(self, magnitudes: np.ndarray) -> np.ndarray:
-        """Weights of the unknowns for typical magnitudes of all states; 1 for what is no state."""
-        weights = np.ones(self.layout.size + 1)
-        for place, passage in self._places:
-            weights[place] = magnitudes[list(passage.states)] * np.sqrt(len(self.layout.segments))
-        return weights
-
-    def magnitudes_of(self, weights: np.ndarray) -> np.ndarray:
-        """Typical magnitudes of all states, of weights of the unknowns; 1 for those of no leg."""
-        magnitudes = np.ones(self.states)
-        for place, passage in zip(self.layout.states, self.passages, strict=True):
-            magnitudes[list(passage.states)] = weights[place] / np.sqrt(len(self.layout.segments))
-        return magnitudes
 
     # -- equations ---------------------------------------------------------------------------------------
 
     def linearize(self, z: np.ndarray) -> Linearization:
         """The equations at z."""
-        return remembered(self._kept, z.tobytes(), self.most_kept, lambda: self._linearized(z))
+        return self.known.at("linearization", z, self.most_kept, lambda: self._linearized(z))
 
     @property
     def most_kept(self) -> int:
@@ -515,18 +263,6 @@ class HybridOrbit:
             row[-1] = -self.line.slope(pin.value)
         return apart
 
-    def held(self, pin: Neutral, x: np.ndarray, values: Mapping[str, float]) -> tuple[np.ndarray, float]:
-        """Across which direction, (n,), a full state is held, and how far it is from there."""
-        assert self.reference is not None
-        normal = np.zeros(self.states)
-        if pin.pin is None:
-            g = neutrals.generator_at(pin, self.reference, self.parameters)
-            normal = g / np.linalg.norm(g)
-            return normal, float(normal @ (x - self.reference))
-        k = self.system.state_names.index(pin.pin)
-        normal[k] = 1.0
-        return normal, float(x[k] - (self.reference[k] if pin.value is None else values[pin.value]))
-
     @property
     def cost(self) -> int:
         """Right-hand sides of one pass with derivatives, each column counted as one."""
@@ -545,12 +281,8 @@ class HybridOrbit:
         for segment in self.layout.segments:
             if not segment.last:
                 scales[segment.ends] = variation[list(self.passages[segment.leg].states)]
-        scales[self.layout.guards : self.layout.guards + self.layout.legs] = self._guard_scales
+        scales[self.layout.guards : self.layout.guards + self.layout.legs] = self.guard_scales
         return scales
-
-    @property
-    def _guard_scales(self) -> np.ndarray:
-        return np.ones(self.layout.legs) if self.mesh.guards is None else self.mesh.guards
 
     def _levels(self, z: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
         """What of each residual is rounding, or error of the steps."""
@@ -628,7 +360,7 @@ class HybridOrbit:
 
     def obstacle(self, z: np.ndarray) -> str:
         """Where the field is smooth by pieces only, or over which leg deviations grow."""
-        kink = next(iter(self.kinks_of(z)), None)
+        kink = next(iter(kinks_along(self, z)), None)
         if kink is not None:
             return kink.sentence("orbits")
         grown = self.mesh.grown
@@ -675,218 +407,7 @@ class HybridOrbit:
             },
         }
 
-    @property
-    def spectrum_size(self) -> int:
-        """Number of multipliers: dimension of the smallest section, pinned directions and those across the
-        surfaces of what is conserved left out.
-        """
-        left_out = len(self.pins) + len(self.system.conserved)
-        return self.layout.sizes[self.smallest] - 1 + int(self.forced) - left_out
-
-    @property
-    def smallest(self) -> int:
-        """The leg whose start has fewest states, of those that last: on a collapsed one there is no flow.
-
-        Without an event only the first one is a section.
-        """
-        if not self.word.eventful:
-            return 0
-        lasting = [i for i, leg in enumerate(self.word.legs) if not leg.collapsed]
-        return min(lasting, key=lambda i: self.layout.sizes[i])
-
-    def timed(self, i: int) -> bool:
-        """Whether the time is a coordinate of the start of leg i: it may begin earlier or later."""
-        return self.forced and (self.word.eventful or i > 0)
-
     # -- the spectrum ------------------------------------------------------------------------------------
-
-    def factors(self, jacobian: np.ndarray) -> list[np.ndarray]:
-        """Derivative of each leg's end by its start with the event at its end held, from DF(z).
-
-        Of a forced system the time of the event is one more coordinate, the last one. A leg that no event
-        ends lasts until the closure is over.
-        """
-        return [product(own) for own in self.chain(jacobian)]
-
-    def chain(self, jacobian: np.ndarray) -> list[list[np.ndarray]]:
-        """The factors of each of `factors`, one for each of its leg's segments.
-
-        What lies between two segments of a leg is held at its instant: there a deviation along the motion is
-        one like others.
-        """
-        layout = self.layout
-        return [
-            [self._factor(segment, jacobian) for segment in layout.segments_of(i)] for i in range(layout.legs)
-        ]
-
-    def _factor(self, segment: Segment, jacobian: np.ndarray) -> np.ndarray:
-        layout, i = self.layout, segment.leg
-        rows, place = segment.ends, segment.states
-        x = jacobian[rows, place].copy()
-        if segment.following == place:
-            x += np.eye(len(x))
-        if not segment.last:
-            if not self.timed(i):
-                return x
-            still = np.append(np.zeros(len(x)), 1.0)
-            return np.vstack([np.hstack([x, jacobian[rows, layout.start, None]]), still])
-        if self.word.legs[i].transition is None:
-            return self._to_the_end(i, x, jacobian)
-        guard = layout.guards + i
-        by_duration, guard_x = self.by_duration(segment, jacobian, rows), jacobian[guard, place]
-        # An event without rate: those multipliers that stay finite have a limit, and this is near it.
-        least = NO_RATE * float(self._guard_scales[i]) / self.mesh.total
-        rate = self.by_duration(segment, jacobian, guard)
-        rate = rate if abs(rate) > least else (-least if self.word.legs[i].falls else least)
-        if self.timed(i):
-            x = np.hstack([x, jacobian[rows, layout.start, None]])
-            guard_x = np.append(guard_x, jacobian[guard, layout.start])
-        lasting = -guard_x / rate
-        whole = x + np.outer(by_duration, lasting)
-        if self.timed((i + 1) % layout.legs):
-            time = lasting.copy()
-            if self.timed(i):
-                time[-1] += 1.0
-            whole = np.vstack([whole, time])
-        return whole
-
-    def by_duration(self, segment: Segment, jacobian: np.ndarray, rows: Any) -> Any:
-        """Derivatives of a segment's end by its own duration, when it starts being held."""
-        found = jacobian[rows, self.layout.durations.start + segment.leg]
-        if segment.begin == 0.0 and segment.last:
-            return found
-        if self.forced:
-            found = found - segment.begin * jacobian[rows, self.layout.start]
-        return found / (segment.end - segment.begin)
-
-    def _to_the_end(self, i: int, x: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
-        """A factor of a leg that no event ends: of a forced system, one that starts later is shorter."""
-        if not self.timed(i):
-            return x
-        rows, layout = self.layout.matches[i], self.layout
-        late = jacobian[rows, layout.start] - jacobian[rows, layout.durations.start + i]
-        return np.column_stack([x, late])
-
-    def once_round(self, jacobian: np.ndarray, first: int) -> np.ndarray:
-        """Derivative of the closure by the start of a leg: the product of all factors from that leg on."""
-        factors = self.factors(jacobian)
-        whole = np.eye(len(self.extended(first)))
-        for k in range(len(factors)):
-            whole = factors[(first + k) % len(factors)] @ whole
-        return whole
-
-    def _arrives_without_rate(self, jacobian: np.ndarray) -> bool:
-        """Whether an event is a terminal grazing, to rounding: there multipliers may be infinite."""
-        events = np.flatnonzero([leg.transition is not None for leg in self.word.legs])
-        own = self.layout.durations.start + events
-        rates = np.abs(jacobian[self.layout.guards + events, own]) * self.mesh.total
-        return bool(np.any(rates <= NO_RATE * self._guard_scales[events]))
-
-    def extended(self, i: int) -> np.ndarray:
-        """Typical magnitudes of the coordinates at the start of leg i: its states, and time if it is one."""
-        own = self.mesh.variation[list(self.passages[i].states)]
-        return np.append(own, self.mesh.total) if self.timed(i) else own
-
-    def flow_direction(self, z: np.ndarray, i: int, j: int = 0) -> np.ndarray:
-        """What a later start of leg i, or of its segment j, on the same orbit differs by: velocity, and time
-        if forced.
-        """
-        x, scalars = self.layout.inputs_of(self.layout.segments_of(i)[j], z)
-        duration = scalars[0] if scalars[0] != 0.0 else 1.0
-        own = self.pieces[i].velocity(x, np.concatenate([[duration], scalars[1:]])) / duration
-        return np.append(own, 1.0) if self.timed(i) else own
-
-    def pinned_directions(self, z: np.ndarray, i: int, j: int = 0) -> list[np.ndarray]:
-        """Generators of the pinned directions at the start of leg i, or of its segment j, as `flow_direction`
-        has the flow's.
-        """
-        x = self.passages[i].full(z[self.layout.segments_of(i)[j].states])
-        along = families.directions(self.system, self.pins, x, self.values_of(z))
-        own = along[list(self.passages[i].states)]
-        return list((np.vstack([own, np.zeros((1, own.shape[1]))]) if self.timed(i) else own).T)
-
-    def neutral_directions(self, z: np.ndarray, i: int) -> np.ndarray:
-        """The flow's own direction, if there is one, pinned ones, and gradients of what is conserved at the
-        start of leg i, as columns.
-        """
-        still = self.forced and not self.timed(i)
-        directions = [] if still else [self.flow_direction(z, i)]
-        directions += self.pinned_directions(z, i)
-        if self.system.conserved:
-            passage = self.passages[i]
-            x = passage.full(self.layout.inputs(i, z)[0])
-            gradients = conserving.gradients_of(self.system, passage.leg.mode, x, self.values_of(z))
-            own = gradients[:, list(passage.states)]
-            directions += list(conserving.raised(own, self.extended(i)).T)
-        return np.array(directions).reshape(len(directions), len(self.extended(i))).T
-
-    def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
-        """Multipliers of the closure, of the map of the smallest section."""
-        smallest = self.smallest
-        once = self.once_round(jacobian, smallest)
-        if not np.all(np.isfinite(once)):
-            return Multipliers(
-                np.full(self.spectrum_size, np.nan + 0j), np.full(self.spectrum_size, np.inf), 1.0
-            )
-        tolerance = self.mesh.growth * self.mesh.tolerance
-        gradients = len(self.system.conserved)
-        if self.cuts > 1 and not gradients:
-            found = of_sections(*self._sections(z, jacobian), tolerance)
-        else:
-            neutral = self.neutral_directions(z, smallest)
-            found = multipliers([once], [neutral], self.extended(smallest), tolerance, gradients=gradients)
-        if self._arrives_without_rate(jacobian):
-            endless = np.abs(found.values) > 0.01 / NO_RATE
-            limit = np.where(endless, complex(np.inf, 0.0), found.values)
-            return Multipliers(limit, np.where(endless, 0.0, found.errors), max(found.accuracy, NO_RATE))
-        return found
-
-    def _sections(
-        self, z: np.ndarray, jacobian: np.ndarray
-    ) -> tuple[list[np.ndarray], list[np.ndarray], list[np.ndarray]]:
-        """Factors once round from the smallest section on; where each begins, magnitudes, and directions that
-        are left out.
-
-        Inside a leg that is the flow's own, which the next event forgets. Right after an event nothing is
-        left out: it has gone already.
-        """
-        factors, magnitudes, left_out = [], [], []
-        chain, legs, first = self.chain(jacobian), self.layout.legs, self.smallest
-        for i in ((first + k) % legs for k in range(legs)):
-            for j, factor in enumerate(chain[i]):
-                own = self.extended(i)
-                factors.append(factor)
-                magnitudes.append(own)
-                left_out.append(self.flow_direction(z, i, j)[:, None] if j else np.zeros((len(own), 0)))
-        left_out[0] = self.neutral_directions(z, first)
-        return factors, magnitudes, left_out
-
-    def trivial_error(self, z: np.ndarray, jacobian: np.ndarray) -> float:
-        """How well each leg's map forgets where on the orbit it started, relative; NaN for a forced one.
-
-        A start a little later on the same orbit leads to the same event: P f = 0. Where an event has no rate
-        its map has no derivative: NaN.
-        """
-        if self.forced or self._arrives_without_rate(jacobian):
-            return float("nan")
-        worst, legs = 0.0, self.layout.legs
-        for i, factors in enumerate(self.chain(jacobian)):
-            if self.word.legs[i].collapsed:
-                continue
-            for j, factor in enumerate(factors):
-                last, there = j == len(factors) - 1, (i + 1) % legs
-                own = self.flow_direction(z, i, j)
-                units = self.extended(there if last else i)
-                size = float(np.linalg.norm(own / self.extended(i)))
-                left = factor @ own
-                if not last:
-                    left = left - self.flow_direction(z, i, j + 1)
-                elif self.word.legs[i].transition is None:
-                    left = left - self.flow_direction(z, there)
-                scale = float(np.linalg.norm((np.abs(factor) @ np.abs(own)) / units))
-                if size > 0.0 and scale > 0.0:
-                    worst = max(worst, float(np.linalg.norm(left / units)) / max(scale, size))
-        return worst
 
     # -- second derivatives ------------------------------------------------------------------------------
 
@@ -972,11 +493,13 @@ class HybridOrbit:
             return ""
         return self.word.legs[shortest].name
 
-    @property
-    def clocked(self) -> bool:
-        """Whether an event happens at given times: at rest, too."""
-        each = zip(self.word.legs, self.passages, strict=True)
-        return any(leg.transition is not None and own.of_time_alone(leg.transition) for leg, own in each)
+    def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
+        """Multipliers of the closure, of the map of the smallest section."""
+        return monodromy.spectrum(self, z, jacobian)
+
+    def flow_direction(self, z: np.ndarray, i: int, j: int = 0) -> np.ndarray:
+        """What a later start of leg i, or of its segment j, on the same orbit differs by: see `monodromy`."""
+        return monodromy.flow_direction(self, z, i, j)
 
     def fallen_back(self, z: np.ndarray, tangent: np.ndarray | None = None) -> bool:
         """Whether an orbit repeats itself, or is its own image, as its parent does."""
@@ -1000,9 +523,9 @@ class HybridOrbit:
         unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
         found = self.multipliers(z, linearization.jacobian)
         found = found.beside(float(unit[-1] / weights[-1]))
-        trivial = self.trivial_error(z, linearization.jacobian)
+        trivial = monodromy.trivial_error(self, z, linearization.jacobian)
         orientation, error = linearization.orientation_and_error(unit, weights, self._errors(linearization))
-        margins, met = self.margins(z), self.kinks_of(z) if known is None else known.kinks
+        margins, met = self.margins(z), kinks_along(self, z) if known is None else known.kinks
         accuracy = max(found.accuracy, 2.0 * float(np.nan_to_num(trivial)))
         kinks.refuse(met)
         return Sample(
@@ -1031,18 +554,9 @@ class HybridOrbit:
             reported=self.reported(z) if known is None else known.reported,
         )
 
-    def kinks_of(self, z: np.ndarray) -> tuple[Kink, ...]:
-        """Where fields are smooth by pieces only along the legs of z, and jumps that its events lie on."""
-        lying = end_maps.lying(self, z)
-        if all(passage.switching is None for passage in self.passages):
-            return lying
-        parameters = self.values_of(z)
-        found = [
-            kinks.along(course, leg.piece.passage.kinks)
-            for leg in self.view(z)
-            for course in leg.course(parameters)
-        ]
-        return tuple(dict.fromkeys(kink for part in (*found, lying) for kink in part))
+    def kinks_at_events(self, z: np.ndarray) -> tuple[Kink, ...]:
+        """Jumps of guards and resets that events lie on."""
+        return end_maps.lying(self, z)
 
     def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
         """Those that the second orbit crosses, and those that events pass on the step to it."""
@@ -1137,61 +651,12 @@ class HybridOrbit:
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
         """Why the branch ends between two neighbouring solutions; limits are the engine's business."""
         shrinks = (in_no_time, onto_an_event) if self.word.eventful else (at_a_point,)
-        reasons = (ending.not_conserved, *shrinks, homoclinic, unbounded)
+        reasons = (not_conserved, *shrinks, homoclinic, unbounded)
         return next((outcome for reason in reasons if (outcome := reason(self, a, b)) is not None), None)
-
-    @property
-    def eventful(self) -> bool:
-        """Whether events happen on it."""
-        return self.word.eventful
-
-    def not_conserved(self, sample: Sample) -> str:
-        """Name of a quantity that is not at its value on the orbit, though it is declared to be conserved."""
-        if not self.system.conserved:
-            return ""
-        z, parameters, most = sample.z, self.values_of(sample.z), np.zeros(self.states)
-        errors = self._errors(self.linearize(z))
-        for passage, rows in zip(self.passages, self.layout.matches, strict=True):
-            most[list(passage.following)] += errors[rows]
-        for passage, place in zip(self.passages, self.layout.states, strict=True):
-            name = conserving.off(self.system, passage.leg.mode, passage.full(z[place]), parameters, most)
-            if name:
-                return name
-        return ""
 
     def velocity(self, z: np.ndarray) -> np.ndarray:
         """dx/dt at the start."""
         return self.flow_direction(z, 0)
-
-    @property
-    def events(self) -> list[tuple[int, Transition]]:
-        """The legs that last until an event whose guard depends on the states, and that event."""
-        each = [(i, leg.transition) for i, leg in enumerate(self.word.legs) if not leg.collapsed]
-        return [(i, own) for i, own in each if own and not self.passages[i].of_time_alone(own)]
-
-    def arrival(self, z: np.ndarray, i: int) -> float:
-        """How fast the guard that ends leg i arrives."""
-        transition, piece = self.word.legs[i].transition, self.pieces_of(z, i)[-1]
-        assert transition is not None
-        # Where soft transitions come and go, the leg ends in another mode than the word was read off in.
-        own = piece.piece.passage.leg.transition or transition
-        return float(piece.guard(own)[2][-1]) / (piece.duration or 1.0)
-
-    def reach(self, z: np.ndarray, i: int) -> float:
-        """Largest value, at the steps, of the guard that ends leg i."""
-        transition = self.word.legs[i].transition
-        assert transition is not None
-        return max(piece.size_at_steps(transition) for piece in self.pieces_of(z, i))
-
-    def typical_guard(self, z: np.ndarray, magnitudes: np.ndarray, i: int) -> float:
-        """What typical changes of the states, `magnitudes_of` weights, make of the guard that ends leg i."""
-        transition = self.word.legs[i].transition
-        assert transition is not None
-        return limits.typical(self.pieces_of(z, i)[-1], transition, magnitudes)
-
-    def pieces_of(self, z: np.ndarray, i: int) -> list[LegView]:
-        """Leg i looked at, piece by piece where there are soft transitions on it."""
-        return [self.view(z)[i]]
 
     def duration_gradient(self, z: np.ndarray) -> np.ndarray:
         """Derivative of the closure's duration by unknowns and free parameter, shape (N + 1,)."""
@@ -1207,14 +672,6 @@ class HybridOrbit:
     def errors_at(self, z: np.ndarray) -> np.ndarray:
         """Estimated error of each equation at a solution."""
         return self._errors(self.linearize(z))
-
-    def state_of(self, which: int) -> str | None:
-        """Name of the state that an unknown is a value of, None if it is an angle's or none's."""
-        for place, passage in zip(self.layout.states, self.passages, strict=True):
-            if place.start <= which < place.stop:
-                state = self.system.states[passage.states[which - place.start]]
-                return None if state.period else state.name
-        return None
 
     def admissible_at(self, z: np.ndarray) -> bool:
         """Whether a solution is one that the machine can move on."""
@@ -1394,10 +851,6 @@ class HybridOrbit:
     def _beyond(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
         return neighbours.found(self, point)
 
-    def first_state(self, z: np.ndarray) -> np.ndarray:
-        """The state at the start of the first leg, shape (n,)."""
-        return self.passages[0].full(z[self.layout.states[0]])
-
     def passes(self, z: np.ndarray, points: Sequence[np.ndarray]) -> bool:
         """Whether the orbit of z passes one of some states, as `first_passed` does."""
         return self.first_passed(z, points) is not None
@@ -1444,11 +897,3 @@ class HybridOrbit:
             return self.passes(b.z, [self.first_state(a.z)])
         there = self.nearest_turn(a.z, b.z)
         return bool(np.linalg.norm((there - b.z) / b.weights) < 30.0 * ALIKE)
-
-
-def product(factors: Sequence[np.ndarray]) -> np.ndarray:
-    """The product of factors in the order in which they act."""
-    whole = factors[0]
-    for factor in factors[1:]:
-        whole = factor @ whole
-    return whole

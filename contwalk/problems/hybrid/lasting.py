@@ -11,17 +11,13 @@ Comput. 24 (2002) 183).
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from contwalk.flow.hybrid.machine import HybridMachine
 from contwalk.flow.hybrid.motions import arcs, hybrid_machine
-
-if TYPE_CHECKING:
-    from contwalk.flow.hybrid.machine import HybridMachine
-    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
-    from contwalk.problems.hybrid.layout import Segment
-    from contwalk.problems.hybrid.shooting import Piece
+from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.layout import Segment
+from contwalk.problems.hybrid.shooting import Piece
 
 # Durations are fitted on steps that are theirs at least by this part of the square of the length: where the
 # parameter counts relative to itself, it falls by two parts while the period grows by one.
@@ -33,7 +29,9 @@ LONGEST = 4.0
 CORRECTIONS, ROUNDED, NEARLY, STALLS = 64, 1e-15, 1e-9, 0.25
 
 
-def fitted(problem: HybridOrbit, z: np.ndarray, normal: np.ndarray, weights: np.ndarray) -> np.ndarray | None:
+def fitted(
+    problem: DiscretizedOrbit, z: np.ndarray, normal: np.ndarray, weights: np.ndarray
+) -> np.ndarray | None:
     """Unknowns whose legs last until their guards are zero, on the steps of the equations.
 
     None where that is not asked for, or not to be had: on steps across a hyperplane that are hardly of
@@ -63,7 +61,9 @@ def fitted(problem: HybridOrbit, z: np.ndarray, normal: np.ndarray, weights: np.
     return result
 
 
-def _until_met(problem: HybridOrbit, machine: HybridMachine, z: np.ndarray, segment: Segment) -> float | None:
+def _until_met(
+    problem: DiscretizedOrbit, machine: HybridMachine, z: np.ndarray, segment: Segment
+) -> float | None:
     """How long a simulation from the start of a leg's last segment lasts until the leg's event, if ever."""
     i, mesh, (x, scalars) = segment.leg, problem.mesh, problem.layout.inputs_of(segment, z)
     leg, longest = problem.word.legs[i], LONGEST * float(scalars[0])
@@ -78,7 +78,7 @@ def _until_met(problem: HybridOrbit, machine: HybridMachine, z: np.ndarray, segm
 
 
 def _on_steps(
-    problem: HybridOrbit, piece: Piece, z: np.ndarray, segment: Segment, lasting: float
+    problem: DiscretizedOrbit, piece: Piece, z: np.ndarray, segment: Segment, lasting: float
 ) -> float | None:
     """A duration corrected until the guard is zero on the steps of the equations; None if that fails.
 

@@ -160,3 +160,11 @@ class Layout:
         if self.forced:
             scalars[1] += segment.begin * lasting
         return z[segment.states], scalars
+
+
+def joined(segments: Sequence[Segment], steps: Sequence[np.ndarray]) -> np.ndarray:
+    """Times of a leg's steps, 0..1, from those of its segments."""
+    parts = [
+        own.begin + (own.end - own.begin) * times[:-1] for own, times in zip(segments, steps, strict=True)
+    ]
+    return np.append(np.concatenate(parts), 1.0)

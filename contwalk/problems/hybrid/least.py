@@ -6,12 +6,11 @@ branch point. And a motion may be its own image without its start having told so
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from contwalk.flow.hybrid.machine import hybrid_machine
 from contwalk.problems.hybrid import cutting, families
+from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind
 from contwalk.problems.hybrid.mirrors import Span, carries, why_not_carried
 from contwalk.problems.hybrid.switching import discretized, shifted
 from contwalk.problems.hybrid.word import Leg, Word, has_image, imaged_leg
@@ -19,14 +18,11 @@ from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.system import Symmetry, System
 from contwalk.system.declarations import ParameterValues
 
-if TYPE_CHECKING:
-    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
-
 # Two orbits whose states differ by less than this part of their variation are one.
 ALIKE = 1e-6
 
 
-def least(problem: HybridOrbit, z: np.ndarray) -> tuple[HybridOrbit, np.ndarray]:
+def least(problem: Kind, z: np.ndarray) -> tuple[Kind, np.ndarray]:
     """The same orbit over its least period, and over half of it if it is its own image after that.
 
     `problem` itself where there is nothing to leave out. What comes back is discretised for the orbit, and is
@@ -39,7 +35,7 @@ def least(problem: HybridOrbit, z: np.ndarray) -> tuple[HybridOrbit, np.ndarray]
     return _beginning(problem, z, problem.layout.legs // 2, 1, name) if name else (problem, z)
 
 
-def repetitions(problem: HybridOrbit, z: np.ndarray) -> int:
+def repetitions(problem: DiscretizedOrbit, z: np.ndarray) -> int:
     """How many times an orbit goes through the same states."""
     most = problem.layout.legs if problem.word.eventful else max(problem.subharmonic, 2)
     for times in range(most, 1, -1):
@@ -49,7 +45,7 @@ def repetitions(problem: HybridOrbit, z: np.ndarray) -> int:
     return 1
 
 
-def _repeated(problem: HybridOrbit, z: np.ndarray, times: int) -> bool:
+def _repeated(problem: DiscretizedOrbit, z: np.ndarray, times: int) -> bool:
     """Whether an orbit of a word that repeats itself meets itself after the first of so many parts."""
     if not problem.word.eventful:
         return _alike(problem, z, _part_way(problem, z, times), 0, problem.turns / times)
@@ -62,7 +58,7 @@ def _repeated(problem: HybridOrbit, z: np.ndarray, times: int) -> bool:
     )
 
 
-def _part_way(problem: HybridOrbit, z: np.ndarray, times: int) -> np.ndarray:
+def _part_way(problem: DiscretizedOrbit, z: np.ndarray, times: int) -> np.ndarray:
     """Full state after the first of so many parts of a closure."""
     views = problem.view(z)
     ends = np.cumsum([view.duration for view in views])
@@ -72,23 +68,23 @@ def _part_way(problem: HybridOrbit, z: np.ndarray, times: int) -> np.ndarray:
     return view.full(view.stepped(1.0 - (float(ends[i]) - at) / view.duration))
 
 
-def _start(problem: HybridOrbit, z: np.ndarray, i: int) -> np.ndarray:
+def _start(problem: DiscretizedOrbit, z: np.ndarray, i: int) -> np.ndarray:
     """Full state at the start of a leg."""
     return problem.passages[i].full(z[problem.layout.states[i]])
 
 
-def _alike(problem: HybridOrbit, z: np.ndarray, x: np.ndarray, i: int, turns: np.ndarray) -> bool:
+def _alike(problem: DiscretizedOrbit, z: np.ndarray, x: np.ndarray, i: int, turns: np.ndarray) -> bool:
     """Whether a state is the one at the start of leg i, but for turns."""
     own = list(problem.passages[i].states)
     apart = (x - turns - _start(problem, z, i))[own] / problem.mesh.variation[own]
     return float(np.linalg.norm(apart)) < ALIKE
 
 
-def _symmetry(problem: HybridOrbit, name: str) -> Symmetry | None:
+def _symmetry(problem: DiscretizedOrbit, name: str) -> Symmetry | None:
     return problem.system.symmetry(name) if name else None
 
 
-def divided(problem: HybridOrbit, z: np.ndarray, times: int) -> tuple[HybridOrbit, np.ndarray]:
+def divided(problem: Kind, z: np.ndarray, times: int) -> tuple[Kind, np.ndarray]:
     """The problem of the first part of a word that repeats itself, and the same part of the orbit."""
     if problem.word.eventful:
         return _beginning(problem, z, problem.layout.legs // times, times, problem.word.image)
@@ -105,9 +101,7 @@ def divided(problem: HybridOrbit, z: np.ndarray, times: int) -> tuple[HybridOrbi
     return discretized(other, start), start
 
 
-def _beginning(
-    problem: HybridOrbit, z: np.ndarray, legs: int, times: int, image: str
-) -> tuple[HybridOrbit, np.ndarray]:
+def _beginning(problem: Kind, z: np.ndarray, legs: int, times: int, image: str) -> tuple[Kind, np.ndarray]:
     """The first legs of an orbit, which close up to an image, as one of a period so many times shorter."""
     layout = problem.layout
     states, lasting = slice(0, layout.states[legs].start), layout.durations.start
@@ -119,7 +113,7 @@ def _beginning(
     return there, shifted(there, start)
 
 
-def own_image(problem: HybridOrbit, z: np.ndarray) -> str:
+def own_image(problem: DiscretizedOrbit, z: np.ndarray) -> str:
     """The symmetry under which the second half of a whole orbit is the image of the first; empty if none."""
     half, rest = divmod(problem.layout.legs, 2)
     if rest or problem.word.image or not problem.word.eventful or np.any(problem.turns):
@@ -138,7 +132,7 @@ def own_image(problem: HybridOrbit, z: np.ndarray) -> str:
     return ""
 
 
-def _halves_alike(problem: HybridOrbit, z: np.ndarray, symmetry: Symmetry) -> bool:
+def _halves_alike(problem: DiscretizedOrbit, z: np.ndarray, symmetry: Symmetry) -> bool:
     """Whether each leg lasts as long as the one half a cycle later, and starts at its image."""
     half, p = problem.layout.legs // 2, ParameterValues(**problem.values_of(z))
     lasting = z[problem.layout.durations]
@@ -159,14 +153,14 @@ def _spatial(system: System) -> list[Symmetry]:
     return [symmetry for symmetry in system.symmetries if symmetry.role == "spatial"]
 
 
-def _its_image(problem: HybridOrbit, z: np.ndarray, symmetry: Symmetry) -> bool:
+def _its_image(problem: DiscretizedOrbit, z: np.ndarray, symmetry: Symmetry) -> bool:
     """Whether the machine is its own image half a cycle later."""
     machine = hybrid_machine(problem.system, problem.values_of(z))
     later = 0.5 * problem.duration(z) if problem.forced else 0.0
     return carries(machine, symmetry, _spans(problem, z), later, problem.mesh.variation)
 
 
-def _spans(problem: HybridOrbit, z: np.ndarray) -> list[Span]:
+def _spans(problem: DiscretizedOrbit, z: np.ndarray) -> list[Span]:
     spans = []
     for stretch in problem.stretches(z):
         (begin, x), (end, y) = stretch.start, stretch.end
@@ -174,7 +168,7 @@ def _spans(problem: HybridOrbit, z: np.ndarray) -> list[Span]:
     return spans
 
 
-def unused_symmetries(problem: HybridOrbit, z: np.ndarray) -> str:
+def unused_symmetries(problem: DiscretizedOrbit, z: np.ndarray) -> str:
     """Why no orbit of this word is closed up to a declared symmetry, a sentence each; empty if one may be.
 
     That an orbit is not its own image is no reason: the machine is not, or orbits without events are followed
@@ -186,7 +180,7 @@ def unused_symmetries(problem: HybridOrbit, z: np.ndarray) -> str:
     return " ".join(f"Symmetry '{name}' is not used: {why}." for name, why in reasons.items() if why)
 
 
-def _unused(problem: HybridOrbit, z: np.ndarray, symmetry: Symmetry) -> str:
+def _unused(problem: DiscretizedOrbit, z: np.ndarray, symmetry: Symmetry) -> str:
     if not problem.word.eventful:
         return "an orbit without events is followed over its whole period"
     if order_of(symmetry, _start(problem, z, 0), ParameterValues(**problem.values_of(z))) != 2:

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -29,6 +29,8 @@ from contwalk.branch import SpecialPoint
 from contwalk.errors import StartError, UnsupportedOperation
 from contwalk.flow.events.guard_derivatives import MOST_ORDER
 from contwalk.memory import computed_once
+from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.margins import Limit, Margins
 from contwalk.problems.hybrid.shooting import Piece
 from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.hybrid.watching import Watched
@@ -37,16 +39,11 @@ from contwalk.problems.orbit import augmented
 from contwalk.problems.orbit.branching import filled_magnitudes
 from contwalk.problems.orbit.motion import PLAIN
 from contwalk.problems.orbit.solving import newton_on
-from contwalk.problems.problem import NO_MARGIN, Located, Sample
+from contwalk.problems.problem import Located, Sample
 from contwalk.system import System, Transition
-
-if TYPE_CHECKING:
-    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 
 LABELS = ("GR", "OC", "AZ")
 AT_START = ("start", "leaving", "past")
-# Limits whose numbers are not the guard's own: margins tell them under names of their own.
-DERIVED = ("rate", "duration", "leaving", "past")
 # Margins larger than this are not those that a special point is a zero of.
 HIDDEN = 1e-6
 # Limits that do not show at a point are looked for so far beside it, in the metric, and are those nearer
@@ -65,73 +62,12 @@ NO_RATE = 1e-7
 AFTER = 0.1
 
 
-@dataclass(frozen=True)
-class Limit:
-    """One number that must stay positive; `acts` says whether something happens where it is not.
-
-    `test` says what the number is: a guard's value where it is least inside the leg (`dip`), at its `start`
-    or at its `end`; how fast the own guard arrives (`rate`); how a guard that its own event leaves without
-    rate goes on (`leaving`: its second derivative); the leg's `duration`; a `condition`; how
-    far past zero the guard of a collapsed leg is where it begins (`past`).
-    """
-
-    label: str
-    kind: str | None
-    name: str
-    leg: int
-    test: str
-    acts: bool = True
-
-    @property
-    def rank(self) -> int:
-        """A duration that vanishes tells more than a guard that is zero at the leg's end."""
-        return {"duration": 0, "rate": 0, "past": 0, "start": 2, "end": 2}.get(self.test, 1)
+def transition_of(problem: DiscretizedOrbit, limit: Limit) -> Transition:
+    """The transition that a limit is about, out of its leg's mode."""
+    return problem.system.transition(limit.name, problem.word.legs[limit.leg].mode)
 
 
-@dataclass(frozen=True, eq=False)
-class Margins:
-    """Values of all limits of an orbit.
-
-    Parameters
-    ----------
-    limits : tuple of Limit
-    values, scales : ndarray, shape (k,)
-        In physical units, and what they are compared with; infinite where there is no such instant.
-    places : ndarray, shape (k,)
-        Where on its leg, 0..1.
-    """
-
-    limits: tuple[Limit, ...]
-    values: np.ndarray
-    scales: np.ndarray
-    places: np.ndarray
-
-    @property
-    def relative(self) -> np.ndarray:
-        """Values in units of their scales, at most one in modulus."""
-        return np.clip(self.values / self.scales, -1.0, 1.0)
-
-    @property
-    def admissible(self) -> bool:
-        """Whether none is negative."""
-        return bool(np.all(self.relative >= -NO_MARGIN))
-
-    @computed_once
-    def by_name(self) -> dict[str, float]:
-        """The smallest value under each name, where there is one."""
-        found: dict[str, float] = {}
-        for limit, value in zip(self.limits, self.values.tolist(), strict=True):
-            key = limit.name if limit.test not in DERIVED else f"{limit.name}_{limit.test}"
-            if np.isfinite(value):
-                found[key] = min(found.get(key, np.inf), value)
-        return found
-
-    def least(self, name: str) -> float:
-        """The smallest value under a name; NaN where there is none."""
-        return self.by_name.get(name, float("nan"))
-
-
-def limits_of(problem: HybridOrbit) -> tuple[Limit, ...]:
+def limits_of(problem: DiscretizedOrbit) -> tuple[Limit, ...]:
     """All limits of a word's orbits, in a fixed order."""
     system, word, found = problem.system, problem.word, []
     for i, leg in enumerate(word.legs):
@@ -276,7 +212,7 @@ class _Watch:
         return np.inf if self.opens and self.known else float(self.values[0]), 0.0
 
 
-def margins(problem: HybridOrbit, z: np.ndarray) -> Margins:
+def margins(problem: DiscretizedOrbit, z: np.ndarray) -> Margins:
     """Values of all limits at a solution."""
     views = problem.view(z)
     rows: list[tuple[float, float, float]] = []
@@ -292,7 +228,7 @@ def margins(problem: HybridOrbit, z: np.ndarray) -> Margins:
             found = _entered(problem, limit, view)
         else:
             if (i, limit.name) not in known:
-                known[i, limit.name] = _watch(problem, i, view, problem.transition_of(limit))
+                known[i, limit.name] = _watch(problem, i, view, transition_of(problem, limit))
             watch = known[i, limit.name]
             if limit.test == "leaving":
                 found = _leaving(watch)
@@ -303,12 +239,12 @@ def margins(problem: HybridOrbit, z: np.ndarray) -> Margins:
     return Margins(problem.limits, values, scales, places)
 
 
-def _entered(problem: HybridOrbit, limit: Limit, view: LegView) -> tuple[float, float, float]:
+def _entered(problem: DiscretizedOrbit, limit: Limit, view: LegView) -> tuple[float, float, float]:
     """Value, scale and place of how a guard stands where a mode is entered that lasts no time.
 
     There is no largest value to compare it with: what typical changes of the states make of it is.
     """
-    transition = problem.transition_of(limit)
+    transition = transition_of(problem, limit)
     sign = 1.0 if transition.direction == "falling" else -1.0
     value, slopes = _at_entry(view.piece, transition, view.x, view.scalars)
     n = len(view.x)
@@ -339,7 +275,7 @@ def _leaving(watch: _Watch) -> tuple[float, float, float]:
     return watch.sign * float(map_(0.0, view.x, c)[0]), fastest, 0.0
 
 
-def _watch(problem: HybridOrbit, i: int, view: LegView, transition: Transition) -> _Watch:
+def _watch(problem: DiscretizedOrbit, i: int, view: LegView, transition: Transition) -> _Watch:
     """A guard sampled on a leg."""
     leg = problem.word.legs[i]
     times, values, rates = view.guard(transition)
@@ -458,7 +394,7 @@ def _at_end(watch: _Watch) -> float:
     return end if end >= -watch.before(len(watch.times), 1.0)[0] else np.inf
 
 
-def guard_scales(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
+def guard_scales(problem: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
     """Largest value of each leg's own guard on it, shape (m,); 1 where there is none."""
     scales = np.ones(problem.layout.legs)
     for i, (leg, view) in enumerate(zip(problem.word.legs, problem.view(z), strict=True)):
@@ -473,7 +409,7 @@ def guard_scales(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
     return scales
 
 
-def nearest(problem: HybridOrbit, point: SpecialPoint) -> int:
+def nearest(problem: DiscretizedOrbit, point: SpecialPoint) -> int:
     """The limit that a special point is one of: the smallest margin under its label, and kind where
     it has one.
 
@@ -498,7 +434,9 @@ def nearest(problem: HybridOrbit, point: SpecialPoint) -> int:
     return best
 
 
-def _beside(problem: HybridOrbit, z: np.ndarray, tangent: np.ndarray, which: list[int]) -> dict[int, float]:
+def _beside(
+    problem: DiscretizedOrbit, z: np.ndarray, tangent: np.ndarray, which: list[int]
+) -> dict[int, float]:
     """How far from zero some limits are a little beside a point, on both sides; those that are nowhere near
     it are left out, and those that are zero there as well.
     """
@@ -517,7 +455,7 @@ def _beside(problem: HybridOrbit, z: np.ndarray, tangent: np.ndarray, which: lis
 # -- locating ----------------------------------------------------------------------------------------------
 
 
-def located(problem: HybridOrbit, which: int, sample: Sample) -> Located | None:
+def located(problem: DiscretizedOrbit, which: int, sample: Sample) -> Located | None:
     """The point near a sample at which limit number `which` passes zero."""
     limit = problem.limits[which]
     try:
@@ -527,7 +465,9 @@ def located(problem: HybridOrbit, which: int, sample: Sample) -> Located | None:
         return None
 
 
-def _system(problem: HybridOrbit, which: int, limit: Limit, sample: Sample) -> augmented.Augmented | None:
+def _system(
+    problem: DiscretizedOrbit, which: int, limit: Limit, sample: Sample
+) -> augmented.Augmented | None:
     """The orbit's equations with those of the limit."""
     for leg in _doubtful(problem, limit):
         if _vanishes(problem, leg, sample):
@@ -558,7 +498,7 @@ def _system(problem: HybridOrbit, which: int, limit: Limit, sample: Sample) -> a
     return augmented.Augmented(evaluate, start, scale, vectors)
 
 
-def _doubtful(problem: HybridOrbit, limit: Limit) -> tuple[int, ...]:
+def _doubtful(problem: DiscretizedOrbit, limit: Limit) -> tuple[int, ...]:
     """The legs that may have vanished where a limit is met: its own, or the one that its event leads to."""
     own = problem.word.legs[limit.leg].name == limit.name
     if limit.test == "rate" or (limit.test == "dip" and own):
@@ -566,7 +506,7 @@ def _doubtful(problem: HybridOrbit, limit: Limit) -> tuple[int, ...]:
     return (limit.leg,) if limit.test == "duration" else ()
 
 
-def _vanishes(problem: HybridOrbit, i: int, sample: Sample) -> bool:
+def _vanishes(problem: DiscretizedOrbit, i: int, sample: Sample) -> bool:
     """Whether leg i, at whose start its own guard is zero, too, is nearly none.
 
     Then guard and rate at its end are zero wherever it lasts no time: its equation says nothing there.
@@ -583,7 +523,7 @@ def _vanishes(problem: HybridOrbit, i: int, sample: Sample) -> bool:
     return turns and abs(float(values[0])) <= max(BELOW * most, ROUNDED * typical)
 
 
-def _solution(problem: HybridOrbit, sample: Sample) -> np.ndarray:
+def _solution(problem: DiscretizedOrbit, sample: Sample) -> np.ndarray:
     """The solution nearest to a sample, which may be a guess."""
     try:
         return newton_on(problem, sample.z, sample.weights)
@@ -591,7 +531,7 @@ def _solution(problem: HybridOrbit, sample: Sample) -> np.ndarray:
         return sample.z
 
 
-def _typical(problem: HybridOrbit, i: int, transition: Transition, sample: Sample) -> float:
+def _typical(problem: DiscretizedOrbit, i: int, transition: Transition, sample: Sample) -> float:
     """What typical changes of the states make of a guard where leg i begins."""
     piece, (x, scalars) = problem.pieces[i], problem.layout.inputs(i, sample.z)
     own = problem.layout.inputs(i, sample.weights)[0]
@@ -604,7 +544,7 @@ def typical(view: LegView, transition: Transition, magnitudes: np.ndarray) -> fl
     return float(np.abs(slopes) @ magnitudes[list(view.piece.passage.states)])
 
 
-def collapses(problem: HybridOrbit, i: int) -> bool:
+def collapses(problem: DiscretizedOrbit, i: int) -> bool:
     """Whether leg i is passed in no time where it does not last: its guard acts at entry, and moves there.
 
     One that has led into the leg as well is zero there, whatever the orbit; and one that acts in the leg
@@ -621,7 +561,7 @@ def collapses(problem: HybridOrbit, i: int) -> bool:
     return not armed and leg.name not in system.left_at_zero(before.name, leg.mode)
 
 
-def _vanishing(problem: HybridOrbit, which: int, i: int, sample: Sample) -> augmented.Augmented:
+def _vanishing(problem: DiscretizedOrbit, which: int, i: int, sample: Sample) -> augmented.Augmented:
     """The equations of an orbit whose leg i lasts no time, between zeros of a guard that turns there.
 
     Its duration is zero, and so is the first of the guard's derivatives along the motion at its start that is
@@ -663,7 +603,7 @@ def _vanishing(problem: HybridOrbit, which: int, i: int, sample: Sample) -> augm
     return augmented.Augmented(evaluate, start, scale, vectors)
 
 
-def _around(problem: HybridOrbit, gone: Sequence[int]) -> tuple[int, ...]:
+def _around(problem: DiscretizedOrbit, gone: Sequence[int]) -> tuple[int, ...]:
     """The limits that pass zero where legs vanish: of the events at both ends of each, on it and beside it.
 
     Solutions beside that point are hardly known: of all equations only one tells whether the leg lasts.
@@ -686,7 +626,7 @@ def _redundant(jacobian: np.ndarray, rows: np.ndarray, columns: np.ndarray, coun
     return left / lengths
 
 
-def _vanishing_with(problem: HybridOrbit, i: int, sample: Sample) -> list[int]:
+def _vanishing_with(problem: DiscretizedOrbit, i: int, sample: Sample) -> list[int]:
     """The other legs that vanish, and last as long as leg i."""
     lasting = sample.z[problem.layout.durations]
     return [
@@ -698,7 +638,7 @@ def _vanishing_with(problem: HybridOrbit, i: int, sample: Sample) -> list[int]:
     ]
 
 
-def _first_derivative(problem: HybridOrbit, i: int, transition: Transition, sample: Sample) -> int:
+def _first_derivative(problem: DiscretizedOrbit, i: int, transition: Transition, sample: Sample) -> int:
     """The order of the first derivative of a guard by time that is not zero where a short leg begins, however
     long it lasts: after a release from rest it is not the rate.
 
@@ -725,7 +665,7 @@ def _first_derivative(problem: HybridOrbit, i: int, transition: Transition, samp
 
 
 def _starting(
-    problem: HybridOrbit, i: int, transition: Transition, z: np.ndarray, order: int
+    problem: DiscretizedOrbit, i: int, transition: Transition, z: np.ndarray, order: int
 ) -> tuple[float, np.ndarray]:
     """A guard's derivative by time of an order where leg i begins, with derivatives by the leg's inputs."""
     piece, (x, scalars) = problem.pieces[i], problem.layout.inputs(i, z)
@@ -739,7 +679,9 @@ def _starting(
     return value, slopes
 
 
-def _rows(problem: HybridOrbit, limit: Limit, y: np.ndarray, share: float) -> tuple[np.ndarray, np.ndarray]:
+def _rows(
+    problem: DiscretizedOrbit, limit: Limit, y: np.ndarray, share: float
+) -> tuple[np.ndarray, np.ndarray]:
     """Residuals of a limit's equations, and their derivatives by all unknowns."""
     i, size, layout = limit.leg, problem.size, problem.layout
     if limit.test == "duration":
@@ -754,7 +696,7 @@ def _rows(problem: HybridOrbit, limit: Limit, y: np.ndarray, share: float) -> tu
         end, moved = piece.before_differentiated(PLAIN, x, scalars)
         values, derivative = piece.through(map_, end, moved, piece.values(scalars))
         return values, layout.along(layout.segments_of(i)[-1], derivative)
-    transition = problem.transition_of(limit)
+    transition = transition_of(problem, limit)
     if limit.test == "leaving":
         map_ = piece.passage.guard_derivative(transition, 2)
         c = map_.constants(piece.values(scalars))
@@ -773,7 +715,7 @@ def _rows(problem: HybridOrbit, limit: Limit, y: np.ndarray, share: float) -> tu
     return values[k : k + 1], layout.along(layout.segments_of(i)[-1], derivative[k : k + 1])
 
 
-def _ending(problem: HybridOrbit, i: int, z: np.ndarray) -> tuple[Piece, np.ndarray, np.ndarray]:
+def _ending(problem: DiscretizedOrbit, i: int, z: np.ndarray) -> tuple[Piece, np.ndarray, np.ndarray]:
     """The last segment of leg i, with its state and scalars."""
     layout = problem.layout
     last = sum(layout.cuts[: i + 1]) - 1
@@ -781,7 +723,7 @@ def _ending(problem: HybridOrbit, i: int, z: np.ndarray) -> tuple[Piece, np.ndar
 
 
 def _touching(
-    problem: HybridOrbit, i: int, y: np.ndarray, share: float, watched: Watched
+    problem: DiscretizedOrbit, i: int, y: np.ndarray, share: float, watched: Watched
 ) -> tuple[np.ndarray, np.ndarray]:
     """A guard and its rate at the last unknown, an instant of leg i near a share of it, with derivatives.
 
@@ -812,18 +754,18 @@ def _touching(
     return values, np.hstack([rows, by_time[:, None]])
 
 
-def growth(problem: HybridOrbit, z: np.ndarray, limit: Limit, direction: np.ndarray) -> float:
+def growth(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, direction: np.ndarray) -> float:
     """How fast along a direction a leg's duration grows, or its guard goes past zero where it begins."""
     row = float(_rows(problem, limit, z, 0.0)[1][0] @ direction)
     if limit.test == "duration":
         return row
-    return row if problem.transition_of(limit).direction == "rising" else -row
+    return row if transition_of(problem, limit).direction == "rising" else -row
 
 
 # -- in words ----------------------------------------------------------------------------------------------
 
 
-def place_of(problem: HybridOrbit, limit: Limit, located: Located) -> str:
+def place_of(problem: DiscretizedOrbit, limit: Limit, located: Located) -> str:
     """Where in the cycle a limit is met."""
     leg = problem.word.legs[limit.leg]
     event = problem.word.leading_in(problem.system, limit.leg)
@@ -849,7 +791,7 @@ def place_of(problem: HybridOrbit, limit: Limit, located: Located) -> str:
     return f"'{limit.name}' is touched {after} after {before}, in mode {leg.mode}"
 
 
-def sentence(problem: HybridOrbit, label: str, located: Located, sample: Sample) -> str:
+def sentence(problem: DiscretizedOrbit, label: str, located: Located, sample: Sample) -> str:
     """What fails beyond a limit, and what is nearest to it."""
     there = located.problem if located.problem is not None else problem
     limit = problem.limits[int(located.vectors["limit"])]

@@ -10,24 +10,21 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
+from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.limits import LABELS as LIMITS
 from contwalk.problems.hybrid.word import Leg, has_image, image_of
 from contwalk.problems.images import Product, point_of_image, products, row_of_image
 from contwalk.problems.orbit.mirror import AS_WELL, KEPT, MOVED, REVERSED, SOLVED, coefficients_of
 from contwalk.problems.orbit.stored_discretizations import StoredDiscretizations, vectors_of
+from contwalk.problems.problem import Sample
 from contwalk.system.declarations import ParameterValues
 
-if TYPE_CHECKING:
-    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
-    from contwalk.problems.problem import Sample
 
-
-def mirror_of(problem: HybridOrbit, sample: Sample) -> HybridMirror | None:
+def mirror_of(problem: DiscretizedOrbit, sample: Sample) -> HybridMirror | None:
     """What takes one half of a branch to the other, by the orbit that it leaves and the deviation there.
 
     None where no declared symmetry, or product of some, does; for orbits that close up to a symmetry, turn,
@@ -41,7 +38,7 @@ def mirror_of(problem: HybridOrbit, sample: Sample) -> HybridMirror | None:
         for first in range(len(word)):
             if _images(problem, product, word.legs[first:] + word.legs[:first]) != word.legs:
                 continue
-            there = there or problem.at_stored(sample.z, sample.weights)
+            there = there or problem.adapted_to(sample.z, sample.weights)
             for half in (0, 1) if problem.forced else (0,):
                 mirror = HybridMirror(problem, product, first, half, sample)
                 if mirror.keeps(there, sample):
@@ -49,7 +46,7 @@ def mirror_of(problem: HybridOrbit, sample: Sample) -> HybridMirror | None:
     return None
 
 
-def _images(problem: HybridOrbit, product: Product, legs: tuple[Leg, ...]) -> tuple[Leg, ...] | None:
+def _images(problem: DiscretizedOrbit, product: Product, legs: tuple[Leg, ...]) -> tuple[Leg, ...] | None:
     """What a product of symmetries takes legs to; None where there is no such transition."""
     for symmetry in product.symmetries:
         if symmetry.role != "spatial" or not all(has_image(problem.system, symmetry, leg) for leg in legs):
@@ -63,7 +60,7 @@ class HybridMirror:
 
     Parameters
     ----------
-    problem : HybridOrbit
+    problem : DiscretizedOrbit
     product : Product
         The symmetries that make it, affine maps of the state.
     first : int
@@ -74,7 +71,9 @@ class HybridMirror:
         The orbit that the branch leaves.
     """
 
-    def __init__(self, problem: HybridOrbit, product: Product, first: int, half: int, born: Sample) -> None:
+    def __init__(
+        self, problem: DiscretizedOrbit, product: Product, first: int, half: int, born: Sample
+    ) -> None:
         self._problem, self._product, self._first, self._half = problem, product, first, half
         self._born = born
         p = ParameterValues(**problem.values_of(born.z))
@@ -94,14 +93,14 @@ class HybridMirror:
 
     # -- the map -----------------------------------------------------------------------------------------
 
-    def keeps(self, there: HybridOrbit, sample: Sample) -> bool:
+    def keeps(self, there: DiscretizedOrbit, sample: Sample) -> bool:
         """Whether an orbit is its own image, and its deviation is reversed."""
         z, tangent = self._image(there, sample.z, sample.tangent, sample.weights)
         if float(np.max(np.abs(z - sample.z) / sample.weights)) > KEPT:
             return False
         return float(np.linalg.norm((tangent + sample.tangent) / sample.weights)) < REVERSED
 
-    def _pairs(self, there: HybridOrbit) -> Iterator[tuple[int, int]]:
+    def _pairs(self, there: DiscretizedOrbit) -> Iterator[tuple[int, int]]:
         """Each segment of the image, and the one that it is the image of, by their numbers."""
         layout, legs = there.layout, there.layout.legs
         begins = np.concatenate([[0], np.cumsum(layout.cuts)])
@@ -111,7 +110,7 @@ class HybridMirror:
                 yield int(begins[i]) + j, int(begins[source]) + j
 
     def _image(
-        self, there: HybridOrbit, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray
+        self, there: DiscretizedOrbit, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """Image of an orbit and of a deviation of it, each of shape (N + 1,)."""
         layout, image, moved = there.layout, z.copy(), tangent.copy()
@@ -136,7 +135,7 @@ class HybridMirror:
     def _metric(self, values: np.ndarray) -> np.ndarray:
         return np.sqrt((self._linear * self._linear) @ (values * values))
 
-    def _weights(self, there: HybridOrbit, weights: np.ndarray) -> np.ndarray:
+    def _weights(self, there: DiscretizedOrbit, weights: np.ndarray) -> np.ndarray:
         layout, result = there.layout, weights.copy()
         for own, source in self._pairs(there):
             to, of = layout.segments[own], layout.segments[source]
@@ -145,7 +144,7 @@ class HybridMirror:
         result[layout.durations] = np.roll(weights[layout.durations], -self._first)
         return result
 
-    def _mirrored(self, there: HybridOrbit) -> HybridOrbit:
+    def _mirrored(self, there: DiscretizedOrbit) -> DiscretizedOrbit:
         """The problem for images: each leg on the steps of the one that it is the image of."""
         mesh, pairs = there.mesh, list(self._pairs(there))
         mesh = replace(
@@ -206,7 +205,7 @@ class HybridMirror:
     def margin(self, row: np.void) -> Mapping[str, float]:
         """What must stay positive on an image, by name."""
         z, weights, _ = vectors_of(row)
-        return self._problem.at_stored(z, weights).margins(z).by_name
+        return self._problem.adapted_to(z, weights).margins(z).by_name
 
     def special_point(self, point: SpecialPoint, row: np.void, last: np.void) -> SpecialPoint:
         """The image of a special point: what is counted before it there is counted after it."""

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 import numpy as np
 
@@ -21,9 +21,11 @@ from contwalk.branch import SpecialPoint
 from contwalk.errors import ContwalkError, NotFinite, StartError
 from contwalk.numerics.linear import kernel_direction
 from contwalk.problems.equilibrium.spectrum import complement
-from contwalk.problems.hybrid import beyond, cutting, limits
+from contwalk.problems.hybrid import beyond, cutting, limits, monodromy
+from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.following import follows
 from contwalk.problems.hybrid.least import least
+from contwalk.problems.hybrid.margins import Limit, Margins
 from contwalk.problems.hybrid.switching import discretized, rotated
 from contwalk.problems.hybrid.telling import first_sentence, told_once
 from contwalk.problems.hybrid.word import Leg, Word, continued, imaged_leg
@@ -34,9 +36,6 @@ from contwalk.problems.problem import Seed
 from contwalk.signatures import folded
 from contwalk.system import Transition
 from contwalk.system.declarations import ParameterValues
-
-if TYPE_CHECKING:
-    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 
 # A transition at no speed that moves the state by more than this part of its variation changes something.
 CHANGES = 1e-6
@@ -61,9 +60,9 @@ STEPS = (1e-3, 1e-4, 1e-2)
 class Neighbour:
     """An orbit at a limit as one of another word; `grows` is the limit whose margin leaves zero there."""
 
-    problem: HybridOrbit
+    problem: DiscretizedOrbit
     z: np.ndarray
-    grows: limits.Limit
+    grows: Limit
 
 
 class _None(Exception):
@@ -74,7 +73,7 @@ class _Undetermined(_None):
     """There are orbits of the neighbouring word, but no branch of them."""
 
 
-def found(problem: HybridOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
+def found(problem: DiscretizedOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
     """The branches of neighbouring words that leave a limit, and in words what was found, or tried."""
     try:
         limit, place = _limit_of(problem, point)
@@ -86,19 +85,17 @@ def found(problem: HybridOrbit, point: SpecialPoint) -> tuple[Sequence[Seed], st
         return simulated, f"No orbit of another signature passes there: {reason} {told}"
     except (NotFinite, np.linalg.LinAlgError) as error:
         return (), f"No neighbour to switch to: its equations have no solution there ({error})."
-    words = dict.fromkeys(_words(cast("HybridOrbit", seed.problem)) for seed in seeds)
+    words = dict.fromkeys(_words(cast("DiscretizedOrbit", seed.problem)) for seed in seeds)
     branches = "a branch of their own" if len(seeds) == 1 else f"{len(seeds)} branches of their own"
     return seeds, f"The orbits with signature {' and '.join(words)} leave there: {branches}."
 
 
-def _words(problem: HybridOrbit) -> str:
+def _words(problem: DiscretizedOrbit) -> str:
     """The signature, over the whole period."""
     return f"[{folded(problem.signature) or 'no events'}]"
 
 
-def _leaving(
-    problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, place: float, label: str
-) -> list[Seed]:
+def _leaving(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, place: float, label: str) -> list[Seed]:
     """The branches that leave a limit. Where several limits are met there, as by an orbit that is its own
     image, all of them may be passed, or one.
 
@@ -130,7 +127,7 @@ def _leaving(
 
 def _one(a: Seed, b: Seed) -> bool:
     """Whether two branches that leave a point are one: their orbits go through the same word alike."""
-    one, other = cast("HybridOrbit", a.problem), cast("HybridOrbit", b.problem)
+    one, other = cast("DiscretizedOrbit", a.problem), cast("DiscretizedOrbit", b.problem)
     mine, lasting, _ = _whole(one, a.z)
     theirs, alike, _ = _whole(other, b.z)
     for k in range(len(one.word)):
@@ -145,7 +142,7 @@ def _one(a: Seed, b: Seed) -> bool:
     return False
 
 
-def _together(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> list[limits.Limit]:
+def _together(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> list[Limit]:
     """The other limits of the kind of one that are met where it is."""
     if limit.test not in TOUCHES:
         return _collapsing(problem, z, limit)
@@ -159,7 +156,7 @@ def _together(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> list[
 
 
 def _all_built(
-    problem: HybridOrbit, z: np.ndarray, changing: Sequence[limits.Limit], place: float
+    problem: DiscretizedOrbit, z: np.ndarray, changing: Sequence[Limit], place: float
 ) -> Neighbour:
     """The neighbour beyond all of some limits; `place` is that of the first on its leg, where it turns.
 
@@ -187,7 +184,7 @@ def _all_built(
     return neighbour
 
 
-def _touched(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, scale: np.ndarray) -> np.ndarray:
+def _touched(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, scale: np.ndarray) -> np.ndarray:
     """Where a guard is touched, or arrives; NaN where it does not turn.
 
     The phase of the force, as a place on a circle, and the full state in units of `scale`.
@@ -202,14 +199,14 @@ def _touched(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, scale: np
     return np.array([np.cos(phase), np.sin(phase), *state])
 
 
-def _place(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> float:
+def _place(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> float:
     """Where on its leg a limit is met, 0..1."""
     there = discretized(problem, z)
     place = float(there.margins(z).places[there.limits.index(limit)])
     return _turning(there, z, limit, place) if limit.test == "dip" else place
 
 
-def _collapsing(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> list[limits.Limit]:
+def _collapsing(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> list[Limit]:
     """The other legs that begin or cease to last where one does: those of its image, of a symmetric orbit."""
     if not _collapses(problem, limit) and limit.test != "past":
         return []
@@ -223,7 +220,7 @@ def _collapsing(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> lis
     ]
 
 
-def corners(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, tangent: np.ndarray) -> bool:
+def corners(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, tangent: np.ndarray) -> bool:
     """Whether the branch has a corner where two events are exchanged: its way before is not its way after.
 
     `tangent` is that of the branch that arrives. Compared are the parameter and the starts of all other legs,
@@ -256,8 +253,8 @@ def corners(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, tangent: n
 
 
 def _turned(
-    problem: HybridOrbit, z: np.ndarray, limit: limits.Limit
-) -> tuple[HybridOrbit, np.ndarray, limits.Limit]:
+    problem: DiscretizedOrbit, z: np.ndarray, limit: Limit
+) -> tuple[DiscretizedOrbit, np.ndarray, Limit]:
     """The same orbit, beginning elsewhere if it closes up to a symmetry just where the word changes.
 
     Raises
@@ -281,7 +278,7 @@ def _turned(
 
 
 def _direction_of_orbit(
-    problem: HybridOrbit,
+    problem: DiscretizedOrbit,
     z: np.ndarray,
     vector: np.ndarray,
     without: int,
@@ -300,14 +297,14 @@ def _direction_of_orbit(
         own, scalars = problem.layout.inputs(i, vector)
         scale = scales[i]
         direction = (np.append(own, scalars[1]) if problem.forced else own) / scale
-        along = [problem.flow_direction(z, i), *problem.pinned_directions(z, i)]
+        along = [monodromy.flow_direction(problem, z, i), *monodromy.pinned_directions(problem, z, i)]
         across = complement((np.array(along) / scale).T)
         parts.append(across.T @ direction)
     whole = np.concatenate([*parts, [vector[-1] / weight]])
     return whole / max(float(np.linalg.norm(whole)), 1e-300)
 
 
-def _limit_of(problem: HybridOrbit, point: SpecialPoint) -> tuple[limits.Limit, float]:
+def _limit_of(problem: DiscretizedOrbit, point: SpecialPoint) -> tuple[Limit, float]:
     """Which limit a stored point is, and where on its leg, 0..1."""
     z = np.array(point.unknowns)
     there = discretized(problem, z)
@@ -319,7 +316,7 @@ def _limit_of(problem: HybridOrbit, point: SpecialPoint) -> tuple[limits.Limit, 
     return limit, _turning(there, z, limit, place) if limit.test == "dip" else place
 
 
-def _arrival(found: limits.Margins, which: int, legs: int) -> int:
+def _arrival(found: Margins, which: int, legs: int) -> int:
     """The limit that tells what happens at limit number `which`: of a leg that lasts no time the rate of the
     event that leads into it, where that is zero.
 
@@ -333,9 +330,9 @@ def _arrival(found: limits.Margins, which: int, legs: int) -> int:
     return next((k for k in rates if abs(shares[k]) < ARRIVED), which)
 
 
-def _turning(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, place: float) -> float:
+def _turning(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, place: float) -> float:
     """Where on its leg a guard turns, by the secant method on its exact rate from nearly there."""
-    view, transition = problem.view(z)[limit.leg], problem.transition_of(limit)
+    view, transition = problem.view(z)[limit.leg], limits.transition_of(problem, limit)
     piece, scalars, nodes = view.piece, view.scalars, view.nodes
     watched, values = piece.passage.watched(transition.name, transition.guard), piece.values(scalars)
 
@@ -352,14 +349,14 @@ def _turning(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, place: fl
     return b
 
 
-def _built(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, place: float) -> Neighbour:
+def _built(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, place: float) -> Neighbour:
     """The neighbour at a limit.
 
     Raises
     ------
     _None
     """
-    transition = problem.transition_of(limit)
+    transition = limits.transition_of(problem, limit)
     if limit.test == "dip":
         return _inserted(problem, z, limit, place, transition)
     if limit.test == "rate":
@@ -376,7 +373,9 @@ def _built(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, place: floa
     )
 
 
-def _unchanged(problem: HybridOrbit, transition: Transition, before: np.ndarray, after: np.ndarray) -> None:
+def _unchanged(
+    problem: DiscretizedOrbit, transition: Transition, before: np.ndarray, after: np.ndarray
+) -> None:
     """Refuse a transition that changes the state although it arrives with no speed."""
     apart = np.abs(after - before) / problem.mesh.variation
     if float(apart.max()) > CHANGES:
@@ -387,13 +386,13 @@ def _unchanged(problem: HybridOrbit, transition: Transition, before: np.ndarray,
         )
 
 
-def _at(problem: HybridOrbit, z: np.ndarray, i: int, place: float) -> np.ndarray:
+def _at(problem: DiscretizedOrbit, z: np.ndarray, i: int, place: float) -> np.ndarray:
     """Full state on leg i."""
     view = problem.view(z)[i]
     return view.full(view.piece.at(view.nodes, np.array([place]), view.scalars)[0])
 
 
-def _after(problem: HybridOrbit, leg: Leg, x: np.ndarray, t: float, z: np.ndarray) -> np.ndarray:
+def _after(problem: DiscretizedOrbit, leg: Leg, x: np.ndarray, t: float, z: np.ndarray) -> np.ndarray:
     """Full state after a transition out of a state at a time."""
     from contwalk.flow.hybrid.motions import applied, hybrid_machine
 
@@ -402,13 +401,13 @@ def _after(problem: HybridOrbit, leg: Leg, x: np.ndarray, t: float, z: np.ndarra
 
 
 def _of_legs(
-    problem: HybridOrbit,
+    problem: DiscretizedOrbit,
     word: Word,
     states: Sequence[np.ndarray],
     lasting: Sequence[float],
     start: float,
     z: np.ndarray,
-) -> tuple[HybridOrbit, np.ndarray]:
+) -> tuple[DiscretizedOrbit, np.ndarray]:
     """A problem and its unknowns from full states at the legs' starts and their durations."""
     other, drifts = problem.of_word(word), z[problem.layout.drifts]
     unknowns = other.assembled(states, lasting, drifts, float(z[-1]), start if word.eventful else 0.0)
@@ -417,7 +416,7 @@ def _of_legs(
     return discretized(other, unknowns), unknowns
 
 
-def _whole(problem: HybridOrbit, z: np.ndarray) -> tuple[list[np.ndarray], list[float], float]:
+def _whole(problem: DiscretizedOrbit, z: np.ndarray) -> tuple[list[np.ndarray], list[float], float]:
     """Full states at the starts of the legs, durations, and when the first starts."""
     states = [
         passage.full(z[place]) for passage, place in zip(problem.passages, problem.layout.states, strict=True)
@@ -426,7 +425,7 @@ def _whole(problem: HybridOrbit, z: np.ndarray) -> tuple[list[np.ndarray], list[
 
 
 def _inserted(
-    problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, place: float, transition: Transition
+    problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, place: float, transition: Transition
 ) -> Neighbour:
     """The event that is touched happens."""
     there, i = discretized(problem, z), limit.leg
@@ -456,7 +455,7 @@ def _inserted(
 
 
 def _after_event(
-    problem: HybridOrbit,
+    problem: DiscretizedOrbit,
     z: np.ndarray,
     word: Word,
     i: int,
@@ -475,13 +474,13 @@ def _after_event(
     return replace(word, legs=legs), given, joined
 
 
-def _falls(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> bool:
+def _falls(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> bool:
     """Whether a guard of direction `both` comes down to zero: it is positive elsewhere on its leg."""
-    values = problem.view(z)[limit.leg].guard_values(problem.transition_of(limit))
+    values = problem.view(z)[limit.leg].guard_values(limits.transition_of(problem, limit))
     return bool(values[int(np.argmax(np.abs(values)))] > 0.0)
 
 
-def _removed(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, transition: Transition) -> Neighbour:
+def _removed(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, transition: Transition) -> Neighbour:
     """The event that arrives with no speed does not happen."""
     there, i, m = discretized(problem, z), limit.leg, problem.layout.legs
     following = (i + 1) % m
@@ -512,7 +511,7 @@ def _removed(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit, transitio
     return Neighbour(other, unknowns, _dip(other, place, transition))
 
 
-def _visit(problem: HybridOrbit, z: np.ndarray, i: int) -> int | None:
+def _visit(problem: DiscretizedOrbit, z: np.ndarray, i: int) -> int | None:
     """The leg, i or the one before, whose event leads into a mode that is left again at once, back again."""
     word, lasting, m = problem.word, z[problem.layout.durations], problem.layout.legs
     for first in (i, (i - 1) % m):
@@ -523,7 +522,7 @@ def _visit(problem: HybridOrbit, z: np.ndarray, i: int) -> int | None:
     return None
 
 
-def _without_visit(problem: HybridOrbit, z: np.ndarray, first: int) -> Neighbour:
+def _without_visit(problem: DiscretizedOrbit, z: np.ndarray, first: int) -> Neighbour:
     """A mode is not entered in which the orbit is for no time: the events at both its ends do not happen."""
     there, z = rotated(problem, z, first) if first else (discretized(problem, z), z)
     legs, transition = there.word.legs, there.word.legs[0].transition
@@ -538,7 +537,7 @@ def _without_visit(problem: HybridOrbit, z: np.ndarray, first: int) -> Neighbour
     return Neighbour(other, unknowns, _dip(other, 0, transition))
 
 
-def _quiet(problem: HybridOrbit, z: np.ndarray, transition: Transition, start: float) -> Neighbour:
+def _quiet(problem: DiscretizedOrbit, z: np.ndarray, transition: Transition, start: float) -> Neighbour:
     """The only event of a word does not happen: an orbit without events, over the whole cycle."""
     lasting, begin = problem.duration(z), start
     whole = problem.rounds * lasting
@@ -552,19 +551,19 @@ def _quiet(problem: HybridOrbit, z: np.ndarray, transition: Transition, start: f
     return Neighbour(other, unknowns, _dip(other, 0, transition))
 
 
-def _image(problem: HybridOrbit, z: np.ndarray, x: np.ndarray, i: int) -> np.ndarray:
+def _image(problem: DiscretizedOrbit, z: np.ndarray, x: np.ndarray, i: int) -> np.ndarray:
     """What a state is, or was, on the other side of the symmetry that is applied at the end of leg i."""
     name = problem.word.image_at(i)
     symmetry = problem.system.symmetry(name) if name else None
     return imaged(symmetry, x, ParameterValues(**problem.values_of(z)))
 
 
-def _collapses(problem: HybridOrbit, limit: limits.Limit) -> bool:
+def _collapses(problem: DiscretizedOrbit, limit: Limit) -> bool:
     """Whether a leg whose duration vanishes is passed in no time beyond."""
     return limit.test == "duration" and limits.collapses(problem, limit.leg)
 
 
-def _collapsed(problem: HybridOrbit, z: np.ndarray, changing: Sequence[limits.Limit]) -> Neighbour:
+def _collapsed(problem: DiscretizedOrbit, z: np.ndarray, changing: Sequence[Limit]) -> Neighbour:
     """Legs last no time any more, their guards being past zero where they begin; or they do again."""
     legs = list(problem.word.legs)
     states, lasting, start = _whole(problem, z)
@@ -576,7 +575,7 @@ def _collapsed(problem: HybridOrbit, z: np.ndarray, changing: Sequence[limits.Li
     return Neighbour(other, unknowns, _own(other, i, "past" if past else "duration"))
 
 
-def _exchanged(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> Neighbour:
+def _exchanged(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> Neighbour:
     """Two transitions that happen at once happen in the other order."""
     there, i, m = discretized(problem, z), limit.leg, problem.layout.legs
     if m < 2:
@@ -617,7 +616,7 @@ def _exchanged(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> Neig
     return Neighbour(other, unknowns, _own(other, i, "duration"))
 
 
-def _gone(problem: HybridOrbit, z: np.ndarray, limit: limits.Limit) -> Neighbour:
+def _gone(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> Neighbour:
     """A leg that lasts no time: the events at its ends happen in the other order, or do not happen where it
     was a visit in another mode.
     """
@@ -640,13 +639,13 @@ def _direction(transition: Transition, like: Leg) -> bool:
     return like.falls if transition.direction == "both" else transition.direction == "falling"
 
 
-def _own(problem: HybridOrbit, i: int, test: str) -> limits.Limit:
+def _own(problem: DiscretizedOrbit, i: int, test: str) -> Limit:
     return next(
         o for o in problem.limits if o.leg == i and o.test == test and o.name == problem.word.legs[i].name
     )
 
 
-def _dip(problem: HybridOrbit, i: int, transition: Transition) -> limits.Limit:
+def _dip(problem: DiscretizedOrbit, i: int, transition: Transition) -> Limit:
     return next(o for o in problem.limits if o.leg == i and o.test == "dip" and o.name == transition.name)
 
 
@@ -684,7 +683,7 @@ def _seed(neighbour: Neighbour, label: str, words: str) -> Seed:
     raise _None(f"orbits with signature {words} solve the equations there, but beside it {reasons}.")
 
 
-def _refuse_undetermined(problem: HybridOrbit, z: np.ndarray, weights: np.ndarray) -> None:
+def _refuse_undetermined(problem: DiscretizedOrbit, z: np.ndarray, weights: np.ndarray) -> None:
     """Refuse orbits without events in which a state closes up from wherever it starts.
 
     A mode that only keeps a state until it is left, as a contact does, says nothing of where it is.
@@ -712,7 +711,7 @@ def _refuse_undetermined(problem: HybridOrbit, z: np.ndarray, weights: np.ndarra
 
 
 def _looks(
-    problem: HybridOrbit, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray, step: float
+    problem: DiscretizedOrbit, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray, step: float
 ) -> str | None:
     """Why the orbit a step along a direction is not the machine's; None if it is."""
     guess = z + step * tangent / float(np.linalg.norm(tangent / weights))

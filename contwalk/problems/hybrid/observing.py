@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from contwalk.errors import measured
-from contwalk.problems.hybrid import families, limits
-from contwalk.problems.hybrid.view import LegView
+from contwalk.problems.hybrid import families
+from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.margins import Margins
+from contwalk.problems.hybrid.stretch import Stretch
 from contwalk.problems.hybrid.word import imaged_leg
 from contwalk.problems.orbit.closure import images_of
-from contwalk.problems.orbit.extrema import Smooth, extremes_of
+from contwalk.problems.orbit.extrema import extremes_of
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.sampling import MOST_BISECTIONS
 from contwalk.problems.passing import Place
 from contwalk.system.declarations import ParameterValues
-
-if TYPE_CHECKING:
-    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 
 # A section's instant is bracketed by interpolation so nearly, in parts of its leg, and then stepped to.
 NEARLY, MOST_SECANTS = 1e-6, 4
@@ -28,62 +23,7 @@ NEARLY, MOST_SECANTS = 1e-6, 4
 NOTHING = 1e-6
 
 
-@dataclass(frozen=True, eq=False)
-class Stretch:
-    """A leg of the whole motion: as integrated, or the image of an integrated one.
-
-    Parameters
-    ----------
-    name : str
-        What ends it.
-    view : LegView
-    later : float
-        Seconds after the integrated one.
-    seen : callable
-        Times and integrated states, shapes (k,) and (k, n), as states of this leg seen from the ground: not
-        by one who drifts along pinned directions.
-    exists : tuple of int
-        Which states exist in its mode.
-    """
-
-    name: str
-    view: LegView
-    later: float
-    seen: Callable[[np.ndarray, np.ndarray], np.ndarray]
-    exists: tuple[int, ...]
-
-    @property
-    def motion(self) -> tuple[np.ndarray, np.ndarray]:
-        """Times in seconds and full states, both ends and the extremes of states included."""
-        times, states = self.view.motion
-        return times + self.later, self.seen(times, states)
-
-    @property
-    def smooth(self) -> Smooth:
-        """The leg in 0..1 with full states as seen."""
-        view = self.view
-        return view.smooth.mapped(lambda share, x: self.seen(view.start + view.duration * share, x))
-
-    @property
-    def start(self) -> tuple[float, np.ndarray]:
-        """Time and full state at which it starts."""
-        return self._seen_at(self.view.start, self.view.x)
-
-    @property
-    def end(self) -> tuple[float, np.ndarray]:
-        """Time and full state before what ends it."""
-        return self._seen_at(self.view.start + self.view.duration, self.view.end)
-
-    def _seen_at(self, time: float, x: np.ndarray) -> tuple[float, np.ndarray]:
-        return time + self.later, self.seen(np.array([time]), self.view.full(x)[None])[0]
-
-    def at(self, shares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Times and full states at instants in 0..1."""
-        times = self.view.start + self.view.duration * shares
-        return times + self.later, self.seen(times, self.view.full(self.view.at(shares)))
-
-
-def stretches(problem: HybridOrbit, z: np.ndarray) -> list[Stretch]:
+def stretches(problem: DiscretizedOrbit, z: np.ndarray) -> list[Stretch]:
     """The legs of the whole motion; of an orbit that closes up to a symmetry, their images follow."""
     # What is returned is kept with the problem, and does not keep it.
     views, word, system, pins = problem.view(z), problem.word, problem.system, problem.pins
@@ -116,13 +56,13 @@ def stretches(problem: HybridOrbit, z: np.ndarray) -> list[Stretch]:
     ]
 
 
-def motion(problem: HybridOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def motion(problem: DiscretizedOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The whole motion: times in seconds, (k,), and states, (k, n); both sides of each event."""
     found = [stretch.motion for stretch in problem.stretches(z)]
     return np.concatenate([t for t, _ in found]), np.concatenate([x for _, x in found])
 
 
-def extremes(problem: HybridOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def extremes(problem: DiscretizedOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Least and largest value of each state over the whole orbit, shapes (n,), where the state exists.
 
     NaN of an angle that goes round: it has neither.
@@ -134,21 +74,21 @@ def extremes(problem: HybridOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarra
     return low, high
 
 
-def place(problem: HybridOrbit) -> str:
+def place(problem: DiscretizedOrbit) -> str:
     """Where the stored state is taken, in words; empty where nothing marks the instant."""
     if problem.discretization.report_at is not None:
         return "at a section"
     return " ".join(reversed(_reporting(problem))) if visits(problem) else ""
 
 
-def visits(problem: HybridOrbit) -> int:
+def visits(problem: DiscretizedOrbit) -> int:
     """How often the whole orbit meets the event at which its state is reported; 0 where there is none."""
     if problem.discretization.report_at is not None or not problem.word.eventful:
         return 0
     return [leg.name for leg in problem.word.unfolded(problem.system).legs].count(_reporting(problem)[0])
 
 
-def visited(problem: HybridOrbit, z: np.ndarray) -> list[float]:
+def visited(problem: DiscretizedOrbit, z: np.ndarray) -> list[float]:
     """States at all of these events but the first, one after the other."""
     if visits(problem) < 2:
         return []
@@ -159,13 +99,13 @@ def visited(problem: HybridOrbit, z: np.ndarray) -> list[float]:
     return [float(value) for x in states for value in held(problem, z, x)]
 
 
-def _reporting(problem: HybridOrbit) -> tuple[str, str]:
+def _reporting(problem: DiscretizedOrbit) -> tuple[str, str]:
     """The event at which the state is reported, and on which side of it."""
     asked = problem.discretization.report_event
     return asked or (problem.word.unfolded(problem.system).legs[-1].name, "before")
 
 
-def values(problem: HybridOrbit, z: np.ndarray, found: Multipliers, margins: limits.Margins) -> list[float]:
+def values(problem: DiscretizedOrbit, z: np.ndarray, found: Multipliers, margins: Margins) -> list[float]:
     """Values of `observable_names`."""
     p = ParameterValues(**problem.values_of(z))
     own = problem.system.observables
@@ -204,7 +144,9 @@ def split(multipliers: np.ndarray) -> float:
     return best
 
 
-def at_event(problem: HybridOrbit, z: np.ndarray, name: str, side: str) -> tuple[float, np.ndarray] | None:
+def at_event(
+    problem: DiscretizedOrbit, z: np.ndarray, name: str, side: str
+) -> tuple[float, np.ndarray] | None:
     """Time and full state before or after the first event of a name; None if the orbit has none."""
     found = problem.stretches(z)
     for k in range(-1, len(found) - 1):
@@ -213,7 +155,7 @@ def at_event(problem: HybridOrbit, z: np.ndarray, name: str, side: str) -> tuple
     return None
 
 
-def reported(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
+def reported(problem: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
     """The state before the first event of the signature, or where the run asks for it, shape (n,).
 
     Along pinned directions it is moved to where these are held.
@@ -231,7 +173,7 @@ def reported(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
     return held(problem, z, x)
 
 
-def held(problem: HybridOrbit, z: np.ndarray, x: np.ndarray) -> np.ndarray:
+def held(problem: DiscretizedOrbit, z: np.ndarray, x: np.ndarray) -> np.ndarray:
     """A state moved along the pinned directions to where these are held."""
     values = problem.values_of(z)
     for pin, v in zip(
@@ -242,7 +184,7 @@ def held(problem: HybridOrbit, z: np.ndarray, x: np.ndarray) -> np.ndarray:
     return x
 
 
-def _passing(problem: HybridOrbit, z: np.ndarray, place: Place) -> np.ndarray:
+def _passing(problem: DiscretizedOrbit, z: np.ndarray, place: Place) -> np.ndarray:
     """The state at which the motion first passes a value of a state inside a leg; NaN if it never does."""
     stretches = problem.stretches(z)
     if not problem.word.eventful:

@@ -10,19 +10,16 @@ directions starts and ends do not move: the drifts change along a curve so that 
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contwalk import flow
 from contwalk.problems.equilibrium.spectrum import complement
-from contwalk.problems.hybrid import families
+from contwalk.problems.hybrid import families, monodromy
+from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.orbit.motion import JET, PLAIN, TANGENT
 from contwalk.problems.orbit.normal_forms import SectionMap, units
 from contwalk.problems.orbit.period import period_map
-
-if TYPE_CHECKING:
-    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 
 ORDERS = 3
 # Gauss-Legendre quadrature over a leg's own time: deviations are smooth between events.
@@ -33,12 +30,12 @@ INSTANTS = INSTANTS + 0.5
 class EventMap(SectionMap):
     """The map from the start of the leg with fewest states to itself."""
 
-    def __init__(self, problem: HybridOrbit, z: np.ndarray) -> None:
+    def __init__(self, problem: DiscretizedOrbit, z: np.ndarray) -> None:
         self.problem, self.z = problem, z
         self.first = problem.smallest
         self.timed = problem.timed(self.first)
         magnitudes = problem.extended(self.first)
-        held = [v / magnitudes**2 for v in problem.pinned_directions(z, self.first)]
+        held = [v / magnitudes**2 for v in monodromy.pinned_directions(problem, z, self.first)]
         self.held = np.array(held).reshape(len(held), len(magnitudes))
         rows = [*held]
         if not (problem.word.eventful or problem.forced):
@@ -183,7 +180,7 @@ class EventMap(SectionMap):
     def a(self) -> np.ndarray:
         """A, shape (r, r)."""
         problem = self.problem
-        moved = problem.once_round(problem.linearize(self.z).jacobian, self.first) @ self.basis
+        moved = monodromy.once_round(problem, problem.linearize(self.z).jacobian, self.first) @ self.basis
         if not (problem.word.eventful or problem.forced):
             by_duration, rate = self._rates[-1]
             assert problem.section is not None
@@ -204,7 +201,7 @@ class EventMap(SectionMap):
 
     def _mean_square(self, v: np.ndarray) -> float:
         problem, layout = self.problem, self.problem.layout
-        chain = problem.chain(problem.linearize(self.z).jacobian)
+        chain = monodromy.chain(problem, problem.linearize(self.z).jacobian)
         factors, total = [factor for own in chain for factor in own], 0.0
         whole = abs(problem.duration(self.z))
         half = units(problem.system, problem.motion_of(self.z)[1], problem.mesh.magnitudes)

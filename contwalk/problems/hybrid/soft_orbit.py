@@ -28,16 +28,16 @@ from contwalk.problems.hybrid import limits, softness
 from contwalk.problems.hybrid.eliminated import SOLVED, Eliminated, Followed, corrected
 from contwalk.problems.hybrid.grouping import Grouping
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
-from contwalk.problems.hybrid.limits import Limit, Margins
-from contwalk.problems.hybrid.observing import Stretch
+from contwalk.problems.hybrid.margins import Limit, Margins
 from contwalk.problems.hybrid.shooting import most_steps
+from contwalk.problems.hybrid.stretch import Stretch
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.hybrid.word import Word
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
-from contwalk.problems.orbit.homoclinic import SlowPlace
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.section import Section
+from contwalk.problems.orbit.slow_place import SlowPlace
 from contwalk.problems.problem import Linearization, Located, Sample, Seed
 from contwalk.system import System
 

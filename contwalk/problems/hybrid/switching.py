@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contwalk import flow
 from contwalk.branch import SpecialPoint
-from contwalk.problems.hybrid import cutting
+from contwalk.problems.hybrid import cutting, monodromy
+from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind
 from contwalk.problems.hybrid.shooting import AT_REST
 from contwalk.problems.hybrid.word import imaged_leg
 from contwalk.problems.orbit.branching import amplitude, crossing, filled_magnitudes
@@ -20,9 +20,6 @@ from contwalk.problems.orbit.null_vectors import null_vectors
 from contwalk.problems.problem import Seed
 from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
-
-if TYPE_CHECKING:
-    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 
 # Size of a state that starts show nothing of, against the largest; tolerance of steps for magnitudes only.
 UNSEEN, ROUGH = 1e-2, 1e-7
@@ -37,7 +34,7 @@ ALIKE = 1e-6
 MOST_SHIFTS, SHIFTED = 5, 2.0
 
 
-def seeds(problem: HybridOrbit, point: SpecialPoint) -> Sequence[Seed]:
+def seeds(problem: DiscretizedOrbit, point: SpecialPoint) -> Sequence[Seed]:
     """The branches that leave a special point."""
     if point.label not in ("BP", "PD"):
         return ()
@@ -50,7 +47,7 @@ def seeds(problem: HybridOrbit, point: SpecialPoint) -> Sequence[Seed]:
     return crossing(there, z, point) if point.coefficients else ()
 
 
-def discretized(problem: HybridOrbit, z: np.ndarray, parent: HybridOrbit | None = None) -> HybridOrbit:
+def discretized(problem: Kind, z: np.ndarray, parent: DiscretizedOrbit | None = None) -> Kind:
     """The problem on fine steps for a stored solution.
 
     A solution at rest may be a rounding of zero, which is no scale. What its states are measured in is known
@@ -76,7 +73,7 @@ def discretized(problem: HybridOrbit, z: np.ndarray, parent: HybridOrbit | None 
     return rough.adapted_to(z, filled_magnitudes(rough, z), problem.discretization.locating)
 
 
-def _between(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
+def _between(problem: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
     """How large each state becomes on the legs, roughly; zero where a few even steps do not tell."""
     found = []
     for count in PILOT:
@@ -97,7 +94,7 @@ def _between(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
     return finer if alike else np.zeros(problem.states)
 
 
-def _doubled(problem: HybridOrbit, z: np.ndarray) -> Sequence[Seed]:
+def _doubled(problem: DiscretizedOrbit, z: np.ndarray) -> Sequence[Seed]:
     """The orbit of the word run through twice that leaves along the critical vector.
 
     Where the second round is the image of the first, as where a symmetry keeps every state of the parent and
@@ -116,7 +113,7 @@ def _doubled(problem: HybridOrbit, z: np.ndarray) -> Sequence[Seed]:
     return _alternating(problem, z, other, lambda i, x: x, "PD")
 
 
-def _reversing(problem: HybridOrbit, z: np.ndarray, v: np.ndarray) -> str:
+def _reversing(problem: DiscretizedOrbit, z: np.ndarray, v: np.ndarray) -> str:
     """The symmetry that keeps each leg of an orbit and reverses a deviation of it; empty if there is none."""
     layout, word = problem.layout, problem.word
     if word.image or not word.eventful or problem.pins or np.any(problem.turns):
@@ -128,7 +125,7 @@ def _reversing(problem: HybridOrbit, z: np.ndarray, v: np.ndarray) -> str:
     return next((s.name for s in spatial if _reverses(problem, z, v / size, s)), "")
 
 
-def _reverses(problem: HybridOrbit, z: np.ndarray, v: np.ndarray, symmetry: Symmetry) -> bool:
+def _reverses(problem: DiscretizedOrbit, z: np.ndarray, v: np.ndarray, symmetry: Symmetry) -> bool:
     p, scale = ParameterValues(**problem.values_of(z)), problem.mesh.variation
     for leg, passage, place in zip(problem.word.legs, problem.passages, problem.layout.states, strict=True):
         own, x, w = list(passage.states), passage.full(z[place]), passage.full(v[place])
@@ -139,7 +136,7 @@ def _reverses(problem: HybridOrbit, z: np.ndarray, v: np.ndarray, symmetry: Symm
     return True
 
 
-def _unfolded(problem: HybridOrbit, z: np.ndarray) -> Sequence[Seed]:
+def _unfolded(problem: DiscretizedOrbit, z: np.ndarray) -> Sequence[Seed]:
     """The orbit without the symmetry that its parent closes up to."""
     other, symmetry = problem.of_word(problem.whole_word), problem.system.symmetry(problem.word.image)
     p, passages = ParameterValues(**problem.values_of(z)), problem.passages
@@ -153,9 +150,9 @@ def _unfolded(problem: HybridOrbit, z: np.ndarray) -> Sequence[Seed]:
 
 
 def _alternating(
-    problem: HybridOrbit,
+    problem: DiscretizedOrbit,
     z: np.ndarray,
-    other: HybridOrbit,
+    other: DiscretizedOrbit,
     image: Callable[[int, np.ndarray], np.ndarray],
     label: str,
 ) -> Sequence[Seed]:
@@ -189,7 +186,7 @@ def _alternating(
     return (Seed(label, start, tangent, amplitude(tangent), walking, one_sided=label == "PD"),)
 
 
-def _joined(problem: HybridOrbit, lasting: np.ndarray, sign: float) -> np.ndarray:
+def _joined(problem: DiscretizedOrbit, lasting: np.ndarray, sign: float) -> np.ndarray:
     """Durations of all legs over two rounds, or changes of them; those of the second have a sign."""
     second = sign * lasting
     if problem.word.eventful:
@@ -198,7 +195,7 @@ def _joined(problem: HybridOrbit, lasting: np.ndarray, sign: float) -> np.ndarra
 
 
 def _held(
-    problem: HybridOrbit, start: np.ndarray, tangent: np.ndarray, weights: np.ndarray
+    problem: DiscretizedOrbit, start: np.ndarray, tangent: np.ndarray, weights: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """An orbit and a direction in which orbits leave it, as one sees them who drifts along all of the cycle.
 
@@ -220,7 +217,7 @@ def _held(
     return start, (plane @ shares)[:, 0]
 
 
-def shifted(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
+def shifted(problem: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
     """An orbit that is right but for drifts and for its starts along pinned directions, with these."""
     z, rows = z.copy(), problem.equation_scales
     if not problem.pins:
@@ -234,7 +231,7 @@ def shifted(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
     return z
 
 
-def rotated(problem: HybridOrbit, z: np.ndarray, first: int) -> tuple[HybridOrbit, np.ndarray]:
+def rotated(problem: Kind, z: np.ndarray, first: int) -> tuple[Kind, np.ndarray]:
     """The same orbit, beginning with another leg: of half a cycle, images of what came before follow."""
     layout, image, system = problem.layout, problem.word.image, problem.system
     symmetry, p = system.symmetry(image) if image else None, ParameterValues(**problem.values_of(z))
@@ -254,9 +251,9 @@ def rotated(problem: HybridOrbit, z: np.ndarray, first: int) -> tuple[HybridOrbi
 
 
 def _with_segments(
-    problem: HybridOrbit,
+    problem: DiscretizedOrbit,
     z: np.ndarray,
-    other: HybridOrbit,
+    other: DiscretizedOrbit,
     bare: np.ndarray,
     first: int,
     symmetry: Symmetry | None,
@@ -272,12 +269,12 @@ def _with_segments(
     return cutting.completed(bare, found)
 
 
-def _along_pins(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
+def _along_pins(problem: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
     """Directions in which the legs' starts move along pinned directions, and the drifts, as columns."""
     layout, columns = problem.layout, []
     for i, n in enumerate(layout.sizes):
         for j, segment in enumerate(layout.segments_of(i)):
-            for direction in problem.pinned_directions(z, i, j):
+            for direction in monodromy.pinned_directions(problem, z, i, j):
                 column = np.zeros(layout.size + 1)
                 column[segment.states] = direction[:n]
                 columns.append(column)

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,9 +24,6 @@ from contwalk.problems.kinks import Course, inputs
 from contwalk.problems.orbit.extrema import PARTS, Smooth, sampled, turns
 from contwalk.problems.orbit.motion import PLAIN
 from contwalk.system import Transition
-
-if TYPE_CHECKING:
-    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 
 # A guard that leaves zero slowly may turn twice before the first sample: it is looked at earlier too, at
 # these parts of that sample's instant. Where it is about to touch zero again at s it is near to t (s - t)^2,
@@ -290,36 +286,3 @@ class LegView:
         t, x, r = self.times, self.states, self.rates
         k, j = np.nonzero(r[:-1] * r[1:] < 0.0)
         return np.unique(turns(t[k], t[k + 1], x[k, j], x[k + 1, j], r[k, j], r[k + 1, j]))
-
-
-def view_of(problem: HybridOrbit, z: np.ndarray) -> tuple[LegView, ...]:
-    """The legs of a solution."""
-    times = problem.starting_times(z)
-    return tuple(
-        LegView(
-            piece, *problem.layout.inputs(i, z), float(times[i]), _left(problem, i), _segments(problem, z, i)
-        )
-        for i, piece in enumerate(problem.pieces)
-    )
-
-
-def _segments(
-    problem: HybridOrbit, z: np.ndarray, i: int
-) -> list[tuple[Segment, Piece, np.ndarray, np.ndarray]]:
-    """The segments of leg i, if there are several."""
-    layout = problem.layout
-    if layout.cuts[i] == 1:
-        return []
-    return [
-        (segment, piece, *layout.inputs_of(segment, z))
-        for segment, piece in zip(layout.segments, problem.segments, strict=True)
-        if segment.leg == i
-    ]
-
-
-def _left(problem: HybridOrbit, i: int) -> Collection[str]:
-    """Transitions whose guards are zero where leg i starts, if what leads into it is hard."""
-    before, word = problem.word.legs[i - 1].transition, problem.word
-    if before is None or before.role != "hard":
-        return ()
-    return problem.system.left_at_zero(word.leading_in(problem.system, i), word.legs[i].mode)

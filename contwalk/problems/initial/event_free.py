@@ -8,9 +8,9 @@ import numpy as np
 
 from contwalk import flow
 from contwalk.flow.hybrid.motions import Arc, hybrid_machine
+from contwalk.problems.hybrid.lap import Lap
 from contwalk.problems.hybrid.mirrors import Span
 from contwalk.problems.hybrid.word import Leg
-from contwalk.problems.initial.lap import Lap
 from contwalk.system import System
 
 RETURNED, NEARLY = 1e-5, 0.2

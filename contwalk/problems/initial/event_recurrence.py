@@ -19,11 +19,11 @@ from contwalk.flow.hybrid.scales import magnitudes
 from contwalk.flow.hybrid.walk import METHOD
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.hybrid import families
+from contwalk.problems.hybrid.lap import Lap
 from contwalk.problems.hybrid.mirrors import Span, carries
 from contwalk.problems.hybrid.word import Leg
 from contwalk.problems.initial.coming_to_rest import check_moves
 from contwalk.problems.initial.event_free import strobes
-from contwalk.problems.initial.lap import Lap
 from contwalk.problems.initial.recurrence import recurrent
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.system import Neutral, System

@@ -12,7 +12,7 @@ from contwalk.flow.hybrid.motions import HybridMachine, hybrid_machine
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.hybrid import cutting, families
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
-from contwalk.problems.initial.lap import Lap
+from contwalk.problems.hybrid.lap import Lap
 from contwalk.problems.initial.orbit_from_state import started
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.parameter_line import ParameterLine

@@ -24,7 +24,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -33,10 +32,8 @@ from contwalk.errors import NotFinite
 from contwalk.numerics.linear import EPSILON
 from contwalk.problems.orbit.discretization import TIGHTEST
 from contwalk.problems.orbit.null_vectors import bordered, critical_vectors
+from contwalk.problems.orbit.protocol import Orbit
 from contwalk.problems.problem import FLAT_FOLD, Located, Sample
-
-if TYPE_CHECKING:
-    from contwalk.problems.orbit.protocol import Orbit
 
 ITERATIONS = 14
 # A correction this small, in the metric, ends the iteration at once; one that no longer shrinks below the

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
+from contwalk.problems.orbit.protocol import Orbit
 from contwalk.problems.problem import Located, Sample, Seed
-
-if TYPE_CHECKING:
-    from contwalk.problems.orbit.protocol import Orbit
 
 # Components of a critical vector below this part of its largest set no scale.
 FAINT = 1e-6

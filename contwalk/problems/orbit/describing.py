@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -11,10 +11,8 @@ from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
 from contwalk.problems.orbit import normal_forms
 from contwalk.problems.orbit.normal_forms import SectionMap
+from contwalk.problems.orbit.protocol import Orbit
 from contwalk.problems.problem import Located, Sample
-
-if TYPE_CHECKING:
-    from contwalk.problems.orbit.protocol import Orbit
 
 # Where theta is this near to 2 pi k / q, q = 1..4, the point is a strong resonance.
 RESONANT = 1e-6

@@ -8,10 +8,11 @@ from functools import cached_property
 import numpy as np
 
 from contwalk import flow
+from contwalk.problems.orbit import monodromy
 from contwalk.problems.orbit.closure import images_of
 from contwalk.problems.orbit.modes import Mode, chosen_multiplier, eigenvector, linear_part
 from contwalk.problems.orbit.motion import TANGENT
-from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
+from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
 from contwalk.system.declarations import ParameterValues
 
 
@@ -27,7 +28,7 @@ class SmoothDeviations:
 
     legs = 1
 
-    def __init__(self, problem: PeriodicOrbit, z: np.ndarray) -> None:
+    def __init__(self, problem: SegmentedOrbit, z: np.ndarray) -> None:
         self.problem, self.z = problem, z
 
     @property
@@ -50,7 +51,7 @@ class SmoothDeviations:
         problem, z = self.problem, self.z
         found = problem.multipliers(z, problem.linearize(z).jacobian)
         multiplier = chosen_multiplier(found.values, number)
-        neutral, own = problem.neutral_directions(z, self._factors)[0], problem.mesh.variation
+        neutral, own = monodromy.neutral_directions(problem, z, self._factors)[0], problem.mesh.variation
         product = np.eye(problem.states)
         for factor in self._factors:
             product = factor @ product

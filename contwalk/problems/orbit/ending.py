@@ -4,27 +4,27 @@ period.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.errors import NotFinite
+from contwalk.problems import neutral as neutrals
 from contwalk.problems.orbit.closure import imaged, order_of
-from contwalk.problems.orbit.homoclinic import AROUND, SlowPlace, homoclinic, slow_place_on
+from contwalk.problems.orbit.conservation import not_conserved
+from contwalk.problems.orbit.homoclinic import homoclinic
 from contwalk.problems.orbit.motion import PLAIN
+from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
+from contwalk.problems.orbit.slow_place import AROUND, SlowPlace, slow_place_on
 from contwalk.problems.orbit.transport import carried_to
 from contwalk.problems.orbit.unbounded import unbounded
 from contwalk.problems.orbit.vanishing import at_a_point
+from contwalk.problems.problem import Sample
 from contwalk.system.declarations import ParameterValues
-
-if TYPE_CHECKING:
-    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
-    from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
-    from contwalk.problems.problem import Sample
 
 # An orbit that goes a smaller part of its metric in one closure is a point: solutions are known to 1e-10.
 POINT = 1e-8
+# A drift this many times what errors of the steps make of zero is one.
+HELD = 30.0
 # Two states of an orbit nearer than this, in units of its range, are one.
 MEETS = 1e-6
 # How far aside along the branch another orbit is looked at, in the metric; and by how much less it moves from
@@ -32,15 +32,15 @@ MEETS = 1e-6
 ASIDE, STAYS = 1e-3, 0.03
 
 
-def ended(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:
+def ended(problem: SegmentedOrbit, a: Sample, b: Sample) -> Outcome | None:
     """Why the branch ends between two neighbouring orbits, if it does."""
     reasons = (unborn, held, not_conserved, at_a_point, homoclinic, unbounded)
     return next((outcome for reason in reasons if (outcome := reason(problem, a, b)) is not None), None)
 
 
-def held(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:
+def held(problem: SegmentedOrbit, a: Sample, b: Sample) -> Outcome | None:
     """A direction that is neutral at equilibria, and along which orbits drift."""
-    if not problem.held_by_force(b):
+    if not held_by_force(problem, b):
         return None
     return Outcome(
         "failed",
@@ -51,21 +51,29 @@ def held(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:
     )
 
 
-def not_conserved(problem: PeriodicOrbit | HybridOrbit, a: Sample, b: Sample) -> Outcome | None:
-    """A quantity that is declared to be conserved, and is not along an orbit."""
-    name = problem.not_conserved(b)
-    if not name:
-        return None
-    return Outcome(
-        "failed",
-        "no_convergence",
-        f"Beyond {problem.free} = {a.z[-1]:.10g}, '{name}' is not conserved: holding it at its value takes a "
-        "force, and what closes with that is no periodic orbit of the machine. Correct its function in the "
-        "plugin, or the equations, or remove it from conserved=(...).",
-    )
+def held_by_force(problem: SegmentedOrbit, sample: Sample) -> bool:
+    """Whether there is a drift along a pinned direction that nobody declared, beyond errors of the steps.
+
+    An problem that drifts along a declared one is periodic but for its place, as was asked for. Along
+    another one it does not come back: what solves the equations with a drift is no problem.
+    """
+    if not any(pin.name == neutrals.UNDECLARED for pin in problem.pins):
+        return False
+    linearization, weights = problem.linearize(sample.z), sample.weights
+    errors, first = problem.errors_at(sample.z), len(sample.z) - 1 - len(problem.pins)
+    try:
+        bordered = linearization.bordered(sample.tangent / weights**2, weights)
+        for pin, place in zip(problem.pins, range(first, len(sample.z) - 1), strict=True):
+            row = bordered.solve_adjoint(np.eye(len(sample.z))[place])[: len(errors)]
+            moves = abs(sample.z[place]) > HELD * float(np.abs(row) @ errors)
+            if moves and pin.name == neutrals.UNDECLARED:
+                return True
+    except np.linalg.LinAlgError:  # a branch point of the pinned equations: its neighbours tell
+        return False
+    return False
 
 
-def unborn(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:
+def unborn(problem: SegmentedOrbit, a: Sample, b: Sample) -> Outcome | None:
     """Two orbits that are points to rounding: the walk has not left the Hopf point that it began at."""
     if problem.forced or max(_extent(problem, sample) for sample in (a, b)) > POINT:
         return None
@@ -78,13 +86,13 @@ def unborn(problem: PeriodicOrbit, a: Sample, b: Sample) -> Outcome | None:
     )
 
 
-def _extent(problem: PeriodicOrbit, sample: Sample) -> float:
+def _extent(problem: SegmentedOrbit, sample: Sample) -> float:
     """How far an orbit goes in one closure at its present speed, in the metric."""
     n = problem.states
     return float(np.linalg.norm(problem.velocity(sample.z) / sample.weights[:n])) * np.sqrt(problem.segments)
 
 
-def slow_place(problem: PeriodicOrbit, z: np.ndarray) -> SlowPlace:
+def slow_place(problem: SegmentedOrbit, z: np.ndarray) -> SlowPlace:
     """Where the orbit is slowest, and the field there."""
     field = problem.motion.field(PLAIN)
     c = field.constants(np.concatenate([problem.scalars(z), problem.line.constants]))
@@ -92,7 +100,7 @@ def slow_place(problem: PeriodicOrbit, z: np.ndarray) -> SlowPlace:
     return slow_place_on(field, c, problem.duration(z), times, path, problem.mesh.variation)
 
 
-def speeds_of(problem: PeriodicOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def speeds_of(problem: SegmentedOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Times 0..1 in the middle of the steps, and mean speeds over each, in units of the states' variation."""
     times, states = problem.mesh.times, problem.solution(z).nodes
     lengths = np.diff(times)
@@ -101,14 +109,14 @@ def speeds_of(problem: PeriodicOrbit, z: np.ndarray) -> tuple[np.ndarray, np.nda
     return 0.5 * (times[1:] + times[:-1])[moves], passed / lengths[moves]
 
 
-def fallen_back(problem: PeriodicOrbit, z: np.ndarray, tangent: np.ndarray) -> bool:
+def fallen_back(problem: SegmentedOrbit, z: np.ndarray, tangent: np.ndarray) -> bool:
     """Whether an orbit has become its parent: it repeats itself, or is its own image, and those beside it
     on its branch do not.
     """
     return repeats(problem, z, MEETS) and not repeats(problem, z + ASIDE * tangent, ASIDE * STAYS)
 
 
-def repeats(problem: PeriodicOrbit, z: np.ndarray, meets: float) -> bool:
+def repeats(problem: SegmentedOrbit, z: np.ndarray, meets: float) -> bool:
     """Whether an orbit runs twice through the same states, or is its own mirror image."""
     try:
         x = problem.starts(z)[0]
@@ -136,5 +144,5 @@ def repeats(problem: PeriodicOrbit, z: np.ndarray, meets: float) -> bool:
     return False
 
 
-def _meet(problem: PeriodicOrbit, x: np.ndarray, y: np.ndarray, meets: float) -> bool:
+def _meet(problem: SegmentedOrbit, x: np.ndarray, y: np.ndarray, meets: float) -> bool:
     return float(np.linalg.norm((x - y) / problem.mesh.variation)) < meets

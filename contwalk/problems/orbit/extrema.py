@@ -4,15 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contwalk.problems.orbit.closure import images_of
-from contwalk.system.declarations import ParameterValues
-
-if TYPE_CHECKING:
-    from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
+from contwalk.problems.orbit.shooting import Curve
 
 # Samples of each step.
 PARTS = 4
@@ -21,6 +16,8 @@ _SHARES = np.arange(PARTS) / PARTS
 BELOW = 0.05
 # Displacement, in parts of what is passed in the whole time, over which a map of the states is differenced.
 BESIDE = 1e-4
+# Parabolas through three instants, each nearer together than the last by the second number.
+PASSES, NARROWER = 2, 0.03
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,29 +102,6 @@ def extremes_of(stretches: Sequence[Smooth], own: Sequence[np.ndarray]) -> tuple
     return low, high
 
 
-def extremes(problem: PeriodicOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Least and largest value of each state over the whole orbit, shapes (n,), from its integrated part.
-
-    NaN of an angle that goes round: it has neither.
-    """
-    curve = problem.curve(z)
-    times, states = curve.divided(PARTS)
-    motion = Smooth(times, states, curve.rates(times, states), curve.at, curve.rates)
-    p, closure = ParameterValues(**problem.values_of(z)), problem.closure
-    images = []
-    for j in range(closure.fold):
-        power = (closure.power * (closure.fold - j)) % closure.fold
-
-        def shown(_: np.ndarray, states: np.ndarray, power: int = power) -> np.ndarray:
-            return images_of(closure.symmetry, states, p, power)
-
-        images.append(motion.mapped(shown))
-    low, high = extremes_of(images, [np.arange(problem.states)] * closure.fold)
-    round_ = closure.turns != 0.0
-    low[round_] = high[round_] = np.nan
-    return low, high
-
-
 def sampled(steps: np.ndarray) -> np.ndarray:
     """Instants within steps, their ends among them."""
     found = np.empty(PARTS * (len(steps) - 1) + 1)
@@ -160,3 +134,34 @@ def _cubic(
     """Hermite's cubic through two values with their rates, a step h apart, at shares s of it."""
     d, a, b = vb - va, h * ra, h * rb
     return va + s * (a + s * (3.0 * d - 2.0 * a - b + s * (a + b - 2.0 * d)))
+
+
+def with_extrema(curve: Curve, times: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Samples with the instants added at which each state is largest and smallest.
+
+    What observables make of a motion is most often a largest value: without these instants it would be
+    that of the nearest sample, and jump along a branch from one sample to the next.
+    """
+    indices = np.concatenate([states.argmax(axis=0), states.argmin(axis=0)])
+    which = np.tile(np.arange(states.shape[1]), 2)
+    inside = (indices > 0) & (indices < len(times) - 1)
+    indices, which = indices[inside], which[inside]
+    if not len(indices):
+        return times, states
+    best, width = times[indices], 0.5 * (times[indices + 1] - times[indices - 1])
+    for _ in range(PASSES):
+        offsets = np.array([-1.0, 0.0, 1.0])
+        instants = np.clip(best[:, None] + width[:, None] * offsets, times[0], times[-1])
+        order = np.argsort(instants, axis=None, kind="stable")
+        found = np.empty((instants.size, states.shape[1]))
+        found[order] = curve.at(instants.ravel()[order])
+        values = found.reshape(len(best), 3, -1)[np.arange(len(best)), :, which]
+        bend = values[:, 0] - 2.0 * values[:, 1] + values[:, 2]
+        slope = 0.5 * (values[:, 2] - values[:, 0])
+        shift = np.divide(-slope, bend, out=np.zeros_like(slope), where=bend != 0.0)
+        best = np.clip(best + width * np.clip(shift, -1.0, 1.0), times[0], times[-1])
+        width = NARROWER * width
+    best = np.sort(best)
+    every = np.concatenate([times, best])
+    order = np.argsort(every, kind="stable")
+    return every[order], np.concatenate([states, curve.at(best)])[order]

@@ -18,19 +18,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contwalk.branch import Outcome
+from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.orbit.slow_place import SlowPlace
+from contwalk.problems.problem import Sample
 
-if TYPE_CHECKING:
-    from contwalk.flow import CompiledField
-    from contwalk.problems.orbit.protocol import Orbit
-    from contwalk.problems.problem import Sample
-
-# Samples of an orbit among which its slowest place is looked for, beside the integrator's own steps.
-AROUND = 256
 # An orbit that is this slow somewhere, against its fastest, passes an equilibrium, or where one has been.
 CREEPING = 1e-2
 # An equilibrium this near to the orbit, in units of its range, is passed by it; so near that it is hidden.
@@ -45,82 +40,6 @@ REST = 10.0
 MOST_TURNS = 300.0
 # How far from the law of its equilibrium the parameter may be, and from it where nothing else is seen.
 LAWFUL, ABOUT = 0.25, 4.0
-# Newton's method for an equilibrium.
-ITERATIONS, CONVERGED = 20, 1e-9
-
-
-@dataclass(frozen=True)
-class SlowPlace:
-    """Where an orbit is slowest, and the field around.
-
-    Parameters
-    ----------
-    speed, fastest : float
-        Speed there and where it is fastest, in ranges of the states per second.
-    state, scale : ndarray, shape (k,)
-        The state there, and half the range of each.
-    path : ndarray, shape (p, k)
-        The states around it on the orbit.
-    velocity, jacobian : callable
-        The field in seconds, shape (k,), and its derivative, shape (k, k).
-    """
-
-    speed: float
-    fastest: float
-    state: np.ndarray
-    scale: np.ndarray
-    path: np.ndarray
-    velocity: Callable[[np.ndarray], np.ndarray]
-    jacobian: Callable[[np.ndarray], np.ndarray]
-
-    @property
-    def slowness(self) -> float:
-        """Speed there against the largest."""
-        return self.speed / max(self.fastest, 1e-300)
-
-    def equilibrium(self) -> np.ndarray | None:
-        """The equilibrium nearby, by Newton's method; None where there is none."""
-        x = self.state.copy()
-        for _ in range(ITERATIONS):
-            f, j = self.velocity(x), self.jacobian(x)
-            if not (np.all(np.isfinite(f)) and np.all(np.isfinite(j))):
-                return None
-            scaled = j * self.scale / self.scale[:, None]
-            step = np.linalg.lstsq(scaled, f / self.scale, rcond=1e-12)[0]
-            x = x - step * self.scale
-            size = float(np.linalg.norm(step))
-            if size < CONVERGED:
-                return x if self.distance(x) < 1.0 else None
-            if size > 2.0:
-                return None
-        return None
-
-    def distance(self, x: np.ndarray) -> float:
-        """Of a state from the orbit, in units of its range."""
-        return float(np.linalg.norm((self.path - x) / self.scale, axis=1).min())
-
-
-def slow_place_on(
-    field: CompiledField,
-    c: np.ndarray,
-    duration: float,
-    times: np.ndarray,
-    path: np.ndarray,
-    scale: np.ndarray,
-) -> SlowPlace:
-    """The slowest place on a path whose field is in units of a duration, at times in 0..1."""
-    n = len(scale)
-    speeds = np.linalg.norm(field.along(times, path, c) / scale, axis=1) / duration
-    slowest = int(np.argmin(speeds))
-    return SlowPlace(
-        float(speeds[slowest]),
-        float(speeds.max()),
-        path[slowest],
-        scale,
-        path,
-        lambda x: field(0.0, x, c) / duration,
-        lambda x: field.jacobian(0.0, x, c)[:, :n] / duration,
-    )
 
 
 @dataclass(frozen=True)

@@ -11,25 +11,25 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from contwalk import flow
 from contwalk.branch import SpecialPoint
 from contwalk.problems.images import Product, point_of_image, products, row_of_image
-from contwalk.problems.orbit import normal_forms
+from contwalk.problems.orbit import monodromy, normal_forms
 from contwalk.problems.orbit.discretization import FINEST
+from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.motion import PLAIN, TANGENT
+from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.orbit.sampling import measured_along
+from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
 from contwalk.problems.orbit.shooting import arrived, velocity
 from contwalk.problems.orbit.stored_discretizations import StoredDiscretizations, vectors_of
 from contwalk.problems.passed_over import passed_over
+from contwalk.problems.problem import Sample
 from contwalk.system.declarations import ParameterValues
-
-if TYPE_CHECKING:
-    from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
-    from contwalk.problems.orbit.protocol import Orbit
-    from contwalk.problems.problem import Sample
 
 # In the metric, an orbit that is kept comes back this exactly, and a deviation that is reversed: they are
 # known to errors of the steps, times their growth.
@@ -47,7 +47,7 @@ BETWEEN = 1e-3
 MOVED = 1e-4
 
 
-def mirror_of(problem: PeriodicOrbit, sample: Sample) -> OrbitMirror | None:
+def mirror_of(problem: SegmentedOrbit, sample: Sample) -> OrbitMirror | None:
     """What takes one half of a branch to the other, by the orbit that it leaves and the deviation there.
 
     None where no declared symmetry, or product of some, does; for orbits that close up to a symmetry, turn,
@@ -58,7 +58,7 @@ def mirror_of(problem: PeriodicOrbit, sample: Sample) -> OrbitMirror | None:
         return None
     if problem.pins or not problem.moves(sample.z):
         return None
-    there = problem.at_stored(sample.z, sample.weights)
+    there = problem.adapted_to(sample.z, sample.weights)
     p = ParameterValues(**problem.values_of(sample.z))
     for product in products(problem.system, sample.z[: problem.states], p):
         for part in range(problem.parts):
@@ -73,7 +73,7 @@ class OrbitMirror:
 
     Parameters
     ----------
-    problem : PeriodicOrbit
+    problem : SegmentedOrbit
     product : Product
         The symmetries that make it, affine maps of the state.
     share : float
@@ -82,13 +82,13 @@ class OrbitMirror:
         The orbit that the branch leaves.
     """
 
-    def __init__(self, problem: PeriodicOrbit, product: Product, share: float, born: Sample) -> None:
+    def __init__(self, problem: SegmentedOrbit, product: Product, share: float, born: Sample) -> None:
         self._problem, self._product, self._share, self._born = problem, product, share, born
         x, p = born.z[: problem.states], ParameterValues(**problem.values_of(born.z))
         sizes = np.maximum(np.abs(x), problem.mesh.variation)
         self._linear = product.linear(sizes, p)
         self._stored = StoredDiscretizations(problem)
-        self._passed: tuple[PeriodicOrbit, bytes, Passed] | None = None
+        self._passed: tuple[SegmentedOrbit, bytes, Passed] | None = None
         self._samples: dict[bytes, Sample] = {}
 
     @property
@@ -102,7 +102,7 @@ class OrbitMirror:
 
     # -- the map -----------------------------------------------------------------------------------------
 
-    def keeps(self, there: PeriodicOrbit, sample: Sample) -> bool:
+    def keeps(self, there: SegmentedOrbit, sample: Sample) -> bool:
         """Whether an orbit is its own image, and its deviation is reversed."""
         z, tangent = self._image(there, sample.z, sample.tangent, sample.weights)
         if float(np.max(np.abs(z - sample.z) / sample.weights)) > KEPT:
@@ -125,7 +125,7 @@ class OrbitMirror:
 
     def _image(
         self,
-        there: PeriodicOrbit,
+        there: SegmentedOrbit,
         z: np.ndarray,
         tangent: np.ndarray,
         weights: np.ndarray,
@@ -143,15 +143,15 @@ class OrbitMirror:
         rest = m * n
         return np.concatenate([*states, z[rest:]]), np.concatenate([*deviations, tangent[rest:]])
 
-    def _passed_by(self, there: PeriodicOrbit, z: np.ndarray, tangent: np.ndarray) -> Passed:
+    def _passed_by(self, there: SegmentedOrbit, z: np.ndarray, tangent: np.ndarray) -> Passed:
         key = z.tobytes() + tangent.tobytes()
         if self._passed is None or self._passed[0] is not there or self._passed[1] != key:
             self._passed = there, key, Passed(there, z, tangent)
         return self._passed[2]
 
     def _in_section(
-        self, there: PeriodicOrbit, z: np.ndarray, image: np.ndarray, last: np.void
-    ) -> tuple[float, PeriodicOrbit] | None:
+        self, there: SegmentedOrbit, z: np.ndarray, image: np.ndarray, last: np.void
+    ) -> tuple[float, SegmentedOrbit] | None:
         """How much later the image is in the section of the one before, and the problem with that section.
 
         None where no such instant is found. Of a forced system there is nothing to choose.
@@ -180,7 +180,7 @@ class OrbitMirror:
         return None
 
     def _parameters(
-        self, there: PeriodicOrbit, z: np.ndarray, weights: np.ndarray
+        self, there: SegmentedOrbit, z: np.ndarray, weights: np.ndarray
     ) -> tuple[ParameterValues, Callable[[np.ndarray], np.ndarray]]:
         """Parameters at z, and how the image of a state moves with the free one."""
         change = np.zeros(len(z))
@@ -196,11 +196,11 @@ class OrbitMirror:
         """Magnitudes of the image's states, of those of a state."""
         return np.sqrt((self._linear * self._linear) @ (values * values))
 
-    def _weights(self, there: PeriodicOrbit, weights: np.ndarray) -> np.ndarray:
+    def _weights(self, there: SegmentedOrbit, weights: np.ndarray) -> np.ndarray:
         n, m = there.states, there.segments
         return np.concatenate([np.tile(self._metric(weights[:n]), m), weights[m * n :]])
 
-    def _mirrored(self, there: PeriodicOrbit, image: np.ndarray) -> PeriodicOrbit:
+    def _mirrored(self, there: SegmentedOrbit, image: np.ndarray) -> SegmentedOrbit:
         """The problem on the same steps for an image, its section where the image begins."""
         mesh = there.mesh
         mesh = replace(mesh, variation=self._metric(mesh.variation), magnitudes=self._metric(mesh.magnitudes))
@@ -210,8 +210,8 @@ class OrbitMirror:
     # -- what is stored ----------------------------------------------------------------------------------
 
     def _begun(
-        self, there: PeriodicOrbit, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray, last: np.void
-    ) -> tuple[PeriodicOrbit, np.ndarray, np.ndarray] | None:
+        self, there: SegmentedOrbit, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray, last: np.void
+    ) -> tuple[SegmentedOrbit, np.ndarray, np.ndarray] | None:
         """The image that begins where a walk would have it, with its deviation and its problem."""
         image, moved = self._image(there, z, tangent, weights)
         found = self._in_section(there, z, image, last)
@@ -241,7 +241,7 @@ class OrbitMirror:
                 break
         else:
             return None
-        trivial = own.trivial_error(image, residual.jacobian)
+        trivial = monodromy.trivial_error(own, image, residual.jacobian)
         begun = self._begun(there, z, tangent, weights, last)
         if begun is None:
             return None
@@ -254,14 +254,14 @@ class OrbitMirror:
             -moved / np.linalg.norm(moved / metric),
             metric,
             state=own.reported(image),
-            observables=[*own.measured_along(image), row["observables"][-1]],
+            observables=[*measured_along(own, image), row["observables"][-1]],
             admissible=not passed,
             trivial_error=trivial,
             residual=excess,
             rhs=self._problem.evaluations - spent,
             seconds=time.perf_counter() - began,
         )
-        kinks = own.kinks_of(image)
+        kinks = kinks_along(own, image)
         self._samples[found["unknowns"].tobytes()] = replace(self._born, z=image, weights=metric, kinks=kinks)
         return found
 
@@ -299,11 +299,11 @@ class Passed:
 
     Parameters
     ----------
-    problem : PeriodicOrbit
+    problem : SegmentedOrbit
     z, tangent : ndarray, shape (N + 1,)
     """
 
-    def __init__(self, problem: PeriodicOrbit, z: np.ndarray, tangent: np.ndarray) -> None:
+    def __init__(self, problem: SegmentedOrbit, z: np.ndarray, tangent: np.ndarray) -> None:
         self._problem, self._z, self._tangent = problem, z, tangent
         self._known: dict[int, tuple[np.ndarray, np.ndarray]] = {}
 

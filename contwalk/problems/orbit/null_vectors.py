@@ -8,12 +8,9 @@ null vectors but for g; with themselves as the next borders they become its crit
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-if TYPE_CHECKING:
-    from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.orbit.protocol import Orbit
 
 # Of a scaled matrix with g as small as this, null vectors are known well enough.
 NULL = 1e-8

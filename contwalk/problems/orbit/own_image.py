@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from contwalk.problems.orbit.closure import imaged, order_of
+from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
 from contwalk.problems.orbit.shooting import velocity
 from contwalk.problems.orbit.transport import carried_to
 from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
 
-if TYPE_CHECKING:
-    from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
-
 # An orbit is its own image if it meets it this nearly, in units of its range: corrected orbits do to 1e-8.
 OWN_IMAGE = 1e-5
 
 
-def carries(problem: PeriodicOrbit, z: np.ndarray, symmetry: Symmetry, power: int, order: int) -> bool:
+def carries(problem: SegmentedOrbit, z: np.ndarray, symmetry: Symmetry, power: int, order: int) -> bool:
     """Whether the field itself has the symmetry, a part of the period later, at a state off the orbit."""
     p = ParameterValues(**problem.values_of(z))
     values = np.concatenate([problem.scalars(z), problem.line.constants])
@@ -33,7 +29,7 @@ def carries(problem: PeriodicOrbit, z: np.ndarray, symmetry: Symmetry, power: in
     return bool(np.linalg.norm((moved - there) / problem.mesh.variation) < 1e-4 * size)
 
 
-def halved(there: PeriodicOrbit, z: np.ndarray, tangent: np.ndarray) -> PeriodicOrbit | None:
+def halved(there: SegmentedOrbit, z: np.ndarray, tangent: np.ndarray) -> SegmentedOrbit | None:
     """The problem of doubled orbits whose halves are images of each other, if those beside z are that."""
     if there.closure.fold > 1 or np.any(there.closure.turns):
         return None

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import copy
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -11,44 +10,38 @@ import numpy as np
 
 from contwalk import quantities
 from contwalk.branch import Outcome, SpecialPoint
-from contwalk.errors import called, measured
-from contwalk.memory import remembered, unowned
+from contwalk.errors import measured
+from contwalk.memory import unowned
 from contwalk.numerics.linear import EPSILON, Factored
-from contwalk.problems import conserving, kinks
+from contwalk.problems import kinks
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.event_kinks import Met
 from contwalk.problems.kinks import Kink
-from contwalk.problems.orbit import augmented, branching, describing, ending, rates, switching
-from contwalk.problems.orbit.closure import Closure
-from contwalk.problems.orbit.discretization import FINEST, Discretization
-from contwalk.problems.orbit.extrema import extremes
-from contwalk.problems.orbit.homoclinic import SlowPlace
+from contwalk.problems.orbit import augmented, branching, describing, ending, monodromy, rates, switching
+from contwalk.problems.orbit.discretization import FINEST
+from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.meeting import distance
 from contwalk.problems.orbit.mirror import OrbitMirror, mirror_of
-from contwalk.problems.orbit.motion import MIXED, TANGENT, Motion, motion_of
-from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers, multipliers
-from contwalk.problems.orbit.normal_forms import ReturnMap
+from contwalk.problems.orbit.motion import MIXED, TANGENT
+from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers
 from contwalk.problems.orbit.period import period_and_slope
-from contwalk.problems.orbit.sampling import crossing, with_extrema
-from contwalk.problems.orbit.section import Reference, Section, better_phase, reference_of, section_at
-from contwalk.problems.orbit.shooting import Curve, Mesh, Shooting, meshed, velocity
-from contwalk.problems.orbit.solution import Solution
+from contwalk.problems.orbit.return_map import ReturnMap
+from contwalk.problems.orbit.sampling import crossing, extremes, measured_along
+from contwalk.problems.orbit.section import Reference, better_phase, reference_of
+from contwalk.problems.orbit.segmented_orbit import MOST_KEPT, SAMPLES, SegmentedOrbit
+from contwalk.problems.orbit.shooting import meshed
+from contwalk.problems.orbit.slow_place import SlowPlace
 from contwalk.problems.orbit.solving import error_holding
 from contwalk.problems.orbit.transport import STRETCHED, TOO_MUCH, closed, moved, recut
-from contwalk.problems.parameter_line import Ends, ParameterLine
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.passing import Place
 from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed
-from contwalk.system import Neutral, System
+from contwalk.system import Neutral
 from contwalk.system.declarations import ParameterValues
 
-# Halves: pitchforks of orbits with a symmetry that nobody declared stay pitchforks as well.
-PARTS = 2
 # Segments that a branch has room for, if it does not begin with more.
 ROOM = 8
-# Samples of an orbit that observables are computed from, beside the integrator's own steps.
-SAMPLES = 512
 # A residual counts as solved at this part of the tolerance.
 SOLVED = 1e-3
 # Evaluations of the field in a step of each method (of the implicit ones, about).
@@ -57,21 +50,13 @@ STAGES = {"dop853": 12, "verner98": 16, "radau5": 24, "radau9": 40}
 POINT = 1e-10
 # A state that moves less than this part of what others do, in units of its size, tells no magnitude.
 CONSTANT = 1e-5
-# An orbit that goes a smaller part of its own size in one period has become a point.
-MOVES = 1e-2
-# The flow's own multiplier, one, missed by more than this tells nothing of the others.
-UNTOLD = 0.3
 # What the flow may miss its own velocity by before an orbit is cut into twice as many segments.
 MISSED = 1e-3
-# Linearizations and motions that are kept: a step asks for the same ones several times.
-MOST_KEPT = 12
-# A drift this many times what errors of the steps make of zero is one.
-HELD = 30.0
 # Two orbits whose periods and places differ by less than this part are one.
 ALIKE = 1e-6
 
 
-class PeriodicOrbit:
+class PeriodicOrbit(SegmentedOrbit):
     """The problem S phi(x, T, p) = x with a phase condition, by multiple shooting.
 
     The unknowns are u = (x_0, ..., x_m-1, T, a): states at the starts of m segments of equal duration, the
@@ -104,100 +89,7 @@ class PeriodicOrbit:
     # Stability grows with the square of the amplitude, and drowns in the error of the steps nearer by.
     beside = 1.0
 
-    def __init__(
-        self,
-        system: System,
-        parameters: Mapping[str, float],
-        free: str,
-        path: Ends | None = None,
-        pins: Sequence[Neutral] = (),
-        reference: np.ndarray | None = None,
-        subharmonic: int = 1,
-        discretization: Discretization | None = None,
-    ) -> None:
-        self.system, self.line = system, ParameterLine.of(system, parameters, free, path)
-        self.free, self.parameters = free, self.line.parameters
-        self.pins, self.reference = tuple(pins), reference
-        self.subharmonic = subharmonic
-        self.discretization = discretization or Discretization()
-        self.states = len(system.states)
-        self.forced = system.period is not None
-        self.closure = self._closed(np.zeros(self.states))
-        self.parts = PARTS  # of the closure in which the steps are alike
-        self.section: Section | None = None
-        self._reference: Reference | None = None
-        self._mesh: Mesh | None = None
-        self._tally = [0]
-        self._kept: dict[bytes, Linearization] = {}
-        self._solutions: dict[bytes, Solution] = {}
-
-    def _motion(self, fold: int) -> Motion:
-        line, share = self.line, self.subharmonic / fold
-        return motion_of(self.system, line.own, line.moving, self.pins, share, holding=True)
-
-    def _closed(self, turns: np.ndarray, symmetry: Any = None, power: int = 1, fold: int = 1) -> Closure:
-        return Closure(self._motion(fold), turns, symmetry, power, fold)
-
     # -- variants ----------------------------------------------------------------------------------------
-
-    def _varied(self, **changes: Any) -> PeriodicOrbit:
-        other = copy.copy(self)
-        other._kept, other._solutions = {}, {}
-        for name, value in changes.items():
-            setattr(other, name, value)
-        return other
-
-    def closing(
-        self, turns: np.ndarray, symmetry: Any = None, power: int = 1, fold: int = 1
-    ) -> PeriodicOrbit:
-        """The same orbits closed up to a symmetry (or to none), with angles that turn."""
-        return self._varied(closure=self._closed(turns, symmetry, power, fold))
-
-    def on(self, mesh: Mesh, section: Section | None) -> PeriodicOrbit:
-        """The same problem on another mesh, with another section."""
-        return self._varied(_mesh=mesh, section=section)
-
-    def imaged_on(self, mesh: Mesh, x: np.ndarray, values: np.ndarray) -> PeriodicOrbit:
-        """The same problem on another mesh, with a section of its own through a state."""
-        section = self._section_at(x, values, mesh.magnitudes)
-        return self._varied(_mesh=mesh, section=section, _reference=None)
-
-    @property
-    def mesh(self) -> Mesh:
-        """The steps of this discretisation."""
-        if self._mesh is None:
-            raise ValueError("the problem has no mesh yet: see `adapted_to`")
-        return self._mesh
-
-    @property
-    def motion(self) -> Motion:
-        """The field over one closure."""
-        return self.closure.motion
-
-    @property
-    def shooting(self) -> Shooting:
-        """Integration over the segments."""
-        return Shooting(self.motion, self.closure, self.mesh, self.line.constants)
-
-    @property
-    def segments(self) -> int:
-        """Number of segments."""
-        return self.mesh.segments
-
-    @property
-    def size(self) -> int:
-        """Number of unknowns without the free parameter."""
-        return self.segments * self.states + len(self.motion.columns) - 1
-
-    @property
-    def method(self) -> str:
-        """How motions are integrated, and why so."""
-        return f"{self.mesh.method}, {self.mesh.reason}"
-
-    @property
-    def evaluations(self) -> int:
-        """Steps of integration so far, in right-hand sides."""
-        return self._tally[0]
 
     @property
     def observable_names(self) -> tuple[str, ...]:
@@ -207,52 +99,16 @@ class PeriodicOrbit:
 
     # -- vectors of unknowns -----------------------------------------------------------------------------
 
-    def starts(self, z: np.ndarray) -> np.ndarray:
-        """States at the starts of the segments, shape (m, n)."""
-        return z[: self.segments * self.states].reshape(self.segments, self.states)
-
-    def scalars(self, z: np.ndarray) -> np.ndarray:
-        """Period (where unknown), drifts and free parameter: the columns of `Motion`."""
-        return z[self.segments * self.states :]
-
-    def values_of(self, z: np.ndarray) -> dict[str, float]:
-        """All parameters at z, by name."""
-        return self.line.at(float(z[-1]))
-
-    def duration(self, z: np.ndarray) -> float:
-        """Duration of the closure, seconds."""
-        if not self.forced:
-            return float(self.scalars(z)[0])
-        period = self.system.period
-        assert period is not None
-        p = ParameterValues(**self.values_of(z))
-        return self.subharmonic / self.closure.fold * float(called("period", period, p))
-
-    @property
-    def periods(self) -> np.ndarray:
-        """Periods of the states that are angles, 0 for the others, shape (N + 1,)."""
-        own = np.array([s.period or 0.0 for s in self.system.states])
-        return np.concatenate([np.tile(own, self.segments), np.zeros(len(self.motion.columns))])
-
     # -- equations ---------------------------------------------------------------------------------------
 
     def linearize(self, z: np.ndarray) -> Linearization:
         """The equations at z."""
-        return remembered(self._kept, z.tobytes(), MOST_KEPT, lambda: self._linearized(z))
+        return self.known.at("linearization", z, MOST_KEPT, lambda: self._linearized(z))
 
     def _linearized(self, z: np.ndarray) -> Linearization:
         residual, jacobian = self._equations(z)
         levels, magnitudes = unowned(self._levels), unowned(self.magnitudes_near)
         return Linearization(residual, jacobian, lambda: (levels(z, jacobian), None), lambda: magnitudes(z))
-
-    def solution(self, z: np.ndarray) -> Solution:
-        """The motion of z on these steps, of which every part is integrated once."""
-
-        def made() -> Solution:
-            own = z.copy()
-            return Solution(self.shooting, self.starts(own), self.scalars(own))
-
-        return remembered(self._solutions, z.tobytes(), MOST_KEPT, made)
 
     def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factored:
         """A matrix of these equations and unknowns, and of borders that come last, factored."""
@@ -421,7 +277,7 @@ class PeriodicOrbit:
 
     def obstacle(self, z: np.ndarray) -> str:
         """How much deviations grow over a segment, where that is what Newton's method has to fight with."""
-        met = self.kinks_of(z)
+        met = kinks_along(self, z)
         if met:
             return met[0].sentence("orbits")
         if not self.stretched(z):
@@ -449,10 +305,12 @@ class PeriodicOrbit:
         """
         length = float(np.linalg.norm(tangent / weights))
         unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
-        trivial = self.trivial_error(z, linearization.jacobian)
-        found = self._known(self.multipliers(z, linearization.jacobian), trivial, linearization.jacobian)
+        trivial = monodromy.trivial_error(self, z, linearization.jacobian)
+        found = monodromy.doubted(
+            self, self.multipliers(z, linearization.jacobian), trivial, linearization.jacobian
+        )
         found = found.beside(float(unit[-1] / weights[-1]))
-        met = self.kinks_of(z) if known is None else ()
+        met = kinks_along(self, z) if known is None else ()
         kinks.refuse(met)
         orientation, error = linearization.orientation_and_error(unit, weights, self._errors(linearization))
         return Sample(
@@ -480,144 +338,18 @@ class PeriodicOrbit:
             and passed_over(self.system, *self.motion_of(z), self.values_of(z)),
         )
 
-    def kinks_of(self, z: np.ndarray) -> tuple[Kink, ...]:
-        """Where the field is smooth by pieces only along the motion of z."""
-        motion = self.motion
-        if motion.switching is None:
-            return ()
-        curve, values = self.curve(z), np.concatenate([self.scalars(z), self.line.constants])
-        course = motion.course(values, *curve.sampled(SAMPLES), curve.at)
-        return () if course is None else kinks.along(course, motion.kinks)
-
     def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
         """Those that the second orbit crosses."""
         return b.kinks
 
-    def factors(self, jacobian: np.ndarray) -> list[np.ndarray]:
-        """Derivative of each segment's end by its start, from DF(z)."""
-        n, m = self.states, self.segments
-        if m == 1:
-            return [jacobian[:n, :n] + np.eye(n)]
-        return [jacobian[i * n : (i + 1) * n, i * n : (i + 1) * n] for i in range(m)]
-
-    def neutral_directions(self, z: np.ndarray, factors: Sequence[np.ndarray]) -> list[np.ndarray]:
-        """At the start of each segment, the directions whose multipliers are left out, shape (n, k)."""
-        starts = self.starts(z)
-        return self._with_pins(z, starts, [] if self.forced else self._flow_directions(z, factors))
-
-    def arriving_directions(self, z: np.ndarray, residual: np.ndarray) -> list[np.ndarray] | None:
-        """The same at the end of each segment, by the gaps of F(z); None for an orbit that is a point."""
-        if not self.moves(z):
-            return None
-        starts = self.starts(z)
-        gaps = residual[: starts.size].reshape(starts.shape)
-        arriving = starts + np.roll(gaps, 1, axis=0)  # where each segment starts
-        flow = self.shooting.velocities(arriving, self.scalars(z))
-        ends, flow = np.roll(arriving, -1, axis=0), np.roll(flow, -1, axis=0)
-        return self._with_pins(z, ends, [] if self.forced else list(flow))
-
-    def _with_pins(self, z: np.ndarray, states: np.ndarray, flow: Sequence[np.ndarray]) -> list[np.ndarray]:
-        """At some states, the flow's directions, those that pins hold, and gradients of what is conserved,
-        each of shape (n, k).
-        """
-        parameters = self.values_of(z)
-        values, mode = ParameterValues(**parameters), self.system.modes[0].name
-        result = []
-        for i, x in enumerate(states):
-            directions = list(flow[i : i + 1])
-            for pin in self.pins:
-                v = np.zeros(self.states)
-                called(f"generator of '{pin.name}'", pin.generator, 0.0, x.copy(), values, v)
-                directions.append(v)
-            if self.system.conserved:
-                gradients = conserving.gradients_of(self.system, mode, x, parameters)
-                directions += list(conserving.raised(gradients, self.mesh.variation).T)
-            result.append(np.array(directions).reshape(len(directions), self.states).T)
-        return result
-
-    def _flow_directions(self, z: np.ndarray, factors: Sequence[np.ndarray]) -> list[np.ndarray]:
-        """Velocities at the starts of segments; of an orbit that is a point still, what it is to become."""
-        assert self.section is not None
-        found, magnitudes = list(self.solution(z).velocities), self.mesh.variation
-        for segment, own in enumerate(found):
-            if not np.linalg.norm(own / magnitudes) > 1e-9:
-                found[segment] = self.section.normal * magnitudes**2
-                for i in range(segment):
-                    found[segment] = factors[i] @ found[segment]
-        return found
-
-    def velocity(self, z: np.ndarray) -> np.ndarray:
-        """dx/dt at the start, in units of the closure's duration."""
-        return self.solution(z).velocities[0]
-
     def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
         """Multipliers of the closure without the flow's own and the pinned ones."""
-        factors = self.factors(jacobian)
-        neutral = self.neutral_directions(z, factors)
-        arriving = self.arriving_directions(z, self.linearize(z).residual)
-        gradients = len(self.system.conserved)
-        return multipliers(
-            factors, neutral, self.mesh.variation, self.mesh.tolerance, arriving, gradients=gradients
-        )
-
-    def trivial_error(self, z: np.ndarray, jacobian: np.ndarray) -> float:
-        """|M f - f| / |f|: how well the flow carries its own velocity once round; NaN where there is none.
-
-        Of several segments, the worst one's: what one does to it may be undone by the next.
-        """
-        if self.forced or not self.moves(z):
-            return float("nan")
-        m, variation = self.segments, self.mesh.variation
-        own = self.solution(z).velocities / variation
-        sizes, worst = [float(np.linalg.norm(v)) for v in own], 0.0
-        if 0.0 in sizes:
-            return float("nan")
-        for i, factor in enumerate(self.factors(jacobian)):
-            missed = factor @ (own[i] * variation) / variation - own[(i + 1) % m]
-            worst = max(worst, float(np.linalg.norm(missed)) / sizes[(i + 1) % m])
-        return worst
-
-    def _known(self, found: Multipliers, trivial: float, jacobian: np.ndarray) -> Multipliers:
-        """Multipliers with what the trivial one misses by as an error, where that is no small part of it.
-
-        The flow's direction then leaks into the others, with all that the closure lets grow.
-        """
-        if not trivial > UNTOLD:
-            return found
-        scaled = [f / self.mesh.variation[:, None] * self.mesh.variation for f in self.factors(jacobian)]
-        return found.doubted(trivial * float(np.prod([np.linalg.norm(f, 2) for f in scaled])))
-
-    def curve(self, z: np.ndarray) -> Curve:
-        """The integrated part of the motion, in 0..1."""
-        return self.solution(z).curve
-
-    def motion_of(self, z: np.ndarray, number: int = SAMPLES) -> tuple[np.ndarray, np.ndarray]:
-        """The whole motion: times in seconds, shape (k,), and states, shape (k, n)."""
-        curve = self.curve(z)
-        times, states = curve.sampled(number)
-        if self.system.observables:
-            times, states = with_extrema(curve, times, states)
-        duration, parameters = self.duration(z), ParameterValues(**self.values_of(z))
-        pieces = self.closure.images(states, parameters)
-        starts = np.arange(len(pieces)) * duration
-        return (starts[:, None] + duration * times).ravel(), np.concatenate(pieces)
-
-    def measured_along(self, z: np.ndarray) -> list[float]:
-        """Values of the observables that no multiplier tells, in their order."""
-        values: list[float] = []
-        if self.system.observables:
-            t, x = self.motion_of(z)
-            p = ParameterValues(**self.values_of(z))
-            values = [
-                measured(f"observable '{o.name}'", o.function, t, x, p) for o in self.system.observables
-            ]
-        low, high = extremes(self, z)
-        return [*values, *high.tolist(), *low.tolist()]
+        return monodromy.spectrum(self, z, jacobian)
 
     def observables(self, z: np.ndarray, found: Multipliers) -> np.ndarray:
         """Values of `observable_names`, shape (o,)."""
         largest = float(np.abs(found.values[0])) if len(found.values) else float("nan")
-        return np.array([*self.measured_along(z), largest**self.rounds])
+        return np.array([*measured_along(self, z), largest**self.rounds])
 
     def observable(self, name: str, z: np.ndarray) -> float:
         """The value of one observable that is not `max_abs`."""
@@ -631,20 +363,6 @@ class PeriodicOrbit:
         t, x = self.motion_of(z)
         p = ParameterValues(**self.values_of(z))
         return measured(f"observable '{name}'", function, t, x, p)
-
-    @property
-    def whole(self) -> tuple[str, int]:
-        """How the orbit closes (`full`, or the name of a symmetry), and how many closures its period has."""
-        return self.closure.name, self.closure.fold
-
-    @property
-    def rounds(self) -> int:
-        """Closures of the motion that `max_abs` is of: the whole, if the orbit closes up to a mirror image.
-
-        A relabelled closure is a whole one: the machine is in the same state again.
-        """
-        symmetry = self.closure.symmetry
-        return self.closure.fold if symmetry is not None and symmetry.role == "spatial" else 1
 
     # -- discretisations ---------------------------------------------------------------------------------
 
@@ -673,7 +391,7 @@ class PeriodicOrbit:
     def stretched(self, z: np.ndarray) -> bool:
         """Whether a segment is too long for Newton's method to be at ease, or to tell multipliers."""
         jacobian = self.linearize(z).jacobian
-        if self.mesh.growth > TOO_MUCH or self.trivial_error(z, jacobian) > MISSED:
+        if self.mesh.growth > TOO_MUCH or monodromy.trivial_error(self, z, jacobian) > MISSED:
             return True
         variation, factors = self.mesh.variation, np.array(self.factors(jacobian))
         grown = np.linalg.norm(factors / variation[:, None] * variation, axis=(1, 2))
@@ -682,12 +400,6 @@ class PeriodicOrbit:
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
         """Why the branch ends between two neighbouring orbits, if it does."""
         return ending.ended(self, a, b)
-
-    def moves(self, z: np.ndarray) -> bool:
-        """Whether the orbit of z is more than a point; of a forced system it may be one."""
-        if self.forced:
-            return True
-        return float(np.linalg.norm(self.velocity(z) / self.mesh.variation)) > MOVES
 
     def into_section(self, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
         """A tangent moved along the flow until it lies in the section: the same change of the orbit."""
@@ -727,19 +439,11 @@ class PeriodicOrbit:
         values = np.concatenate([scalars, self.line.constants])
         mesh = meshed(self.motion, starts, values, magnitudes, tolerance, method, self.parts)
         self._tally[0] += 2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps)
-        problem = self.on(mesh, self._section_at(starts[0], values, magnitudes))
+        problem = self.on(mesh, self.section_through(starts[0], values, magnitudes))
         # An orbit that is a point still has no velocities to compare with: its section holds the phase.
         integral = self.discretization.phase == "integral" and not self.forced and problem.moves(z)
         problem._reference = problem._own_reference(z) if integral else None
         return problem
-
-    def _section_at(self, x: np.ndarray, values: np.ndarray, magnitudes: np.ndarray) -> Section | None:
-        if self.forced:
-            return None
-        own = velocity(self.motion, x, 0.0, values)
-        if np.linalg.norm(own / magnitudes) <= 1e-9 and self.section is not None:
-            return self.section
-        return section_at(x, own, magnitudes)
 
     def refined(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> PeriodicOrbit:
         """The same problem, section included, on steps for located points."""
@@ -749,30 +453,6 @@ class PeriodicOrbit:
     def finest(self, z: np.ndarray, weights: np.ndarray) -> PeriodicOrbit:
         """The same problem on the finest steps that rounding allows."""
         return self.refined(z, weights, FINEST)
-
-    def doubled(self) -> PeriodicOrbit:
-        """The problem of the orbits that close after two of this one's closures."""
-        closure = self.closure
-        turns = 2.0 * closure.turns
-        if closure.fold == 1:
-            other = self._varied(subharmonic=2 * self.subharmonic) if self.forced else self
-            return other.closing(turns).alike(2)
-        fold = closure.fold // 2 if closure.fold % 2 == 0 else closure.fold
-        if fold == 1:
-            return self.closing(turns).alike(2)
-        return self.closing(turns, closure.symmetry, 2 * closure.power % closure.fold, fold).alike(2)
-
-    def alike(self, parts: int) -> PeriodicOrbit:
-        """The same problem on steps that are alike in so many parts of the closure."""
-        return self._varied(parts=parts)
-
-    def without_symmetry(self) -> PeriodicOrbit:
-        """The problem of the whole orbits."""
-        return self.closing(self.closure.fold * self.closure.turns).alike(self.closure.fold)
-
-    def _with_phase_of(self, other: PeriodicOrbit) -> PeriodicOrbit:
-        """The same problem with the section of another one; an integral condition is its own on each mesh."""
-        return self._varied(section=other.section)
 
     # -- second derivatives ------------------------------------------------------------------------------
 
@@ -866,47 +546,9 @@ class PeriodicOrbit:
         """Estimated error of each equation at a solution."""
         return self._errors(self.linearize(z))
 
-    def state_of(self, which: int) -> str | None:
-        """Name of the state that an unknown is a value of, None if it is an angle's or none's."""
-        if which >= self.segments * self.states:
-            return None
-        state = self.system.states[which % self.states]
-        return None if state.period else state.name
-
     def admissible_at(self, z: np.ndarray) -> bool:
         """Whether a solution is one that the machine can move on: without events, all are."""
         return True
-
-    def held_by_force(self, sample: Sample) -> bool:
-        """Whether there is a drift along a pinned direction that nobody declared, beyond errors of the steps.
-
-        An orbit that drifts along a declared one is periodic but for its place, as was asked for. Along
-        another one it does not come back: what solves the equations with a drift is no orbit.
-        """
-        if not any(pin.name == neutrals.UNDECLARED for pin in self.pins):
-            return False
-        linearization, weights = self.linearize(sample.z), sample.weights
-        errors, first = self._errors(linearization), len(sample.z) - 1 - len(self.pins)
-        try:
-            bordered = linearization.bordered(sample.tangent / weights**2, weights)
-            for pin, place in zip(self.pins, range(first, len(sample.z) - 1), strict=True):
-                row = bordered.solve_adjoint(np.eye(len(sample.z))[place])[: len(errors)]
-                moves = abs(sample.z[place]) > HELD * float(np.abs(row) @ errors)
-                if moves and pin.name == neutrals.UNDECLARED:
-                    return True
-        except np.linalg.LinAlgError:  # a branch point of the pinned equations: its neighbours tell
-            return False
-        return False
-
-    def not_conserved(self, sample: Sample) -> str:
-        """Name of a quantity that is not at its value on the orbit, though it is declared to be conserved."""
-        if not self.system.conserved:
-            return ""
-        parameters, mode = self.values_of(sample.z), self.system.modes[0].name
-        errors = self._errors(self.linearize(sample.z))[: self.segments * self.states]
-        most = errors.reshape(self.segments, self.states).sum(axis=0)
-        found = (conserving.off(self.system, mode, x, parameters, most) for x in self.starts(sample.z))
-        return next(filter(None, found), "")
 
     def slow_place(self, z: np.ndarray) -> SlowPlace:
         """Where the orbit is slowest, and the field there."""
@@ -982,10 +624,6 @@ class PeriodicOrbit:
     def same(self, a: Sample, b: Sample) -> bool:
         """Whether two solutions at the same parameter are one orbit; `b` is on this discretisation."""
         return abs(a.period - b.period) <= ALIKE * a.period and self.passes(b.z, [a.z[: self.states]])
-
-    def first_state(self, z: np.ndarray) -> np.ndarray:
-        """The state at the start, shape (n,)."""
-        return z[: self.states]
 
     def passes(self, z: np.ndarray, points: Sequence[np.ndarray]) -> bool:
         """Whether the orbit of z passes one of some states."""

@@ -7,13 +7,16 @@ from typing import Any, Protocol
 import numpy as np
 
 from contwalk.numerics.linear import Factorization
+from contwalk.problems.kinks import Course, Kink
 from contwalk.problems.orbit.discretization import Discretization
-from contwalk.problems.orbit.homoclinic import SlowPlace
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.normal_forms import SectionMap
+from contwalk.problems.orbit.section import Section
 from contwalk.problems.orbit.shooting import Mesh
+from contwalk.problems.orbit.slow_place import SlowPlace
+from contwalk.problems.parameter_line import ParameterLine
 from contwalk.problems.problem import Linearization, Sample
-from contwalk.system import System
+from contwalk.system import Neutral, System
 
 
 class Orbit(Protocol):
@@ -21,9 +24,11 @@ class Orbit(Protocol):
 
     system: System
     free: str
-    line: Any
+    line: ParameterLine
+    pins: tuple[Neutral, ...]
     discretization: Discretization
     forced: bool
+    section: Section | None
 
     @property
     def size(self) -> int:
@@ -169,4 +174,43 @@ class Orbit(Protocol):
 
     def reported(self, z: np.ndarray) -> np.ndarray:
         """The state that stands for a solution."""
+        ...
+
+    def velocity(self, z: np.ndarray) -> np.ndarray:
+        """dx/dt at the start."""
+        ...
+
+    def leg_starts(self, z: np.ndarray) -> list[tuple[str, np.ndarray]]:
+        """Modes of the parts of a closure, and full states at their starts."""
+        ...
+
+    def state_errors(self, errors: np.ndarray) -> np.ndarray:
+        """Of estimated errors of the equations, the sum for each state, shape (n,)."""
+        ...
+
+    def courses(self, z: np.ndarray) -> list[tuple[Course, dict[bytes, Kink]]]:
+        """The parts of the motion as they are looked at for kinks, and the kinks known of each."""
+        ...
+
+    def kinks_at_events(self, z: np.ndarray) -> tuple[Kink, ...]:
+        """Jumps of guards and resets that events lie on."""
+        ...
+
+    def adapted_to(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> Any:
+        """The problem on steps for the orbit of z."""
+        ...
+
+    def into_section(self, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
+        """A tangent moved along the flow into the section."""
+        ...
+
+    def examine(
+        self,
+        z: np.ndarray,
+        tangent: np.ndarray,
+        weights: np.ndarray,
+        linearization: Linearization,
+        before: int | None,
+    ) -> Sample:
+        """Everything that is watched at a solution."""
         ...

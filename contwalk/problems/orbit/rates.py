@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from contwalk import quantities
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.null_vectors import null_vectors
-from contwalk.problems.problem import Rates
-
-if TYPE_CHECKING:
-    from contwalk.problems.orbit.protocol import Orbit
-    from contwalk.problems.problem import Sample
+from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.problem import Rates, Sample
 
 # Rates are computed of the leading multipliers whose moduli lie between these: a pair of crossings may
 # hide between

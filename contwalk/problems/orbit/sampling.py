@@ -2,54 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from contwalk.problems.orbit.shooting import Curve
+from contwalk.errors import measured
+from contwalk.problems.orbit.closure import images_of
+from contwalk.problems.orbit.extrema import PARTS, Smooth, extremes_of
+from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
 from contwalk.problems.passing import Place
 from contwalk.system.declarations import ParameterValues
 
-if TYPE_CHECKING:
-    from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
-
-# Parabolas through three instants, each nearer together than the last by the second number.
-PASSES, NARROWER = 2, 0.03
 MOST_BISECTIONS = 60
 
 
-def with_extrema(curve: Curve, times: np.ndarray, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Samples with the instants added at which each state is largest and smallest.
-
-    What observables make of a motion is most often a largest value: without these instants it would be
-    that of the nearest sample, and jump along a branch from one sample to the next.
-    """
-    indices = np.concatenate([states.argmax(axis=0), states.argmin(axis=0)])
-    which = np.tile(np.arange(states.shape[1]), 2)
-    inside = (indices > 0) & (indices < len(times) - 1)
-    indices, which = indices[inside], which[inside]
-    if not len(indices):
-        return times, states
-    best, width = times[indices], 0.5 * (times[indices + 1] - times[indices - 1])
-    for _ in range(PASSES):
-        offsets = np.array([-1.0, 0.0, 1.0])
-        instants = np.clip(best[:, None] + width[:, None] * offsets, times[0], times[-1])
-        order = np.argsort(instants, axis=None, kind="stable")
-        found = np.empty((instants.size, states.shape[1]))
-        found[order] = curve.at(instants.ravel()[order])
-        values = found.reshape(len(best), 3, -1)[np.arange(len(best)), :, which]
-        bend = values[:, 0] - 2.0 * values[:, 1] + values[:, 2]
-        slope = 0.5 * (values[:, 2] - values[:, 0])
-        shift = np.divide(-slope, bend, out=np.zeros_like(slope), where=bend != 0.0)
-        best = np.clip(best + width * np.clip(shift, -1.0, 1.0), times[0], times[-1])
-        width = NARROWER * width
-    best = np.sort(best)
-    every = np.concatenate([times, best])
-    order = np.argsort(every, kind="stable")
-    return every[order], np.concatenate([states, curve.at(best)])[order]
-
-
-def crossing(problem: PeriodicOrbit, z: np.ndarray, t: np.ndarray, x: np.ndarray, place: Place) -> np.ndarray:
+def crossing(
+    problem: SegmentedOrbit, z: np.ndarray, t: np.ndarray, x: np.ndarray, place: Place
+) -> np.ndarray:
     """The state at which a sampled motion first passes a value of a state; NaN if it never does."""
     begun = place.begun_at(x)
     if begun is not None:
@@ -68,3 +35,37 @@ def crossing(problem: PeriodicOrbit, z: np.ndarray, t: np.ndarray, x: np.ndarray
         if high - low < 1e-15:
             break
     return place.told(there, turn)
+
+
+def extremes(problem: SegmentedOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Least and largest value of each state over the whole orbit, shapes (n,), from its integrated part.
+
+    NaN of an angle that goes round: it has neither.
+    """
+    curve = problem.curve(z)
+    times, states = curve.divided(PARTS)
+    motion = Smooth(times, states, curve.rates(times, states), curve.at, curve.rates)
+    p, closure = ParameterValues(**problem.values_of(z)), problem.closure
+    images = []
+    for j in range(closure.fold):
+        power = (closure.power * (closure.fold - j)) % closure.fold
+
+        def shown(_: np.ndarray, states: np.ndarray, power: int = power) -> np.ndarray:
+            return images_of(closure.symmetry, states, p, power)
+
+        images.append(motion.mapped(shown))
+    low, high = extremes_of(images, [np.arange(problem.states)] * closure.fold)
+    round_ = closure.turns != 0.0
+    low[round_] = high[round_] = np.nan
+    return low, high
+
+
+def measured_along(orbit: SegmentedOrbit, z: np.ndarray) -> list[float]:
+    """Values of the observables that no multiplier tells, in their order."""
+    values: list[float] = []
+    if orbit.system.observables:
+        t, x = orbit.motion_of(z)
+        p = ParameterValues(**orbit.values_of(z))
+        values = [measured(f"observable '{o.name}'", o.function, t, x, p) for o in orbit.system.observables]
+    low, high = extremes(orbit, z)
+    return [*values, *high.tolist(), *low.tolist()]

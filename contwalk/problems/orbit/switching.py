@@ -1,141 +1,23 @@
-"""The branches that leave a special point: of orbits from a Hopf point, and of other orbits from an orbit."""
+"""The branches of orbits that leave a special point of an orbit."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.problems.neutral import generator_at
-from contwalk.problems.orbit.birth import CycleSizes
 from contwalk.problems.orbit.branching import amplitude, crossing, filled_magnitudes
-from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.null_vectors import null_vectors
 from contwalk.problems.orbit.own_image import halved
-from contwalk.problems.orbit.section import section_at
-from contwalk.problems.orbit.shooting import meshed
-from contwalk.problems.orbit.transport import carried_to, following, segments_for, segments_of_growth
+from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
+from contwalk.problems.orbit.transport import carried_to, following, segments_for
 from contwalk.problems.problem import Seed
-from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
 
-if TYPE_CHECKING:
-    from contwalk.problems.equilibrium.equilibrium import Equilibrium
-    from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 
-
-# -- from a Hopf point -------------------------------------------------------------------------------------
-
-
-def from_hopf(equilibrium: Equilibrium, point: SpecialPoint) -> Sequence[Seed]:
-    """The cycle that is born at a Hopf point, along its critical vectors."""
-    from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
-
-    n, z = equilibrium.states, np.array(point.unknowns)
-    omega = float(point.coefficients["omega"])
-    sizes = CycleSizes(equilibrium, point)
-    magnitudes = sizes(abs(float(z[-1])) or 1.0)
-    q = _turned(sizes.right, magnitudes)
-    known = equilibrium.values_of(z)
-    own = {name: known[name] for name in equilibrium.system.conserved_names}
-    orbit = PeriodicOrbit(
-        equilibrium.system,
-        equilibrium.parameters | own,
-        equilibrium.free,
-        equilibrium.line.ends,
-        equilibrium.pins,
-        equilibrium.reference,
-        discretization=equilibrium.discretization,
-    )
-    x, period = z[:n], 2.0 * np.pi / omega
-    closing = _symmetry_of_cycle(equilibrium, x, z, q)
-    if closing is not None:
-        orbit = orbit.closing(np.zeros(n), *closing)
-        period /= closing[2]
-    scalars = np.concatenate([[period], np.zeros(len(equilibrium.pins)), z[-1:]])
-    section = section_at(x, (1j * omega * q).real, magnitudes)
-    values = np.concatenate([scalars, orbit.line.constants])
-    tolerance = orbit.discretization.walking
-    method = orbit.discretization.method
-
-    def cut(m: int) -> tuple[PeriodicOrbit, np.ndarray, np.ndarray]:
-        mesh = meshed(orbit.motion, np.tile(x, (m, 1)), values, magnitudes, tolerance, method, orbit.parts)
-        turns = np.exp(1j * omega * period * np.arange(m) / m)
-        problem, start = orbit.on(mesh, section), np.concatenate([np.tile(x, m), scalars])
-        tangent = np.concatenate([*[(q * turn).real for turn in turns], np.zeros(len(scalars))])
-        return problem, start, tangent - _along_pins(problem, start, tangent)
-
-    # The linear flow is known: what grows too much is not integrated in one piece to find that out.
-    exponents = np.linalg.eigvals(equilibrium.jacobian(z)[:n, :n]).real * period
-    m = orbit.discretization.segments or segments_of_growth(float(exponents.max()))
-    problem, start, tangent = cut(m)
-    more = max(m, segments_for(problem, start))
-    if more > m:
-        m = more
-        problem, start, tangent = cut(m)
-
-    def reach(change: float) -> np.ndarray:
-        moved = np.zeros(len(start))
-        moved[: m * n] = np.tile(sizes(change) * np.sqrt(m), m)
-        moved[-1] = change
-        return moved
-
-    return (Seed("HB", start, tangent, reach, problem, one_sided=True),)
-
-
-def _along_pins(problem: PeriodicOrbit, start: np.ndarray, tangent: np.ndarray) -> np.ndarray:
-    """The part of a tangent at an equilibrium that moves the orbit along pinned directions: all of it at
-    once, as they are neutral there.
-    """
-    part, n, m = np.zeros(len(start)), problem.states, problem.segments
-    if problem.pins:
-        rows = np.zeros((len(problem.pins), len(start)))
-        for pin, row in zip(problem.pins, rows, strict=True):
-            problem.pinned(pin, start, row)
-        values = problem.values_of(start)
-        ways = np.column_stack([generator_at(pin, start[:n], values) for pin in problem.pins])
-        part[: m * n] = np.tile(ways @ np.linalg.solve(rows[:, :n] @ ways, rows @ tangent), m)
-    return part
-
-
-def _turned(q: np.ndarray, magnitudes: np.ndarray) -> np.ndarray:
-    """The phase of q at which its real and imaginary parts are at a right angle, the longer one first."""
-    scaled = q / magnitudes
-    product = complex(scaled @ scaled)
-    return q * np.exp(-0.5j * np.angle(product)) if abs(product) > 0.0 else q
-
-
-def _symmetry_of_cycle(
-    equilibrium: Equilibrium, x: np.ndarray, z: np.ndarray, q: np.ndarray
-) -> tuple[Symmetry, int, int] | None:
-    """Symmetry, power and fold of a cycle whose critical vector a spatial symmetry turns by a part of a
-    round.
-
-    S q = exp(-2 pi i j / fold) q: the cycle is its own image a part of the period later.
-    """
-    p = ParameterValues(**equilibrium.values_of(z))
-    for symmetry in equilibrium.system.symmetries:
-        order = order_of(symmetry, x, p)
-        if symmetry.role != "spatial" or order is None or order < 2:
-            continue
-        if not np.allclose(imaged(symmetry, x, p), x, rtol=1e-9, atol=1e-9 * (1.0 + np.abs(x).max())):
-            continue
-        step = 1e-4
-        image = [(imaged(symmetry, x + step * part, p) - x) / step for part in (q.real, q.imag)]
-        ratio = complex(q.conj() @ (image[0] + 1j * image[1])) / complex(q.conj() @ q)
-        for power in range(1, order):
-            turned = ratio**power
-            if abs(turned - np.exp(-2j * np.pi / order)) < 1e-6:
-                return symmetry, power, order
-    return None
-
-
-# -- from an orbit -----------------------------------------------------------------------------------------
-
-
-def seeds(problem: PeriodicOrbit, point: SpecialPoint) -> Sequence[Seed]:
+def seeds(problem: SegmentedOrbit, point: SpecialPoint) -> Sequence[Seed]:
     """The branches that leave a special point of a branch of orbits."""
     z = np.array(point.unknowns)
     if point.label == "PD":
@@ -147,7 +29,7 @@ def seeds(problem: PeriodicOrbit, point: SpecialPoint) -> Sequence[Seed]:
     return ()
 
 
-def discretized(problem: PeriodicOrbit, z: np.ndarray) -> PeriodicOrbit:
+def discretized(problem: SegmentedOrbit, z: np.ndarray) -> SegmentedOrbit:
     """The problem on fine steps for a stored solution, which may have other segments than the branch
     began with.
     """
@@ -158,7 +40,7 @@ def discretized(problem: PeriodicOrbit, z: np.ndarray) -> PeriodicOrbit:
     return rough.adapted_to(z, filled_magnitudes(rough, z), problem.discretization.locating)
 
 
-def _doubled(problem: PeriodicOrbit, z: np.ndarray) -> Sequence[Seed]:
+def _doubled(problem: SegmentedOrbit, z: np.ndarray) -> Sequence[Seed]:
     """The orbit of twice the period that leaves along the critical vector.
 
     It is closed up to a declared symmetry if each half of it is the image of the other one.
@@ -170,7 +52,7 @@ def _doubled(problem: PeriodicOrbit, z: np.ndarray) -> Sequence[Seed]:
     return (Seed("PD", start, tangent, amplitude(tangent), there, one_sided=True),)
 
 
-def _whole(problem: PeriodicOrbit, z: np.ndarray) -> Sequence[Seed]:
+def _whole(problem: SegmentedOrbit, z: np.ndarray) -> Sequence[Seed]:
     """The orbit without the symmetry that its parent closes up to."""
     times = problem.closure.fold
     there, start, tangent = _followed(problem, z, times, problem.without_symmetry())
@@ -178,8 +60,8 @@ def _whole(problem: PeriodicOrbit, z: np.ndarray) -> Sequence[Seed]:
 
 
 def _followed(
-    problem: PeriodicOrbit, z: np.ndarray, times: int, other: PeriodicOrbit
-) -> tuple[PeriodicOrbit, np.ndarray, np.ndarray]:
+    problem: SegmentedOrbit, z: np.ndarray, times: int, other: SegmentedOrbit
+) -> tuple[Any, np.ndarray, np.ndarray]:
     """A closure followed several times, the deviation changing its sign each time: an orbit of the other
     problem on steps, and the tangent there.
     """
@@ -201,7 +83,7 @@ def _followed(
 
 
 def _next(
-    problem: PeriodicOrbit, x: np.ndarray, w: np.ndarray, p: ParameterValues
+    problem: SegmentedOrbit, x: np.ndarray, w: np.ndarray, p: ParameterValues
 ) -> tuple[np.ndarray, np.ndarray]:
     """What follows a closure, with the deviation's sign changed."""
     image, deviation = following(problem, x, w, p)
@@ -209,7 +91,7 @@ def _next(
 
 
 def _at(
-    problem: PeriodicOrbit, z: np.ndarray, direction: np.ndarray, time: float
+    problem: SegmentedOrbit, z: np.ndarray, direction: np.ndarray, time: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """State and deviation at a time in closures, which may exceed one."""
     p = ParameterValues(**problem.values_of(z))

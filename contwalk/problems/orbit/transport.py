@@ -4,21 +4,20 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
 from contwalk import flow
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.motion import PLAIN, TANGENT
+from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.orbit.segmented_orbit import Kind, SegmentedOrbit
 from contwalk.problems.orbit.shooting import arrived
+from contwalk.problems.problem import Sample
 from contwalk.system.declarations import ParameterValues
 
-if TYPE_CHECKING:
-    from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
-    from contwalk.problems.problem import Problem, Sample
-
-Kind = TypeVar("Kind", bound="Problem")
+AnyOrbit = TypeVar("AnyOrbit", bound=Orbit)
 
 # Growth over one segment that shooting still takes easily: four digits of sixteen.
 MOST_GROWTH = 1e4
@@ -34,7 +33,7 @@ STEEP = 0.1
 
 
 def carried_to(
-    problem: PeriodicOrbit, z: np.ndarray, tangent: np.ndarray, time: float
+    problem: SegmentedOrbit, z: np.ndarray, tangent: np.ndarray, time: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """State and tangent of the orbit at a time in 0..1 of the closure, each of shape (n,)."""
     n, m = problem.states, problem.segments
@@ -59,7 +58,7 @@ def carried_to(
     return end[:n].copy(), end[n:].copy() if len(end) > n else np.zeros(n)
 
 
-def growth(problem: PeriodicOrbit, z: np.ndarray, times: int = 1) -> float:
+def growth(problem: SegmentedOrbit, z: np.ndarray, times: int = 1) -> float:
     """The largest factor by which a deviation grows from the start on, or up to the end, in the metric.
 
     What grows in between and is forgotten again, as at the jumps of a relaxation oscillation, does no harm.
@@ -92,7 +91,7 @@ def growth(problem: PeriodicOrbit, z: np.ndarray, times: int = 1) -> float:
     return largest
 
 
-def segments_for(problem: PeriodicOrbit, z: np.ndarray, times: int = 1) -> int:
+def segments_for(problem: SegmentedOrbit, z: np.ndarray, times: int = 1) -> int:
     """Number of segments over each of which deviations grow by `MOST_GROWTH` at most."""
     if problem.discretization.segments is not None:
         return problem.discretization.segments
@@ -107,7 +106,7 @@ def segments_of_growth(exponent: float) -> int:
     return int(np.clip(np.ceil(exponent / np.log(MOST_GROWTH)), 1, MOST_SEGMENTS))
 
 
-def recut(problem: PeriodicOrbit, sample: Sample) -> tuple[PeriodicOrbit, Sample]:
+def recut(problem: Kind, sample: Sample) -> tuple[Kind, Sample]:
     """The same solution in twice as many segments, its tangent and the sign of its Jacobian with it."""
     n, m, z = problem.states, problem.segments, sample.z
     starts, tangents = [], []
@@ -126,7 +125,7 @@ def recut(problem: PeriodicOrbit, sample: Sample) -> tuple[PeriodicOrbit, Sample
     return finer, replace(again, iterations=sample.iterations)
 
 
-def moved(problem: PeriodicOrbit, sample: Sample, time: float) -> tuple[PeriodicOrbit, Sample]:
+def moved(problem: Kind, sample: Sample, time: float) -> tuple[Kind, Sample]:
     """The same solution, beginning at another time in 0..1 of its closure."""
     n, m, z = problem.states, problem.segments, sample.z
     p = ParameterValues(**problem.values_of(z))
@@ -146,7 +145,7 @@ def moved(problem: PeriodicOrbit, sample: Sample, time: float) -> tuple[Periodic
     return begun, replace(again, iterations=sample.iterations)
 
 
-def closed(problem: Kind, rough: Sample) -> tuple[Kind, Sample] | None:
+def closed(problem: AnyOrbit, rough: Sample) -> tuple[AnyOrbit, Sample] | None:
     """The orbit corrected on the steps that it was cut or moved to; None where that does not converge.
 
     Where deviations grow, what was a solution on other steps is none on these: its gap is the error of both,
@@ -183,7 +182,7 @@ def closed(problem: Kind, rough: Sample) -> tuple[Kind, Sample] | None:
 
 
 def following(
-    problem: PeriodicOrbit, x: np.ndarray, v: np.ndarray, p: ParameterValues
+    problem: SegmentedOrbit, x: np.ndarray, v: np.ndarray, p: ParameterValues
 ) -> tuple[np.ndarray, np.ndarray]:
     """State and deviation one closure later: the inverse image, in unturned angles."""
     closure = problem.closure

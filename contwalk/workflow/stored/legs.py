@@ -74,7 +74,7 @@ def facts_of(system: System, branch: Branch, point: SpecialPoint | int) -> Hybri
         If the system is not that of the branch, or the orbit cannot be integrated.
     """
     from contwalk.continuation.reopening import reopened
-    from contwalk.problems.hybrid import limits
+    from contwalk.problems.hybrid.margins import DERIVED
     from contwalk.workflow.stored.orbits import PICTURE
 
     where = point.index if isinstance(point, SpecialPoint) and not point.unknowns else point
@@ -94,7 +94,7 @@ def facts_of(system: System, branch: Branch, point: SpecialPoint | int) -> Hybri
     for limit, value, scale in zip(margins.limits, margins.values, margins.scales, strict=True):
         if not np.isfinite(value):
             continue
-        derived = limit.test in limits.DERIVED
+        derived = limit.test in DERIVED
         name = f"{limit.name}_{limit.test}" if derived else limit.name
         if name in branch.info.observables:
             column = np.abs(branch[name])
@@ -118,7 +118,7 @@ def _unit(system: System, name: str) -> str:
 
 def _what(limit: object, legs: tuple[LegFact, ...]) -> str:
     """What a limit is about, in a few words."""
-    from contwalk.problems.hybrid.limits import Limit
+    from contwalk.problems.hybrid.margins import Limit
 
     assert isinstance(limit, Limit)
     leg = legs[limit.leg]

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from contwalk.problems.orbit.sampling import with_extrema
+from contwalk.problems.orbit.extrema import with_extrema
 
 
 @pytest.mark.parametrize("top", [0.008, 0.013, 0.1, 0.48, 0.97])

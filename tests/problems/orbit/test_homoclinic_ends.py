@@ -8,7 +8,8 @@ import pytest
 from small_systems import labelled, small_problem
 
 import contwalk as cw
-from contwalk.problems.orbit.homoclinic import SlowPlace, _falling, _gone, _passing, _swinging, homoclinic
+from contwalk.problems.orbit.homoclinic import _falling, _gone, _passing, _swinging, homoclinic
+from contwalk.problems.orbit.slow_place import SlowPlace
 
 # Of the Morris-Lecar model below, from collocation on 400 intervals followed to periods of 3e4.
 MORRIS_LECAR = 35.00673420

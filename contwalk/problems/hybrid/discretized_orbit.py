@@ -1,0 +1,431 @@
+"""Discretised orbits through events: what they are, and how their unknowns are read.
+
+Beside the data stands here only what reads them: what is computed of an orbit are functions over this class,
+and `HybridOrbit` offers them to the engine.
+"""
+
+from __future__ import annotations
+
+import copy
+from abc import abstractmethod
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import Any, Self, TypeVar
+
+import numpy as np
+
+from contwalk.problems import neutral as neutrals
+from contwalk.problems.hybrid.effort import Effort
+from contwalk.problems.hybrid.layout import Layout, Segment, joined
+from contwalk.problems.hybrid.margins import Limit, Margins
+from contwalk.problems.hybrid.passage import Passage, passage_of
+from contwalk.problems.hybrid.shooting import LegMesh, Piece
+from contwalk.problems.hybrid.stretch import Stretch
+from contwalk.problems.hybrid.view import LegView
+from contwalk.problems.hybrid.word import Word
+from contwalk.problems.kinks import Course, Kink
+from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.orbit.evaluations import Evaluations
+from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.orbit.section import Section
+from contwalk.problems.parameter_line import Ends, ParameterLine
+from contwalk.system import Condition, Neutral, System, Transition
+
+# Solutions that are looked at again soon: at a step's ends.
+MOST_VIEWS = 4
+
+Kind = TypeVar("Kind", bound="DiscretizedOrbit")
+
+
+class DiscretizedOrbit(Orbit):
+    """Orbits of one word on given steps; see `HybridOrbit` for its parameters."""
+
+    def __init__(
+        self,
+        system: System,
+        word: Word,
+        parameters: Mapping[str, float],
+        free: str,
+        path: Ends | None = None,
+        pins: Sequence[Neutral] = (),
+        reference: np.ndarray | None = None,
+        subharmonic: int = 1,
+        discretization: Discretization | None = None,
+    ) -> None:
+        self.system, self.word = system, word
+        self.line = ParameterLine.of(system, parameters, free, path)
+        self.free, self.parameters = free, self.line.parameters
+        self.pins, self.reference = tuple(pins), reference
+        self.subharmonic = subharmonic
+        self.discretization = discretization or Discretization()
+        self.states = len(system.states)
+        self.forced = system.period is not None
+        self.turns = np.zeros(self.states)
+        self.section: Section | None = None
+        self._mesh: LegMesh | None = None
+        self._most_steps: int | None = None
+        self.effort = Effort()
+        self.known = Evaluations()
+        # Segments of each leg; how many a stored branch has room for.
+        self.cuts, self.room, self.layout = 1, None, self._laid_out(1)
+
+    def _laid_out(self, cuts: int) -> Layout:
+        """Where what stands with so many segments in each leg; one that is collapsed has one."""
+        sizes = [len(self.system.states_of(leg.mode)) for leg in self.word.legs]
+        each = [1 if leg.collapsed else cuts for leg in self.word.legs]
+        return Layout(sizes, self.forced, len(self.pins), each)
+
+    def _varied(self, **changes: Any) -> Self:
+        other = copy.copy(self)
+        other.known = Evaluations()
+        for name, value in changes.items():
+            setattr(other, name, value)
+        return other
+
+    def of_word(self, word: Word, times: int = 1, turns: np.ndarray | None = None) -> Self:
+        """The orbits of another word, lasting `times` as many periods of the forcing."""
+        return self.like(type(self), word, times, turns)
+
+    def like(self, kind: type[Kind], word: Word, times: int = 1, turns: np.ndarray | None = None) -> Kind:
+        """As `of_word`, of a class of orbits."""
+        other = kind(
+            self.system,
+            word,
+            self.parameters,
+            self.free,
+            self.line.ends,
+            self.pins,
+            self.reference,
+            self.subharmonic * (times if self.forced else 1),
+            self.discretization,
+        )
+        other.turns = self.turns * times if turns is None else turns
+        other.effort = self.effort
+        return other
+
+    def with_room(self, cuts: int) -> Self:
+        """The same orbits with room for so many segments in each leg along their branch."""
+        return self._varied(room=cuts)
+
+    def turning(self, turns: np.ndarray) -> Self:
+        """The same orbits with states that grow by so much in each closure."""
+        return self._varied(turns=turns)
+
+    def on(self, mesh: LegMesh, section: Section | None) -> Self:
+        """The same problem on another mesh, with another section."""
+        return self._varied(_mesh=mesh, section=section)
+
+    def cut_into(self, cuts: int) -> Self:
+        """The same problem with so many segments in each leg; its steps are made anew: see `adapted_to`."""
+        return self if cuts == self.cuts else self._varied(cuts=cuts, layout=self._laid_out(cuts))
+
+    @property
+    def cuttable(self) -> bool:
+        """Whether legs may be cut into segments: those of words that end with an event."""
+        return self.word.eventful
+
+    def fitting(self, z: np.ndarray) -> Self:
+        """The same problem with the segments of a solution, which its length tells."""
+        if len(z) == self.size + 1:
+            return self
+        bare, more = self.sizes_with_cuts
+        return self.cut_into(1 + (len(z) - 1 - bare) // more)
+
+    @property
+    def mesh(self) -> LegMesh:
+        """The steps of this discretisation."""
+        if self._mesh is None:
+            raise ValueError("the problem has no mesh yet: see `adapted_to`")
+        return self._mesh
+
+    @cached_property
+    def passages(self) -> tuple[Passage, ...]:
+        """The legs' compiled functions."""
+        own, moving = self.line.own, self.line.moving
+        return tuple(
+            passage_of(self.system, leg, self.word.target(i), own, moving, self.pins, self.word.image_at(i))
+            for i, leg in enumerate(self.word.legs)
+        )
+
+    @property
+    def sizes_with_cuts(self) -> tuple[int, int]:
+        """Number of unknowns with one segment in each leg, and how many each further one adds."""
+        each = zip(self.word.legs, self.layout.sizes, strict=True)
+        return self.layout.rest.stop, sum(n for leg, n in each if not leg.collapsed)
+
+    @property
+    def pieces(self) -> tuple[Piece, ...]:
+        """The legs on their steps."""
+        return self.known.once("pieces", self._pieces)
+
+    def _pieces(self) -> tuple[Piece, ...]:
+        if self.cuts == 1:
+            return self.segments
+        own = [self.layout.segments_of(i) for i in range(self.layout.legs)]
+        ends = np.cumsum([0, *map(len, own)])
+        return tuple(
+            replace(self.segments[b - 1], steps=joined(places, self.mesh.steps[a:b]))
+            for places, a, b in zip(own, ends[:-1].tolist(), ends[1:].tolist(), strict=True)
+        )
+
+    @property
+    def segments(self) -> tuple[Piece, ...]:
+        """The segments of the legs on their steps, each in its own time."""
+        return self.known.once("segments", self._segments)
+
+    def _segments(self) -> tuple[Piece, ...]:
+        mesh = self.mesh
+        return tuple(
+            Piece(self.passages[own.leg], steps, mesh.method, self.line.constants, not own.last)
+            for own, steps in zip(self.layout.segments, mesh.steps, strict=True)
+        )
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns without the free parameter."""
+        return self.layout.size
+
+    @property
+    def method(self) -> str:
+        """How motions are integrated, and why so."""
+        return f"{self.mesh.method}, {self.mesh.reason}"
+
+    @property
+    def evaluations(self) -> int:
+        """Steps of integration so far, in right-hand sides."""
+        return self.effort.spent
+
+    def view(self, z: np.ndarray) -> tuple[LegView, ...]:
+        """A solution looked at leg by leg."""
+        return self.known.at("view", z, MOST_VIEWS, lambda: self._looked_at(z))
+
+    def _looked_at(self, z: np.ndarray) -> tuple[LegView, ...]:
+        times = self.starting_times(z)
+        return tuple(
+            LegView(piece, *self.layout.inputs(i, z), float(times[i]), self._left(i), self._segments_of(z, i))
+            for i, piece in enumerate(self.pieces)
+        )
+
+    def _segments_of(self, z: np.ndarray, i: int) -> list[tuple[Segment, Piece, np.ndarray, np.ndarray]]:
+        """The segments of leg i, if there are several."""
+        if self.layout.cuts[i] == 1:
+            return []
+        return [
+            (segment, piece, *self.layout.inputs_of(segment, z))
+            for segment, piece in zip(self.layout.segments, self.segments, strict=True)
+            if segment.leg == i
+        ]
+
+    def _left(self, i: int) -> Collection[str]:
+        """Transitions whose guards are zero where leg i starts, if what leads into it is hard."""
+        before, word = self.word.legs[i - 1].transition, self.word
+        if before is None or before.role != "hard":
+            return ()
+        return self.system.left_at_zero(word.leading_in(self.system, i), word.legs[i].mode)
+
+    @cached_property
+    def named_conditions(self) -> dict[str, Condition]:
+        """The system's conditions by name."""
+        return {condition.name: condition for condition in self.system.conditions}
+
+    @property
+    def eventful(self) -> bool:
+        """Whether events happen on it."""
+        return self.word.eventful
+
+    def values_of(self, z: np.ndarray) -> dict[str, float]:
+        """All parameters at z, by name."""
+        return self.line.at(float(z[-1]))
+
+    def duration(self, z: np.ndarray) -> float:
+        """Duration of the closure, seconds."""
+        return float(z[self.layout.durations].sum())
+
+    def starting_times(self, z: np.ndarray) -> np.ndarray:
+        """Times at which the legs start, and the last one ends, shape (m + 1,)."""
+        first = 0.0 if self.layout.start is None else float(z[self.layout.start])
+        return first + np.concatenate([[0.0], np.cumsum(z[self.layout.durations])])
+
+    @property
+    def whole(self) -> tuple[str, int]:
+        """How the orbit closes (`full`, or the name of a symmetry), and how many closures its period has."""
+        name, times = self.word.relabelled(self.system)
+        return name or "full", times
+
+    @property
+    def signature(self) -> tuple[str, ...]:
+        """Names of the events, from the one that leads into the first leg."""
+        return self.word.signature(self.system)
+
+    @property
+    def whole_word(self) -> Word:
+        """The word of the whole motion, images included."""
+        return self.word.unfolded(self.system)
+
+    @property
+    def rounds(self) -> int:
+        """Closures of the motion that `max_abs` is of: a relabelled closure is a whole one."""
+        return 2 if self.word.image else 1
+
+    @property
+    def forcings(self) -> float:
+        """Periods of the forcing in a closure: a half of them, if the closure is half of a cycle."""
+        return self.subharmonic / self.rounds
+
+    @property
+    def periods(self) -> np.ndarray:
+        """Periods of the states that are angles, 0 for the others, shape (N + 1,)."""
+        result = np.zeros(self.size + 1)
+        own = np.array([s.period or 0.0 for s in self.system.states])
+        for place, passage in self._places:
+            result[place] = own[list(passage.states)]
+        return result
+
+    @property
+    def _places(self) -> list[tuple[slice, Passage]]:
+        """Where the states at the starts of all segments stand, and of which legs they are."""
+        return [(segment.states, self.passages[segment.leg]) for segment in self.layout.segments]
+
+    def assembled(
+        self,
+        states: Sequence[np.ndarray],
+        lasting: Sequence[float] | np.ndarray,
+        drifts: np.ndarray,
+        value: float,
+        start: float = 0.0,
+    ) -> np.ndarray:
+        """Unknowns from full states at the starts of the legs, their durations, and when the first begins.
+
+        Segments are not cut: see `cutting.filled`.
+        """
+        z = np.zeros(self.layout.size + 1)
+        for place, passage, x in zip(self.layout.states, self.passages, states, strict=True):
+            z[place] = x[list(passage.states)]
+        z[self.layout.durations], z[self.layout.drifts], z[-1] = lasting, drifts, value
+        if self.layout.start is not None:
+            z[self.layout.start] = start
+        return z
+
+    def weighted(self, magnitudes: np.ndarray) -> np.ndarray:
+        """Weights of the unknowns for typical magnitudes of all states; 1 for what is no state."""
+        weights = np.ones(self.layout.size + 1)
+        for place, passage in self._places:
+            weights[place] = magnitudes[list(passage.states)] * np.sqrt(len(self.layout.segments))
+        return weights
+
+    def magnitudes_of(self, weights: np.ndarray) -> np.ndarray:
+        """Typical magnitudes of all states, of weights of the unknowns; 1 for those of no leg."""
+        magnitudes = np.ones(self.states)
+        for place, passage in zip(self.layout.states, self.passages, strict=True):
+            magnitudes[list(passage.states)] = weights[place] / np.sqrt(len(self.layout.segments))
+        return magnitudes
+
+    def first_state(self, z: np.ndarray) -> np.ndarray:
+        """The state at the start of the first leg, shape (n,)."""
+        return self.passages[0].full(z[self.layout.states[0]])
+
+    def held(self, pin: Neutral, x: np.ndarray, values: Mapping[str, float]) -> tuple[np.ndarray, float]:
+        """Across which direction, (n,), a full state is held, and how far it is from there."""
+        assert self.reference is not None
+        normal = np.zeros(self.states)
+        if pin.pin is None:
+            g = neutrals.generator_at(pin, self.reference, self.parameters)
+            normal = g / np.linalg.norm(g)
+            return normal, float(normal @ (x - self.reference))
+        k = self.system.state_names.index(pin.pin)
+        normal[k] = 1.0
+        return normal, float(x[k] - (self.reference[k] if pin.value is None else values[pin.value]))
+
+    def state_of(self, which: int) -> str | None:
+        """Name of the state that an unknown is a value of, None if it is an angle's or none's."""
+        for place, passage in zip(self.layout.states, self.passages, strict=True):
+            if place.start <= which < place.stop:
+                state = self.system.states[passage.states[which - place.start]]
+                return None if state.period else state.name
+        return None
+
+    @property
+    def smallest(self) -> int:
+        """The leg whose start has fewest states, of those that last: on a collapsed one there is no flow.
+
+        Without an event only the first one is a section.
+        """
+        if not self.word.eventful:
+            return 0
+        lasting = [i for i, leg in enumerate(self.word.legs) if not leg.collapsed]
+        return min(lasting, key=lambda i: self.layout.sizes[i])
+
+    def timed(self, i: int) -> bool:
+        """Whether the time is a coordinate of the start of leg i: it may begin earlier or later."""
+        return self.forced and (self.word.eventful or i > 0)
+
+    def extended(self, i: int) -> np.ndarray:
+        """Typical magnitudes of the coordinates at the start of leg i: its states, and time if it is one."""
+        own = self.mesh.variation[list(self.passages[i].states)]
+        return np.append(own, self.mesh.total) if self.timed(i) else own
+
+    @property
+    def spectrum_size(self) -> int:
+        """Number of multipliers: dimension of the smallest section, pinned directions and those across the
+        surfaces of what is conserved left out.
+        """
+        left_out = len(self.pins) + len(self.system.conserved)
+        return self.layout.sizes[self.smallest] - 1 + int(self.forced) - left_out
+
+    @property
+    def clocked(self) -> bool:
+        """Whether an event happens at given times: at rest, too."""
+        each = zip(self.word.legs, self.passages, strict=True)
+        return any(leg.transition is not None and own.of_time_alone(leg.transition) for leg, own in each)
+
+    @property
+    def events(self) -> list[tuple[int, Transition]]:
+        """The legs that last until an event whose guard depends on the states, and that event."""
+        each = [(i, leg.transition) for i, leg in enumerate(self.word.legs) if not leg.collapsed]
+        return [(i, own) for i, own in each if own and not self.passages[i].of_time_alone(own)]
+
+    @property
+    def guard_scales(self) -> np.ndarray:
+        """Units of the legs' guards, shape (m,)."""
+        return np.ones(self.layout.legs) if self.mesh.guards is None else self.mesh.guards
+
+    def pieces_of(self, z: np.ndarray, i: int) -> list[LegView]:
+        """Leg i looked at, piece by piece where there are soft transitions on it."""
+        return [self.view(z)[i]]
+
+    def leg_starts(self, z: np.ndarray) -> list[tuple[str, np.ndarray]]:
+        """Modes of the legs, and full states at their starts."""
+        each = zip(self.passages, self.layout.states, strict=True)
+        return [(passage.leg.mode, passage.full(z[place])) for passage, place in each]
+
+    def state_errors(self, errors: np.ndarray) -> np.ndarray:
+        """Of estimated errors of the equations, the sum over the ends of legs for each state, shape (n,)."""
+        most = np.zeros(self.states)
+        for passage, rows in zip(self.passages, self.layout.matches, strict=True):
+            most[list(passage.following)] += errors[rows]
+        return most
+
+    def courses(self, z: np.ndarray) -> list[tuple[Course, dict[bytes, Kink]]]:
+        """The legs as they are looked at for kinks of their fields, and the kinks known of each."""
+        if all(passage.switching is None for passage in self.passages):
+            return []
+        parameters = self.values_of(z)
+        return [
+            (course, leg.piece.passage.kinks) for leg in self.view(z) for course in leg.course(parameters)
+        ]
+
+    # -- what is computed of them, of whichever class they are -------------------------------------------
+
+    @property
+    @abstractmethod
+    def limits(self) -> tuple[Limit, ...]:
+        """All that must stay positive for an orbit to be the machine's."""
+
+    @abstractmethod
+    def margins(self, z: np.ndarray) -> Margins:
+        """Values of all limits at a solution."""
+
+    @abstractmethod
+    def stretches(self, z: np.ndarray) -> list[Stretch]:
+        """The legs of the whole motion, images included."""

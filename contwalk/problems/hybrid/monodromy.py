@@ -1,0 +1,223 @@
+"""Derivatives of an orbit's closure by its start: leg by leg with the events at their ends held, and the
+multipliers of the map of a section.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from contwalk.problems import conserving
+from contwalk.problems.hybrid import families
+from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.layout import Segment
+from contwalk.problems.orbit.multipliers import Multipliers, multipliers, of_sections
+
+# A guard that changes by less than this part of itself in a closure, at its rate at the event, has no rate.
+NO_RATE = 1e-7
+
+
+def factors(orbit: DiscretizedOrbit, jacobian: np.ndarray) -> list[np.ndarray]:
+    """Derivative of each leg's end by its start with the event at its end held, from DF(z).
+
+    Of a forced system the time of the event is one more coordinate, the last one. A leg that no event
+    ends lasts until the closure is over.
+    """
+    return [product(own) for own in chain(orbit, jacobian)]
+
+
+def chain(orbit: DiscretizedOrbit, jacobian: np.ndarray) -> list[list[np.ndarray]]:
+    """The factors of each of `factors`, one for each of its leg's segments.
+
+    What lies between two segments of a leg is held at its instant: there a deviation along the motion is
+    one like others.
+    """
+    layout = orbit.layout
+    return [
+        [_factor(orbit, segment, jacobian) for segment in layout.segments_of(i)] for i in range(layout.legs)
+    ]
+
+
+def _factor(orbit: DiscretizedOrbit, segment: Segment, jacobian: np.ndarray) -> np.ndarray:
+    layout, i = orbit.layout, segment.leg
+    rows, place = segment.ends, segment.states
+    x = jacobian[rows, place].copy()
+    if segment.following == place:
+        x += np.eye(len(x))
+    if not segment.last:
+        if not orbit.timed(i):
+            return x
+        still = np.append(np.zeros(len(x)), 1.0)
+        return np.vstack([np.hstack([x, jacobian[rows, layout.start, None]]), still])
+    if orbit.word.legs[i].transition is None:
+        return _to_the_end(orbit, i, x, jacobian)
+    guard = layout.guards + i
+    late, guard_x = by_duration(orbit, segment, jacobian, rows), jacobian[guard, place]
+    # An event without rate: those multipliers that stay finite have a limit, and this is near it.
+    least = NO_RATE * float(orbit.guard_scales[i]) / orbit.mesh.total
+    rate = by_duration(orbit, segment, jacobian, guard)
+    rate = rate if abs(rate) > least else (-least if orbit.word.legs[i].falls else least)
+    if orbit.timed(i):
+        x = np.hstack([x, jacobian[rows, layout.start, None]])
+        guard_x = np.append(guard_x, jacobian[guard, layout.start])
+    lasting = -guard_x / rate
+    whole = x + np.outer(late, lasting)
+    if orbit.timed((i + 1) % layout.legs):
+        time = lasting.copy()
+        if orbit.timed(i):
+            time[-1] += 1.0
+        whole = np.vstack([whole, time])
+    return whole
+
+
+def by_duration(orbit: DiscretizedOrbit, segment: Segment, jacobian: np.ndarray, rows: Any) -> Any:
+    """Derivatives of a segment's end by its own duration, when it starts being held."""
+    found = jacobian[rows, orbit.layout.durations.start + segment.leg]
+    if segment.begin == 0.0 and segment.last:
+        return found
+    if orbit.forced:
+        found = found - segment.begin * jacobian[rows, orbit.layout.start]
+    return found / (segment.end - segment.begin)
+
+
+def _to_the_end(orbit: DiscretizedOrbit, i: int, x: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
+    """A factor of a leg that no event ends: of a forced system, one that starts later is shorter."""
+    if not orbit.timed(i):
+        return x
+    rows, layout = orbit.layout.matches[i], orbit.layout
+    late = jacobian[rows, layout.start] - jacobian[rows, layout.durations.start + i]
+    return np.column_stack([x, late])
+
+
+def once_round(orbit: DiscretizedOrbit, jacobian: np.ndarray, first: int) -> np.ndarray:
+    """Derivative of the closure by the start of a leg: the product of all factors from that leg on."""
+    each = factors(orbit, jacobian)
+    whole = np.eye(len(orbit.extended(first)))
+    for k in range(len(each)):
+        whole = each[(first + k) % len(each)] @ whole
+    return whole
+
+
+def _arrives_without_rate(orbit: DiscretizedOrbit, jacobian: np.ndarray) -> bool:
+    """Whether an event is a terminal grazing, to rounding: there multipliers may be infinite."""
+    events = np.flatnonzero([leg.transition is not None for leg in orbit.word.legs])
+    own = orbit.layout.durations.start + events
+    rates = np.abs(jacobian[orbit.layout.guards + events, own]) * orbit.mesh.total
+    return bool(np.any(rates <= NO_RATE * orbit.guard_scales[events]))
+
+
+def flow_direction(orbit: DiscretizedOrbit, z: np.ndarray, i: int, j: int = 0) -> np.ndarray:
+    """What a later start of leg i, or of its segment j, on the same orbit differs by: velocity, and time
+    if forced.
+    """
+    x, scalars = orbit.layout.inputs_of(orbit.layout.segments_of(i)[j], z)
+    duration = scalars[0] if scalars[0] != 0.0 else 1.0
+    own = orbit.pieces[i].velocity(x, np.concatenate([[duration], scalars[1:]])) / duration
+    return np.append(own, 1.0) if orbit.timed(i) else own
+
+
+def pinned_directions(orbit: DiscretizedOrbit, z: np.ndarray, i: int, j: int = 0) -> list[np.ndarray]:
+    """Generators of the pinned directions at the start of leg i, or of its segment j, as `flow_direction`
+    has the flow's.
+    """
+    x = orbit.passages[i].full(z[orbit.layout.segments_of(i)[j].states])
+    along = families.directions(orbit.system, orbit.pins, x, orbit.values_of(z))
+    own = along[list(orbit.passages[i].states)]
+    return list((np.vstack([own, np.zeros((1, own.shape[1]))]) if orbit.timed(i) else own).T)
+
+
+def neutral_directions(orbit: DiscretizedOrbit, z: np.ndarray, i: int) -> np.ndarray:
+    """The flow's own direction, if there is one, pinned ones, and gradients of what is conserved at the
+    start of leg i, as columns.
+    """
+    still = orbit.forced and not orbit.timed(i)
+    directions = [] if still else [flow_direction(orbit, z, i)]
+    directions += pinned_directions(orbit, z, i)
+    if orbit.system.conserved:
+        passage = orbit.passages[i]
+        x = passage.full(orbit.layout.inputs(i, z)[0])
+        gradients = conserving.gradients_of(orbit.system, passage.leg.mode, x, orbit.values_of(z))
+        own = gradients[:, list(passage.states)]
+        directions += list(conserving.raised(own, orbit.extended(i)).T)
+    return np.array(directions).reshape(len(directions), len(orbit.extended(i))).T
+
+
+def spectrum(orbit: DiscretizedOrbit, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
+    """Multipliers of the closure, of the map of the smallest section."""
+    smallest = orbit.smallest
+    once = once_round(orbit, jacobian, smallest)
+    if not np.all(np.isfinite(once)):
+        return Multipliers(
+            np.full(orbit.spectrum_size, np.nan + 0j), np.full(orbit.spectrum_size, np.inf), 1.0
+        )
+    tolerance = orbit.mesh.growth * orbit.mesh.tolerance
+    gradients = len(orbit.system.conserved)
+    if orbit.cuts > 1 and not gradients:
+        found = of_sections(*_sections(orbit, z, jacobian), tolerance)
+    else:
+        neutral = neutral_directions(orbit, z, smallest)
+        found = multipliers([once], [neutral], orbit.extended(smallest), tolerance, gradients=gradients)
+    if _arrives_without_rate(orbit, jacobian):
+        endless = np.abs(found.values) > 0.01 / NO_RATE
+        limit = np.where(endless, complex(np.inf, 0.0), found.values)
+        return Multipliers(limit, np.where(endless, 0.0, found.errors), max(found.accuracy, NO_RATE))
+    return found
+
+
+def _sections(
+    orbit: DiscretizedOrbit, z: np.ndarray, jacobian: np.ndarray
+) -> tuple[list[np.ndarray], list[np.ndarray], list[np.ndarray]]:
+    """Factors once round from the smallest section on; where each begins, magnitudes, and directions that
+    are left out.
+
+    Inside a leg that is the flow's own, which the next event forgets. Right after an event nothing is
+    left out: it has gone already.
+    """
+    found, magnitudes, left_out = [], [], []
+    segments, legs, first = chain(orbit, jacobian), orbit.layout.legs, orbit.smallest
+    for i in ((first + k) % legs for k in range(legs)):
+        for j, factor in enumerate(segments[i]):
+            own = orbit.extended(i)
+            found.append(factor)
+            magnitudes.append(own)
+            left_out.append(flow_direction(orbit, z, i, j)[:, None] if j else np.zeros((len(own), 0)))
+    left_out[0] = neutral_directions(orbit, z, first)
+    return found, magnitudes, left_out
+
+
+def trivial_error(orbit: DiscretizedOrbit, z: np.ndarray, jacobian: np.ndarray) -> float:
+    """How well each leg's map forgets where on the orbit it started, relative; NaN for a forced one.
+
+    A start a little later on the same orbit leads to the same event: P f = 0. Where an event has no rate
+    its map has no derivative: NaN.
+    """
+    if orbit.forced or _arrives_without_rate(orbit, jacobian):
+        return float("nan")
+    worst, legs = 0.0, orbit.layout.legs
+    for i, factors in enumerate(chain(orbit, jacobian)):
+        if orbit.word.legs[i].collapsed:
+            continue
+        for j, factor in enumerate(factors):
+            last, there = j == len(factors) - 1, (i + 1) % legs
+            own = flow_direction(orbit, z, i, j)
+            units = orbit.extended(there if last else i)
+            size = float(np.linalg.norm(own / orbit.extended(i)))
+            left = factor @ own
+            if not last:
+                left = left - flow_direction(orbit, z, i, j + 1)
+            elif orbit.word.legs[i].transition is None:
+                left = left - flow_direction(orbit, z, there)
+            scale = float(np.linalg.norm((np.abs(factor) @ np.abs(own)) / units))
+            if size > 0.0 and scale > 0.0:
+                worst = max(worst, float(np.linalg.norm(left / units)) / max(scale, size))
+    return worst
+
+
+def product(factors: Sequence[np.ndarray]) -> np.ndarray:
+    """The product of factors in the order in which they act."""
+    whole = factors[0]
+    for factor in factors[1:]:
+        whole = factor @ whole
+    return whole

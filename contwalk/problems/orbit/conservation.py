@@ -1,0 +1,32 @@
+"""Quantities that are declared to be conserved, and are not along an orbit."""
+
+from __future__ import annotations
+
+from contwalk.branch import Outcome
+from contwalk.problems import conserving
+from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.problem import Sample
+
+
+def off_its_value(orbit: Orbit, sample: Sample) -> str:
+    """Name of a quantity that is not at its value on the orbit, though it is declared to be conserved."""
+    if not orbit.system.conserved:
+        return ""
+    parameters, most = orbit.values_of(sample.z), orbit.state_errors(orbit.errors_at(sample.z))
+    starts = orbit.leg_starts(sample.z)
+    found = (conserving.off(orbit.system, mode, x, parameters, most) for mode, x in starts)
+    return next(filter(None, found), "")
+
+
+def not_conserved(orbit: Orbit, a: Sample, b: Sample) -> Outcome | None:
+    """The end of a branch beyond whose last orbit a quantity is not conserved."""
+    name = off_its_value(orbit, b)
+    if not name:
+        return None
+    return Outcome(
+        "failed",
+        "no_convergence",
+        f"Beyond {orbit.free} = {a.z[-1]:.10g}, '{name}' is not conserved: holding it at its value takes a "
+        "force, and what closes with that is no periodic orbit of the machine. Correct its function in the "
+        "plugin, or the equations, or remove it from conserved=(...).",
+    )

@@ -1,0 +1,294 @@
+"""Discretised orbits of smooth systems, in segments of equal duration: what they are, and how their unknowns
+are read.
+
+Beside the data stands here only what reads them: what is computed of an orbit are functions over this class,
+and `PeriodicOrbit` offers them to the engine.
+"""
+
+from __future__ import annotations
+
+import copy
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from typing import Any, Self, TypeVar
+
+import numpy as np
+
+from contwalk.errors import called
+from contwalk.problems.kinks import Course, Kink
+from contwalk.problems.orbit.closure import Closure
+from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.orbit.evaluations import Evaluations
+from contwalk.problems.orbit.extrema import with_extrema
+from contwalk.problems.orbit.motion import Motion, motion_of
+from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.orbit.section import Reference, Section, section_at
+from contwalk.problems.orbit.shooting import Curve, Mesh, Shooting, velocity
+from contwalk.problems.orbit.solution import Solution
+from contwalk.problems.parameter_line import Ends, ParameterLine
+from contwalk.system import Neutral, System
+from contwalk.system.declarations import ParameterValues
+
+# Halves: pitchforks of orbits with a symmetry that nobody declared stay pitchforks as well.
+PARTS = 2
+# Linearizations and motions that are kept: a step asks for the same ones several times.
+MOST_KEPT = 12
+# Samples of an orbit that observables are computed from, beside the integrator's own steps.
+SAMPLES = 512
+# An orbit that goes a smaller part of its own size in one period has become a point.
+MOVES = 1e-2
+
+
+Kind = TypeVar("Kind", bound="SegmentedOrbit")
+
+
+class SegmentedOrbit(Orbit):
+    """Orbits of one closure on given steps; see `PeriodicOrbit` for its parameters."""
+
+    def __init__(
+        self,
+        system: System,
+        parameters: Mapping[str, float],
+        free: str,
+        path: Ends | None = None,
+        pins: Sequence[Neutral] = (),
+        reference: np.ndarray | None = None,
+        subharmonic: int = 1,
+        discretization: Discretization | None = None,
+    ) -> None:
+        self.system, self.line = system, ParameterLine.of(system, parameters, free, path)
+        self.free, self.parameters = free, self.line.parameters
+        self.pins, self.reference = tuple(pins), reference
+        self.subharmonic = subharmonic
+        self.discretization = discretization or Discretization()
+        self.states = len(system.states)
+        self.forced = system.period is not None
+        self.closure = self._closed(np.zeros(self.states))
+        self.parts = PARTS  # of the closure in which the steps are alike
+        self.section: Section | None = None
+        self._reference: Reference | None = None
+        self._mesh: Mesh | None = None
+        self._tally = [0]
+        self.known = Evaluations()
+
+    def _motion(self, fold: int) -> Motion:
+        line, share = self.line, self.subharmonic / fold
+        return motion_of(self.system, line.own, line.moving, self.pins, share, holding=True)
+
+    def _closed(self, turns: np.ndarray, symmetry: Any = None, power: int = 1, fold: int = 1) -> Closure:
+        return Closure(self._motion(fold), turns, symmetry, power, fold)
+
+    def _varied(self, **changes: Any) -> Self:
+        other = copy.copy(self)
+        other.known = Evaluations()
+        for name, value in changes.items():
+            setattr(other, name, value)
+        return other
+
+    def closing(self, turns: np.ndarray, symmetry: Any = None, power: int = 1, fold: int = 1) -> Self:
+        """The same orbits closed up to a symmetry (or to none), with angles that turn."""
+        return self._varied(closure=self._closed(turns, symmetry, power, fold))
+
+    def on(self, mesh: Mesh, section: Section | None) -> Self:
+        """The same problem on another mesh, with another section."""
+        return self._varied(_mesh=mesh, section=section)
+
+    @property
+    def mesh(self) -> Mesh:
+        """The steps of this discretisation."""
+        if self._mesh is None:
+            raise ValueError("the problem has no mesh yet: see `adapted_to`")
+        return self._mesh
+
+    @property
+    def motion(self) -> Motion:
+        """The field over one closure."""
+        return self.closure.motion
+
+    @property
+    def shooting(self) -> Shooting:
+        """Integration over the segments."""
+        return Shooting(self.motion, self.closure, self.mesh, self.line.constants)
+
+    @property
+    def segments(self) -> int:
+        """Number of segments."""
+        return self.mesh.segments
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns without the free parameter."""
+        return self.segments * self.states + len(self.motion.columns) - 1
+
+    @property
+    def method(self) -> str:
+        """How motions are integrated, and why so."""
+        return f"{self.mesh.method}, {self.mesh.reason}"
+
+    @property
+    def evaluations(self) -> int:
+        """Steps of integration so far, in right-hand sides."""
+        return self._tally[0]
+
+    def starts(self, z: np.ndarray) -> np.ndarray:
+        """States at the starts of the segments, shape (m, n)."""
+        return z[: self.segments * self.states].reshape(self.segments, self.states)
+
+    def scalars(self, z: np.ndarray) -> np.ndarray:
+        """Period (where unknown), drifts and free parameter: the columns of `Motion`."""
+        return z[self.segments * self.states :]
+
+    def values_of(self, z: np.ndarray) -> dict[str, float]:
+        """All parameters at z, by name."""
+        return self.line.at(float(z[-1]))
+
+    def duration(self, z: np.ndarray) -> float:
+        """Duration of the closure, seconds."""
+        if not self.forced:
+            return float(self.scalars(z)[0])
+        period = self.system.period
+        assert period is not None
+        p = ParameterValues(**self.values_of(z))
+        return self.subharmonic / self.closure.fold * float(called("period", period, p))
+
+    @property
+    def periods(self) -> np.ndarray:
+        """Periods of the states that are angles, 0 for the others, shape (N + 1,)."""
+        own = np.array([s.period or 0.0 for s in self.system.states])
+        return np.concatenate([np.tile(own, self.segments), np.zeros(len(self.motion.columns))])
+
+    def solution(self, z: np.ndarray) -> Solution:
+        """The motion of z on these steps, of which every part is integrated once."""
+
+        def made() -> Solution:
+            own = z.copy()
+            return Solution(self.shooting, self.starts(own), self.scalars(own))
+
+        return self.known.at("solution", z, MOST_KEPT, made)
+
+    def curve(self, z: np.ndarray) -> Curve:
+        """The integrated part of the motion, in 0..1."""
+        return self.solution(z).curve
+
+    def velocity(self, z: np.ndarray) -> np.ndarray:
+        """dx/dt at the start, in units of the closure's duration."""
+        return self.solution(z).velocities[0]
+
+    def moves(self, z: np.ndarray) -> bool:
+        """Whether the orbit of z is more than a point; of a forced system it may be one."""
+        if self.forced:
+            return True
+        return float(np.linalg.norm(self.velocity(z) / self.mesh.variation)) > MOVES
+
+    def factors(self, jacobian: np.ndarray) -> list[np.ndarray]:
+        """Derivative of each segment's end by its start, from DF(z)."""
+        n, m = self.states, self.segments
+        if m == 1:
+            return [jacobian[:n, :n] + np.eye(n)]
+        return [jacobian[i * n : (i + 1) * n, i * n : (i + 1) * n] for i in range(m)]
+
+    def first_state(self, z: np.ndarray) -> np.ndarray:
+        """The state at the start, shape (n,)."""
+        return z[: self.states]
+
+    @property
+    def whole(self) -> tuple[str, int]:
+        """How the orbit closes (`full`, or the name of a symmetry), and how many closures its period has."""
+        return self.closure.name, self.closure.fold
+
+    @property
+    def rounds(self) -> int:
+        """Closures of the motion that `max_abs` is of: the whole, if the orbit closes up to a mirror image.
+
+        A relabelled closure is a whole one: the machine is in the same state again.
+        """
+        symmetry = self.closure.symmetry
+        return self.closure.fold if symmetry is not None and symmetry.role == "spatial" else 1
+
+    def doubled(self) -> Self:
+        """The problem of the orbits that close after two of this one's closures."""
+        closure = self.closure
+        turns = 2.0 * closure.turns
+        if closure.fold == 1:
+            other = self._varied(subharmonic=2 * self.subharmonic) if self.forced else self
+            return other.closing(turns).alike(2)
+        fold = closure.fold // 2 if closure.fold % 2 == 0 else closure.fold
+        if fold == 1:
+            return self.closing(turns).alike(2)
+        return self.closing(turns, closure.symmetry, 2 * closure.power % closure.fold, fold).alike(2)
+
+    def alike(self, parts: int) -> Self:
+        """The same problem on steps that are alike in so many parts of the closure."""
+        return self._varied(parts=parts)
+
+    def without_symmetry(self) -> Self:
+        """The problem of the whole orbits."""
+        return self.closing(self.closure.fold * self.closure.turns).alike(self.closure.fold)
+
+    def _with_phase_of(self, other: SegmentedOrbit) -> Self:
+        """The same problem with the section of another one; an integral condition is its own on each mesh."""
+        return self._varied(section=other.section)
+
+    def state_of(self, which: int) -> str | None:
+        """Name of the state that an unknown is a value of, None if it is an angle's or none's."""
+        if which >= self.segments * self.states:
+            return None
+        state = self.system.states[which % self.states]
+        return None if state.period else state.name
+
+    def leg_starts(self, z: np.ndarray) -> list[tuple[str, np.ndarray]]:
+        """The mode, and states at the starts of the segments."""
+        return [(self.system.modes[0].name, x) for x in self.starts(z)]
+
+    def state_errors(self, errors: np.ndarray) -> np.ndarray:
+        """Of estimated errors of the equations, the sum over the segments for each state, shape (n,)."""
+        most: np.ndarray = (
+            errors[: self.segments * self.states].reshape(self.segments, self.states).sum(axis=0)
+        )
+        return most
+
+    def kinks_at_events(self, z: np.ndarray) -> tuple[Kink, ...]:
+        """None: there are no events."""
+        return ()
+
+    def courses(self, z: np.ndarray) -> list[tuple[Course, dict[bytes, Kink]]]:
+        """The motion as it is looked at for kinks of the field, and those that are known."""
+        motion = self.motion
+        if motion.switching is None:
+            return []
+        curve, values = self.curve(z), np.concatenate([self.scalars(z), self.line.constants])
+        course = motion.course(values, *curve.sampled(SAMPLES), curve.at)
+        return [] if course is None else [(course, motion.kinks)]
+
+    def motion_of(self, z: np.ndarray, number: int = SAMPLES) -> tuple[np.ndarray, np.ndarray]:
+        """The whole motion: times in seconds, shape (k,), and states, shape (k, n)."""
+        curve = self.curve(z)
+        times, states = curve.sampled(number)
+        if self.system.observables:
+            times, states = with_extrema(curve, times, states)
+        duration, parameters = self.duration(z), ParameterValues(**self.values_of(z))
+        pieces = self.closure.images(states, parameters)
+        starts = np.arange(len(pieces)) * duration
+        return (starts[:, None] + duration * times).ravel(), np.concatenate(pieces)
+
+    def section_through(self, x: np.ndarray, values: np.ndarray, magnitudes: np.ndarray) -> Section | None:
+        """The section through a state, across the flow there; of an orbit that is a point, the one it has."""
+        if self.forced:
+            return None
+        own = velocity(self.motion, x, 0.0, values)
+        if np.linalg.norm(own / magnitudes) <= 1e-9 and self.section is not None:
+            return self.section
+        return section_at(x, own, magnitudes)
+
+    def imaged_on(self, mesh: Mesh, x: np.ndarray, values: np.ndarray) -> Self:
+        """The same problem on another mesh, with a section of its own through a state."""
+        section = self.section_through(x, values, mesh.magnitudes)
+        return self._varied(_mesh=mesh, section=section, _reference=None)
+
+    # -- what is computed of them ------------------------------------------------------------------------
+
+    @abstractmethod
+    def adapted_to(
+        self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None, segments: int | None = None
+    ) -> Any:
+        """The problem on steps for the orbit of z, in so many segments."""
