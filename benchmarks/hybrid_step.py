@@ -27,7 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 from orbit_and_monodromy import LEAST_SECONDS, TARGETS, Run, seconds_at
 
-from contwalk.flow.explicit import plan, stages
+from contwalk.flow.explicit import stages
 from contwalk.flow.explicit.runge_kutta import Call
 from contwalk.flow.hybrid.event_map import StepMap
 from contwalk.flow.hybrid.motions import HybridMachine, applied, hybrid_machine
@@ -233,7 +233,7 @@ class ByScipy:
             call = Call(flow.field, flow.c, "dop853", None, self.columns)
             if self.columns:
                 call.tangents(np.zeros((len(flow.states), self.columns)), [-1] * self.columns)
-            address, pointer = int(call.plan[plan.PROBLEM]), ctypes.c_void_p
+            address, pointer = call.record.problem, ctypes.c_void_p
             name = "tangent" if self.columns else "plain"
             evaluate = code.function(name, None, pointer, ctypes.c_double, pointer, pointer)
 

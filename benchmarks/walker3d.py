@@ -46,12 +46,12 @@ from contwalk import flow
 from contwalk.errors import ContwalkError
 from contwalk.fields.llvm import Code, code_of
 from contwalk.flow.compiled.compiled_field import EACH
-from contwalk.flow.explicit import plan, stages
+from contwalk.flow.explicit import stages
 from contwalk.flow.explicit.runge_kutta import Call
-from contwalk.flow.hybrid import walk_plan as hybrid_plan
+from contwalk.flow.hybrid.event_integrator import EventIntegrator
 from contwalk.flow.hybrid.event_map import StepMap
+from contwalk.flow.hybrid.event_records import ARRIVED
 from contwalk.flow.hybrid.motions import Arc, HybridMachine, arcs, hybrid_machine
-from contwalk.flow.hybrid.walk import Walk
 from contwalk.system import load_system
 from contwalk.workflow.run_file.reading import read_run_file
 from contwalk.workflow.runner import Reporter, RunResult, run
@@ -212,7 +212,7 @@ class Evaluations:
         self._call = Call(self.field, self.c, METHOD, self.x, self.n)
         self._call.tangents(np.eye(self.n), [-1] * self.n)
         tangent = stages.code(METHOD).addresses["tangent"]
-        self._told = np.array([tangent, self._call.plan[plan.PROBLEM]], dtype=np.int64)
+        self._told = np.array([tangent, self._call.record.problem], dtype=np.int64)
         self._code: Code = code_of(_EVALUATED, ["evaluated"])
         self._out = np.zeros(max(self._call.length, self.n + len(self.field.col)))
 
@@ -413,14 +413,14 @@ def _groups(stride: Stride, exact: dict[int, Result], given: argparse.Namespace)
 
 def _walked(stride: Stride, events: int) -> Prepare:
     """The motion in one call of compiled code."""
-    walk = Walk(stride.machine, stride.weights, stride.modes(events), 0, events)
+    walk = EventIntegrator(stride.machine, stride.weights, stride.modes(events), 0, events)
 
     def prepare(tolerance: float) -> Callable[[], Result]:
         def call() -> Result:
             walk.begin(0.0, stride.x, stride.mode, stride.last)
-            if walk(2.0 * GAIT["T"], tolerance) != hybrid_plan.ARRIVED:
+            if walk(2.0 * GAIT["T"], tolerance) != ARRIVED:
                 raise LookupError
-            mode = walk.modes[walk.happened[hybrid_plan.MODE]]
+            mode = walk.modes[walk.happened.mode]
             state = stride.machine.full(mode, walk.places[mode].state)
             return float(walk.clock[0]), state, np.empty(0)
 

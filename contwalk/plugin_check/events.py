@@ -385,7 +385,7 @@ def state_on(guard: Traced, t: float, x: np.ndarray, samples: Samples) -> np.nda
 
 def _left_behind(happening: Happening, system: System, field: Traced, samples: Samples) -> list[str]:
     """For each state at the event how its guard stands after it, where that can be said."""
-    from contwalk.flow.hybrid import departure  # compiled flows
+    from contwalk.flow.hybrid import guard_status  # compiled flows
     from contwalk.flow.hybrid.machine import hybrid_machine, landed
 
     transition, machine = happening.transition, hybrid_machine(system, samples.parameters)
@@ -398,18 +398,18 @@ def _left_behind(happening: Happening, system: System, field: Traced, samples: S
         own = [flow.transitions[i].name for i in numbers]
         given = after[flow.states], noise[flow.states], samples.scales[flow.states]
         try:
-            standing = departure.departures(flow, t, *given, own, flow.passed(transition.name))
+            standing = guard_status.guard_statuses(flow, t, *given, own, flow.passed(transition.name))
         except PluginError:  # the field raises there, which is told of it
             continue
         kinds = {standing[i].kind for i in numbers}
-        goes_on = departure.BEYOND in kinds or departure.PASSED in kinds
-        if departure.UNDEFINED not in kinds:
-            again = any(departure.happens_at_once(flow, i, standing[i]) for i in numbers)
-            stuck = again or departure.RESTING in kinds
+        goes_on = guard_status.BEYOND in kinds or guard_status.PASSED in kinds
+        if guard_status.UNDEFINED not in kinds:
+            again = any(guard_status.happens_at_once(flow, i, standing[i]) for i in numbers)
+            stuck = again or guard_status.RESTING in kinds
             arriving = abs(_rate(happening.guard, field, t, x, samples))
             passed = [standing[i] for i in numbers if flow.transitions[i].name == transition.name]
-            pushed = departure.BEYOND not in kinds and any(
-                each.kind == departure.PASSED and abs(each.rate) > arriving for each in passed
+            pushed = guard_status.BEYOND not in kinds and any(
+                each.kind == guard_status.PASSED and abs(each.rate) > arriving for each in passed
             )
             found.append(AGAIN if stuck else PUSHED if pushed else PAST if goes_on else LEFT)
     return found

@@ -259,13 +259,13 @@ def _images(system: System, states: Sequence[np.ndarray], p: ParameterValues) ->
 
 
 def _settled(found: Any) -> np.ndarray:
-    from contwalk.flow.ensemble.sampling_plan import FOUND, SETTLED
+    from contwalk.flow.ensemble.sampling_records import FOUND, SETTLED
 
     return np.isin(found.ended, (SETTLED, FOUND))
 
 
 def _failed(found: Any) -> np.ndarray:
-    from contwalk.flow.ensemble.sampling_plan import GIVEN_UP, NOT_FINITE
+    from contwalk.flow.ensemble.sampling_records import GIVEN_UP, NOT_FINITE
 
     return np.isin(found.ended, (NOT_FINITE, GIVEN_UP))
 

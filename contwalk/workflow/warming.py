@@ -31,7 +31,7 @@ def warm() -> tuple[list[Warmed], Path]:
     from contwalk.fields import object_cache
     from contwalk.flow.ensemble import sampling
     from contwalk.flow.explicit import runge_kutta as explicit
-    from contwalk.flow.hybrid import walk
+    from contwalk.flow.hybrid import event_integrator
     from contwalk.flow.radau import radau_iia as radau
     from contwalk.problems.hybrid import condensed
 
@@ -39,7 +39,7 @@ def warm() -> tuple[list[Warmed], Path]:
         "explicit methods (dop853, verner98)": explicit.warmup,
         "implicit methods (radau5, radau9)": radau.warmup,
         "sampling": sampling.warmup,
-        "hybrid machines": walk.warmup,
+        "hybrid machines": event_integrator.warmup,
         "condensed linear systems": condensed.warmup,
     }
     folder = object_cache.directory()

@@ -175,7 +175,7 @@ def test_warmup_says_what_it_did_and_where(contwalk, monkeypatch, tmp_path):
         "explicit.runge_kutta": compile_it,
         "radau.radau_iia": nothing,
         "ensemble.sampling": nothing,
-        "hybrid.walk": nothing,
+        "hybrid.event_integrator": nothing,
     }
     for name, part in parts.items():
         monkeypatch.setattr(f"contwalk.flow.{name}.warmup", part)

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import ctypes
 from importlib import import_module
 
+import numpy as np
 import pytest
 from numba.extending import is_jitted
 
 from contwalk.flow.compiled.compiled_field import EACH
 from contwalk.flow.compiled.entry_points import Entry, modules_behind
 from contwalk.flow.ensemble.sampling import _BATCH
+from contwalk.flow.explicit.explicit_call import ExplicitCall, StepControl
 from contwalk.flow.explicit.runge_kutta import ADAPTIVE
-from contwalk.flow.hybrid.walk import WALK
+from contwalk.flow.hybrid.event_integrator import INTEGRATE
+from contwalk.flow.hybrid.event_records import ModeRecord
+from contwalk.flow.radau.radau_call import RadauCall
 from contwalk.flow.radau.radau_iia import _ADAPTIVE, _TANGENTS
 from contwalk.problems.hybrid.condensed import ELIMINATE
 
-ENTRIES = (WALK, ADAPTIVE, _ADAPTIVE, _TANGENTS, _BATCH, EACH, ELIMINATE)
+ENTRIES = (INTEGRATE, ADAPTIVE, _ADAPTIVE, _TANGENTS, _BATCH, EACH, ELIMINATE)
 
 
 def called(function):
@@ -38,7 +43,36 @@ def test_a_kernel_is_compiled_anew_when_any_function_in_it_changes(entry: Entry)
 
 
 def test_modules_of_numbers_are_behind_a_kernel_whether_imported_whole_or_by_name():
-    """`from package import plan` and `from package.walk_plan import (...)`."""
-    assert {"contwalk.flow.explicit.plan", "contwalk.flow.hybrid.walk_plan"} <= set(
-        modules_behind(WALK.module)
+    """`from package import guard_taylor_records` and `from package.explicit_call import (...)`."""
+    assert {"contwalk.flow.explicit.explicit_call", "contwalk.flow.hybrid.guard_taylor_records"} <= set(
+        modules_behind(INTEGRATE.module)
     )
+
+
+def test_compiled_code_is_told_by_name_what_more_than_eight_arguments_would_say():
+    """Functions for numba and entries: numbers that are told by their places are mistaken for each other."""
+    for entry in ENTRIES:
+        function = getattr(import_module(entry.module), entry.name)
+        assert max(one.__code__.co_argcount for one in called(function)) <= 8
+        assert len(entry.arguments) <= 8
+
+
+def test_a_record_has_the_fields_that_its_annotations_name_and_no_others():
+    """Integers and doubles in their order, all zero at first; a name that is none is refused."""
+    control = StepControl(time=2.5)
+    assert (control.time, control.length, control.error, control.undefined) == (2.5, 0.0, 0.0, 0.0)
+    assert [name for name, _ in StepControl._fields_] == ["time", "length", "error", "undefined"]
+    with pytest.raises(AttributeError):
+        control.lenght = 1.0
+    with pytest.raises(AttributeError):
+        StepControl(tiem=1.0)
+    control.clear()
+    assert control.time == 0.0
+
+
+@pytest.mark.parametrize("kind", [ExplicitCall, StepControl, RadauCall, ModeRecord], ids=lambda k: k.__name__)
+def test_numba_sees_the_fields_of_a_record_where_the_interpreter_does(kind):
+    seen = np.dtype(kind)
+    assert seen.itemsize == ctypes.sizeof(kind)
+    for name, declared in kind._fields_:
+        assert seen.fields[name] == (np.dtype(declared), getattr(kind, name).offset)

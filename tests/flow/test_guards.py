@@ -15,7 +15,7 @@ from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import trace
 from contwalk.flow.compiled.traced import PARAMETER, STATE, TIME, arguments, field_of, rates
 from contwalk.flow.events.guard import Guard
-from contwalk.flow.hybrid.departure import BEYOND, CLEAR, ENTERING, LEAVING, RESTING, departures
+from contwalk.flow.hybrid.guard_status import BEYOND, CLEAR, ENTERING, LEAVING, RESTING, guard_statuses
 from contwalk.flow.hybrid.machine import hybrid_machine
 from contwalk.system import Mode, Parameter, State, System, Transition
 
@@ -212,6 +212,6 @@ def test_what_rests_by_forces_that_cancel_is_told_from_what_leaves(x, kind, side
     """The acceleration is 3 x 0.1 - 0.3, of which rounding leaves 5.6e-17."""
     flow = machine().mode("rest")
     state = np.array(x)
-    (found,) = departures(flow, 0.0, state, np.full(2, 1e-17), np.ones(2))
+    (found,) = guard_statuses(flow, 0.0, state, np.full(2, 1e-17), np.ones(2))
     assert (found.kind, found.side) == (kind, side)
     assert found.rate == x[1]

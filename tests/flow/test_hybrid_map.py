@@ -246,7 +246,7 @@ def test_a_field_that_depends_on_time():
 
 
 def careful(step):
-    step._walk = None
+    step._integrator = None
     return step
 
 
@@ -265,7 +265,7 @@ def test_the_compiled_way_and_the_careful_one_agree_on_a_walker(at):
     fast = StepMap(walker, mode, events, weights, **begins)
     slow = careful(StepMap(walker, mode, events, weights, **begins))
     one, other = fast.mapped(0.0, x0, 1e-13), slow.mapped(0.0, x0, 1e-13)
-    assert fast._walked(fast._walk, 0.0, x0, 1e-13)
+    assert fast._integrated(fast._integrator, 0.0, x0, 1e-13)
     assert one.word == other.word == ("heel_strike",) * at + ("knee_strike", "heel_strike")
     assert one.time == pytest.approx(other.time, rel=1e-12)
     scale = np.abs(other.monodromy).max()
@@ -280,7 +280,7 @@ def test_the_compiled_way_and_the_careful_one_agree_on_a_walker(at):
 
 def test_transitions_at_once_are_left_to_the_careful_way():
     found, step = mapped(machine(COUNTERS), [0.5, 0.5, 0.0], 3)
-    assert not step._walked(step._walk, 0.0, np.array([0.5, 0.5, 0.0]), 1e-10)
+    assert not step._integrated(step._integrator, 0.0, np.array([0.5, 0.5, 0.0]), 1e-10)
     assert found.word == ("a", "b", "a")
     np.testing.assert_allclose(found.state, [1.0, 1.0, 2.0], atol=1e-14)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,11 +12,10 @@ from hybrid_runs import machine
 from numpy.polynomial import Polynomial
 
 from contwalk.flow.compiled.traced import field_of
-from contwalk.flow.hybrid import course_kernel, course_plan, guard_kernel
-from contwalk.flow.hybrid import walk_plan as hybrid_plan
-from contwalk.flow.hybrid.course import Course
+from contwalk.flow.hybrid import event_records, guard_kernel, guard_taylor_kernel
+from contwalk.flow.hybrid.event_integrator import EventIntegrator
+from contwalk.flow.hybrid.guard_taylor import GuardTaylor
 from contwalk.flow.hybrid.machine import hybrid_machine
-from contwalk.flow.hybrid.walk import Walk
 from contwalk.flow.radau import newton as radau_newton
 
 
@@ -47,6 +47,11 @@ def coupled(t, x, p, dx):
     dx[2] = 2.0 * x[0] - 7.0 * x[1]
 
 
+def record_of(call):
+    """A record as NumPy sees it, which functions for numba take."""
+    return np.frombuffer(call, dtype=np.dtype(type(call)))[0]
+
+
 def array_at(address, length):
     return np.ctypeslib.as_array((ctypes.c_double * length).from_address(int(address))).copy()
 
@@ -58,11 +63,11 @@ def test_what_states_do_not_know_their_acceleration_does_not_either():
     """
     system = machine(["x", "y", "z"], {"k": 4.0}, {"only": coupled}, [])
     field, p, n = field_of(system, "only"), np.array([4.0]), 3
-    course = Course(field, field.constants(p), p)
+    taylor = GuardTaylor(field, field.constants(p), p)
     jacobian = np.array([[0.0, 1.0, 0.0], [-4.0, 0.0, 3.0], [2.0, -7.0, 0.0]])
     t, x, noise, weights = 0.5, np.array([0.3, -1.1, 0.8]), np.array([1e-3, 2e-3, 4e-3]), np.full(n, 2.0)
-    course.at(t, x, noise, weights)
-    course_kernel._know(course.plan, t)
+    taylor.at(t, x, noise, weights)
+    guard_taylor_kernel._know(record_of(taylor.instant), t)
     by_time, coarse = np.array([0.0, 5.0, 0.0]), 16.0 * 4e-3 / 2.0
     f = jacobian @ x + by_time * t
     velocity_off = np.abs(jacobian) @ noise  # the time is off by its rounding only: 1e-16
@@ -72,7 +77,7 @@ def test_what_states_do_not_know_their_acceleration_does_not_either():
         *(coarse * by_time + np.abs(jacobian) @ (velocity_off + coarse * np.abs(f))),
     ]
     # What rounding adds to the field, and to these sums: some 1e-15 of terms up to 50, none below 1e-3.
-    np.testing.assert_allclose(array_at(course.plan[course_plan.MOTION], 3 * n), expected, rtol=1e-11)
+    np.testing.assert_allclose(array_at(taylor.instant.motion, 3 * n), expected, rtol=1e-11)
 
 
 # -- samples of a guard within a step ------------------------------------------------------------------------
@@ -88,9 +93,7 @@ def sampled_step(monkeypatch):
     """
 
     def made(value, rate):
-        at = np.zeros(guard_kernel.OF_GUARD)
-        at[guard_kernel.VALUE], at[guard_kernel.RATE] = value(0.0), rate(0.0)
-        at[guard_kernel.LEFT_AT] = math.inf
+        at = event_records.GuardOnStep(value=value(0.0), rate=rate(0.0), left_at=math.inf)
         samples = np.array([number(k / PARTS) for k in range(PARTS + 1) for number in (value, rate)])
         tried = []
 
@@ -106,7 +109,7 @@ def sampled_step(monkeypatch):
         monkeypatch.setattr(guard_kernel, "_retaken_rate", lambda m, guard, end: rate(end))
         monkeypatch.setattr(guard_kernel, "_sample", lambda m, part: part)
         monkeypatch.setattr(guard_kernel, "measured", lambda m, g, t, x, v: (value(t), rate(t), 0.0))
-        return {guard_kernel.SAMPLES: samples, guard_kernel.SIZE: 0}, tried
+        return SimpleNamespace(samples=samples, size=0), tried
 
     return made
 
@@ -157,12 +160,12 @@ def rooted(t, x, p, dx):
 def test_an_arc_that_takes_no_step_has_none():
     """x' = k + sqrt(-x) has no field beyond zero: right there no step succeeds, far before it all do."""
     there = hybrid_machine(machine(["x"], {"k": 1.0}, {"only": rooted}, []), {"k": 1.0})
-    walk = Walk(there, np.ones(1), ["only"], marks=True)
-    walk.begin(0.0, np.array([0.0]), "only", None)
-    assert walk(1.0, 1e-9) == hybrid_plan.NOT_FINITE
-    assert walk.happened[hybrid_plan.OWN_STEPS] == 0
-    walk.begin(0.0, np.array([-9.0]), "only", None)
-    assert walk(1.0, 1e-9) == hybrid_plan.TIME_UP
-    steps = int(walk.happened[hybrid_plan.OWN_STEPS])
-    assert steps == walk.happened[hybrid_plan.STEPS] > 0
-    assert walk.times[steps] == 1.0
+    integrator = EventIntegrator(there, np.ones(1), ["only"], marks=True)
+    integrator.begin(0.0, np.array([0.0]), "only", None)
+    assert integrator(1.0, 1e-9) == event_records.NOT_FINITE
+    assert integrator.happened.own_steps == 0
+    integrator.begin(0.0, np.array([-9.0]), "only", None)
+    assert integrator(1.0, 1e-9) == event_records.TIME_UP
+    steps = integrator.happened.own_steps
+    assert steps == integrator.happened.steps > 0
+    assert integrator.times[steps] == 1.0

@@ -9,7 +9,7 @@ import pytest
 from moving_systems import DECAY, EXPLOSION, OSCILLATOR
 
 from contwalk.flow.compiled.traced import field_of
-from contwalk.flow.ensemble import sampling_plan as plan
+from contwalk.flow.ensemble import sampling_records as records
 from contwalk.flow.ensemble.sampling import Motions, measure
 from contwalk.flow.events.guard import Guard
 
@@ -39,7 +39,7 @@ def test_decay_crosses_its_level_and_comes_to_rest():
     # Tens of steps of local error 1e-10; the slope at the crossing is 0.1.
     np.testing.assert_allclose(result.crossed_at, np.log(heights / 0.1), rtol=0, atol=1e-7)
     assert result.crossed.all()
-    assert (result.ended == plan.SETTLED).all()
+    assert (result.ended == records.SETTLED).all()
     arrival = np.log(heights / 1e-3)
     assert (result.ended_at >= arrival - 1e-6).all()  # noticed at the end of the step that arrives
     assert (result.ended_at < arrival + 5.0).all()
@@ -53,7 +53,7 @@ def test_an_oscillation_crosses_often_and_the_last_or_first_counts():
         made = motions(OSCILLATOR, high, [[1.0, 0.0]], [1.0, 0.0, 0.5], limit=23.0, first=first)
         result = measure(made, 1e-11, np.ones(2))
         assert result.crossed_at[0] == pytest.approx(exact, abs=1e-8)  # local errors, the slope is 0.87
-        assert result.ended[0] == (plan.FOUND if first else plan.TIME_UP)
+        assert result.ended[0] == (records.FOUND if first else records.TIME_UP)
         assert first or result.ended_at[0] == 23.0
     rising = motions(OSCILLATOR, high, [[1.0, 0.0]], [1.0, 0.0, 0.5], limit=23.0, direction="rising")
     assert measure(rising, 1e-11, np.ones(2)).crossed_at[0] == pytest.approx(
@@ -82,22 +82,22 @@ def test_angles_rest_wherever_their_turns_have_brought_them():
         targets=target,
         periods=np.array([0.0, 2 * math.pi]),
     )
-    assert measure(made, 1e-8, np.ones(2)).ended[0] == plan.SETTLED
+    assert measure(made, 1e-8, np.ones(2)).ended[0] == records.SETTLED
     straight = motions(
         DECAY, lambda t, x, p: x[0] - 0.1, [[1.0, 1.0 + 6 * math.pi]], [1.0, 0.0], targets=target, limit=20.0
     )
     result = measure(straight, 1e-8, np.ones(2))
-    assert (result.ended[0], result.ended_at[0]) == (plan.TIME_UP, 20.0)
+    assert (result.ended[0], result.ended_at[0]) == (records.TIME_UP, 20.0)
 
 
 def test_missing_targets_never_settle_and_one_of_several_is_enough():
     nowhere = np.full((1, 2, 2), np.nan)
     made = motions(DECAY, lambda t, x, p: x[0] - 0.1, [[1.0, 0.0]], [1.0, 0.0], targets=nowhere, limit=9.0)
-    assert measure(made, 1e-8, np.ones(2)).ended[0] == plan.TIME_UP
+    assert measure(made, 1e-8, np.ones(2)).ended[0] == records.TIME_UP
     somewhere = nowhere.copy()
     somewhere[0, 1] = 0.0
     made = motions(DECAY, lambda t, x, p: x[0] - 0.1, [[1.0, 0.0]], [1.0, 0.0], targets=somewhere)
-    assert measure(made, 1e-8, np.ones(2)).ended[0] == plan.SETTLED
+    assert measure(made, 1e-8, np.ones(2)).ended[0] == records.SETTLED
 
 
 def test_a_motion_that_leaves_the_numbers_is_told_and_others_are_not_hurt():
@@ -105,8 +105,8 @@ def test_a_motion_that_leaves_the_numbers_is_told_and_others_are_not_hurt():
         EXPLOSION, lambda t, x, p: x[0] - 10.0, [[1.0], [-1.0]], np.empty(0), limit=500.0, within=[0.01]
     )
     result = measure(made, 1e-8, np.ones(1))
-    assert result.ended[0] in (plan.NOT_FINITE, plan.GIVEN_UP)
-    assert result.ended[1] == plan.SETTLED  # x = -1 / (1 + t)
+    assert result.ended[0] in (records.NOT_FINITE, records.GIVEN_UP)
+    assert result.ended[1] == records.SETTLED  # x = -1 / (1 + t)
     rising = motions(
         EXPLOSION, lambda t, x, p: x[0] - 10.0, [[1.0]], np.empty(0), direction="rising", first=True
     )
@@ -115,7 +115,7 @@ def test_a_motion_that_leaves_the_numbers_is_told_and_others_are_not_hurt():
 
 def test_a_start_that_is_not_a_number_is_told():
     made = motions(OSCILLATOR, lambda t, x, p: x[0], [[np.nan, 0.0]], [1.0, 0.0, 0.0])
-    assert measure(made, 1e-8, np.ones(2)).ended[0] == plan.NOT_FINITE
+    assert measure(made, 1e-8, np.ones(2)).ended[0] == records.NOT_FINITE
 
 
 def test_results_do_not_depend_on_threads_or_neighbours():
@@ -144,4 +144,4 @@ def test_a_guard_that_is_steep_where_it_passes_zero_is_seen_although_it_is_flat_
 def test_a_guard_without_a_value_at_the_start_is_told():
     made = motions(OSCILLATOR, lambda t, x, p: x[0] + math.log(t), [[1.0, 0.0]], [1.0, 0.0, 0.0])
     result = measure(made, 1e-8, np.ones(2))
-    assert (result.ended[0], result.ended_at[0]) == (plan.NOT_FINITE, 0.0)
+    assert (result.ended[0], result.ended_at[0]) == (records.NOT_FINITE, 0.0)

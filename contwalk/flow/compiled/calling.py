@@ -10,11 +10,14 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numba
+import numpy as np
 from llvmlite import binding, ir
 from numba.core import cgutils, types
 from numba.extending import intrinsic
+from numba.np.numpy_support import from_dtype
 
 from contwalk.fields.llvm import compiled
+from contwalk.flow.compiled.call_record import CallRecord
 
 _TYPES = {"d": types.float64, "q": types.int64, "v": types.void}
 _KINDS = {"d": "double", "q": "i64"}
@@ -104,6 +107,20 @@ doubles = _array_of(types.float64)
 
 integers = _array_of(types.int64)
 """integers(address, length): the 64-bit integers from an address on, as an array."""
+
+
+def record(kind: type[CallRecord]) -> Any:
+    """A function `at(address)`: the record of a kind at an address, by its names."""
+    record_type = from_dtype(np.dtype(kind))
+
+    @intrinsic
+    def at(typing_context: Any, address: Any) -> Any:
+        def generate(context: Any, builder: Any, signature: Any, values: Sequence[Any]) -> Any:
+            return builder.inttoptr(values[0], context.get_value_type(record_type))
+
+        return record_type(types.int64), generate
+
+    return at
 
 
 def caller(result: str, arguments: str) -> Any:

@@ -11,7 +11,7 @@ import numpy as np
 
 from contwalk.flow.compiled.compiled_field import CompiledField
 from contwalk.flow.compiled.entry_points import Entry
-from contwalk.flow.ensemble import sampling_plan as plan
+from contwalk.flow.ensemble.sampling_records import SampleResult, SamplingCall
 from contwalk.flow.events.guard import Guard
 from contwalk.flow.events.guard_code import OUTPUTS
 from contwalk.flow.explicit.stages import FIRST, WIDTH, code, vectors
@@ -67,7 +67,7 @@ class Measured:
     ended_at : ndarray
         When it rested, or was given up.
     ended : ndarray of int
-        One of `SETTLED`, `TIME_UP`, `NOT_FINITE`, `GIVEN_UP`, `FOUND` of `sampling_plan`.
+        One of `SETTLED`, `TIME_UP`, `NOT_FINITE`, `GIVEN_UP`, `FOUND` of `sampling_records`.
     """
 
     crossed_at: np.ndarray
@@ -100,16 +100,16 @@ def measure(
     work = _Work(motions, weights)
     threads = threads or os.cpu_count() or 1
     jobs = [(first, min(first + BATCH, count)) for first in range(0, count, BATCH)]
-    _BATCH(work.plan().ctypes.data, 0, 0, tolerance)  # compiled before the threads begin
+    _BATCH(work.call().address, 0, 0, tolerance)  # compiled before the threads begin
     with ThreadPoolExecutor(threads) as pool:
-        # each thread has its own plan, which is given back when its batch is done
-        free = [work.plan() for _ in range(threads)]
-        running: dict[Future[int], np.ndarray] = {}
+        # each thread has its own record, which is given back when its batch is done
+        free = [work.call() for _ in range(threads)]
+        running: dict[Future[int], SamplingCall] = {}
         while jobs or running:
             while jobs and free:
                 own = free.pop()
                 first, last = jobs.pop(0)
-                future = pool.submit(_BATCH, own.ctypes.data, first, last, tolerance)
+                future = pool.submit(_BATCH, own.address, first, last, tolerance)
                 running[future] = own
             done, _ = wait(running, return_when=FIRST_COMPLETED)
             for future in done:
@@ -139,56 +139,52 @@ class _Work:
         inverse = np.zeros(self._length)
         inverse[:n] = 1.0 / weights
         count = len(motions.starts)
-        self.results = np.zeros((count, plan.RESULT_LENGTH))
+        self.results = np.zeros((count, len(SampleResult._fields_)))
         self._arrays = {
-            plan.INVERSE_WEIGHTS: inverse,
-            plan.COEFFICIENTS: coefficients,
-            plan.WITHIN: motions.within,
-            plan.PERIODS: motions.periods,
-            plan.STARTS: motions.starts,
-            plan.FIELDS: np.array([field.constants(p) for p in motions.parameters]),
-            plan.VALUES: motions.parameters,
-            plan.PLACES: motions.targets,
-            plan.LIMITS: motions.limits,
+            "inverse_weights": inverse,
+            "coefficients": coefficients,
+            "within": motions.within,
+            "periods": motions.periods,
+            "starts": motions.starts,
+            "fields": np.array([field.constants(p) for p in motions.parameters]),
+            "values": motions.parameters,
+            "places": motions.targets,
+            "limits": motions.limits,
         }
-        self._arrays = {place: np.ascontiguousarray(a, dtype=float) for place, a in self._arrays.items()}
+        self._arrays = {name: np.ascontiguousarray(a, dtype=float) for name, a in self._arrays.items()}
         self._method = code("dop853")  # kept: the code lives as long as the object
         method = self._method.addresses
         self._fixed = {
-            plan.STEP: method["step"],
-            plan.ERROR: method["error"],
-            plan.EXTEND: method["extend"],
-            plan.EVALUATE: method["plain"],
-            plan.RHS: field.rhs_address,
-            plan.GUARD: guard.address,
-            plan.N: n,
-            plan.LENGTH: self._length,
-            plan.STAGES: self._stages,
-            plan.CONSTANTS: self._arrays[plan.FIELDS].shape[1],
-            plan.PARAMETERS: motions.parameters.shape[1],
-            plan.TARGETS: motions.targets.shape[1],
-            plan.DIRECTION: guard.direction,
-            plan.FIRST_ONLY: int(motions.first),
-            plan.MOST_STEPS: MOST_STEPS,
-            plan.RESULTS: self.results.ctypes.data,
+            "step": method["step"],
+            "error": method["error"],
+            "extend": method["extend"],
+            "evaluate": method["plain"],
+            "rhs": field.rhs_address,
+            "guard": guard.address,
+            "n": n,
+            "length": self._length,
+            "stages": self._stages,
+            "constants": self._arrays["fields"].shape[1],
+            "parameters": motions.parameters.shape[1],
+            "targets": motions.targets.shape[1],
+            "direction": guard.direction,
+            "first_only": int(motions.first),
+            "most_steps": MOST_STEPS,
+            "results": self.results.ctypes.data,
         }
         self._kept: list[np.ndarray] = []
 
-    def plan(self) -> np.ndarray:
-        """The array for one thread, with memory of its own."""
-        n = self._fixed[plan.N]
+    def call(self) -> SamplingCall:
+        """The record for one thread, with memory of its own."""
+        n = self._fixed["n"]
         own = {
-            plan.WORK: np.zeros((vectors(DOP853), self._length)),
-            plan.DENSE: np.zeros(7 * n),
-            plan.SPARE: np.zeros(self._length),
-            plan.SPEED: np.zeros(self._length),
-            plan.MEASURED: np.zeros(OUTPUTS),
-            plan.PROBLEM: np.zeros(2, dtype=np.int64),
+            "work": np.zeros((vectors(DOP853), self._length)),
+            "dense": np.zeros(7 * n),
+            "spare": np.zeros(self._length),
+            "speed": np.zeros(self._length),
+            "measured": np.zeros(OUTPUTS),
+            "problem": np.zeros(2, dtype=np.int64),
         }
         self._kept += own.values()
-        made = np.zeros(plan.PLAN_LENGTH, dtype=np.int64)
-        for place, number in self._fixed.items():
-            made[place] = number
-        for place, array in {**self._arrays, **own}.items():
-            made[place] = array.ctypes.data
-        return made
+        addresses = {name: array.ctypes.data for name, array in {**self._arrays, **own}.items()}
+        return SamplingCall(**self._fixed, **addresses)

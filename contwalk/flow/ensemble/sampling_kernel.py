@@ -8,53 +8,19 @@ only where it is compiled.
 from __future__ import annotations
 
 import math
+from ctypes import sizeof
 
 import numpy as np
 
-from contwalk.flow.compiled.calling import call_rhs, caller, doubles, inlined, integers
-from contwalk.flow.ensemble.sampling_plan import (
-    COEFFICIENTS,
-    CONSTANTS,
-    CROSSED,
-    CROSSED_AT,
-    DENSE,
-    DIRECTION,
-    ENDED,
-    ENDED_AT,
-    ERROR,
-    EVALUATE,
-    EXTEND,
-    FIELDS,
-    FIRST_ONLY,
+from contwalk.flow.compiled.calling import call_rhs, caller, doubles, inlined, integers, record
+from contwalk.flow.ensemble.sampling_records import (
     FOUND,
     GIVEN_UP,
-    GUARD,
-    INVERSE_WEIGHTS,
-    LENGTH,
-    LIMITS,
-    MEASURED,
-    MOST_STEPS,
     NOT_FINITE,
-    PARAMETERS,
-    PERIODS,
-    PLACES,
-    PLAN_LENGTH,
-    PROBLEM,
-    RESULT_LENGTH,
-    RESULTS,
-    RHS,
     SETTLED,
-    SPARE,
-    SPEED,
-    STAGES,
-    STARTS,
-    STEP,
-    TARGETS,
     TIME_UP,
-    VALUES,
-    WITHIN,
-    WORK,
-    N,
+    SampleResult,
+    SamplingCall,
 )
 from contwalk.flow.events.polynomial_kernel import draw
 from contwalk.flow.explicit.stages import FIRST, NEXT, Y
@@ -68,53 +34,55 @@ MOST_TRIALS = 80
 AT_END = FIRST + 12  # the first of the further stages of the interpolation: the field at the end
 NARROW = 1e-8  # of a part, where an extremum is looked for: the guard is then off it by rounding
 
+_sampling_call, _sample_result = record(SamplingCall), record(SampleResult)
+_RESULT_LENGTH = sizeof(SampleResult)
 _call_step = caller("v", "ddqqqq")
 _call_guard = caller("v", "dqqqq")
 _call_error = caller("d", "ddqqqqq")
 
 
 @inlined
-def _place(p: np.ndarray, number: int) -> int:
+def _place(p: SamplingCall, number: int) -> int:
     """Address of a vector of the memory of the method."""
-    return p[WORK] + 8 * number * p[LENGTH]
+    return p.work + 8 * number * p.length
 
 
 @inlined
-def _size(p: np.ndarray, vector: np.ndarray) -> float:
+def _size(p: SamplingCall, vector: np.ndarray) -> float:
     """RMS norm in units of the weights."""
-    scale, total = doubles(p[INVERSE_WEIGHTS], p[LENGTH]), 0.0
-    for i in range(p[N]):
+    scale, total = doubles(p.inverse_weights, p.length), 0.0
+    for i in range(p.n):
         total += (vector[i] * scale[i]) ** 2
-    return math.sqrt(total / p[N])
+    return math.sqrt(total / p.n)
 
 
 @inlined
-def _measure(p: np.ndarray, t: float, state: int, velocity: int, parameters: int) -> tuple[float, float]:
+def _measure(p: SamplingCall, t: float, state: int, velocity: int, parameters: int) -> tuple[float, float]:
     """Value and rate of the guard."""
-    _call_guard(p[GUARD], t, state, velocity, parameters, p[MEASURED])
-    out = doubles(p[MEASURED], 3)
+    _call_guard(p.guard, t, state, velocity, parameters, p.measured)
+    out = doubles(p.measured, 3)
     return out[0], out[1]
 
 
 @inlined
-def _try_step(p: np.ndarray, t: float, h: float) -> float:
+def _try_step(p: SamplingCall, t: float, h: float) -> float:
     """Take a step; the RMS of its estimated error in units of the weights."""
-    _call_step(p[STEP], t, h, p[LENGTH], p[WORK], p[EVALUATE], p[PROBLEM])
-    places = p[LENGTH], p[WORK], p[EVALUATE], p[PROBLEM], p[INVERSE_WEIGHTS]
-    return _call_error(p[ERROR], t, h, *places) / math.sqrt(p[N])
+    _call_step(p.step, t, h, p.length, p.work, p.evaluate, p.problem)
+    places = p.length, p.work, p.evaluate, p.problem, p.inverse_weights
+    return _call_error(p.error, t, h, *places) / math.sqrt(p.n)
 
 
 # -- crossings within a step ---------------------------------------------------------------------------------
 
 
 @inlined
-def _interpolate(p: np.ndarray, t: float, h: float) -> None:
+def _interpolate(p: SamplingCall, t: float, h: float) -> None:
     """The polynomial of the step that was taken (Hairer, Norsett, Wanner, II.6): seven rows of n."""
-    _call_step(p[EXTEND], t, h, p[LENGTH], p[WORK], p[EVALUATE], p[PROBLEM])
-    n, m = p[N], p[LENGTH]
-    rows, y, end = doubles(p[DENSE], 7 * n), doubles(_place(p, Y), m), doubles(_place(p, NEXT), m)
+    _call_step(p.extend, t, h, p.length, p.work, p.evaluate, p.problem)
+    n, m = p.n, p.length
+    rows, y, end = doubles(p.dense, 7 * n), doubles(_place(p, Y), m), doubles(_place(p, NEXT), m)
     first, last = doubles(_place(p, FIRST), m), doubles(_place(p, AT_END), m)
-    stages, given = doubles(_place(p, FIRST), p[STAGES] * m), doubles(p[COEFFICIENTS], 4 * p[STAGES])
+    stages, given = doubles(_place(p, FIRST), p.stages * m), doubles(p.coefficients, 4 * p.stages)
     for i in range(n):
         change = end[i] - y[i]
         rows[i] = change
@@ -122,18 +90,18 @@ def _interpolate(p: np.ndarray, t: float, h: float) -> None:
         rows[2 * n + i] = 2.0 * change - h * (first[i] + last[i])
         for row in range(4):
             total = 0.0
-            for stage in range(p[STAGES]):
-                total += given[row * p[STAGES] + stage] * stages[stage * m + i]
+            for stage in range(p.stages):
+                total += given[row * p.stages + stage] * stages[stage * m + i]
             rows[(3 + row) * n + i] = h * total
 
 
 @inlined
-def _between(p: np.ndarray, t: float, h: float, share: float, parameters: int) -> tuple[float, float]:
+def _between(p: SamplingCall, t: float, h: float, share: float, parameters: int) -> tuple[float, float]:
     """Value and rate of the guard at a share of the step, both by its polynomial."""
-    n, rows, y = p[N], doubles(p[DENSE], 7 * p[N]), doubles(_place(p, Y), p[LENGTH])
-    x, f = doubles(p[SPARE], p[LENGTH]), doubles(p[SPEED], p[LENGTH])
+    n, rows, y = p.n, doubles(p.dense, 7 * p.n), doubles(_place(p, Y), p.length)
+    x, f = doubles(p.spare, p.length), doubles(p.speed, p.length)
     draw(n, rows, y, h, share, x, f)
-    return _measure(p, t + share * h, p[SPARE], p[SPEED], parameters)
+    return _measure(p, t + share * h, p.spare, p.speed, parameters)
 
 
 @inlined
@@ -144,7 +112,7 @@ def _side(value: float, rate: float) -> float:
 
 
 @inlined
-def _zero(p: np.ndarray, t: float, h: float, parameters: int, a: float, side: float, b: float) -> float:
+def _zero(p: SamplingCall, t: float, h: float, parameters: int, a: float, side: float, b: float) -> float:
     """Where the guard passes zero between two shares: Newton's method, bisection where it leaves them."""
     share = 0.5 * (a + b)
     for _ in range(MOST_TRIALS):
@@ -166,17 +134,19 @@ def _zero(p: np.ndarray, t: float, h: float, parameters: int, a: float, side: fl
 
 @inlined
 def _beyond(
-    p: np.ndarray,
+    p: SamplingCall,
     t: float,
     h: float,
     parameters: int,
-    a: float,
-    rate_a: float,
+    left: tuple[float, float],
     side: float,
-    b: float,
-    rate_b: float,
+    right: tuple[float, float],
 ) -> float:
-    """A share on the other side of zero between two that near it; -1 if the guard turns before."""
+    """A share on the other side of zero between two that near it; -1 if the guard turns before.
+
+    `left` and `right` are the shares with the rates there, `side` is the sign at the left one.
+    """
+    (a, rate_a), (b, rate_b) = left, right
     narrow, share = NARROW * (b - a), 0.5
     for _ in range(MOST_TRIALS):
         if b - a <= narrow:
@@ -194,9 +164,9 @@ def _beyond(
 
 
 @inlined
-def _crossing(p: np.ndarray, t: float, h: float, parameters: int, value: float, rate: float) -> float:
+def _crossing(p: SamplingCall, t: float, h: float, parameters: int, value: float, rate: float) -> float:
     """The crossing of the step that counts, the first or the last one of its direction; NaN without one."""
-    wanted = float(p[DIRECTION])
+    wanted = float(p.direction)
     found = math.nan
     a, value_a, rate_a = 0.0, value, rate
     for part in range(PARTS):
@@ -206,7 +176,7 @@ def _crossing(p: np.ndarray, t: float, h: float, parameters: int, value: float, 
         left, right, side = a, b, side_a
         hit = side_a != side_b and side_b == wanted
         if side_a == side_b and value_a * rate_a < 0.0 and value_b * rate_b > 0.0:
-            middle = _beyond(p, t, h, parameters, a, rate_a, side_a, b, rate_b)
+            middle = _beyond(p, t, h, parameters, (a, rate_a), side_a, (b, rate_b))
             hit = middle >= 0.0
             if side_a == wanted:  # out of the side and back: the way back counts
                 left, side = middle, -side_a
@@ -214,7 +184,7 @@ def _crossing(p: np.ndarray, t: float, h: float, parameters: int, value: float, 
                 right = middle
         if hit:
             found = _zero(p, t, h, parameters, left, side, right)
-            if p[FIRST_ONLY] != 0:
+            if p.first_only != 0:
                 return t + found * h
         a, value_a, rate_a = b, value_b, rate_b
     return t + found * h
@@ -224,11 +194,11 @@ def _crossing(p: np.ndarray, t: float, h: float, parameters: int, value: float, 
 
 
 @inlined
-def _at_rest(p: np.ndarray, state: np.ndarray, targets: np.ndarray) -> bool:
+def _at_rest(p: SamplingCall, state: np.ndarray, targets: np.ndarray) -> bool:
     """Whether the state is within the given distances of one of the targets; angles count by their turns."""
-    n = p[N]
-    within, periods = doubles(p[WITHIN], n), doubles(p[PERIODS], n)
-    for target in range(p[TARGETS]):
+    n = p.n
+    within, periods = doubles(p.within, n), doubles(p.periods, n)
+    for target in range(p.targets):
         near = True
         for i in range(n):
             apart = state[i] - targets[target * n + i]
@@ -242,24 +212,24 @@ def _at_rest(p: np.ndarray, state: np.ndarray, targets: np.ndarray) -> bool:
 
 
 @inlined
-def _begin(p: np.ndarray, sample: int) -> None:
+def _begin(p: SamplingCall, sample: int) -> None:
     """State and field's constants of a sample into place."""
-    y, x = doubles(_place(p, Y), p[LENGTH]), doubles(p[STARTS] + 8 * sample * p[N], p[N])
-    for i in range(p[LENGTH]):
-        y[i] = x[i] if i < p[N] else 0.0
-    problem = integers(p[PROBLEM], 2)
-    problem[0], problem[1] = p[RHS], p[FIELDS] + 8 * sample * p[CONSTANTS]
+    y, x = doubles(_place(p, Y), p.length), doubles(p.starts + 8 * sample * p.n, p.n)
+    for i in range(p.length):
+        y[i] = x[i] if i < p.n else 0.0
+    problem = integers(p.problem, 2)
+    problem[0], problem[1] = p.rhs, p.fields + 8 * sample * p.constants
 
 
 @inlined
-def _move(p: np.ndarray, sample: int, t1: float, tolerance: float, results: np.ndarray) -> int:
-    """A motion from its start until it rests, or its time is up; `results` are filled in."""
-    m, parameters = p[LENGTH], p[VALUES] + 8 * sample * p[PARAMETERS]
-    targets = doubles(p[PLACES] + 8 * sample * p[TARGETS] * p[N], p[TARGETS] * p[N])
+def _move(p: SamplingCall, sample: int, t1: float, tolerance: float, result: SampleResult) -> int:
+    """A motion from its start until it rests, or its time is up; `result` is filled in."""
+    m, parameters = p.length, p.values + 8 * sample * p.parameters
+    targets = doubles(p.places + 8 * sample * p.targets * p.n, p.targets * p.n)
     y, end, slope = doubles(_place(p, Y), m), doubles(_place(p, NEXT), m), doubles(_place(p, FIRST), m)
-    slope_end, constants = doubles(_place(p, AT_END), m), integers(p[PROBLEM], 2)[1]
+    slope_end, constants = doubles(_place(p, AT_END), m), integers(p.problem, 2)[1]
     t, steps, former = 0.0, 0, 1e-4
-    call_rhs(p[RHS], t, _place(p, Y), constants, _place(p, FIRST))
+    call_rhs(p.rhs, t, _place(p, Y), constants, _place(p, FIRST))
     value, rate = _measure(p, t, _place(p, Y), _place(p, FIRST), parameters)
     speed = _size(p, slope)
     if not speed < math.inf or not abs(value) < math.inf:
@@ -269,10 +239,10 @@ def _move(p: np.ndarray, sample: int, t1: float, tolerance: float, results: np.n
     h = min(0.5 * tolerance ** (1.0 / ORDER) / max(speed, 1e-30), 1e-2 * t1)
     undefined, after_rejection = False, False
     while True:
-        results[ENDED_AT] = t
+        result.ended_at = t
         if t >= t1:
             return TIME_UP
-        if steps >= p[MOST_STEPS]:
+        if steps >= p.most_steps:
             return GIVEN_UP
         length = min(h, t1 - t)
         if length <= 4.0 * EPSILON * t and length < t1 - t:
@@ -284,7 +254,7 @@ def _move(p: np.ndarray, sample: int, t1: float, tolerance: float, results: np.n
             h = length * (0.1 if undefined else max(MOST_SHRINKAGE, SAFETY * error ** (-1.0 / ORDER)))
             continue
         late = t1 if length == t1 - t else t + length
-        call_rhs(p[RHS], late, _place(p, NEXT), constants, _place(p, AT_END))
+        call_rhs(p.rhs, late, _place(p, NEXT), constants, _place(p, AT_END))
         value_end, rate_end = _measure(p, late, _place(p, NEXT), _place(p, AT_END), parameters)
         if not abs(value_end) < math.inf:
             return NOT_FINITE
@@ -293,14 +263,14 @@ def _move(p: np.ndarray, sample: int, t1: float, tolerance: float, results: np.n
             _interpolate(p, t, length)
             at = _crossing(p, t, length, parameters, value, rate)
             if at >= 0.0:
-                results[CROSSED_AT], results[CROSSED] = at, 1.0
-                if p[FIRST_ONLY] != 0:
-                    results[ENDED_AT] = late
+                result.crossed_at, result.crossed = at, 1.0
+                if p.first_only != 0:
+                    result.ended_at = late
                     return FOUND
         for i in range(m):
             y[i], slope[i] = end[i], slope_end[i]
         t, value, rate = late, value_end, rate_end
-        results[ENDED_AT] = t
+        result.ended_at = t
         if _at_rest(p, y, targets):
             return SETTLED
         error = max(error, 1e-4)
@@ -309,13 +279,13 @@ def _move(p: np.ndarray, sample: int, t1: float, tolerance: float, results: np.n
         h, former, undefined, after_rejection = length * factor, error, False, False
 
 
-def batch(plan: int, first: int, last: int, tolerance: float) -> int:
+def batch(call: int, first: int, last: int, tolerance: float) -> int:
     """The motions of samples first, first + 1, ... before last."""
-    p = integers(plan, PLAN_LENGTH)
-    limits = doubles(p[LIMITS], last)
+    p = _sampling_call(call)
+    limits = doubles(p.limits, last)
     for sample in range(first, last):
-        results = doubles(p[RESULTS] + 8 * sample * RESULT_LENGTH, RESULT_LENGTH)
-        results[CROSSED_AT], results[CROSSED], results[ENDED_AT] = 0.0, 0.0, 0.0
+        result = _sample_result(p.results + sample * _RESULT_LENGTH)
+        result.crossed_at, result.crossed, result.ended_at = 0.0, 0.0, 0.0
         _begin(p, sample)
-        results[ENDED] = _move(p, sample, limits[sample], tolerance, results)
+        result.ended = _move(p, sample, limits[sample], tolerance, result)
     return last - first

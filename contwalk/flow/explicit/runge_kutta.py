@@ -12,9 +12,11 @@ from functools import lru_cache
 import numpy as np
 
 from contwalk.flow.compiled.addresses import address
+from contwalk.flow.compiled.call_record import CallRecord
 from contwalk.flow.compiled.compiled_field import EACH, CompiledField
 from contwalk.flow.compiled.entry_points import Entry
-from contwalk.flow.explicit import plan, stages
+from contwalk.flow.explicit import stages
+from contwalk.flow.explicit.explicit_call import FULL, STATUS, Counts, ExplicitCall, StepControl
 from contwalk.flow.path import Path
 from contwalk.flow.tableaus.runge_kutta import RungeKutta
 
@@ -48,7 +50,7 @@ def warmup() -> None:
 class Form:
     """What all calls of a method with so many tangents of a field have in common.
 
-    `plan` is what a driver is told of it; it is copied, and never written to.
+    `record` is what a driver is told of it; it is copied, and never written to.
     """
 
     def __init__(self, field: CompiledField, method: str, columns: int) -> None:
@@ -58,17 +60,20 @@ class Form:
         self.length = self.start + field.n * self.width
         self.vectors = stages.vectors(self.method)
         code = stages.code(method)
-        self.plan = np.zeros(plan.PLAN_LENGTH, dtype=np.int64)
-        self.plan[plan.STEP], self.plan[plan.ERROR] = code.addresses["step"], code.addresses["error"]
-        self.plan[plan.EXTEND] = code.addresses.get("extend", 0)
-        self.plan[plan.EVALUATE] = code.addresses["tangent" if columns else "plain"]
-        self.plan[plan.N], self.plan[plan.LENGTH] = field.n, self.length
-        self.plan[plan.VECTORS] = self.vectors
-        self.plan[plan.LAST_STAGE] = stages.FIRST + self.method.stages - 1
+        self.record = ExplicitCall(
+            step=code.addresses["step"],
+            error=code.addresses["error"],
+            extend=code.addresses.get("extend", 0),
+            evaluate=code.addresses["tangent" if columns else "plain"],
+            n=field.n,
+            length=self.length,
+            vectors=self.vectors,
+            last_stage=stages.FIRST + self.method.stages - 1,
+        )
 
 
 class Call:
-    """The memory of one call, and the plan that tells a driver of it."""
+    """The memory of one call, and the record that tells a driver of it."""
 
     def __init__(
         self, field: CompiledField, c: np.ndarray, method: str, x0: Vector | None, columns: int = 0
@@ -82,17 +87,22 @@ class Call:
         self._c = _checked(c, (max(field.constant_count, 1),), "constants")
         if x0 is not None:
             self.vectors[stages.Y, : field.n] = _checked(x0, (field.n,), "start")
-        self._kept: list[np.ndarray] = []
-        self.plan = form.plan.copy()
-        self.plan[plan.WORK] = address(self.vectors)
+        self._kept: list[np.ndarray | CallRecord] = []
+        self.record = ExplicitCall.from_buffer_copy(form.record)
+        self.record.work = address(self.vectors)
         if not columns:
-            self.give(plan.PROBLEM, np.array([field.rhs_address, address(self._c)], dtype=np.int64))
+            self.give("problem", np.array([field.rhs_address, address(self._c)], dtype=np.int64))
 
-    def give(self, place: int, array: np.ndarray) -> np.ndarray:
-        """Put an array where the driver finds it."""
+    def give(self, name: str, array: np.ndarray) -> np.ndarray:
+        """Put an array where the driver finds it: its address into a field of the record."""
         self._kept.append(array)
-        self.plan[place] = address(array)
+        setattr(self.record, name, address(array))
         return array
+
+    def controlled(self, control: StepControl, counts: Counts) -> None:
+        """Tell the driver where it remembers what error control needs, and where it counts its work."""
+        self._kept += [control, counts]
+        self.record.control, self.record.counts = control.address, counts.address
 
     def weigh(self, weights: Vector) -> None:
         """Tell the driver by which magnitudes errors are measured."""
@@ -102,7 +112,7 @@ class Call:
             raise ValueError("weights are positive")
         inverse = np.zeros(self.length)
         inverse[:n] = 1.0 / given
-        self.give(plan.INVERSE_WEIGHTS, inverse)
+        self.give("inverse_weights", inverse)
 
     def tangents(self, x: np.ndarray, sources: Sequence[int] | np.ndarray) -> None:
         """Begin with these tangents, each driven by its parameter column."""
@@ -125,7 +135,7 @@ class Call:
             field.n,
             self.start,
         ]
-        self.give(plan.PROBLEM, np.array(addresses, dtype=np.int64))
+        self.give("problem", np.array(addresses, dtype=np.int64))
 
     def split(self, vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """States and (padded) tangents of vectors, as views."""
@@ -134,12 +144,12 @@ class Call:
 
     def march(self, times: Vector, every: bool) -> np.ndarray:
         """Vectors at the given times, or at the last one."""
-        grid = self.give(plan.TIMES, _grid(times))
+        grid = self.give("times", _grid(times))
         nodes = np.empty((len(grid) if every else 1, self.length))
         nodes[0] = self.vectors[stages.Y]
-        self.give(plan.NODES, nodes)
-        self.plan[plan.ROOM], self.plan[plan.EVERY] = len(grid) - 1, every
-        MARCH(address(self.plan))
+        self.give("nodes", nodes)
+        self.record.room, self.record.every = len(grid) - 1, every
+        MARCH(self.record.address)
         return nodes
 
 
@@ -182,28 +192,27 @@ def adaptive(
         raise ValueError("the tolerance is positive")
     call = Call(field, c, method, x0)
     call.weigh(weights)
-    memory = call.give(plan.MEMORY, np.zeros(plan.MEMORY_LENGTH))
-    counts = call.give(plan.COUNTS, np.zeros(plan.COUNTS_LENGTH, dtype=np.int64))
-    memory[0] = t0
-    call.plan[plan.MOST_STEPS], call.plan[plan.FAR_OUT] = max_steps, far_out
+    control, counts = StepControl(time=t0), Counts()
+    call.controlled(control, counts)
+    call.record.most_steps, call.record.far_out = max_steps, far_out
     times, nodes = np.empty(_ROOM + 1), np.empty((_ROOM + 1, call.length))
     times[0], nodes[0] = t0, call.vectors[stages.Y]
     while True:
-        call.plan[plan.TIMES], call.plan[plan.NODES] = address(times), address(nodes)
-        call.plan[plan.ROOM] = len(times) - 1
-        answer = ADAPTIVE(address(call.plan), t1, tolerance, call.method.error_order, call.method.stable)
-        if answer != plan.FULL:
+        call.record.times, call.record.nodes = address(times), address(nodes)
+        call.record.room = len(times) - 1
+        answer = ADAPTIVE(call.record.address, t1, tolerance, call.method.error_order, call.method.stable)
+        if answer != FULL:
             break
         times = np.concatenate([times, np.empty(len(times))])
         nodes = np.concatenate([nodes, np.empty_like(nodes)])
-    steps = int(counts[plan.STEPS])
+    steps = counts.steps
     return Path(
         times=times[: steps + 1].copy(),
         states=nodes[: steps + 1, : field.n].copy(),
-        evaluations=int(counts[plan.EVALUATIONS]),
-        rejected=int(counts[plan.REJECTED]),
-        stiff_fraction=int(counts[plan.STIFF]) / max(steps, 1),
-        status=plan.STATUS[answer],
+        evaluations=counts.evaluations,
+        rejected=counts.rejected,
+        stiff_fraction=counts.stiff / max(steps, 1),
+        status=STATUS[answer],
     )
 
 
@@ -283,13 +292,13 @@ def along_with_tangents(
     call = Call(field, c, method, None, q)
     if q:
         call.drive(q, sources)
-    vectors = call.give(plan.STARTS, _aligned(paths, call.length))
+    vectors = call.give("starts", _aligned(paths, call.length))
     x, derivatives = call.split(vectors)
     x[:], derivatives[..., :q] = _checked(x0, (paths, field.n), "starts"), start
-    states = call.give(plan.STATES, np.empty((len(grid), field.n)))
-    call.give(plan.TIMES, grid)
-    call.plan[plan.ROOM] = len(grid) - 1
-    MARCH_EACH(address(call.plan))
+    states = call.give("states", np.empty((len(grid), field.n)))
+    call.give("times", grid)
+    call.record.room = len(grid) - 1
+    MARCH_EACH(call.record.address)
     return states, derivatives[..., :q].copy()
 
 
@@ -306,7 +315,7 @@ def errors_on(
     """Embedded error estimates of the steps of a grid, shape (s,): RMS in units of the weights."""
     call = Call(field, c, method, x0)
     call.weigh(weights)
-    errors = call.give(plan.ERRORS, np.empty(max(len(times) - 1, 1)))
+    errors = call.give("errors", np.empty(max(len(times) - 1, 1)))
     call.march(times, False)
     return errors[: len(times) - 1]
 
@@ -335,8 +344,8 @@ def dense(
     which = np.searchsorted(direction * grid, direction * at, side="right") - 1
     which = np.clip(which, 0, len(grid) - 2)
     call = Call(field, c, method, None)
-    call.give(plan.TIMES, grid)
-    call.give(plan.NODES, nodes)
+    call.give("times", grid)
+    call.give("nodes", nodes)
     between = _interpolated if call.method.dense else _leapt
     found[inside] = between(call, grid, nodes, which, at)
     for node in (which, which + 1):
@@ -347,10 +356,10 @@ def dense(
 
 def _leapt(call: Call, grid: np.ndarray, nodes: np.ndarray, which: np.ndarray, at: np.ndarray) -> np.ndarray:
     """A step from the node before to each time."""
-    call.give(plan.WHICH, np.ascontiguousarray(which, dtype=np.int64))
-    out = call.give(plan.OUT, np.empty((len(at), call.length)))
-    call.plan[plan.ROOM] = len(at)
-    LEAP(address(call.plan), address(at))
+    call.give("which", np.ascontiguousarray(which, dtype=np.int64))
+    out = call.give("out", np.empty((len(at), call.length)))
+    call.record.room = len(at)
+    LEAP(call.record.address, address(at))
     return out[:, : call.field.n]
 
 
@@ -363,10 +372,10 @@ def _interpolated(
     vectors = len(call.vectors) - stages.FIRST
     batch = max(1, _MOST_KEPT // (vectors * call.length))
     for first in range(0, len(steps), batch):
-        chosen = call.give(plan.WHICH, np.ascontiguousarray(steps[first : first + batch], dtype=np.int64))
-        out = call.give(plan.OUT, np.empty((len(chosen), vectors, call.length)))
-        call.plan[plan.ROOM] = len(chosen)
-        STAGES_OF(address(call.plan))
+        chosen = call.give("which", np.ascontiguousarray(steps[first : first + batch], dtype=np.int64))
+        out = call.give("out", np.empty((len(chosen), vectors, call.length)))
+        call.record.room = len(chosen)
+        STAGES_OF(call.record.address)
         rows = np.flatnonzero((belongs >= first) & (belongs < first + len(chosen)))
         local = belongs[rows] - first
         coefficients = _coefficients(call, grid, nodes, chosen, out[:, :, : call.field.n])
@@ -416,12 +425,12 @@ class Interpolation:
         self._polynomials = None if moves.all() else np.cumsum(moves) - 1
         if _method(method).dense and moves.any():
             call = Call(field, c, method, None)
-            call.give(plan.TIMES, self._grid)
-            call.give(plan.NODES, self._nodes)
-            chosen = call.give(plan.WHICH, np.flatnonzero(moves))
-            out = call.give(plan.OUT, np.empty((len(chosen), len(call.vectors) - stages.FIRST, call.length)))
-            call.plan[plan.ROOM] = len(chosen)
-            STAGES_OF(address(call.plan))
+            call.give("times", self._grid)
+            call.give("nodes", self._nodes)
+            chosen = call.give("which", np.flatnonzero(moves))
+            out = call.give("out", np.empty((len(chosen), len(call.vectors) - stages.FIRST, call.length)))
+            call.record.room = len(chosen)
+            STAGES_OF(call.record.address)
             self._coefficients = _coefficients(call, self._grid, self._nodes, chosen, out[:, :, : field.n])
 
     def __call__(self, times: Vector) -> np.ndarray:

@@ -14,7 +14,7 @@ import numpy as np
 from contwalk.flow.events.crossings import Crossing, Event, crossings
 from contwalk.flow.events.guard import EPSILON
 from contwalk.flow.hybrid.arc import FAR, Arc, Control, far, part_of, why
-from contwalk.flow.hybrid.departure import Departure, leaving_zero
+from contwalk.flow.hybrid.guard_status import GuardStatus, leaving_zero
 from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow
 from contwalk.flow.integrate import adaptive, along
 
@@ -35,7 +35,7 @@ def by_paths(
     x: np.ndarray,
     t1: float,
     control: Control,
-    standing: Sequence[Departure],
+    standing: Sequence[GuardStatus],
 ) -> Iterator[Arc]:
     """Parts of an arc; the last one has the transition that ended it, or a status."""
     y, weights, method = x[flow.states], control.weights[flow.states], control.method

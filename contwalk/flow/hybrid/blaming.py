@@ -10,8 +10,8 @@ import numpy as np
 
 from contwalk.fields.blame import first_nearly_singular, first_not_finite
 from contwalk.fields.rebind import rebound
+from contwalk.flow.hybrid.event_integrator import METHOD
 from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow
-from contwalk.flow.hybrid.walk import METHOD
 from contwalk.flow.integrate import along
 from contwalk.system import System, Transition
 

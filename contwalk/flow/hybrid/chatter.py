@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from contwalk.flow.events.guard import EPSILON
-from contwalk.flow.hybrid.departure import Departure
+from contwalk.flow.hybrid.guard_status import GuardStatus
 
 # Time until the next impact, in roundings of the time, that is no longer resolved.
 INSTANT = 64.0
@@ -51,7 +51,7 @@ class Pace:
         self._at_once = 0
         self._recent: deque[float] = deque(maxlen=MOST_EVENTS)
 
-    def verdict(self, t: float, name: str, standing: Sequence[Departure]) -> Verdict:
+    def verdict(self, t: float, name: str, standing: Sequence[GuardStatus]) -> Verdict:
         """What a transition at this instant means, after which the guards that act stand like this."""
         duration, self._last = t - self._last, t
         self._recent.append(t)
@@ -79,7 +79,7 @@ class Pace:
             )
         return Verdict()
 
-    def _left(self, t: float, duration: float, standing: Sequence[Departure]) -> float:
+    def _left(self, t: float, duration: float, standing: Sequence[GuardStatus]) -> float:
         """Time until the accumulation point; infinite where there is none, or where it is not yet near."""
         soonest = min(standing, key=lambda each: each.returns_after, default=None)
         if soonest is None:

@@ -13,13 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from contwalk.errors import NotFinite
-from contwalk.flow.hybrid import walk_plan as told
 from contwalk.flow.hybrid.arc import Arc, far
+from contwalk.flow.hybrid.event_integrator import METHOD, EventIntegrator
+from contwalk.flow.hybrid.event_records import ARRIVED
 from contwalk.flow.hybrid.machine import HybridMachine, applied
 from contwalk.flow.hybrid.motions import arcs
 from contwalk.flow.hybrid.past_zero import past_zero
 from contwalk.flow.hybrid.saltation import saltation
-from contwalk.flow.hybrid.walk import METHOD, Walk
 from contwalk.flow.integrate import tangents
 
 
@@ -113,14 +113,16 @@ class StepMap:
             self._span = far(flow, 0.0, self.weights[flow.states], self.weights[flow.states])
         self._entries: dict[str, np.ndarray] = {}
         through = modes or [each.name for each in system.modes]
-        self._walk = (
-            Walk(machine, self.weights, through, len(self._columns), events) if method == METHOD else None
+        self._integrator = (
+            EventIntegrator(machine, self.weights, through, len(self._columns), events)
+            if method == METHOD
+            else None
         )
 
     def __call__(self, t0: float, x0: np.ndarray, tolerance: float) -> tuple[float, np.ndarray, np.ndarray]:
         """Time, full-length state and monodromy after the events; see `Mapped`."""
-        if self._walk is not None and self._walked(self._walk, t0, x0, tolerance):
-            return float(self._walk.clock[0]), *self._arrived(self._walk)[1:]
+        if self._integrator is not None and self._integrated(self._integrator, t0, x0, tolerance):
+            return float(self._integrator.clock[0]), *self._arrived(self._integrator)[1:]
         found = self._step_by_step(float(t0), np.asarray(x0, dtype=float), tolerance)
         return found.time, found.state, found.monodromy
 
@@ -132,26 +134,26 @@ class StepMap:
         NotFinite
             If the motion ends before.
         """
-        walk = self._walk
-        if walk is None or not self._walked(walk, t0, x0, tolerance):
+        integrator = self._integrator
+        if integrator is None or not self._integrated(integrator, t0, x0, tolerance):
             return self._step_by_step(float(t0), np.asarray(x0, dtype=float), tolerance)
-        mode, state, monodromy = self._arrived(walk)
-        happened = [walk.transitions[number] for number in walk.happened[told.WORD :]]
+        mode, state, monodromy = self._arrived(integrator)
+        happened = [integrator.transitions[number] for number in integrator.itinerary]
         word = tuple(transition.name for transition in happened)
-        shift, velocity = self.machine.full(self.mode, walk.shift), walk.velocity(happened[-1])
-        velocity, steps = self.machine.full(mode, velocity), int(walk.happened[told.STEPS])
-        return Mapped(float(walk.clock[0]), state, mode, monodromy, shift, velocity, word, steps)
+        shift, velocity = self.machine.full(self.mode, integrator.shift), integrator.velocity(happened[-1])
+        velocity, steps = self.machine.full(mode, velocity), integrator.happened.steps
+        return Mapped(float(integrator.clock[0]), state, mode, monodromy, shift, velocity, word, steps)
 
-    def _walked(self, walk: Walk, t: float, x: np.ndarray, tolerance: float) -> bool:
-        """Whether compiled code, which leaves its results in the walk, is sure of them."""
-        walk.begin(t, np.asarray(x, dtype=float), self.mode, self.just_after, self.at)
-        walk.places[self.mode].columns[:] = self._identity
-        return walk(t + self._span, tolerance) == told.ARRIVED
+    def _integrated(self, integrator: EventIntegrator, t: float, x: np.ndarray, tolerance: float) -> bool:
+        """Whether compiled code, which leaves its results in the integrator, is sure of them."""
+        integrator.begin(t, np.asarray(x, dtype=float), self.mode, self.just_after, self.at)
+        integrator.places[self.mode].columns[:] = self._identity
+        return integrator(t + self._span, tolerance) == ARRIVED
 
-    def _arrived(self, walk: Walk) -> tuple[str, np.ndarray, np.ndarray]:
+    def _arrived(self, integrator: EventIntegrator) -> tuple[str, np.ndarray, np.ndarray]:
         """Mode, full-length state and monodromy."""
-        mode, n = walk.modes[walk.happened[told.MODE]], len(self.weights)
-        place = walk.places[mode]
+        mode, n = integrator.modes[integrator.happened.mode], len(self.weights)
+        place = integrator.places[mode]
         if mode not in self._entries:
             self._entries[mode] = np.add.outer(n * place.states, self._columns).ravel()
         state, monodromy = np.zeros(n), np.zeros((n, n))

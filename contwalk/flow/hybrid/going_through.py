@@ -9,7 +9,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from contwalk.flow.hybrid.departure import BEYOND, PASSED, departures
+from contwalk.flow.hybrid.guard_status import BEYOND, PASSED, guard_statuses
 from contwalk.flow.hybrid.machine import HybridMachine, landed
 from contwalk.python_functions import line_of
 from contwalk.system import Transition
@@ -48,6 +48,6 @@ def _goes_through(machine: HybridMachine, transition: Transition, t: float, x: n
     weights = np.maximum(np.abs(x), np.abs(after))
     given = after[flow.states], noise[flow.states], weights[flow.states]
     names = flow.left_at_zero(transition.name)
-    stands = departures(flow, t, *given, names, flow.passed(transition.name))[own[0]]
+    stands = guard_statuses(flow, t, *given, names, flow.passed(transition.name))[own[0]]
     came = float(source.guards[source.transitions.index(transition)](t, x[source.states], source.p)[1])
     return stands.kind == BEYOND or (stands.kind == PASSED and abs(stands.rate) < abs(came))

@@ -15,39 +15,14 @@ event is located the field is asked.
 from __future__ import annotations
 
 import math
+from ctypes import sizeof
 from typing import Any
 
-from contwalk.flow.compiled.calling import caller, doubles, inlined, integers
+from contwalk.flow.compiled.calling import caller, doubles, inlined, integers, record
 from contwalk.flow.events.polynomial_kernel import draw
-from contwalk.flow.explicit import plan
-from contwalk.flow.explicit.drivers import EPSILON, copy, first_stage, place, step
+from contwalk.flow.explicit.drivers import EPSILON, copy, explicit_call, first_stage, place, step
 from contwalk.flow.explicit.stages import FIRST, NEXT, Y
-from contwalk.flow.hybrid.walk_plan import (
-    ADDRESSES,
-    BAND,
-    BEGINS,
-    BETWEEN,
-    COEFFICIENTS,
-    DENSE,
-    DIRECTIONS,
-    DRAWN,
-    FASTEST,
-    LEFT_AT,
-    MEASURED,
-    MOVING,
-    OF_GUARD,
-    PARAMETERS,
-    PARTS,
-    RATE,
-    SAMPLES,
-    SIZE,
-    SPARE,
-    SPEED,
-    STAGES,
-    STANDING,
-    TRIAL,
-    VALUE,
-)
+from contwalk.flow.hybrid.event_records import PARTS, GuardOnStep, ModeRecord
 
 REACH = 2.0  # times step length and largest rate of late: as far as a guard may go and come back
 FORGOTTEN = 0.7  # of a rate that was large, after each step
@@ -62,16 +37,17 @@ NARROW = 1e-8  # of a part: the guard is then off its extremum by rounding
 CLEAR, MONOTONE, SUSPECT = range(3)
 NONE, UNRESOLVED = -1.0, -2.0
 
+_guard_on_step, _LENGTH = record(GuardOnStep), sizeof(GuardOnStep)
 _call_step = caller("v", "ddqqqq")
 _call_guard = caller("v", "dqqqq")
 _evaluate = caller("v", "qdqq")
 
 
 @inlined
-def measured(m: Any, guard: int, t: float, state: int, velocity: int) -> tuple[float, float, float]:
+def measured(m: ModeRecord, guard: int, t: float, state: int, velocity: int) -> tuple[float, float, float]:
     """Value, rate and uncertainty of a guard."""
-    _call_guard(integers(m[ADDRESSES], guard + 1)[guard], t, state, velocity, m[PARAMETERS], m[MEASURED])
-    out = doubles(m[MEASURED], 3)
+    _call_guard(integers(m.addresses, guard + 1)[guard], t, state, velocity, m.parameters, m.measured)
+    out = doubles(m.measured, 3)
     return out[0], out[1], out[2] * EPSILON
 
 
@@ -83,37 +59,37 @@ def side_of(value: float, rate: float) -> float:
 
 
 @inlined
-def sided(at: Any, t: float, value: float, rate: float) -> float:
+def sided(at: GuardOnStep, t: float, value: float, rate: float) -> float:
     """The sign just after an instant of the step; of a guard that has not left zero, that it leaves to."""
-    held = at[BEGINS] != 0.0 and t <= at[LEFT_AT] and abs(value) <= at[BAND]
-    return at[BEGINS] if held else side_of(value, rate)
+    held = at.begins != 0.0 and t <= at.left_at and abs(value) <= at.band
+    return at.begins if held else side_of(value, rate)
 
 
 @inlined
-def standing(m: Any, guard: int) -> int:
-    """Address of how a guard stands at the start of the step."""
-    return m[STANDING] + 8 * guard * OF_GUARD
+def standing(m: ModeRecord, guard: int) -> Any:
+    """How a guard stands on the step: a `GuardOnStep`."""
+    return _guard_on_step(m.standing + guard * _LENGTH)
 
 
 @inlined
-def begins_on(at: Any) -> float:
+def begins_on(at: GuardOnStep) -> float:
     """The side on which a guard begins the step."""
-    return at[BEGINS] if at[BEGINS] != 0.0 else side_of(at[VALUE], at[RATE])
+    return at.begins if at.begins != 0.0 else side_of(at.value, at.rate)
 
 
 @inlined
-def looks(m: Any, guard: int, h: float, value: float, rate: float) -> int:
+def looks(m: ModeRecord, guard: int, h: float, value: float, rate: float) -> int:
     """How a step of length h looks that ends with this value and rate of a guard."""
-    at = doubles(standing(m, guard), OF_GUARD)
-    at[FASTEST] = max(abs(at[RATE]), abs(rate), FORGOTTEN * at[FASTEST])
-    at[LEFT_AT] = math.inf
+    at = standing(m, guard)
+    at.fastest = max(abs(at.rate), abs(rate), FORGOTTEN * at.fastest)
+    at.left_at = math.inf
     same = begins_on(at) == sided(at, 0.0, value, rate)
-    change = value - at[VALUE]
-    if h * at[FASTEST] < MOST_SLOPE * abs(change):
-        first, last = h * at[RATE] / change, h * rate / change
+    change = value - at.value
+    if h * at.fastest < MOST_SLOPE * abs(change):
+        first, last = h * at.rate / change, h * rate / change
         if min(first, last) > LEAST_SLOPE:
             return CLEAR if same else MONOTONE
-    if same and abs(at[VALUE]) + abs(value) > REACH * h * at[FASTEST]:
+    if same and abs(at.value) + abs(value) > REACH * h * at.fastest:
         return CLEAR
     return SUSPECT
 
@@ -122,42 +98,42 @@ def looks(m: Any, guard: int, h: float, value: float, rate: float) -> int:
 
 
 @inlined
-def begin_trials(m: Any, t: float) -> None:
+def begin_trials(m: ModeRecord, t: float) -> None:
     """The plan to try begins where the one that moves does."""
-    p, moving = integers(m[TRIAL], plan.PLAN_LENGTH), integers(m[MOVING], plan.PLAN_LENGTH)
-    copy(place(moving, Y), place(p, Y), m[SIZE])
+    p, moving = explicit_call(m.trial), explicit_call(m.moving)
+    copy(place(moving, Y), place(p, Y), m.size)
     first_stage(p, t, Y)
-    m[DRAWN] = 0
+    m.drawn = 0
 
 
 @inlined
-def _retake(m: Any, guard: int, t: float, end: float) -> tuple[float, float]:
+def _retake(m: ModeRecord, guard: int, t: float, end: float) -> tuple[float, float]:
     """Value and uncertainty of a guard at the end of a step of another length."""
-    p = integers(m[TRIAL], plan.PLAN_LENGTH)
+    p = explicit_call(m.trial)
     step(p, t, end - t)
-    value, _, noise = measured(m, guard, end, place(p, NEXT), m[SPEED])  # a velocity of some other instant
+    value, _, noise = measured(m, guard, end, place(p, NEXT), m.speed)  # a velocity of some other instant
     return value, noise
 
 
 @inlined
-def _retaken_rate(m: Any, guard: int, end: float) -> float:
+def _retaken_rate(m: ModeRecord, guard: int, end: float) -> float:
     """Rate of a guard at the end of the step that was taken anew: the field is asked for the velocity."""
-    p = integers(m[TRIAL], plan.PLAN_LENGTH)
-    _evaluate(p[plan.EVALUATE], p[plan.PROBLEM], end, place(p, NEXT), m[SPEED])
-    _, rate, _ = measured(m, guard, end, place(p, NEXT), m[SPEED])
+    p = explicit_call(m.trial)
+    _evaluate(p.evaluate, p.problem, end, place(p, NEXT), m.speed)
+    _, rate, _ = measured(m, guard, end, place(p, NEXT), m.speed)
     return rate
 
 
 @inlined
-def _interpolate(m: Any, t: float, h: float) -> None:
+def _interpolate(m: ModeRecord, t: float, h: float) -> None:
     """The polynomial of the step (Hairer, Norsett, Wanner, II.6): seven rows of n; and its samples."""
-    p = integers(m[TRIAL], plan.PLAN_LENGTH)
-    n, length = m[SIZE], p[plan.LENGTH]
+    p = explicit_call(m.trial)
+    n, length = m.size, p.length
     step(p, t, h)
-    _call_step(p[plan.EXTEND], t, h, length, p[plan.WORK], p[plan.EVALUATE], p[plan.PROBLEM])
-    stages, given = doubles(place(p, FIRST), m[STAGES] * length), doubles(m[COEFFICIENTS], 4 * m[STAGES])
-    rows, y, end = doubles(m[DENSE], 7 * n), doubles(place(p, Y), length), doubles(place(p, NEXT), length)
-    last = p[plan.LAST_STAGE] + 1 - FIRST  # the first of the further stages: the field at the end
+    _call_step(p.extend, t, h, length, p.work, p.evaluate, p.problem)
+    stages, given = doubles(place(p, FIRST), m.stages * length), doubles(m.coefficients, 4 * m.stages)
+    rows, y, end = doubles(m.dense, 7 * n), doubles(place(p, Y), length), doubles(place(p, NEXT), length)
+    last = p.last_stage + 1 - FIRST  # the first of the further stages: the field at the end
     for i in range(n):
         change = end[i] - y[i]
         rows[i] = change
@@ -165,34 +141,34 @@ def _interpolate(m: Any, t: float, h: float) -> None:
         rows[2 * n + i] = 2.0 * change - h * (stages[i] + stages[last * length + i])
         for row in range(4):
             total = 0.0
-            for stage in range(m[STAGES]):
-                total += given[row * m[STAGES] + stage] * stages[stage * length + i]
+            for stage in range(m.stages):
+                total += given[row * m.stages + stage] * stages[stage * length + i]
             rows[(3 + row) * n + i] = h * total
     for part in range(1, PARTS):
         _draw(m, h, part / PARTS, _sample(m, part), _sample(m, part) + 8 * n)
-    m[DRAWN] = 1
+    m.drawn = 1
 
 
 @inlined
-def _sample(m: Any, part: int) -> int:
+def _sample(m: ModeRecord, part: int) -> int:
     """Address of the state that a part of the step begins with; its velocity comes after it."""
-    return m[BETWEEN] + 16 * (part - 1) * m[SIZE]
+    return m.between + 16 * (part - 1) * m.size
 
 
 @inlined
-def _draw(m: Any, h: float, share: float, state: int, velocity: int) -> None:
+def _draw(m: ModeRecord, h: float, share: float, state: int, velocity: int) -> None:
     """State and velocity at a share of the step, by its polynomial."""
-    n, p = m[SIZE], integers(m[TRIAL], plan.PLAN_LENGTH)
-    rows, y = doubles(m[DENSE], 7 * n), doubles(place(p, Y), n)
+    n, p = m.size, explicit_call(m.trial)
+    rows, y = doubles(m.dense, 7 * n), doubles(place(p, Y), n)
     x, f = doubles(state, n), doubles(velocity, n)
     draw(n, rows, y, h, share, x, f)
 
 
 @inlined
-def _between(m: Any, guard: int, t: float, h: float, share: float) -> tuple[float, float]:
+def _between(m: ModeRecord, guard: int, t: float, h: float, share: float) -> tuple[float, float]:
     """Value and rate of a guard at a share of the step, by its polynomial."""
-    _draw(m, h, share, m[SPARE], m[SPEED])
-    value, rate, _ = measured(m, guard, t + share * h, m[SPARE], m[SPEED])
+    _draw(m, h, share, m.spare, m.speed)
+    value, rate, _ = measured(m, guard, t + share * h, m.spare, m.speed)
     return value, rate
 
 
@@ -200,13 +176,15 @@ def _between(m: Any, guard: int, t: float, h: float, share: float) -> tuple[floa
 
 
 @inlined
-def _located(m: Any, guard: int, t: float, low: float, high: float, guess: float, side: float) -> float:
+def _located(
+    m: ModeRecord, guard: int, t: float, low: float, high: float, guess: float, side: float
+) -> float:
     """The instant between two at which the guard is zero: Newton's method, bisection where it leaves them.
 
     `side` is that of the guard before it. `UNRESOLVED` where it has no value at a trial.
     """
     end, best, smallest = guess, guess, math.inf
-    at = doubles(standing(m, guard), OF_GUARD)
+    at = standing(m, guard)
     for _ in range(MOST_TRIALS):
         if not low < end < high:
             end = low + 0.5 * (high - low)
@@ -248,20 +226,20 @@ def _cubic_zero(a: float, slope_a: float, b: float, slope_b: float) -> float:
 
 
 @inlined
-def passes_once(m: Any, guard: int, t: float, h: float, value: float, rate: float) -> float:
+def passes_once(m: ModeRecord, guard: int, t: float, h: float, value: float, rate: float) -> float:
     """The instant at which a guard that only rises or only falls passes zero; `NONE` if the other way."""
-    at, wanted = doubles(standing(m, guard), OF_GUARD), integers(m[DIRECTIONS], guard + 1)[guard]
+    at, wanted = standing(m, guard), integers(m.directions, guard + 1)[guard]
     side = begins_on(at)
     if wanted != 0 and -side != wanted:
         return NONE
-    share = _cubic_zero(at[VALUE], h * at[RATE], value, h * rate) if at[VALUE] != 0.0 else 0.5
+    share = _cubic_zero(at.value, h * at.rate, value, h * rate) if at.value != 0.0 else 0.5
     return _located(m, guard, t, t, t + h, t + share * h, side)
 
 
 @inlined
-def _near(m: Any, guard: int, t: float, h: float, a: float, b: float, side: float) -> float:
+def _near(m: ModeRecord, guard: int, t: float, h: float, a: float, b: float, side: float) -> float:
     """Where the guard on the step's polynomial is zero between two shares."""
-    share, at = 0.5 * (a + b), doubles(standing(m, guard), OF_GUARD)
+    share, at = 0.5 * (a + b), standing(m, guard)
     for _ in range(MOST_TRIALS):
         value, rate = _between(m, guard, t, h, share)
         if sided(at, t + share * h, value, rate) == side:
@@ -279,12 +257,12 @@ def _near(m: Any, guard: int, t: float, h: float, a: float, b: float, side: floa
 
 
 @inlined
-def _beyond(m: Any, guard: int, t: float, h: float, part: int, side: float) -> float:
+def _beyond(m: ModeRecord, guard: int, t: float, h: float, part: int, side: float) -> float:
     """A share beyond zero in a part where the guard nears it and turns; `NONE` if it turns before.
 
     `UNRESOLVED` where it has no value at a trial.
     """
-    samples, stands = doubles(m[SAMPLES], 2 * (PARTS + 1)), doubles(standing(m, guard), OF_GUARD)
+    samples, stands = doubles(m.samples, 2 * (PARTS + 1)), standing(m, guard)
     a, b = part / PARTS, (part + 1) / PARTS
     rate_a, rate_b = samples[2 * part + 1], samples[2 * part + 3]
     least = min(abs(samples[2 * part]), abs(samples[2 * part + 2]))
@@ -311,18 +289,18 @@ def _beyond(m: Any, guard: int, t: float, h: float, part: int, side: float) -> f
 
 
 @inlined
-def _sampled(m: Any, guard: int, t: float, h: float, value: float, rate: float) -> bool:
+def _sampled(m: ModeRecord, guard: int, t: float, h: float, value: float, rate: float) -> bool:
     """Fill the samples; whether they resolve the guard."""
-    at, samples = doubles(standing(m, guard), OF_GUARD), doubles(m[SAMPLES], 2 * (PARTS + 1))
-    samples[0], samples[1], rounded = at[VALUE], at[RATE], at[BAND]
+    at, samples = standing(m, guard), doubles(m.samples, 2 * (PARTS + 1))
+    samples[0], samples[1], rounded = at.value, at.rate, at.band
     samples[2 * PARTS], samples[2 * PARTS + 1] = value, rate
     for part in range(1, PARTS):
         state, at_part = _sample(m, part), t + part / PARTS * h
-        value, rate, noise = measured(m, guard, at_part, state, state + 8 * m[SIZE])
+        value, rate, noise = measured(m, guard, at_part, state, state + 8 * m.size)
         samples[2 * part], samples[2 * part + 1] = value, rate
         rounded = max(rounded, ROUNDED * noise)
-        if at[LEFT_AT] == math.inf and abs(value) > at[BAND]:
-            at[LEFT_AT] = at_part
+        if at.left_at == math.inf and abs(value) > at.band:
+            at.left_at = at_part
     d, resolved = 2.0 * h / PARTS, True
     for part in range(1, PARTS + 1):
         if not abs(samples[2 * part]) < math.inf:
@@ -341,20 +319,20 @@ def _sampled(m: Any, guard: int, t: float, h: float, value: float, rate: float) 
 
 
 @inlined
-def resolves(m: Any, guard: int, t: float, h: float, value: float, rate: float) -> bool:
+def resolves(m: ModeRecord, guard: int, t: float, h: float, value: float, rate: float) -> bool:
     """Whether a step with this end resolves a guard."""
-    if m[DRAWN] == 0:
+    if m.drawn == 0:
         _interpolate(m, t, h)
     return _sampled(m, guard, t, h, value, rate)
 
 
 @inlined
-def passes(m: Any, guard: int, t: float, h: float, value: float, rate: float) -> float:
+def passes(m: ModeRecord, guard: int, t: float, h: float, value: float, rate: float) -> float:
     """The instant of a guard's first event in a step with this end; `NONE`, or `UNRESOLVED`."""
     if not resolves(m, guard, t, h, value, rate):
         return UNRESOLVED
-    samples, wanted = doubles(m[SAMPLES], 2 * (PARTS + 1)), integers(m[DIRECTIONS], guard + 1)[guard]
-    at = doubles(standing(m, guard), OF_GUARD)
+    samples, wanted = doubles(m.samples, 2 * (PARTS + 1)), integers(m.directions, guard + 1)[guard]
+    at = standing(m, guard)
     before = begins_on(at)
     for part in range(PARTS):
         va, ra = samples[2 * part], samples[2 * part + 1]

@@ -11,7 +11,7 @@ from contwalk.flow.compiled.compiled_field import CompiledField
 from contwalk.flow.compiled.field import Field
 from contwalk.flow.events.guard import EPSILON, Guard
 from contwalk.flow.hybrid.code import HybridCode, ModeCode, hybrid_code
-from contwalk.flow.hybrid.course import Course
+from contwalk.flow.hybrid.guard_taylor import GuardTaylor
 from contwalk.system import System, Transition
 
 
@@ -40,9 +40,9 @@ class ModeFlow:
         self._constants: dict[int, np.ndarray] = {}
 
     @cached_property
-    def course(self) -> Course:
+    def guard_taylor(self) -> GuardTaylor:
         """Memory for an instant at which a motion begins."""
-        return Course(self.field, self.c, self.p)
+        return GuardTaylor(self.field, self.c, self.p)
 
     def constants(self, field: CompiledField) -> np.ndarray:
         """The constants of another field of the same parameters."""

@@ -15,22 +15,22 @@ import numpy as np
 
 from contwalk.flow.events.guard import EPSILON
 from contwalk.flow.hybrid.arc import FAR, Arc, Control, far
+from contwalk.flow.hybrid.arc_events import ByEventIntegrator
 from contwalk.flow.hybrid.arc_paths import by_paths
-from contwalk.flow.hybrid.arc_walks import ByWalk
 from contwalk.flow.hybrid.blaming import just_beyond, nearly_singular, why_not_finite
 from contwalk.flow.hybrid.chatter import Pace, Verdict
 from contwalk.flow.hybrid.clocks import Clocks
-from contwalk.flow.hybrid.departure import (
+from contwalk.flow.hybrid.event_integrator import METHOD
+from contwalk.flow.hybrid.guard_status import (
     BEYOND,
     ENTERING,
     RESTING,
     UNDEFINED,
-    Departure,
-    departures,
+    GuardStatus,
+    guard_statuses,
     happens_at_once,
 )
 from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow, applied, hybrid_machine, landed
-from contwalk.flow.hybrid.walk import METHOD
 from contwalk.python_functions import line_of
 from contwalk.system import Transition
 
@@ -122,7 +122,7 @@ def parts(
 ) -> Iterator[Arc]:
     """As `arcs`, but a long arc comes in parts of some steps: all but its last have no transition."""
     control = Control(tolerance, np.asarray(weights, dtype=float), method, watched)
-    walk = ByWalk(machine, control) if method == METHOD else None
+    walk = ByEventIntegrator(machine, control) if method == METHOD else None
     t, x, pace = float(t0), machine.existing(mode, x0), Pace(float(t0), t1)
     flow = machine.mode(mode)
     last, noise, clocks = just_after, EPSILON * np.abs(x), Clocks(t)
@@ -199,7 +199,7 @@ def _stands(
     weights: np.ndarray,
     last: str | None,
     clocks: Clocks,
-) -> tuple[list[Departure], Verdict]:
+) -> tuple[list[GuardStatus], Verdict]:
     """How the guards stand, and whether the motion can go on after the transition `last`."""
     y = x[flow.states]
     for what, values in (("state", y), ("field", flow.field(t, y, flow.c))):
@@ -209,7 +209,7 @@ def _stands(
             return [], Verdict("not_finite", reason)
     own = flow.left_at_zero(last) | clocks.happened(t, flow)
     given = noise[flow.states], weights[flow.states]
-    standing = departures(flow, t, y, *given, own, flow.passed(last))
+    standing = guard_statuses(flow, t, y, *given, own, flow.passed(last))
     for number, (transition, guard) in enumerate(zip(flow.transitions, standing, strict=True)):
         if guard.kind == UNDEFINED and transition.role != "watched":
             return standing, Verdict(
@@ -233,7 +233,7 @@ def _blame(
     return why_not_finite(machine, flow.name, t, x, landing) if verdict.status == "not_finite" else ""
 
 
-def _sticks(name: str, t: float, guard: Departure) -> str:
+def _sticks(name: str, t: float, guard: GuardStatus) -> str:
     how = f"is {guard.value:.6g} there, past zero already"
     if guard.kind == ENTERING:
         how = "is zero there and goes on in the same direction"
@@ -281,6 +281,6 @@ def _told(machine: HybridMachine, flow: ModeFlow, part: Arc, weights: np.ndarray
     return replace(part, status="not_finite", reason=reason)
 
 
-def _at_once(flow: ModeFlow, standing: Sequence[Departure]) -> int | None:
+def _at_once(flow: ModeFlow, standing: Sequence[GuardStatus]) -> int | None:
     """The transition that happens without any time passing."""
     return next((i for i, guard in enumerate(standing) if happens_at_once(flow, i, guard)), None)

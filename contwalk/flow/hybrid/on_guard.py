@@ -6,7 +6,7 @@ import numpy as np
 
 from contwalk.errors import StartError
 from contwalk.flow.events.guard import EPSILON
-from contwalk.flow.hybrid.departure import AFTER_RESET
+from contwalk.flow.hybrid.guard_status import AFTER_RESET
 from contwalk.flow.hybrid.machine import HybridMachine
 from contwalk.system import Transition
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from contwalk.errors import StartError
 from contwalk.flow.events.guard import EPSILON
-from contwalk.flow.hybrid.departure import BEYOND, Departure, departures
+from contwalk.flow.hybrid.guard_status import BEYOND, GuardStatus, guard_statuses
 from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow
 from contwalk.flow.hybrid.motions import parts
 
@@ -45,7 +45,7 @@ def past_zero(machine: HybridMachine, t: float, x: np.ndarray, mode: str, weight
     return " ".join(_sentence(flow.transitions[i].name, guard) for i, guard in past.items())
 
 
-def _sentence(name: str, guard: Departure) -> str:
+def _sentence(name: str, guard: GuardStatus) -> str:
     passes = "falls" if guard.value < 0.0 else "rises"
     return (
         f"The guard of transition '{name}' is {guard.value:.6g} at the start, past zero already: the "
@@ -53,12 +53,12 @@ def _sentence(name: str, guard: Departure) -> str:
     )
 
 
-def _past(flow: ModeFlow, t: float, x: np.ndarray, weights: np.ndarray) -> dict[int, Departure]:
+def _past(flow: ModeFlow, t: float, x: np.ndarray, weights: np.ndarray) -> dict[int, GuardStatus]:
     """The transitions that act and whose guards are past zero, but for those that happen at once there."""
     y = np.asarray(x, dtype=float)[flow.states]
     if not np.isfinite(y).all() or not np.isfinite(flow.field(t, y, flow.c)).all():
         return {}
-    standing = departures(flow, t, y, EPSILON * np.abs(y), weights[flow.states])
+    standing = guard_statuses(flow, t, y, EPSILON * np.abs(y), weights[flow.states])
     return {
         i: guard
         for i, guard in enumerate(standing)

@@ -1,17 +1,18 @@
 """Paths of Radau IIA collocation, compiled by numba: with step control, on a frozen grid, and with tangents.
 
-Everything comes in by address, so that one object code serves every field. Imported only where it is
-compiled.
+Everything comes in by the address of a `RadauCall`, so that one object code serves every field. Imported
+only where it is compiled.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from contwalk.flow.compiled.calling import doubles, inlined, integers
+from contwalk.flow.compiled.calling import doubles, inlined, record
 from contwalk.flow.radau.estimate import estimated, estimated_again, norm
 from contwalk.flow.radau.newton import CONVERGED, NOT_FINITE, iterate, linearize, predict
-from contwalk.flow.radau.parts import EPSILON, Equations, Method, Work, equations, method, work
+from contwalk.flow.radau.parts import EPSILON, Equations, Method, Work, equations, method, radau_call, work
+from contwalk.flow.radau.radau_call import RadauCall, RadauControl, RadauCounts
 
 # What `adaptive` returns.
 DONE, NOT_FINITE_PATH, TOO_MANY_STEPS, STEP_TOO_SMALL, FULL = 0, 1, 2, 3, 4
@@ -26,6 +27,8 @@ BEST_RATE = 0.25
 SAFETY = 0.9
 MOST_GROWTH, MOST_SHRINKAGE = 8.0, 5.0
 
+radau_control, radau_counts = record(RadauControl), record(RadauCounts)
+
 
 @inlined
 def accept(m: Method, w: Work, n: int, x: np.ndarray) -> None:
@@ -36,24 +39,16 @@ def accept(m: Method, w: Work, n: int, x: np.ndarray) -> None:
         x[k] += w.z[(m.s - 1) * n + k]
 
 
-def radau_march(
-    rhs: int, jac: int, n: int, rows: int, columns: int, entries: int, c: int, constants: int,
-    tableau: int, numbers: int, s: int, times: int, steps: int, x: int, states: int,
-    weights: int, errors: int, increments: int, scratch: int, size: int, pivots: int, pivot_size: int,
-) -> int:  # fmt: skip
-    """The steps of a grid from x, which is overwritten; how many of them could be done.
-
-    `states` (steps + 1, n), `errors` (steps, 2), `increments` (steps, s, n) are written unless their address
-    is 0.
-    """
-    eq = equations(rhs, jac, n, rows, columns, entries, c, constants)
-    m = method(doubles(tableau, numbers), s)
-    w = work(doubles(scratch, size), integers(pivots, pivot_size), n, s, entries)
-    grid, now, sn = doubles(times, steps + 1), doubles(x, n), s * n
+def radau_march(address: int) -> int:
+    """The steps of the grid of a `RadauCall` from x, which is overwritten; how many of them could be done."""
+    call = radau_call(address)
+    eq, m, w = equations(call), method(call), work(call)
+    n, s, steps = call.n, call.s, call.steps
+    grid, now, sn = doubles(call.times, steps + 1), doubles(call.x, n), s * n
     before = 0.0
-    if states != 0:
+    if call.states != 0:
         for k in range(n):
-            doubles(states, n)[k] = now[k]
+            doubles(call.states, n)[k] = now[k]
     for step in range(steps):
         h = grid[step + 1] - grid[step]
         if not linearize(eq, w, grid[step], now):
@@ -61,16 +56,16 @@ def radau_march(
         predict(eq, m, w, h, before)
         if iterate(eq, m, w, grid[step], h, now, MOST_PASSES_FROZEN)[0] != CONVERGED:
             return step
-        if errors != 0:
-            pair = doubles(errors + 16 * step, 2)
-            pair[0], pair[1] = estimated(eq, m, w, h, doubles(weights, n))
-        if increments != 0:
-            kept = doubles(increments + 8 * step * sn, sn)
+        if call.errors != 0:
+            pair = doubles(call.errors + 16 * step, 2)
+            pair[0], pair[1] = estimated(eq, m, w, h, doubles(call.weights, n))
+        if call.increments != 0:
+            kept = doubles(call.increments + 8 * step * sn, sn)
             for i in range(sn):
                 kept[i] = w.z[i]
         accept(m, w, n, now)
-        if states != 0:
-            node = doubles(states + 8 * (step + 1) * n, n)
+        if call.states != 0:
+            node = doubles(call.states + 8 * (step + 1) * n, n)
             for k in range(n):
                 node[k] = now[k]
         before = h
@@ -107,80 +102,68 @@ def end_of_step(t: float, h: float, t1: float) -> float:
 
 
 @inlined
-def one_step(
-    eq: Equations, m: Method, w: Work, t: float, t1: float, x: np.ndarray,
-    weights: np.ndarray, tolerance: float, allowed: float, memory: np.ndarray, count: np.ndarray,
-) -> int:  # fmt: skip
-    """Try steps until one is accepted; its increments are in w.z, its end and length in `memory`."""
+def one_step(call: RadauCall, eq: Equations, m: Method, w: Work, t: float, x: np.ndarray) -> int:
+    """Try steps until one is accepted; its increments are in w.z, its end and length in the control."""
+    t1, tolerance, allowed, weights = call.t1, call.tolerance, call.allowed, doubles(call.weights, call.n)
+    control, count = radau_control(call.control), radau_counts(call.counts)
     passable = True
-    again = count[0] == 0
+    again = count.steps == 0
     rejected = False
     while True:
-        end = end_of_step(t, memory[0], t1)
+        end = end_of_step(t, control.proposed, t1)
         h = end - t
         if (end != t1 and not abs(h) > 16.0 * EPSILON * abs(t)) or h == 0.0:
             return STEP_TOO_SMALL if passable else NOT_FINITE_PATH
-        predict(eq, m, w, h, memory[1])
+        predict(eq, m, w, h, control.length)
         code, passes, rate = iterate(eq, m, w, t, h, x, MOST_PASSES)
-        count[2] += passes * m.s
+        count.evaluations += passes * m.s
         if code != CONVERGED:
             passable = code != NOT_FINITE
-            count[1] += 1
-            memory[0] = 0.3 * h
+            count.rejected += 1
+            control.proposed = 0.3 * h
             rejected = again = True
             continue
         error, linear = estimated(eq, m, w, h, weights)
         if max(error / allowed, linear / tolerance) >= 1.0 and again:
-            count[2] += 1
+            count.evaluations += 1
             error, linear = estimated_again(eq, m, w, t, h, x, weights)
         error = max(error / allowed, linear / tolerance)
         if error < 1.0:
-            proposed = next_step(m.s, h, max(error, 1e-10), rate, memory[2], memory[3])
-            memory[0] = proposed if not rejected or abs(proposed) < abs(h) else h
-            memory[1], memory[2], memory[3], memory[4] = h, h, max(error, 1e-2), end
+            proposed = next_step(m.s, h, max(error, 1e-10), rate, control.last_length, control.last_error)
+            control.proposed = proposed if not rejected or abs(proposed) < abs(h) else h
+            control.length, control.last_length, control.last_error, control.end = h, h, max(error, 1e-2), end
             return DONE
         passable = error < np.inf
-        count[1] += 1
-        memory[0] = next_step(m.s, h, error, 0.0, 0.0, 0.0) if passable else 0.3 * h
+        count.rejected += 1
+        control.proposed = next_step(m.s, h, error, 0.0, 0.0, 0.0) if passable else 0.3 * h
         rejected = again = True
 
 
-def radau_adaptive(
-    rhs: int, jac: int, n: int, rows: int, columns: int, entries: int, c: int, constants: int,
-    tableau: int, numbers: int, s: int, t1: float, tolerance: float, allowed: float, weights: int, most: int,
-    times: int, states: int, room: int, memory: int, counts: int,
-    scratch: int, size: int, pivots: int, pivot_size: int,
-) -> int:  # fmt: skip
-    """Steps with error control from the last node written to t1, until `room` steps are full.
-
-    `memory` (5, all 0 at the start): next step; length of the last step; that length and its error as the
-    controller remembers them; end of the last step. `counts` (4): steps, rejected steps, right-hand sides,
-    Jacobians.
-    """
-    eq = equations(rhs, jac, n, rows, columns, entries, c, constants)
-    m = method(doubles(tableau, numbers), s)
-    w = work(doubles(scratch, size), integers(pivots, pivot_size), n, s, entries)
-    scales, grid = doubles(weights, n), doubles(times, room + 1)
-    keep, count = doubles(memory, 5), integers(counts, 4)
-    while grid[count[0]] != t1:
-        done = count[0]
-        if done >= most:
+def radau_adaptive(address: int) -> int:
+    """Steps with error control from the last node written to t1, until there is no more room."""
+    call = radau_call(address)
+    eq, m, w = equations(call), method(call), work(call)
+    n, scales, grid = call.n, doubles(call.weights, call.n), doubles(call.times, call.steps + 1)
+    control, count = radau_control(call.control), radau_counts(call.counts)
+    while grid[count.steps] != call.t1:
+        done = count.steps
+        if done >= call.most:
             return TOO_MANY_STEPS
-        if done >= room:
+        if done >= call.steps:
             return FULL
-        t, x = grid[done], doubles(states + 8 * done * n, n)
-        count[3] += 1
+        t, x = grid[done], doubles(call.states + 8 * done * n, n)
+        count.jacobians += 1
         if not linearize(eq, w, t, x):
             return NOT_FINITE_PATH
         if done == 0:
-            keep[0] = first_step(s, t1 - t, norm(w.out, scales, n), allowed)
-        code = one_step(eq, m, w, t, t1, x, scales, tolerance, allowed, keep, count)
+            control.proposed = first_step(call.s, call.t1 - t, norm(w.out, scales, n), call.allowed)
+        code = one_step(call, eq, m, w, t, x)
         if code != DONE:
             return code
-        node = doubles(states + 8 * (done + 1) * n, n)
+        node = doubles(call.states + 8 * (done + 1) * n, n)
         for k in range(n):
             node[k] = x[k]
         accept(m, w, n, node)
-        grid[done + 1] = keep[4]
-        count[0] += 1
+        grid[done + 1] = control.end
+        count.steps += 1
     return DONE

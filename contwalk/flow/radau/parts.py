@@ -9,9 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contwalk.flow.compiled.calling import doubles, inlined, integers
+from contwalk.flow.compiled.calling import doubles, inlined, integers, record
+from contwalk.flow.radau.radau_call import RadauCall
 
 EPSILON = 2.0**-52
+
+radau_call = record(RadauCall)
 
 
 class Equations(NamedTuple):
@@ -61,9 +64,23 @@ class Work(NamedTuple):
     v: np.ndarray
 
 
+class TangentWork(NamedTuple):
+    """The tangents of a path, flat (n, q), what drives them, and scratch for the steps that carry them."""
+
+    tangents: np.ndarray
+    q: int
+    sources: np.ndarray
+    matrix: np.ndarray  # of all stages (s n, s n)
+    row_weights: np.ndarray
+    jacobian: np.ndarray  # f at a stage and the entries of its Jacobian
+    moved: np.ndarray  # (s, n, q)
+    pivots: np.ndarray
+
+
 @inlined
-def method(tableau: np.ndarray, s: int) -> Method:
-    """The parts of a packed tableau."""
+def method(call: RadauCall) -> Method:
+    """The parts of the packed tableau."""
+    tableau, s = doubles(call.tableau, call.numbers), call.s
     at = s + 2 * s * s + s
     return Method(
         s,
@@ -80,8 +97,10 @@ def method(tableau: np.ndarray, s: int) -> Method:
 
 
 @inlined
-def work(numbers: np.ndarray, pivots: np.ndarray, n: int, s: int, entries: int) -> Work:
+def work(call: RadauCall) -> Work:
     """Scratch cut into its parts."""
+    numbers, pivots = doubles(call.scratch, call.size), integers(call.pivots, call.pivot_size)
+    n, s, entries = call.n, call.s, call.entries
     sn, pairs = s * n, (s - 1) // 2
     f = n + entries
     a = 2 * f
@@ -108,8 +127,26 @@ def work(numbers: np.ndarray, pivots: np.ndarray, n: int, s: int, entries: int) 
 
 
 @inlined
-def equations(
-    rhs: int, jac: int, n: int, rows: int, columns: int, entries: int, c: int, constants: int
-) -> Equations:
+def tangent_work(call: RadauCall) -> TangentWork:
+    """The tangents, and the further scratch that they need, which stands behind that of a path."""
+    sn, q, f = call.s * call.n, call.q, call.n + call.entries
+    a = call.size - (sn * sn + sn + f + sn * q)
+    room = doubles(call.scratch + 8 * a, call.size - a)
+    b = sn * sn + sn
+    return TangentWork(
+        doubles(call.tangents, call.n * q),
+        q,
+        integers(call.sources, q),
+        room[: sn * sn],
+        room[sn * sn : b],
+        room[b : b + f],
+        room[b + f :],
+        integers(call.pivots + 8 * (call.pivot_size - sn), sn),
+    )
+
+
+@inlined
+def equations(call: RadauCall) -> Equations:
     """A field's addresses as arrays."""
-    return Equations(rhs, jac, n, integers(rows, n + 1), integers(columns, entries), doubles(c, constants))
+    rows, columns = integers(call.rows, call.n + 1), integers(call.columns, call.entries)
+    return Equations(call.rhs, call.jac, call.n, rows, columns, doubles(call.c, call.constants))

@@ -18,6 +18,7 @@ from contwalk.flow.compiled.addresses import address
 from contwalk.flow.compiled.compiled_field import CompiledField
 from contwalk.flow.compiled.entry_points import Entry
 from contwalk.flow.path import Path
+from contwalk.flow.radau.radau_call import RadauCall, RadauControl, RadauCounts
 from contwalk.flow.tableaus.radau import RADAU5, RADAU9, Collocation
 
 TABLEAUS = {"radau5": RADAU5, "radau9": RADAU9}
@@ -31,11 +32,9 @@ SHARE = 0.1
 _STATUS = ("ok", "not_finite", "too_many_steps", "step_too_small")
 _FULL = 4
 
-_FIRST, _LAST = "q" * 11, "q" * 4  # what `_Call` gives
-
-_MARCH = Entry("contwalk.flow.radau.kernel", "radau_march", "q", f"{_FIRST}qqqqqqq{_LAST}")
-_ADAPTIVE = Entry("contwalk.flow.radau.kernel", "radau_adaptive", "q", f"{_FIRST}dddqqqqqqq{_LAST}")
-_TANGENTS = Entry("contwalk.flow.radau.tangents", "radau_tangents", "q", f"{_FIRST}qqqqqqqq{_LAST}")
+_MARCH = Entry("contwalk.flow.radau.kernel", "radau_march", "q", "q")
+_ADAPTIVE = Entry("contwalk.flow.radau.kernel", "radau_adaptive", "q", "q")
+_TANGENTS = Entry("contwalk.flow.radau.tangents", "radau_tangents", "q", "q")
 
 
 def warmup() -> None:
@@ -61,25 +60,43 @@ def _errors(estimates: np.ndarray, stages: int) -> np.ndarray:
 
 
 class _Call:
-    """What every kernel takes first, and last: a field and a tableau by their addresses, and scratch."""
+    """The memory of one call, and the record that tells a kernel of it: a field, a tableau, and scratch."""
 
     def __init__(
         self, field: CompiledField, c: np.ndarray, tableau: Collocation, more: int = 0, pivots: int = 0
     ) -> None:
         n, s, entries = field.n, tableau.stages, len(field.col)
-        modes = (s - 1) // 2
-        self._kept = (field, c, field.row_ptr, field.col, _packed(tableau))
-        self._scratch = np.empty(2 * (n + entries) + 5 * s * n + (1 + 2 * modes) * n * n + 5 * n + more)
-        self._pivots = np.empty((1 + modes) * n + pivots, dtype=np.int64)
-        numbers = self._kept[-1]
-        self.first = (
-            *(field.rhs_address, field.rhs_jac_address, n, address(field.row_ptr), address(field.col)),
-            *(entries, address(c), len(c), address(numbers), len(numbers), s),
+        modes, numbers = (s - 1) // 2, _packed(tableau)
+        size = 2 * (n + entries) + 5 * s * n + (1 + 2 * modes) * n * n + 5 * n + more
+        pivot_size = (1 + modes) * n + pivots
+        self._kept: list[object] = [field]
+        self.record = RadauCall(
+            rhs=field.rhs_address,
+            jac=field.rhs_jac_address,
+            n=n,
+            rows=self._keep(field.row_ptr),
+            columns=self._keep(field.col),
+            entries=entries,
+            c=self._keep(c),
+            constants=len(c),
+            tableau=self._keep(numbers),
+            numbers=len(numbers),
+            s=s,
+            scratch=self._keep(np.empty(size)),
+            size=size,
+            pivots=self._keep(np.empty(pivot_size, dtype=np.int64)),
+            pivot_size=pivot_size,
         )
-        self.last = (
-            *(address(self._scratch), len(self._scratch)),
-            *(address(self._pivots), len(self._pivots)),
-        )
+
+    def _keep(self, array: np.ndarray) -> int:
+        """The address of an array that lives as long as the call."""
+        self._kept.append(array)
+        return address(array)
+
+    def give(self, **arrays: np.ndarray | None) -> None:
+        """Put arrays where the kernel finds them: their addresses into fields of the record."""
+        for name, array in arrays.items():
+            setattr(self.record, name, 0 if array is None or not array.size else self._keep(array))
 
 
 @cache
@@ -118,25 +135,25 @@ def adaptive(
     scales = np.ascontiguousarray(weights, dtype=float)
     times, states = np.empty(_ROOM + 1), np.empty((_ROOM + 1, field.n))
     times[0], states[0] = t0, x0
-    allowed = _measured(tolerance, TABLEAUS[method].stages)
-    memory, counts = np.zeros(5), np.zeros(4, dtype=np.int64)
-    code = _FULL
+    control, counts, record = RadauControl(), RadauCounts(), call.record
+    record.t1, record.tolerance, record.most = t1, tolerance, max_steps
+    record.allowed = _measured(tolerance, TABLEAUS[method].stages)
+    record.control, record.counts = control.address, counts.address
+    call.give(weights=scales)
     while True:
-        places = (address(times), address(states), len(times) - 1)
-        code = _ADAPTIVE(
-            *(*call.first, t1, tolerance, allowed, address(scales), max_steps, *places),
-            *(address(memory), address(counts), *call.last),
-        )
+        call.give(times=times, states=states)
+        record.steps = len(times) - 1
+        code = _ADAPTIVE(record.address)
         if code != _FULL:
             break
         times = np.concatenate([times, np.empty(len(times))])
         states = np.concatenate([states, np.empty_like(states)])
-    steps, rejected, evaluations, jacobians = (int(count) for count in counts)
+    steps = counts.steps
     return Path(
         times=times[: steps + 1].copy(),
         states=states[: steps + 1].copy(),
-        evaluations=evaluations + jacobians,
-        rejected=rejected,
+        evaluations=counts.evaluations + counts.jacobians,
+        rejected=counts.rejected,
         stiff_fraction=0.0,
         status=_STATUS[code],
     )
@@ -156,8 +173,9 @@ def _march(
     call = _Call(field, c, TABLEAUS[method])
     grid, x = np.ascontiguousarray(times, dtype=float), np.array(x0, dtype=float)
     states = np.full((len(grid), field.n), np.nan)
-    places = [0 if array is None else address(array) for array in (weights, errors, increments)]
-    _MARCH(*call.first, address(grid), len(grid) - 1, address(x), address(states), *places, *call.last)
+    call.give(times=grid, x=x, states=states, weights=weights, errors=errors, increments=increments)
+    call.record.steps = len(grid) - 1
+    _MARCH(call.record.address)
     return states
 
 
@@ -272,12 +290,9 @@ def _march_tangents(
     more = sn * sn + sn + n + entries + sn * q
     call = _Call(field, c, TABLEAUS[method], more, sn)
     grid, driving = np.ascontiguousarray(times, dtype=float), np.asarray(sources, dtype=np.int64)
-    done = _TANGENTS(
-        *(*call.first, address(grid), len(grid) - 1, address(x), address(X), q, address(driving)),
-        *(address(array) if array.size else 0 for array in (states, nodes)),
-        *call.last,
-    )
-    if done < len(grid) - 1:
+    call.give(times=grid, x=x, tangents=X, sources=driving, states=states, nodes=nodes)
+    call.record.steps, call.record.q = len(grid) - 1, q
+    if _TANGENTS(call.record.address) < len(grid) - 1:
         x[:], X[:] = np.nan, np.nan
 
 

@@ -8,11 +8,22 @@ from __future__ import annotations
 
 import numpy as np
 
-from contwalk.flow.compiled.calling import call_rhs, doubles, inlined, integers
+from contwalk.flow.compiled.calling import call_rhs, doubles, inlined
 from contwalk.flow.radau.dense_lu import factor, solve
 from contwalk.flow.radau.kernel import MOST_PASSES_FROZEN, accept
 from contwalk.flow.radau.newton import CONVERGED, iterate, linearize, predict
-from contwalk.flow.radau.parts import Equations, Method, Work, equations, method, work
+from contwalk.flow.radau.parts import (
+    Equations,
+    Method,
+    TangentWork,
+    Work,
+    equations,
+    method,
+    radau_call,
+    tangent_work,
+    work,
+)
+from contwalk.flow.radau.radau_call import RadauCall
 
 
 @inlined
@@ -53,50 +64,34 @@ def stage_matrix(eq: Equations, m: Method, h: float, j: int, entries: np.ndarray
 
 @inlined
 def step_tangents(
-    eq: Equations, m: Method, w: Work, t: float, h: float, x: np.ndarray, tangents: np.ndarray, q: int,
-    sources: np.ndarray, matrix: np.ndarray, pivots: np.ndarray, row_weights: np.ndarray,
-    jacobian: np.ndarray, moved: np.ndarray,
-) -> bool:  # fmt: skip
+    eq: Equations, m: Method, w: Work, t: float, h: float, x: np.ndarray, v: TangentWork
+) -> bool:
     """Carry the tangents at x over the step whose increments are in w.z."""
-    n, s = eq.n, m.s
+    n, s, q = eq.n, m.s, v.q
     for j in range(s):
         for k in range(n):
             w.state[k] = x[k] + w.z[j * n + k]
-        call_rhs(eq.jac, t + m.nodes[j] * h, w.state.ctypes.data, eq.c.ctypes.data, jacobian.ctypes.data)
-        stage_matrix(eq, m, h, j, jacobian[n:], matrix)
-        driven(eq, h, jacobian[n:], tangents, q, sources, doubles(moved.ctypes.data + 8 * j * n * q, n * q))
-    if not factor(matrix, row_weights, pivots, s * n):
+        call_rhs(eq.jac, t + m.nodes[j] * h, w.state.ctypes.data, eq.c.ctypes.data, v.jacobian.ctypes.data)
+        stage_matrix(eq, m, h, j, v.jacobian[n:], v.matrix)
+        moved = doubles(v.moved.ctypes.data + 8 * j * n * q, n * q)
+        driven(eq, h, v.jacobian[n:], v.tangents, q, v.sources, moved)
+    if not factor(v.matrix, v.row_weights, v.pivots, s * n):
         return False
-    solve(matrix, pivots, s * n, moved, q)
-    last = doubles(moved.ctypes.data + 8 * (s - 1) * n * q, n * q)
+    solve(v.matrix, v.pivots, s * n, v.moved, q)
+    last = doubles(v.moved.ctypes.data + 8 * (s - 1) * n * q, n * q)
     for k in range(n * q):
-        tangents[k] += last[k]
+        v.tangents[k] += last[k]
     return True
 
 
-def radau_tangents(
-    rhs: int, jac: int, n: int, rows: int, columns: int, entries: int, c: int, constants: int,
-    tableau: int, numbers: int, s: int, times: int, steps: int, x: int, columns_in: int, q: int, sources: int,
-    states: int, nodes: int, scratch: int, size: int, pivots: int, pivot_size: int,
-) -> int:  # fmt: skip
-    """The steps of a grid from x with q tangents, both overwritten; how many steps could be done.
-
-    `states` (steps + 1, n) and `nodes` (steps + 1, n, q) are written unless their address is 0.
-    """
-    eq = equations(rhs, jac, n, rows, columns, entries, c, constants)
-    m = method(doubles(tableau, numbers), s)
-    room, slots = doubles(scratch, size), integers(pivots, pivot_size)
-    w = work(room, slots, n, s, entries)
-    sn, nq = s * n, n * q
-    a = size - (sn * sn + sn + n + entries + sn * q)
-    matrix, row_weights = room[a : a + sn * sn], room[a + sn * sn : a + sn * sn + sn]
-    a += sn * sn + sn
-    jacobian, moved = room[a : a + n + entries], room[size - sn * q :]
-    grid, now, tangent = doubles(times, steps + 1), doubles(x, n), doubles(columns_in, nq)
-    driving = integers(sources, q)
+def radau_tangents(address: int) -> int:
+    """The steps of the grid of a `RadauCall` from x with q tangents, both overwritten; how many were done."""
+    call = radau_call(address)
+    eq, m, w, v = equations(call), method(call), work(call), tangent_work(call)
+    grid, now = doubles(call.times, call.steps + 1), doubles(call.x, call.n)
     before = 0.0
-    keep(states, nodes, 0, now, tangent, n, nq)
-    for step in range(steps):
+    keep(call, 0, now, v.tangents)
+    for step in range(call.steps):
         t = grid[step]
         h = grid[step + 1] - t
         if not linearize(eq, w, t, now):
@@ -104,25 +99,22 @@ def radau_tangents(
         predict(eq, m, w, h, before)
         if iterate(eq, m, w, t, h, now, MOST_PASSES_FROZEN)[0] != CONVERGED:
             return step
-        if not step_tangents(
-            eq, m, w, t, h, now, tangent, q, driving, matrix, slots[pivot_size - sn :], row_weights,
-            jacobian, moved,
-        ):  # fmt: skip
+        if not step_tangents(eq, m, w, t, h, now, v):
             return step
-        accept(m, w, n, now)
-        keep(states, nodes, step + 1, now, tangent, n, nq)
+        accept(m, w, call.n, now)
+        keep(call, step + 1, now, v.tangents)
         before = h
-    return steps
+    return call.steps
 
 
 @inlined
-def keep(states: int, nodes: int, at: int, x: np.ndarray, tangent: np.ndarray, n: int, nq: int) -> None:
+def keep(call: RadauCall, at: int, x: np.ndarray, tangents: np.ndarray) -> None:
     """Write a node, where nodes are wanted."""
-    if states != 0:
-        node = doubles(states + 8 * at * n, n)
-        for k in range(n):
+    if call.states != 0:
+        node = doubles(call.states + 8 * at * len(x), len(x))
+        for k in range(len(x)):
             node[k] = x[k]
-    if nodes != 0:
-        node = doubles(nodes + 8 * at * nq, nq)
-        for k in range(nq):
-            node[k] = tangent[k]
+    if call.nodes != 0:
+        node = doubles(call.nodes + 8 * at * len(tangents), len(tangents))
+        for k in range(len(tangents)):
+            node[k] = tangents[k]

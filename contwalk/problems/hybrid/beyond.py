@@ -13,7 +13,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.errors import ContwalkError
 from contwalk.flow.events.guard import EPSILON
-from contwalk.flow.hybrid.departure import ENTERING, departures
+from contwalk.flow.hybrid.guard_status import ENTERING, guard_statuses
 from contwalk.flow.hybrid.machine import hybrid_machine
 from contwalk.numerics.linear import kernel_direction
 from contwalk.problems.hybrid import limits
@@ -126,7 +126,7 @@ def _goes_back(
     """
     flow = hybrid_machine(problem.system, values).mode(problem.word.legs[0].mode)
     own, sizes = x[flow.states], problem.mesh.variation[flow.states]
-    standing = departures(flow, t, own, EPSILON * np.abs(own), sizes, (event,))
+    standing = guard_statuses(flow, t, own, EPSILON * np.abs(own), sizes, (event,))
     return any(
         guard.kind == ENTERING
         for transition, guard in zip(flow.transitions, standing, strict=True)

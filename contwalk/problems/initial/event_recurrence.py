@@ -12,11 +12,11 @@ from functools import cached_property
 import numpy as np
 
 from contwalk.errors import NotFinite, StartError, called
+from contwalk.flow.hybrid.event_integrator import METHOD
 from contwalk.flow.hybrid.motions import Arc, HybridMachine, applied, arcs, hybrid_machine
 from contwalk.flow.hybrid.on_guard import check_on_guard
 from contwalk.flow.hybrid.past_zero import past_zero
 from contwalk.flow.hybrid.scales import magnitudes
-from contwalk.flow.hybrid.walk import METHOD
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.lap import Lap

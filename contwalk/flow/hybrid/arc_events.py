@@ -1,4 +1,4 @@
-"""An arc by the compiled walk, with what is watched located where it has marked a step."""
+"""An arc by the compiled event integrator, with what is watched located where it has marked a step."""
 
 from __future__ import annotations
 
@@ -8,31 +8,30 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.flow.events.crossings import Event, crossings
-from contwalk.flow.explicit import plan
-from contwalk.flow.hybrid import walk_plan as told
+from contwalk.flow.hybrid import event_records as answers
 from contwalk.flow.hybrid.arc import Arc, Control, far, part_of, why
 from contwalk.flow.hybrid.arc_paths import by_paths, event_of
-from contwalk.flow.hybrid.departure import Departure, leaving_zero
+from contwalk.flow.hybrid.event_integrator import METHOD, EventIntegrator
+from contwalk.flow.hybrid.guard_status import GuardStatus, leaving_zero
 from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow
-from contwalk.flow.hybrid.walk import METHOD, Walk
 
 ROOM = 100
-_STATUS = {told.NOT_FINITE: "not_finite", told.STEP_TOO_SMALL: "step_too_small"}
+_STATUS = {answers.NOT_FINITE: "not_finite", answers.STEP_TOO_SMALL: "step_too_small"}
 
 
-class ByWalk:
+class ByEventIntegrator:
     """Arcs of one motion.
 
     Parameters
     ----------
     machine : HybridMachine
     control : Control
-        Its method is `walk.METHOD`.
+        Its method is `event_integrator.METHOD`.
     """
 
     def __init__(self, machine: HybridMachine, control: Control) -> None:
         self._machine, self._control = machine, control
-        self._walks: dict[str, Walk] = {}
+        self._integrators: dict[str, EventIntegrator] = {}
 
     def parts(
         self,
@@ -40,36 +39,36 @@ class ByWalk:
         t: float,
         x: np.ndarray,
         t1: float,
-        standing: Sequence[Departure],
+        standing: Sequence[GuardStatus],
         last: str | None,
         noise: np.ndarray,
     ) -> Iterator[Arc]:
-        """As `by_paths`, which takes over where the walk is not sure.
+        """As `by_paths`, which takes over where the integrator is not sure.
 
         The arc begins after the transition `last`, with these uncertainties of the states.
         """
-        if flow.name not in self._walks:
-            self._walks[flow.name] = Walk(
+        if flow.name not in self._integrators:
+            self._integrators[flow.name] = EventIntegrator(
                 self._machine, self._control.weights, [flow.name], room=ROOM, marks=True
             )
-        walk, n = self._walks[flow.name], len(flow.states)
-        nodes, counts = walk.nodes[flow.name], walk.places[flow.name].counts
+        integrator, n = self._integrators[flow.name], len(flow.states)
+        nodes, counts = integrator.nodes[flow.name], integrator.places[flow.name].counts
         weights = self._control.weights[flow.states]
         leaving = leaving_zero(standing)
-        walk.begin(t, x, flow.name, last, noise=noise)
+        integrator.begin(t, x, flow.name, last, noise=noise)
         while t < t1:
             end = t1 if np.isfinite(t1) else t + far(flow, t, x[flow.states], weights)
             nodes[0, :n] = x[flow.states]
-            counts[plan.EVALUATIONS] = 0
-            answer = walk(end, self._control.tolerance)
-            steps = int(walk.happened[told.OWN_STEPS])
-            times, states = walk.times[: steps + 1].copy(), nodes[: steps + 1, :n].copy()
+            counts.evaluations = 0
+            answer = integrator(end, self._control.tolerance)
+            steps = integrator.happened.own_steps
+            times, states = integrator.times[: steps + 1].copy(), nodes[: steps + 1, :n].copy()
             if steps:
-                seen = self._watched(flow, times, states, walk.marks[:steps], leaving)
-                part = part_of(self._machine, flow, times, states, seen, int(counts[plan.EVALUATIONS]))
+                seen = self._watched(flow, times, states, integrator.marks[:steps], leaving)
+                part = part_of(self._machine, flow, times, states, seen, counts.evaluations)
                 t, x, leaving = float(times[-1]), part.states[-1], {}
-            if answer in (told.ARRIVED, told.AWAY):
-                name = walk.transitions[walk.happened[told.WORD]].name
+            if answer in (answers.ARRIVED, answers.AWAY):
+                name = integrator.transitions[integrator.itinerary[0]].name
                 yield replace(part, transition=name, rising=self._rises(flow, name, t, states[-1]))
                 return
             if answer in _STATUS:
@@ -79,11 +78,11 @@ class ByWalk:
             if steps:
                 yield part
                 standing = ()
-            if answer == told.UNSURE:
+            if answer == answers.UNSURE:
                 yield from by_paths(self._machine, flow, t, x, t1, self._control, standing)
                 return
-            if answer == told.TIME_UP and t < t1:
-                walk.begin(t, x, flow.name, None)
+            if answer == answers.TIME_UP and t < t1:
+                integrator.begin(t, x, flow.name, None)
 
     def _watched(
         self,
@@ -99,7 +98,7 @@ class ByWalk:
         events = []
         for step in np.flatnonzero(marks).tolist():
             mark = int(marks[step])
-            numbers = [i for i in range(len(flow.guards)) if mark >> min(i, told.MOST_BITS) & 1]
+            numbers = [i for i in range(len(flow.guards)) if mark >> min(i, answers.MOST_BITS) & 1]
             numbers = [i for i in numbers if not flow.acting(i)]
             guards = [flow.guards[i] for i in numbers]
             begins = {k: leaving[i] for k, i in enumerate(numbers) if i in leaving} if step == 0 else {}

@@ -12,38 +12,16 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from contwalk.flow.compiled.calling import call_rhs, caller, doubles, inlined, integers
-from contwalk.flow.hybrid.course_plan import (
-    ANSWER,
-    ANSWER_LENGTH,
-    BEND,
+from contwalk.flow.compiled.calling import call_rhs, caller, doubles, inlined, integers, record
+from contwalk.flow.hybrid.guard_taylor_records import (
     BEYOND,
     CLEAR,
-    COLUMNS,
-    CONSTANTS,
     ENTERING,
-    FOUND,
-    KNOWN,
     LEAVING,
-    MOTION,
-    NOISE,
-    PARAMETERS,
-    PLAN_LENGTH,
-    RATE,
     RESTING,
-    RHS_JAC,
-    ROWS,
-    SIDE,
-    SIZE,
-    SLOPED,
-    STATE,
     UNDEFINED,
-    VALUE,
-    VALUE_NOISE,
-    VARIATION,
-    VARIED,
-    VELOCITY,
-    WEIGHTS,
+    GuardTaylorCoefficients,
+    Instant,
 )
 
 EPSILON = 2.0**-52
@@ -51,6 +29,7 @@ JUST_AFTER = 4.0  # roundings of the time
 ROUNDINGS = 8.0  # a number counts as zero within so many of its uncertainties
 IN_A_ROW = 16.0  # roundings
 
+instant_at, coefficients_at = record(Instant), record(GuardTaylorCoefficients)
 _call_slopes = caller("v", "dqqqq")
 
 
@@ -61,24 +40,24 @@ def _finite_size(value: float) -> float:
 
 
 @inlined
-def _coarseness(k: Any) -> float:
+def _coarseness(k: Instant) -> float:
     """How far second derivatives are off, of themselves: as their states are, of their magnitudes."""
-    noise, weights, most = doubles(k[NOISE], 1 + k[SIZE]), doubles(k[WEIGHTS], k[SIZE]), EPSILON
-    for i in range(k[SIZE]):
+    noise, weights, most = doubles(k.noise, 1 + k.size), doubles(k.weights, k.size), EPSILON
+    for i in range(k.size):
         most = max(most, noise[1 + i] / weights[i])
     return IN_A_ROW * most
 
 
 @inlined
-def _know(k: Any, t: float) -> None:
+def _know(k: Instant, t: float) -> None:
     """Acceleration of the states, and how uncertain it and the velocity are."""
-    n = k[SIZE]
-    rows = integers(k[ROWS], n + 1)
-    columns = integers(k[COLUMNS], rows[n])
-    call_rhs(k[RHS_JAC], t, k[STATE], k[CONSTANTS], k[FOUND])
-    call_rhs(k[VARIATION], t, k[STATE], k[PARAMETERS], k[VARIED])
-    entries, varied = doubles(k[FOUND] + 8 * n, rows[n]), doubles(k[VARIED], 2 * n)
-    f, noise, motion = doubles(k[VELOCITY], n), doubles(k[NOISE], 1 + n), doubles(k[MOTION], 3 * n)
+    n = k.size
+    rows = integers(k.rows, n + 1)
+    columns = integers(k.columns, rows[n])
+    call_rhs(k.rhs_jac, t, k.state, k.constants, k.found)
+    call_rhs(k.variation, t, k.state, k.parameters, k.varied)
+    entries, varied = doubles(k.found + 8 * n, rows[n]), doubles(k.varied, 2 * n)
+    f, noise, motion = doubles(k.velocity, n), doubles(k.noise, 1 + n), doubles(k.motion, 3 * n)
     for i in range(n):
         motion[i] = EPSILON * varied[i] + _finite_size(varied[n + i]) * noise[0]
         motion[n + i] = varied[n + i]
@@ -91,15 +70,15 @@ def _know(k: Any, t: float) -> None:
         for e in range(rows[i], rows[i + 1]):
             j = columns[e]
             motion[2 * n + i] += abs(entries[e]) * (motion[j] + coarse * abs(f[j]))
-    k[KNOWN] = 1
+    k.known = 1
 
 
 @inlined
-def _uncertain_rate(k: Any) -> float:
+def _uncertain_rate(k: Instant) -> float:
     """How far the rate of the guard in `SLOPED` is off."""
-    n = k[SIZE]
-    slopes, f = doubles(k[SLOPED], 4 + 2 * n), doubles(k[VELOCITY], n)
-    noise, motion = doubles(k[NOISE], 1 + n), doubles(k[MOTION], 3 * n)
+    n = k.size
+    slopes, f = doubles(k.sloped, 4 + 2 * n), doubles(k.velocity, n)
+    noise, motion = doubles(k.noise, 1 + n), doubles(k.motion, 3 * n)
     total = IN_A_ROW * EPSILON * abs(slopes[2]) + abs(slopes[3 + n]) * noise[0]
     for i in range(n):
         total += abs(slopes[4 + n + i]) * noise[1 + i]
@@ -109,10 +88,10 @@ def _uncertain_rate(k: Any) -> float:
 
 
 @inlined
-def _bend(k: Any) -> tuple[float, float]:
+def _bend(k: Instant) -> tuple[float, float]:
     """Second derivative by time of the guard in `SLOPED`, and its uncertainty."""
-    n = k[SIZE]
-    slopes, f, motion = doubles(k[SLOPED], 4 + 2 * n), doubles(k[VELOCITY], n), doubles(k[MOTION], 3 * n)
+    n = k.size
+    slopes, f, motion = doubles(k.sloped, 4 + 2 * n), doubles(k.velocity, n), doubles(k.motion, 3 * n)
     coarse = _coarseness(k)
     value, total = slopes[3 + n], coarse * abs(slopes[3 + n])
     for i in range(n):
@@ -139,8 +118,8 @@ def _of_time_alone(slopes: Any, n: int) -> bool:
 
 
 @inlined
-def stands(k: Any, slopes_address: int, direction: int, t: float, factor: float, beside: float) -> int:
-    """How a guard stands; the answer is in place. See `departure.departures`.
+def stands(k: Instant, slopes_address: int, direction: int, t: float, factor: float, beside: float) -> int:
+    """How a guard stands; the answer is in place. See `guard_status.guard_statuses`.
 
     Parameters
     ----------
@@ -149,11 +128,11 @@ def stands(k: Any, slopes_address: int, direction: int, t: float, factor: float,
     beside : float
         And within so many of those that rounding makes of the magnitudes of the states.
     """
-    n = k[SIZE]
-    slopes, f, noise = doubles(k[SLOPED], 4 + 2 * n), doubles(k[VELOCITY], n), doubles(k[NOISE], 1 + n)
-    weights, answer = doubles(k[WEIGHTS], n), doubles(k[ANSWER], ANSWER_LENGTH)
+    n = k.size
+    slopes, f, noise = doubles(k.sloped, 4 + 2 * n), doubles(k.velocity, n), doubles(k.noise, 1 + n)
+    weights, answer = doubles(k.weights, n), coefficients_at(k.answer)
     after = t + JUST_AFTER * EPSILON * abs(t)  # as in `guard.just_after`
-    _call_slopes(slopes_address, after, k[STATE], k[VELOCITY], k[PARAMETERS], k[SLOPED])
+    _call_slopes(slopes_address, after, k.state, k.velocity, k.parameters, k.sloped)
     value, rate, own = slopes[0], slopes[2], EPSILON * slopes[1]
     inherited = on_the_way = abs(slopes[2]) * noise[0]
     clock = _of_time_alone(slopes, n)
@@ -163,30 +142,30 @@ def stands(k: Any, slopes_address: int, direction: int, t: float, factor: float,
             rate += slope * f[i]
             inherited += abs(slope) * noise[1 + i]
             on_the_way += abs(slope) * EPSILON * weights[i]
-    answer[VALUE], answer[VALUE_NOISE], answer[RATE], answer[BEND] = value, own + inherited, rate, math.nan
-    answer[SIDE] = 0.0
+    answer.value, answer.value_noise, answer.rate, answer.bend = value, own + inherited, rate, math.nan
+    answer.side = 0.0
     if not abs(value) < math.inf:
         return UNDEFINED
     if abs(value) > factor * (own + inherited) and abs(value) > beside * (own + on_the_way):
-        answer[SIDE] = 1.0 if value > 0.0 else -1.0
-        return BEYOND if answer[SIDE] == direction else CLEAR
-    if k[KNOWN] == 0:
+        answer.side = 1.0 if value > 0.0 else -1.0
+        return BEYOND if answer.side == direction else CLEAR
+    if k.known == 0:
         _know(k, t)
-    answer[BEND], uncertain = _bend(k)
+    answer.bend, uncertain = _bend(k)
     if abs(rate) > ROUNDINGS * _uncertain_rate(k):
-        answer[SIDE] = 1.0 if rate > 0.0 else -1.0
+        answer.side = 1.0 if rate > 0.0 else -1.0
     else:
-        answer[RATE] = 0.0  # what rounding has left of it is no rate
-        if not abs(answer[BEND]) > ROUNDINGS * uncertain:
-            answer[BEND] = 0.0 if abs(answer[BEND]) < math.inf else math.nan
+        answer.rate = 0.0  # what rounding has left of it is no rate
+        if not abs(answer.bend) > ROUNDINGS * uncertain:
+            answer.bend = 0.0 if abs(answer.bend) < math.inf else math.nan
             return RESTING
-        answer[SIDE] = 1.0 if answer[BEND] > 0.0 else -1.0
+        answer.side = 1.0 if answer.bend > 0.0 else -1.0
     happened = clock and factor > ROUNDINGS
-    return ENTERING if answer[SIDE] == direction and not happened else LEAVING
+    return ENTERING if answer.side == direction and not happened else LEAVING
 
 
 def standing(
     address: int, slopes_address: int, direction: int, t: float, factor: float, beside: float
 ) -> int:
     """As `stands`, by C's rules."""
-    return stands(integers(address, PLAN_LENGTH), slopes_address, direction, t, factor, beside)
+    return stands(instant_at(address), slopes_address, direction, t, factor, beside)

@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contwalk.flow.events.guard import EPSILON, Guard
-from contwalk.flow.hybrid import course_plan as told
-from contwalk.flow.hybrid.course import Course
+from contwalk.flow.hybrid import guard_taylor_records as records
+from contwalk.flow.hybrid.guard_taylor import GuardTaylor
 from contwalk.flow.hybrid.machine import ModeFlow
 
 CLEAR, LEAVING, PASSED, ENTERING, BEYOND, RESTING, UNDEFINED = (
@@ -29,12 +29,12 @@ CLEAR, LEAVING, PASSED, ENTERING, BEYOND, RESTING, UNDEFINED = (
 )
 
 _KINDS = {
-    told.CLEAR: CLEAR,
-    told.LEAVING: LEAVING,
-    told.ENTERING: ENTERING,
-    told.BEYOND: BEYOND,
-    told.RESTING: RESTING,
-    told.UNDEFINED: UNDEFINED,
+    records.CLEAR: CLEAR,
+    records.LEAVING: LEAVING,
+    records.ENTERING: ENTERING,
+    records.BEYOND: BEYOND,
+    records.RESTING: RESTING,
+    records.UNDEFINED: UNDEFINED,
 }
 
 # A guard counts as zero within so many of its uncertainties; right after its own event within more.
@@ -42,7 +42,7 @@ ROUNDINGS, AFTER_RESET = 8.0, 1e3
 
 
 @dataclass(frozen=True)
-class Departure:
+class GuardStatus:
     """A guard where a motion begins.
 
     Parameters
@@ -84,7 +84,7 @@ class Departure:
         return 0.5 * self.rate**2 / abs(self.bend) if self.bends_back else np.inf
 
 
-def departures(
+def guard_statuses(
     flow: ModeFlow,
     t: float,
     x: np.ndarray,
@@ -92,7 +92,7 @@ def departures(
     weights: np.ndarray,
     own: Collection[str] = (),
     passed: Collection[str] = (),
-) -> list[Departure]:
+) -> list[GuardStatus]:
     """How each guard of a mode stands at an instant.
 
     Parameters
@@ -109,36 +109,37 @@ def departures(
     passed : collection of str
         Those of them that have just happened themselves, and happen where their guards pass zero only.
     """
-    course = flow.course
-    course.at(t, x, noise, weights)
+    taylor = flow.guard_taylor
+    taylor.at(t, x, noise, weights)
     found = []
     for number, (transition, guard) in enumerate(zip(flow.transitions, flow.guards, strict=True)):
         if flow.acting(number):
             factor = AFTER_RESET if transition.name in own else ROUNDINGS
-            stands = _of(course, guard, factor, ROUNDINGS)
+            stands = _of(taylor, guard, factor, ROUNDINGS)
             if stands.kind == RESTING:
                 stands = _of_higher_order(flow, number, t, x, noise, stands)
             found.append(_unless_passed(stands, transition.name in passed))
         else:
-            found.append(_of_watched(course, guard, flow, t, x))
+            found.append(_of_watched(taylor, guard, flow, t, x))
     return found
 
 
-def _unless_passed(stands: Departure, passed: bool) -> Departure:
+def _unless_passed(stands: GuardStatus, passed: bool) -> GuardStatus:
     """A guard that goes on through zero has been passed; one whose rate the event has taken has not been."""
     goes_on = passed and stands.kind == ENTERING and stands.rate != 0.0
     return replace(stands, kind=PASSED) if goes_on else stands
 
 
-def _of(course: Course, guard: Guard, factor: float, beside: float) -> Departure:
-    kind, answer = course.standing(guard, factor, beside)
-    value, value_noise, rate, bend, side = answer.tolist()
-    return Departure(_KINDS[kind], int(side), value, rate, bend, value_noise)
+def _of(taylor: GuardTaylor, guard: Guard, factor: float, beside: float) -> GuardStatus:
+    kind, answer = taylor.standing(guard, factor, beside)
+    return GuardStatus(
+        _KINDS[kind], int(answer.side), answer.value, answer.rate, answer.bend, answer.value_noise
+    )
 
 
 def _of_higher_order(
-    flow: ModeFlow, number: int, t: float, x: np.ndarray, noise: np.ndarray, resting: Departure
-) -> Departure:
+    flow: ModeFlow, number: int, t: float, x: np.ndarray, noise: np.ndarray, resting: GuardStatus
+) -> GuardStatus:
     """As its third derivative says, or the first after it that is not zero."""
     full = np.zeros(len(flow.code.system.states))
     full[flow.states] = x
@@ -149,22 +150,22 @@ def _of_higher_order(
     return replace(resting, kind=ENTERING if side == flow.guards[number].direction else LEAVING, side=side)
 
 
-def leaving_zero(standing: Sequence[Departure]) -> dict[int, int]:
+def leaving_zero(standing: Sequence[GuardStatus]) -> dict[int, int]:
     """The guards that are zero but for rounding and nothing happens: position -> their sign right after."""
     return {i: guard.side for i, guard in enumerate(standing) if guard.kind in (LEAVING, PASSED)}
 
 
-def happens_at_once(flow: ModeFlow, number: int, guard: Departure) -> bool:
+def happens_at_once(flow: ModeFlow, number: int, guard: GuardStatus) -> bool:
     """Whether a transition happens where its mode is entered with its guard like this."""
     entered = guard.kind == ENTERING or (guard.kind == BEYOND and flow.transitions[number].at_entry)
     return entered and flow.acting(number)
 
 
-def _of_watched(course: Course, guard: Guard, flow: ModeFlow, t: float, x: np.ndarray) -> Departure:
+def _of_watched(taylor: GuardTaylor, guard: Guard, flow: ModeFlow, t: float, x: np.ndarray) -> GuardStatus:
     """As for the others; its slopes are compiled only where they are needed."""
-    value, rate, own = guard.along(np.array([t]), x[None], flow.p, course.velocity[None])[0].tolist()
+    value, rate, own = guard.along(np.array([t]), x[None], flow.p, taylor.velocity[None])[0].tolist()
     if abs(value) <= AFTER_RESET * own:
-        return _of(course, guard, AFTER_RESET, 0.0)
+        return _of(taylor, guard, AFTER_RESET, 0.0)
     side = 1 if value > 0.0 else -1
     kind = UNDEFINED if not np.isfinite(value) else BEYOND if side == guard.direction else CLEAR
-    return Departure(kind, side, value, rate, np.nan, own)
+    return GuardStatus(kind, side, value, rate, np.nan, own)

@@ -1,0 +1,66 @@
+"""What the drivers of explicit methods are told, and what they answer."""
+
+from __future__ import annotations
+
+from contwalk.flow.compiled.call_record import CallRecord, call_record
+
+DONE, NOT_FINITE, TOO_MANY_STEPS, STEP_TOO_SMALL, FULL = range(5)
+STATUS = ("ok", "not_finite", "too_many_steps", "step_too_small")
+
+
+@call_record
+class ExplicitCall(CallRecord):
+    """One call of a driver; m is the length of a vector."""
+
+    # Addresses of the functions of `stages`, and of what they are told of the field.
+    step: int
+    error: int
+    extend: int
+    evaluate: int
+    problem: int
+    # Number of states; length of a vector; address of the vectors, their number, which is the last stage.
+    n: int
+    length: int
+    work: int
+    vectors: int
+    last_stage: int
+    # Addresses of the times and the nodes; how many steps they have room for; whether every node is kept.
+    times: int
+    nodes: int
+    room: int
+    every: int
+    # Addresses of the inverse weights (m) and of the errors of the steps; both can be 0.
+    inverse_weights: int
+    errors: int
+    # For error control: the most steps; addresses of a `StepControl` and of a `Counts`; whether a path goes
+    # on where roundings of its state are larger than the tolerance.
+    most_steps: int
+    control: int
+    counts: int
+    far_out: int
+    # For interpolation: addresses of the positions of nodes, and of the results.
+    which: int
+    out: int
+    # Of several paths: addresses of their first vectors, and of the states at all times.
+    starts: int
+    states: int
+
+
+@call_record
+class StepControl(CallRecord):
+    """What error control remembers between steps."""
+
+    time: float
+    length: float  # of the next step; 0 before the first one
+    error: float  # of the last step, in units of the tolerance
+    undefined: float  # 1 where the last attempt came to what is not finite
+
+
+@call_record
+class Counts(CallRecord):
+    """Work done."""
+
+    steps: int
+    rejected: int
+    evaluations: int
+    stiff: int  # steps as long as stability allows
