@@ -11,6 +11,8 @@ from contwalk.problems.hybrid.word import named_word
 from contwalk.system import System
 from contwalk.workflow.run_file.settings import ReportAt
 
+NEVER = "which never happens on them"
+
 
 def notes_of(branch: Branch, system: System, place: ReportAt | None) -> Iterator[tuple[str, str]]:
     """Keys and sentences of what has no value on a branch, one sentence for each reason.
@@ -24,7 +26,7 @@ def notes_of(branch: Branch, system: System, place: ReportAt | None) -> Iterator
     """
     if not len(branch):
         return
-    events = None if branch.info.problem == "equilibrium" else _events(branch, system)
+    events = None if branch.info.problem == "equilibrium" else _events(branch, system, place)
     absent = _absent(branch, system, place, events)
     if absent:
         yield f"events {branch.name}", absent
@@ -56,13 +58,20 @@ def _where(branch: Branch, at: np.ndarray) -> str:
     return f"at {np.sum(at)} of {len(at)} points, the first of them at {free} = {value:.10g}"
 
 
-def _events(branch: Branch, system: System) -> tuple[str, ...]:
-    """Names of the events on a branch's orbits, images included, in their order."""
+def _events(branch: Branch, system: System, place: ReportAt | None) -> tuple[str, ...]:
+    """Names of the events on a branch's orbits, images included, in their order.
+
+    Soft ones, which come and go along a branch, are those at which something that is asked for has a value.
+    """
     settings = branch.info.settings
     if "legs" not in settings:
         return ()
     word = named_word(system, settings["legs"], settings["image"]).unfolded(system)
-    return tuple(dict.fromkeys(leg.name for leg in word.legs if leg.name))
+    asked = {observable.at: branch[observable.name] for observable in system.observables}
+    asked |= {} if place is None else {place.event: branch.points["state"]}
+    soft = {transition.name for transition in system.acting if transition.role == "soft"}
+    met = [name for name, values in asked.items() if name in soft and np.any(np.isfinite(values))]
+    return tuple(dict.fromkeys([*(leg.name for leg in word.legs if leg.name), *map(str, met)]))
 
 
 def _absent(branch: Branch, system: System, place: ReportAt | None, events: tuple[str, ...] | None) -> str:
@@ -79,10 +88,9 @@ def _absent(branch: Branch, system: System, place: ReportAt | None, events: tupl
         stored = (
             "NaN is stored as their state" if missing else "their state is that where their phase is fixed"
         )
-        said.append(f"`report_at` asks for their state at '{asked}', {_why(system, asked)}: {stored}.")
+        said.append(f"`report_at` asks for their state at '{asked}', {NEVER}: {stored}.")
     for observable in observables:
-        at = str(observable.at)
-        said.append(f"Observable '{observable.name}' is taken at '{at}', {_why(system, at)}: it is NaN.")
+        said.append(f"Observable '{observable.name}' is taken at '{observable.at}', {NEVER}: it is NaN.")
     they = f"They have {_named(events)}." if events else "They have no event at which a state is taken."
     remedies = []
     if asked is not None:
@@ -94,14 +102,6 @@ def _absent(branch: Branch, system: System, place: ReportAt | None, events: tupl
         )
     remedy = "; ".join(remedies)
     return f"{branch.name}, its orbits: {' '.join(said)} {they} {remedy[0].upper()}{remedy[1:]}."
-
-
-def _why(system: System, event: str) -> str:
-    """Why an event is none of an orbit's."""
-    roles = {transition.role for transition in system.transitions if transition.name == event}
-    if "hard" in roles:
-        return "which never happens on them"
-    return f"which is {roles.pop()}: states are taken at hard events only"
 
 
 def _named(events: tuple[str, ...]) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 
 import numpy as np
-import pytest
 
 from contwalk.cli.entry import run
 from contwalk.storage import open_database
@@ -51,10 +50,10 @@ FAR = (
 HIT = "Observable('hit', lambda t, x, p: x[1], at='wall'),"
 
 
-def told(folder, monkeypatch, capsys, observables="", report="", more=()):
+def told(folder, monkeypatch, capsys, observables="", report="", more=(), cart=CART):
     """What a run prints, its notes, and its branches."""
     monkeypatch.chdir(folder)
-    (folder / "cart.py").write_text(CART.replace("OBSERVABLES", observables))
+    (folder / "cart.py").write_text(cart.replace("OBSERVABLES", observables))
     (folder / "run.yaml").write_text(RUN + report)
     assert run(("continue", "run.yaml", "--no-figures", "--force", *more)) == 0
     printed = " ".join("".join(capsys.readouterr()).split())
@@ -65,16 +64,54 @@ def told(folder, monkeypatch, capsys, observables="", report="", more=()):
         return printed, notes, list(db)
 
 
-@pytest.mark.parametrize(
-    ("event", "why"), [("far", "which never happens on them"), ("top", "which is watched: states are taken")]
-)
-def test_reported_state_is_told_absent(event, why, tmp_path, monkeypatch, capsys):
-    printed, notes, (branch,) = told(tmp_path, monkeypatch, capsys, HIT, f"report_at: {{event: {event}}}\n")
+def test_reported_state_is_told_absent(tmp_path, monkeypatch, capsys):
+    printed, notes, (branch,) = told(tmp_path, monkeypatch, capsys, HIT, "report_at: {event: far}\n")
     assert np.isnan(branch.points["state"]).all()
     (note,) = notes
-    assert note.startswith(f"b1, its orbits: `report_at` asks for their state at '{event}', {why}")
+    why = "which never happens on them"
+    assert note.startswith(f"b1, its orbits: `report_at` asks for their state at 'far', {why}")
     assert "NaN is stored as their state. They have 'wall'. Let `report_at` name one of these" in note
     assert " ".join(note.split()) in printed
+
+
+def test_report_at_a_watched_event_is_refused_with_its_line(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "cart.py").write_text(CART.replace("OBSERVABLES", ""))
+    (tmp_path / "run.yaml").write_text(RUN + "report_at: {event: top}\n")
+    assert run(("continue", "run.yaml", "--no-figures")) == 2
+    printed = " ".join("".join(capsys.readouterr()).split())
+    line = RUN.count("\n") + 1
+    assert f"run.yaml, line {line}, key report_at.event: 'top' is only watched" in printed
+    assert "Allowed: wall, far." in printed
+    assert "{section: {s: 0.0}}" in printed
+    assert not (tmp_path / "out.h5").exists()
+
+
+# The cart with a spring that it meets softly on its left.
+SPRING = (
+    CART.replace('(Mode("rolling", roll),)', '(Mode("rolling", roll), Mode("pressed", press))')
+    .replace('Transition("far", "rolling", "rolling", lambda t, x, p: x[0] + 40.0, reset=bump)', "SOFT")
+    .replace(
+        "SOFT",
+        'Transition("meets", "rolling", "pressed", lambda t, x, p: x[0] - 0.3, role="soft"),\n'
+        '        Transition("leaves", "pressed", "rolling", lambda t, x, p: x[0] - 0.3, "rising", '
+        'role="soft")',
+    )
+    .replace(
+        "def bump(",
+        "def press(t, x, p, dx):\n    roll(t, x, p, dx)\n    dx[1] = dx[1] - 0.8 * (x[0] - 0.3)\n\ndef bump(",
+    )
+)
+
+
+def test_states_at_soft_events_are_told_where_they_happen(tmp_path, monkeypatch, capsys):
+    """They come and go along a branch, and are not in its signature: a note said that there are none."""
+    speed = "Observable('speed', lambda t, x, p: x[1], at='meets'),"
+    report = "report_at: {event: meets}\n"
+    _, notes, (branch,) = told(tmp_path, monkeypatch, capsys, speed, report, cart=SPRING)
+    assert notes == []
+    assert np.allclose(branch["s"], 0.3, atol=1e-12)
+    assert (branch["speed"] < 0.0).all()
 
 
 def test_one_note_names_all_and_is_told_again_with_resume(tmp_path, monkeypatch, capsys):

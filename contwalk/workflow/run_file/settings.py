@@ -180,13 +180,7 @@ def report_place(problems: Problems, system: System, place: ReportPlace | None) 
     if place is None:
         return None
     if place.event is not None:
-        events = tuple(dict.fromkeys(transition.name for transition in system.transitions))
-        if place.event not in events:
-            problems.add(
-                ("report_at", "event"),
-                f"'{place.event}' is not an event of '{system.name}'.",
-                allowed(events, place.event),
-            )
+        _check_event(problems, system, place.event)
         return ReportAt(event=place.event, side=place.side or "before")
     ((name, value),) = (place.section or {}).items()
     if name not in system.state_names:
@@ -196,6 +190,19 @@ def report_place(problems: Problems, system: System, place: ReportPlace | None) 
             allowed(system.state_names, name),
         )
     return ReportAt(section=(name, value), direction=place.direction)
+
+
+def _check_event(problems: Problems, system: System, event: str) -> None:
+    """Orbits have states at events that act, and there only."""
+    acting = tuple(dict.fromkeys(transition.name for transition in system.acting))
+    if event in acting:
+        return
+    sentence, remedy = f"'{event}' is not an event of '{system.name}'.", allowed(acting, event)
+    if any(transition.name == event for transition in system.transitions):
+        sentence = f"'{event}' is only watched, and no orbit has a state there."
+        section = f"{{section: {{{system.state_names[0]}: 0.0}}}}"
+        remedy = f"{allowed(acting)} Or give a value that a state passes there, as in {section}."
+    problems.add(("report_at", "event"), sentence, remedy)
 
 
 def figures(

@@ -193,8 +193,8 @@ def _exists(system: System, name: str, values: Mapping[str, float]) -> bool:
 
 
 def _report_example(system: System) -> str:
-    if system.transitions:
-        return f"{{event: {system.transitions[0].name}, side: before}}"
+    if system.acting:
+        return f"{{event: {system.acting[0].name}, side: before}}"
     name = system.state_names[0]
     return f"{{section: {{{name}: 0.0}}, direction: rising}}"
 
