@@ -20,6 +20,7 @@ from contwalk.plugin_check.events import check_soft, check_states, happening, tr
 from contwalk.plugin_check.findings import Finding, Report
 from contwalk.plugin_check.functions import check_clock, check_never_finite
 from contwalk.plugin_check.guards import check_twins, traced_guard
+from contwalk.plugin_check.keeping import check_keeping
 from contwalk.plugin_check.modes import CheckedFields, distinct_transitions
 from contwalk.plugin_check.samples import samples_of
 from contwalk.plugin_check.symmetry import compare_symmetry
@@ -87,6 +88,8 @@ def _findings(system: System) -> list[Finding]:
         if guard is not None and transition.source in fields and chooses(guard, reset):
             met = happening(transition, guard, fields[transition.source], samples)
             check_on_a_jump(report, met, reset, system, samples)
+        if guard is not None and reset is not None and transition.source in fields:
+            check_keeping(report, transition, guard, reset, fields[transition.source], samples)
     check_twins(report, system, guards)
     for entry in system.conditions:
         traced_at_event(report, entry, system)

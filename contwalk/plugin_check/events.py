@@ -66,7 +66,10 @@ def check_transition(
         _check_kept(report, happening, reset, samples)
     if transition.role == "soft":
         _check_continuous(report, happening, fields, samples)
-    if transition.role != "watched" and transition.reset is not None:
+    if transition.role != "watched" and reset is not None and reset.is_identity():
+        what = f"reset of transition '{transition.name}'"
+        report.ok(what, "keeps the state, and says so.", place_of(transition.reset))
+    elif transition.role != "watched" and transition.reset is not None:
         _check_leaving(report, happening, system, fields[transition.source], samples)
     if transition.role == "watched" and transition.reset is not None:
         report.warning(

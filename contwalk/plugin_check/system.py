@@ -17,10 +17,11 @@ from contwalk.plugin_check.absent import check_absent
 from contwalk.plugin_check.at_events import check_at_event
 from contwalk.plugin_check.conserved import check_conserved
 from contwalk.plugin_check.event_kinks import check_event_kinks
-from contwalk.plugin_check.events import Happening, check_passing, check_transition
+from contwalk.plugin_check.events import Happening, check_passing, check_transition, traced_reset
 from contwalk.plugin_check.findings import Finding, Report, place_of, place_of_error, split_place
 from contwalk.plugin_check.functions import check_map
 from contwalk.plugin_check.guards import check_twins
+from contwalk.plugin_check.keeping import check_keeping
 from contwalk.plugin_check.kinks import check_kinks
 from contwalk.plugin_check.modes import CheckedFields, distinct_transitions
 from contwalk.plugin_check.reachable import check_reachable
@@ -106,6 +107,9 @@ def check_system(system: System, sources: Sequence[Path] = (), model: str = "") 
         field = fields[happening.transition.source]
         check_passing(report, happening, field, samples, happenings)
         check_event_kinks(report, happening, system, samples)
+        reset = traced_reset(Report(), happening.transition, system)
+        if reset is not None:
+            check_keeping(report, happening.transition, happening.guard, reset, field, samples)
     check_reachable(report, system)
     check_twins(report, system, {each.transition.name: each.guard for each in happenings})
     seen = None

@@ -169,6 +169,12 @@ class Traced:
         keys = (graph.nodes[node] for leaf in self.outputs() for node in leaf.nodes)
         return any(key[0] == "select" and key[2:] == (graph.one, graph.zero) for key in keys)
 
+    def is_identity(self) -> bool:
+        """Whether it writes the state itself, whatever that is."""
+        graph = self.program.graph
+        wanted = [int(i) for i in np.flatnonzero(self.form.wanted) if i in self.existing]
+        return all(leaf.nodes[i] == graph.input("x", i) for leaf in self.outputs() for i in wanted)
+
     def _inputs(self) -> list[int]:
         graph = self.program.graph
         return [graph.input("t", 0), *[graph.input("x", i) for i in range(len(self.system.states))]]

@@ -621,6 +621,20 @@ WRONG: dict[str, Wrong] = {
         "if x[0] >",
         ("- p.k * x[1]", "- (p.k if x[0] > p.r * math.sin(t) else 0.0) * x[1]"),
     ),
+    "reset to where the guard is": _refused(
+        BALL,
+        "It changes nothing: wherever its guard is zero",
+        "def bounce",
+        ("x_plus[0] = x[0]", "x_plus[0] = p.r * math.sin(t)"),
+        ("(1.0 + p.k) * p.r * math.cos(t) - p.k * x[1]", "x[1]"),
+    ),
+    "reset that adds its guard": _refused(
+        STOPS,
+        "It changes nothing: wherever its guard is zero",
+        "def rebound",
+        ("-0.6 * x[1]", "x[1] + p.k * (1.0 - x[0])"),
+        (f", events={IMAGES}", ""),
+    ),
     # -- soft transitions --------------------------------------------------------------------------------
     "soft where the field jumps": _refused(
         RELAY,

@@ -239,6 +239,48 @@ class TestSoftTransitions:
         refuse_unsound(system)
 
 
+class TestResetsThatKeepTheState:
+    """An event that changes nothing is refused, unless it says so."""
+
+    @staticmethod
+    def system(kept):
+        def reset(t, x, p, x_plus):
+            x_plus[0], x_plus[1] = kept(t, x, p)
+
+        event = Transition("zero", "only", "only", lambda t, x, p: x[0] - p.w, reset=reset)
+        return oscillator(free, transitions=(event,))
+
+    @pytest.mark.parametrize(
+        "kept",
+        [
+            lambda t, x, p: (p.w, x[1]),
+            lambda t, x, p: (2.0 * x[0] - p.w, x[1]),
+            lambda t, x, p: (x[0], x[1] * (1.0 + 3e-16 * x[1])),
+        ],
+    )
+    def test_what_comes_to_the_same_at_the_guard_is_refused(self, kept):
+        with pytest.raises(SystemDefinitionError, match="It changes nothing: wherever its guard is zero"):
+            refuse_unsound(self.system(kept))
+
+    @pytest.mark.parametrize(
+        "kept",
+        [
+            lambda t, x, p: (p.w, 0.9 * x[1]),  # pinned, and slowed down
+            lambda t, x, p: (p.w, x[1] + p.f),  # a kick that is zero by default
+            lambda t, x, p: (2.0, x[1]),  # the guard's place for one value of the parameter only
+            lambda t, x, p: (p.w, x[1] if x[1] > -9.0 else -x[1]),  # for slow motions only
+            lambda t, x, p: (x[0], x[1]),  # says so
+        ],
+    )
+    def test_what_changes_something_or_says_so_is_not(self, kept):
+        refuse_unsound(self.system(kept))
+
+    def test_a_reset_that_says_so_is_no_stop_of_the_wrong_sign(self):
+        found = [each.sentence for each in check_system(self.system(lambda t, x, p: (x[0], x[1])))]
+        assert "keeps the state, and says so." in found
+        assert not [sentence for sentence in found if "goes on through it" in sentence]
+
+
 def free_of(stiffness):
     def field(t, x, p, dx):
         dx[0] = x[1]
