@@ -14,6 +14,7 @@ import numpy as np
 
 from contwalk.problems.orbit.branching import filled_magnitudes
 from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.problem import equations_at
 
 # A singular value of the scaled equations below this part of the largest is zero, but for rounding and the
 # steps of the start.
@@ -69,7 +70,8 @@ def family_at(problem: Orbit, z: np.ndarray, places: Places) -> Family | None:
     """
     weights = filled_magnitudes(problem, z)
     # At the same parameters: without the last column.
-    matrix = problem.linearize(z).jacobian[:, :-1] * weights[:-1]
+    problem, here = equations_at(problem, z)
+    matrix = here.jacobian[:, :-1] * weights[:-1]
     if not np.isfinite(matrix).all():
         return None
     scales = _row_scales(problem, matrix)
@@ -113,7 +115,7 @@ def is_one_of_a_family(problem: Orbit, z: np.ndarray) -> bool:
         own = _scaled(problem, there, weights)
         if own is None:
             return False
-        here = problem.linearize(there)
+        problem, here = equations_at(problem, there)
         if here.excess_in(weights) <= SOLVED:
             break
         scales = _row_scales(problem, here.jacobian[:, :-1] * weights[:-1])
@@ -132,7 +134,8 @@ def member_near(problem: Orbit, z: np.ndarray) -> np.ndarray | None:
     residual's own size, steps by least squares come to the family as fast as Newton's to a single orbit
     (J. Fan & Y. Yuan, Computing 74 (2005) 23).
     """
-    weights, here, extra = filled_magnitudes(problem, z), problem.linearize(z), 1.0
+    problem, here = equations_at(problem, z)
+    weights, extra = filled_magnitudes(problem, z), 1.0
     for _ in range(TRIES):
         matrix = here.jacobian[:, :-1] * weights[:-1]
         if not (np.isfinite(matrix).all() and np.isfinite(here.residual).all()):
@@ -144,7 +147,7 @@ def member_near(problem: Orbit, z: np.ndarray) -> np.ndarray | None:
         step = -right.T @ (values / (values**2 + damping) * (left.T @ rest))
         step *= LONGEST / max(LONGEST, float(np.abs(step).max()))
         trial = z + np.append(step, 0.0) * weights
-        there = problem.linearize(trial)
+        problem, there = equations_at(problem, trial)
         if not np.linalg.norm(there.residual / scales) < np.linalg.norm(rest):
             extra *= DAMPED
             continue
@@ -156,7 +159,7 @@ def member_near(problem: Orbit, z: np.ndarray) -> np.ndarray | None:
 
 def _scaled(problem: Orbit, z: np.ndarray, weights: np.ndarray) -> np.ndarray | None:
     """DF(z) in the units of the unknowns and of the equations; None where it is not finite."""
-    matrix = problem.linearize(z).jacobian * weights
+    matrix = equations_at(problem, z)[1].jacobian * weights
     return matrix / _row_scales(problem, matrix[:, :-1])[:, None] if np.isfinite(matrix).all() else None
 
 

@@ -125,7 +125,7 @@ def _parameter_at(segment: Segment, value: float, near: Sample) -> Located | Non
         if not correction.ok:
             return None
         z = np.append(correction.z[:-1], value)
-        return Located(z, float(np.spacing(abs(value))), {}, refined=True, problem=problem)
+        return Located(z, float(np.spacing(abs(value))), {}, refined=True, problem=correction.problem)
 
     found = solved(segment.problem, guess)
     if found is None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contwalk.errors import PluginError
-from contwalk.problems.problem import Linearization, Problem
+from contwalk.problems.problem import Linearization, Problem, equations_at
 
 # Residuals this many times above their rounding error still count as solved: the bound is of first order.
 ROUNDED = 20.0
@@ -30,8 +30,12 @@ ON_PLANE = 1e-9
 
 @dataclass(frozen=True)
 class Correction:
-    """What became of a guess. `reason` is empty where it converged, else a reason code with a sentence."""
+    """What became of a guess. `reason` is empty where it converged, else a reason code with a sentence.
 
+    `problem` is whose solution it is: the given one, on a discretisation that reaches it.
+    """
+
+    problem: Problem
     z: np.ndarray
     linearization: Linearization | None
     iterations: int
@@ -42,6 +46,31 @@ class Correction:
     def ok(self) -> bool:
         """Whether z is a solution."""
         return not self.reason
+
+
+class _Equations:
+    """A problem's equations at the points of one iteration; remeshed where its discretisation does not reach
+    one of them.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+
+    def at(self, z: np.ndarray) -> Linearization:
+        """Residual and Jacobian at z; not finite where no discretisation reaches it."""
+        self.problem, here = equations_at(self.problem, z)
+        return here
+
+    def ended(
+        self,
+        z: np.ndarray,
+        here: Linearization | None,
+        iterations: int,
+        reason: str = "",
+        sentence: str = "",
+    ) -> Correction:
+        """What has become of the iteration."""
+        return Correction(self.problem, z, here, iterations, reason, sentence)
 
 
 def correct(
@@ -63,25 +92,26 @@ def correct(
     damped : bool
         Shorten Newton steps that do not reduce the residual: for a start far from the solution.
     """
+    equations = _Equations(problem)
     try:
         # What overflows or is not a number on the way is looked at where it matters.
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             guess = _clean(guess, weights)
-            found = _iterated(problem, guess, normal, weights, iterations, damped)
+            found = _iterated(equations, guess, normal, weights, iterations, damped)
             if not damped and (not found.ok or found.iterations >= LABORIOUS):
-                found = _with_fitted(problem, guess, normal, weights, iterations, found)
+                found = _with_fitted(equations, guess, normal, weights, iterations, found)
             if found.ok:
-                return _without_dust(problem, found, weights)
-            first = problem.linearize(guess)
+                return _without_dust(found, weights)
+            first = equations.at(guess)
             if first.finite and first.excess <= 2.0:  # a solution, at a point too singular for corrections
-                return Correction(guess, first, 0)
+                return equations.ended(guess, first, 0)
             return found
     except PluginError as error:
-        return Correction(guess, None, 0, "plugin_error", error.sentence)
+        return equations.ended(guess, None, 0, "plugin_error", error.sentence)
 
 
 def _with_fitted(
-    problem: Problem,
+    equations: _Equations,
     guess: np.ndarray,
     normal: np.ndarray,
     weights: np.ndarray,
@@ -92,20 +122,20 @@ def _with_fitted(
 
     What was found without stays where this takes no fewer iterations, or where no unknowns are of that kind.
     """
-    known = problem.linearize(guess) if found.linearization is None else found.linearization
+    known = equations.at(guess) if found.linearization is None else found.linearization
     fitted = known.fitted
     if fitted is None:
         return found
     z, effort, previous = fitted(guess, normal, weights), 0, np.inf
     most = iterations + 1 if not found.ok else found.iterations
     while z is not None and effort < most:
-        here = problem.linearize(z)
+        here = equations.at(z)
         if not here.finite:
             return found
         step = _newton_step(here, here.residual, normal, normal @ (z - guess), weights)
         size = np.inf if step is None else float(np.linalg.norm(step / weights))
         if size < ON_PLANE or (size < NEARLY and size > 0.25 * previous):
-            return Correction(z, here, effort) if here.excess <= ROUNDED else found
+            return equations.ended(z, here, effort) if here.excess <= ROUNDED else found
         if step is None or size > 0.7 * previous:
             return found
         z, previous = fitted(z - step, normal, weights), size
@@ -120,7 +150,7 @@ def _clean(z: np.ndarray, weights: np.ndarray) -> np.ndarray:
     return clean
 
 
-def _without_dust(problem: Problem, found: Correction, weights: np.ndarray) -> Correction:
+def _without_dust(found: Correction, weights: np.ndarray) -> Correction:
     """A solution whose negligible unknowns are exactly zero, where that is as good a solution.
 
     On an invariant subspace the zero unknowns shrink from step to step, down to where floats end.
@@ -129,14 +159,14 @@ def _without_dust(problem: Problem, found: Correction, weights: np.ndarray) -> C
     clean = _clean(z, weights)
     if here is None or np.array_equal(clean, z):
         return found
-    there = problem.linearize(clean)
+    there = found.problem.linearize(clean)
     if not there.finite or there.excess > max(here.excess, 2.0):
         return found
     return replace(found, z=clean, linearization=there)
 
 
 def _iterated(
-    problem: Problem,
+    equations: _Equations,
     guess: np.ndarray,
     normal: np.ndarray,
     weights: np.ndarray,
@@ -146,39 +176,39 @@ def _iterated(
     """Newton's method itself."""
     z = guess.copy()
     previous = np.inf
-    here = problem.linearize(z)
+    here = equations.at(z)
     for iteration in range(iterations + 1):
         if not here.finite:
-            sentence = f"The vector field is not finite: {problem.explain(z)}."
-            return Correction(z, None, iteration, "not_finite", sentence)
+            sentence = f"The vector field is not finite: {equations.problem.explain(z)}."
+            return equations.ended(z, None, iteration, "not_finite", sentence)
         step = _newton_step(here, here.residual, normal, normal @ (z - guess), weights)
         if step is None and here.excess <= ROUNDED:
-            return Correction(z, here, iteration)
+            return equations.ended(z, here, iteration)
         if step is None:
             sentence = "The bordered Jacobian is singular."
-            return Correction(z, here, iteration, "no_convergence", sentence)
+            return equations.ended(z, here, iteration, "no_convergence", sentence)
         size = float(np.linalg.norm(step / weights))
         if (size < NEARLY or iteration >= 2) and here.excess <= 2.0:
-            return Correction(z, here, iteration)
+            return equations.ended(z, here, iteration)
         if size < 1e-11 or (size > 0.25 * previous and size < 1e-7):
-            return _settled(problem, z, here, (guess, normal, weights), iteration)
+            return _settled(equations, z, here, (guess, normal, weights), iteration)
         stalls = iteration > 1 and size > 0.7 * previous
         if stalls and here.excess <= ROUNDED:  # near a singular point corrections never get small
-            return Correction(z, here, iteration)
+            return equations.ended(z, here, iteration)
         if stalls and not damped:
-            return Correction(z, here, iteration, "no_convergence", "Newton's method does not contract.")
+            return equations.ended(z, here, iteration, "no_convergence", "Newton's method does not contract.")
         previous = size
         if damped:
-            z, here = _damped(problem, z, step, here, (guess, normal, weights))
+            z, here = _damped(equations, z, step, here, (guess, normal, weights))
         else:
             z = _followed(z, step, here, (guess, normal, weights))
             # If what is taken for dust is more than that, later iterations show it.
             z = _clean(z, weights) if iteration < 2 else z
-            here = problem.linearize(z)
+            here = equations.at(z)
     if here.excess <= ROUNDED:  # a solution already, of equations too singular to improve on it
-        return Correction(z, here, iterations)
+        return equations.ended(z, here, iterations)
     sentence = f"Newton's method did not converge in {iterations} iterations."
-    return Correction(z, here, iterations, "no_convergence", sentence)
+    return equations.ended(z, here, iterations, "no_convergence", sentence)
 
 
 def _followed(
@@ -196,10 +226,11 @@ def _followed(
     z, size = z - step, float(np.linalg.norm(step / weights))
     if here.nearby is None:
         return z
+    residual = here.nearby()
     for _ in range(CHORDS):
         if not NOTHING < size < NEAR:
             break
-        following = _newton_step(here, here.nearby(z), normal, normal @ (z - guess), weights)
+        following = _newton_step(here, residual(z), normal, normal @ (z - guess), weights)
         before, size = size, np.inf if following is None else float(np.linalg.norm(following / weights))
         if following is None or not size < CONTRACTS * before:
             break
@@ -220,7 +251,7 @@ def _newton_step(
 
 
 def _settled(
-    problem: Problem,
+    equations: _Equations,
     z: np.ndarray,
     here: Linearization,
     condition: tuple[np.ndarray, np.ndarray, np.ndarray],
@@ -234,7 +265,7 @@ def _settled(
         if step is None:
             break
         before, size = size, float(np.linalg.norm(step / weights))
-        there = problem.linearize(z - step)
+        there = equations.at(z - step)
         gains = there.finite and (there.excess <= 0.5 * here.excess or NOTHING < size < 0.1 * before)
         if not gains:
             break
@@ -242,13 +273,13 @@ def _settled(
         if here.excess <= 2.0:
             break
     if here.excess <= ROUNDED or size <= NOTHING:
-        return Correction(z, here, iteration)
+        return equations.ended(z, here, iteration)
     sentence = f"Residuals stay {here.excess:.1e} times above their rounding error."
-    return Correction(z, here, iteration, "no_convergence", sentence)
+    return equations.ended(z, here, iteration, "no_convergence", sentence)
 
 
 def _damped(
-    problem: Problem,
+    equations: _Equations,
     z: np.ndarray,
     step: np.ndarray,
     here: Linearization,
@@ -264,7 +295,7 @@ def _damped(
     fraction = 1.0
     while True:
         moved = z - fraction * step
-        there = problem.linearize(moved)
+        there = equations.at(moved)
         if fraction < 1e-6:
             return moved, there
         if there.finite:

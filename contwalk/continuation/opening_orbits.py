@@ -34,7 +34,7 @@ from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.problems.parameter_line import Ends, ParameterLine
-from contwalk.problems.problem import NO_MARGIN
+from contwalk.problems.problem import NO_MARGIN, equations_at
 from contwalk.problems.stored_word import StoredWord
 from contwalk.signatures import folded
 from contwalk.system import Neutral, System
@@ -256,6 +256,7 @@ def _hybrid(
         return _not_alone(problem, z, here) or outcomes.no_start(
             here.reason, f"{here.sentence} (word: {word})", "a periodic orbit"
         )
+    problem, _ = equations_at(problem, here.sample.z)
     collapsed = problem.collapsed(here.sample.z)
     if collapsed:
         return _family(problem, z) or _collapsed(problem, here.sample.z, collapsed, word)

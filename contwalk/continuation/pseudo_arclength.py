@@ -61,10 +61,10 @@ def walk(
                 outcome = step
                 break
             for place, found in _on_the_way(step, here, sign):
-                record = found_record(problem, found, place.s, sign)
+                record = found_record(step.segment.problem, found, place.s, sign)
                 yield Point(place, record)
                 number += 1
-                if outcome := _stop(problem, found, record, settings):
+                if outcome := _stop(step.segment.problem, found, record, settings):
                     place = replace(place, sample=replace(place.sample, unstable=found.after))
                     yield End(outcome, end_record(problem, place, outcome, sign, record.error))
                     return

@@ -15,7 +15,7 @@ from contwalk.continuation.newton import correct
 from contwalk.errors import NotFinite
 from contwalk.problems.equilibrium.equilibrium import Equilibrium
 from contwalk.problems.images import MOST_IMAGES, Product, in_words
-from contwalk.problems.problem import Problem, Sample
+from contwalk.problems.problem import Problem, Sample, equations_at
 from contwalk.system.declarations import ParameterValues
 
 if TYPE_CHECKING:  # compiled flows are imported only where orbits are computed
@@ -274,7 +274,7 @@ def _at_parameter(
             return None
         left = value - correction.z[-1]
         if abs(left) <= AT_PARAMETER * arc.weights[-1]:
-            return there, correction.z
+            return equations_at(there, correction.z)[0], correction.z
         tangent = correction.linearization.tangent(arc.normal, arc.weights)
         if tangent[-1] == 0.0 or abs(left / tangent[-1]) > 1.0:  # the tangent is one arc long
             return None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.continuation.arc import Arc
-from contwalk.continuation.newton import correct
+from contwalk.continuation.newton import Correction, correct
 from contwalk.problems.problem import Linearization, Problem, Sample
 
 # Near a branch point solutions are known to rounding over their distance from it, and along a branch that
@@ -18,7 +18,10 @@ class LostBranch(Exception):
 
 
 class Segment(Arc):
-    """Solutions between samples `a` and `b`, by position theta in 0..1 along the chord."""
+    """Solutions between samples `a` and `b`, by position theta in 0..1 along the chord.
+
+    `problem` is remeshed where its discretisation does not reach one of them.
+    """
 
     def __init__(self, problem: Problem, a: Sample, b: Sample) -> None:
         super().__init__((a.z, b.z), (a.tangent, b.tangent), a.weights)
@@ -54,18 +57,18 @@ class Segment(Arc):
         """
         if theta not in self._known:
             near = min(self._known, key=lambda t: abs(t - theta))
-            z, linearization = self._corrected(self.problem, self.guess(theta))
-            tangent = self.tangent(linearization)
+            found, linearization = self._corrected(self.problem, self.guess(theta))
+            self.problem, tangent = found.problem, self.tangent(linearization)
             unstable = self._known[near].unstable
-            self._known[theta] = self.problem.examine(z, tangent, self.weights, linearization, unstable)
+            self._known[theta] = self.problem.examine(found.z, tangent, self.weights, linearization, unstable)
         return self._known[theta]
 
-    def _corrected(self, problem: Problem, guess: np.ndarray) -> tuple[np.ndarray, Linearization]:
+    def _corrected(self, problem: Problem, guess: np.ndarray) -> tuple[Correction, Linearization]:
         """The solution in the hyperplane across the chord through a guess."""
         correction = correct(problem, guess, self.normal, self.weights)
         if not correction.ok or correction.linearization is None:
             raise LostBranch(correction.sentence)
-        return correction.z, correction.linearization
+        return correction, correction.linearization
 
     def on(self, problem: Problem, theta: float) -> Sample:
         """The solution at theta on another discretisation.
@@ -75,12 +78,14 @@ class Segment(Arc):
         LostBranch
             If the corrector does not converge there.
         """
-        z, linearization = self._corrected(problem, self.at(theta).z)
-        return problem.examine(z, self.tangent(linearization), self.weights, linearization, None)
+        found, linearization = self._corrected(problem, self.at(theta).z)
+        tangent = self.tangent(linearization)
+        return found.problem.examine(found.z, tangent, self.weights, linearization, None)
 
     def until(self, theta: float) -> Segment:
         """The part of the segment before theta."""
-        return Segment(self.problem, self.a, self.at(theta))
+        there = self.at(theta)
+        return Segment(self.problem, self.a, there)
 
     def distance(self, z: np.ndarray, theta: float) -> float:
         """Distance of z from the solution at theta, relative to the length of the segment.
@@ -88,5 +93,5 @@ class Segment(Arc):
         What is watched at a solution has its price, and is not asked for here.
         """
         known = self._known.get(theta)
-        there = self._corrected(self.problem, self.guess(theta))[0] if known is None else known.z
+        there = self._corrected(self.problem, self.guess(theta))[0].z if known is None else known.z
         return float(np.linalg.norm((there - z) / self.weights)) / max(self.length, 1e-300)

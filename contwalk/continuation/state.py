@@ -57,7 +57,7 @@ def begin(
         correction = correct(problem, z, normal, problem.beginnings(z), iterations=60, damped=True)
         if not correction.ok:
             return correction
-        z = np.append(correction.z[:-1], value)
+        problem, z = correction.problem, np.append(correction.z[:-1], value)
     linearization = problem.linearize(z)
     magnitudes = linearization.magnitudes
     span = parameter_weight(magnitudes[-1], settings, value)

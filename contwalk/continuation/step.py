@@ -111,9 +111,9 @@ def take_step(problem: Problem, here: Here, settings: Settings, observer: Observ
             reason, sentence = "plugin_error", refusal(jump.kink).sentence
         elif correction.ok:
             try:
-                segment = _segment(problem, here, prediction, correction, settings, smallest)
+                segment = _segment(here, prediction, correction, settings, smallest)
                 segment = _with_kinks(segment, passed)
-                if outcome := problem.ended(segment.a, segment.b):
+                if outcome := segment.problem.ended(segment.a, segment.b):
                     if outcome.reason == "shrunk" and length > NEARLY_SHRUNK and not smallest:
                         raise Disagreement("EP", "The orbit shrinks to nothing within the step.")
                     return outcome
@@ -184,7 +184,6 @@ def predict(here: Here, length: float, settings: Settings) -> Prediction:
 
 
 def _segment(
-    problem: Problem,
     here: Here,
     prediction: Prediction,
     correction: Correction,
@@ -192,7 +191,7 @@ def _segment(
     smallest: bool,
 ) -> Segment:
     """The piece of branch up to the corrected point; `Disagreement` if it is not to be trusted."""
-    a, linearization = here.sample, correction.linearization
+    problem, a, linearization = correction.problem, here.sample, correction.linearization
     assert linearization is not None
     z = correction.z
     if prediction.to_bound:
@@ -209,7 +208,10 @@ def _segment(
     there = problem.examine(z, tangent, a.weights, linearization, a.unstable)
     segment = Segment(problem, a, replace(there, iterations=correction.iterations))
     # Orientation is not defined at a branch point that the walk begins at.
-    return Segment(problem, _beside(segment), segment.b) if a.orientation == 0.0 else segment
+    if a.orientation != 0.0:
+        return segment
+    beside = _beside(segment)
+    return Segment(segment.problem, beside, segment.b)
 
 
 def _tangent(a: Sample, linearization: Linearization) -> np.ndarray:

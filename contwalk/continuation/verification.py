@@ -234,6 +234,7 @@ def _beside(
     found = correct(problem, guess, normal, weights, iterations=20)
     if not found.ok or found.linearization is None:
         raise ContwalkError(f"There is no solution beside the point: {found.sentence}")
+    problem = found.problem
     return problem, problem.examine(found.z, tangent, weights, found.linearization, place.unstable)
 
 
@@ -341,8 +342,8 @@ def _extremum(problem: Problem, sample: Sample, name: str) -> Located | None:
         if not found.ok or found.linearization is None:
             raise ContwalkError(f"There is no solution beside the point: {found.sentence}")
         tangent = _tangent(found.linearization, sample)
-        there = problem.examine(found.z, tangent, sample.weights, found.linearization, sample.unstable)
-        return there, problem.rate(name, there)
+        there = found.problem.examine(found.z, tangent, sample.weights, found.linearization, sample.unstable)
+        return there, found.problem.rate(name, there)
 
     low, high = -3.0 * ASIDE, ASIDE
     v0, v1 = at(low)[1], at(high)[1]

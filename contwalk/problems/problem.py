@@ -21,6 +21,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
+from contwalk.errors import NotFinite
 from contwalk.memory import computed_once
 from contwalk.numerics.linear import EPSILON, Factored, Factorization
 from contwalk.problems.event_kinks import Met
@@ -42,9 +43,11 @@ Fitted = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray | None]
 class Linearization:
     """The equations at one z: F, shape (N,), and DF, shape (N, N + 1).
 
-    What is only needed near a solution is computed when it is first asked for, by `levels`. `nearby` tells F
-    at other points near z, where that is far cheaper than DF; else it is None. `fitted(z, normal,
-    weights)` tells z with those unknowns solved for that are hard to guess, None where there are none.
+    What is only needed near a solution is computed when it is first asked for, by `levels`. `nearby()` begins
+    a chain of points near z at which F alone is asked for, where that is far cheaper than DF; else it is
+    None. `fitted(z, normal, weights)` tells z with those unknowns solved for that are hard to guess, None
+    where there are none. Where the discretisation does not reach z nothing is finite, and `remeshed()` gives
+    the problem on one that does as well.
     """
 
     def __init__(
@@ -54,12 +57,13 @@ class Linearization:
         levels: Callable[[], tuple[np.ndarray, np.ndarray | None]],
         magnitudes: Callable[[], np.ndarray] | None = None,
         factor: Callable[[np.ndarray, np.ndarray], Factorization] = Factored,
-        nearby: Callable[[np.ndarray], np.ndarray] | None = None,
+        nearby: Callable[[], Callable[[np.ndarray], np.ndarray]] | None = None,
         fitted: Fitted | None = None,
+        remeshed: Callable[[], Problem] | None = None,
     ) -> None:
         self.residual = residual
         self.jacobian = jacobian
-        self.nearby, self.fitted = nearby, fitted
+        self.nearby, self.fitted, self.remeshed = nearby, fitted, remeshed
         self._factor = factor
         self._bordered: tuple[bytes, Factorization] | None = None
         self._levels = levels
@@ -533,3 +537,18 @@ class Problem(Protocol):
     def seeds(self, point: SpecialPoint) -> Sequence[Seed]:
         """Branches that leave a special point."""
         ...
+
+
+def equations_at(problem: Any, z: np.ndarray) -> tuple[Any, Linearization]:
+    """The problem, remeshed where its discretisation does not reach z, and its equations there.
+
+    They are not finite where no discretisation reaches z.
+    """
+    here: Linearization = problem.linearize(z)
+    if here.remeshed is None:
+        return problem, here
+    try:
+        there = here.remeshed()
+    except NotFinite:
+        return problem, here
+    return there, there.linearize(z)

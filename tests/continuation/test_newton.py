@@ -140,8 +140,12 @@ def test_cheap_residuals_save_jacobians():
     class Cheap(MadeUp):
         def linearize(self, z):
             plain = super().linearize(z)
-            nearby = lambda y: np.array(self.f(y), dtype=float)  # noqa: E731
-            return Linearization(plain.residual, plain.jacobian, lambda: plain.levels, nearby=nearby)
+            return Linearization(
+                plain.residual,
+                plain.jacobian,
+                lambda: plain.levels,
+                nearby=lambda: lambda y: np.array(self.f(y), dtype=float),
+            )
 
     cheap = Cheap(circle().f, circle().df)
     found = along(cheap, [1.004, 0.0], [0.0, 1.0])

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 MOST_CORRECTIONS, SOLVED = 4, 1e2
 # Beyond corrections of this size, against the orbit's, the next solution may be another one.
 COARSE = 1e-2
+# Corrections by the derivatives of another orbit: how many at most, and by how much each is smaller at least.
+MOST_CHORDS, CONTRACTS = 12, 0.5
 # What is left of the other equations, in their units, near a solution.
 NEARLY = 1e-7
 # The same where it is worth to ask whether it is the machine's.
@@ -50,58 +52,76 @@ class Eliminated:
         """Whether the equations have values."""
         return self.explicit.linearize(self.unknowns).finite
 
-    @property
+    @cached_property
+    def _level(self) -> np.ndarray:
+        """Level of the residuals of what is eliminated."""
+        return self.explicit.linearize(self.unknowns).levels[0][self.grouping.soft_rows]
+
+    def excess_of(self, residual: np.ndarray) -> float:
+        """A residual of what is eliminated, in units of its level here."""
+        return float(np.max(np.abs(residual) / self._level, initial=0.0))
+
+    @cached_property
     def excess(self) -> float:
         """Residual of what is eliminated, in units of its level."""
-        if not len(self.grouping.soft_rows):
-            return 0.0
-        level = self.explicit.linearize(self.unknowns).levels[0][self.grouping.soft_rows]
-        return float(np.max(np.abs(self._parts[1]) / level))
+        return self.excess_of(self._parts[1])
+
+    @property
+    def solved(self) -> bool:
+        """Whether what is eliminated is solved for."""
+        return self.excess <= SOLVED
 
     @property
     def settles(self) -> bool:
         """Whether what is left is solved nearly."""
-        return self.excess <= SOLVED and self._left < SETTLED
+        return self.solved and self.left < SETTLED
 
     @cached_property
-    def _left(self) -> float:
+    def left(self) -> float:
         """What is left to solve, in units of the equations."""
-        scales = self.explicit.equation_scales[self.grouping.hard_rows]
-        return float(np.linalg.norm(self.residual / scales))
+        return self.size_of(self.residual)
 
-    @property
-    def negligible(self) -> bool:
-        """Whether what second derivatives make of the next correction is small beside what is left to solve.
-
-        At a solution of what is left it has to be solved for.
-        """
-        return self._left > NEARLY and self.step**2 < 0.01 * self._left
+    def size_of(self, residual: np.ndarray) -> float:
+        """A residual of what is left, in units of the equations."""
+        return float(np.linalg.norm(residual / self._scales))
 
     @cached_property
-    def _inverse(self) -> np.ndarray:
+    def _scales(self) -> np.ndarray:
+        return self.explicit.equation_scales[self.grouping.hard_rows]
+
+    @cached_property
+    def inverse(self) -> np.ndarray:
         """Inverse of the derivatives by what is eliminated of its own equations: it is used often."""
         return np.linalg.inv(self._parts[5])
 
     @cached_property
     def correction(self) -> np.ndarray:
         """What Newton's method subtracts from what is eliminated."""
-        return self._inverse @ self._parts[1]
+        return self.inverse @ self._parts[1]
 
     @cached_property
     def step(self) -> float:
         """Length of the correction, in units of the states' variation and of the closure's duration."""
-        sizes = self.grouping.split(np.append(self.explicit.cycle_scales[1], 1.0))[1]
-        return float(np.linalg.norm(self.correction / sizes))
+        return float(np.linalg.norm(self.correction / self.sizes))
+
+    @cached_property
+    def sizes(self) -> np.ndarray:
+        """Units of what is eliminated: the states' variation, and the closure's duration."""
+        return self.grouping.split(np.append(self.explicit.cycle_scales[1], 1.0))[1]
 
     @cached_property
     def slope(self) -> np.ndarray:
         """Derivative of what is eliminated by the unknowns."""
-        return -self._inverse @ self._parts[4]
+        return -self.inverse @ self._parts[4]
 
-    @property
+    @cached_property
     def residual(self) -> np.ndarray:
         """Of the equations that are left."""
-        return self._parts[0] - self._parts[3] @ self.correction
+        return self.corrected(self._parts[0], self.correction)
+
+    def corrected(self, hard: np.ndarray, correction: np.ndarray) -> np.ndarray:
+        """What a correction of what is eliminated makes of a residual of what is left, to first order."""
+        return hard - self._parts[3] @ correction
 
     @property
     def jacobian(self) -> np.ndarray:
@@ -109,53 +129,103 @@ class Eliminated:
         _, _, by_own, by_soft, _, _ = self._parts
         return by_own + by_soft @ self.slope
 
-    def predicted(self, z: np.ndarray) -> np.ndarray:
-        """What is eliminated elsewhere, to first order."""
-        return self.soft - self.correction + self.slope @ (z - self.z)
-
     def levels(self, explicit: np.ndarray) -> np.ndarray:
         """Levels of what is left, from levels of all equations."""
         own, soft = explicit[self.grouping.hard_rows], explicit[self.grouping.soft_rows]
-        return own + np.abs(self._parts[3] @ self._inverse) @ soft
-
-    def followed(self, z: np.ndarray, before: Followed | None) -> tuple[np.ndarray, Followed]:
-        """Residual of what is left at a point nearby, without its derivatives.
-
-        What is eliminated is corrected by those there are, from where it was followed to before.
-        """
-        start = before or Followed(self, self.z, self.soft - self.correction)
-        soft, grouping = start.predicted(z), self.grouping
-        residual = self.explicit.residual(grouping.joined(z, soft))
-        correction = self._inverse @ residual[grouping.soft_rows]
-        left = residual[grouping.hard_rows] - self._parts[3] @ correction
-        return left, Followed(self, z, soft - correction)
+        return own + np.abs(self._parts[3] @ self.inverse) @ soft
 
     def direction(self, tangent: np.ndarray) -> np.ndarray:
         """A direction of the unknowns that are left as one of all of them."""
         return self.grouping.joined(tangent, self.slope @ tangent)
 
 
-@dataclass(frozen=True, eq=False)
-class Followed:
-    """What is eliminated at z, corrected by the derivatives at a point near it."""
+class Chord:
+    """Residuals of what is left at points near an orbit, without derivatives: those of that orbit are used.
 
-    near: Eliminated
-    z: np.ndarray
-    soft: np.ndarray
+    What is eliminated is corrected by them, each time from where it has come to; at the orbit itself, it is
+    what is known there. One chord serves one chain of points.
+    """
 
-    @property
-    def explicit(self) -> HybridOrbit:
-        """The explicit orbit."""
-        return self.near.explicit
+    def __init__(self, near: Eliminated) -> None:
+        self.near, self.z = near, near.z
+        self.soft = near.soft if near.solved else near.soft - near.correction
 
-    @property
-    def grouping(self) -> Grouping:
-        """Its groups."""
-        return self.near.grouping
+    def moved(self, z: np.ndarray) -> None:
+        """Go to another point, to first order."""
+        self.soft, self.z = self.soft + self.near.slope @ (z - self.z), z
 
-    def predicted(self, z: np.ndarray) -> np.ndarray:
-        """What is eliminated elsewhere, to first order."""
-        return self.soft + self.near.slope @ (z - self.z)
+    def residuals(self) -> tuple[np.ndarray, np.ndarray]:
+        """Of what is left, with what is eliminated to be corrected yet, and of that."""
+        grouping = self.near.grouping
+        found = self.near.explicit.residual(grouping.joined(self.z, self.soft))
+        return found[grouping.hard_rows], found[grouping.soft_rows]
+
+    def residual(self, z: np.ndarray) -> np.ndarray:
+        """Of what is left at z, that is eliminated being corrected once."""
+        self.moved(z)
+        hard, soft = self.residuals()
+        correction = self.near.inverse @ soft
+        self.soft = self.soft - correction
+        return self.near.corrected(hard, correction)
+
+    def follow(self, z: np.ndarray, roughly: bool) -> bool:
+        """Solve for what is eliminated at z, by Broyden's method, as far as it contracts.
+
+        False where it leads nowhere. Roughly: to where corrections are negligible beside what is left.
+        """
+        self.moved(z)
+        steps: list[np.ndarray] = []
+        before = np.inf
+        while len(self.soft) and len(steps) < MOST_CHORDS:
+            hard, soft = self.residuals()
+            steps.append(self._next(soft, steps))
+            size, change = float(np.linalg.norm(steps[-1])), steps[-1] * self.near.sizes
+            if not size <= COARSE:
+                return False
+            self.soft = self.soft + change
+            shrinks = min(size / before, 1.0) if len(steps) > 1 else CONTRACTS
+            if shrinks > CONTRACTS or shrinks * self.near.excess_of(soft) <= 1.0:
+                break
+            if roughly and negligible(size, self.near.size_of(self.near.corrected(hard, -change))):
+                break
+            before = size
+        return True
+
+    def _next(self, residual: np.ndarray, steps: list[np.ndarray]) -> np.ndarray:
+        """Broyden's next step, in units of `sizes` (C. T. Kelley, Solving Nonlinear Equations with Newton's
+        Method, 2003, section 4.3).
+        """
+        step = -(self.near.inverse @ residual) / self.near.sizes
+        for one, following in pairwise(steps):
+            step = step + following * ((one @ step) / (one @ one))
+        if steps:
+            step = step / (1.0 - (steps[-1] @ step) / (steps[-1] @ steps[-1]))
+        return step
+
+
+def negligible(step: float, left: float) -> bool:
+    """Whether what second derivatives make of a step is small beside what is left to solve.
+
+    At a solution of what is left it has to be solved for.
+    """
+    return left > NEARLY and step**2 < 0.01 * left
+
+
+def reached(near: Eliminated, z: np.ndarray, roughly: bool = False) -> Eliminated | None:
+    """What is eliminated at z, solved for from an orbit near it: a function of both alone.
+
+    None where Newton's method finds none, or one that runs backwards. Solved to the level of residuals, or
+    roughly: to where they are negligible beside those that are left.
+    """
+    if near.solved and np.array_equal(near.z, z):
+        return near
+    chord = Chord(near)
+    try:
+        if not chord.follow(z, roughly):
+            return None
+    except np.linalg.LinAlgError:
+        return None
+    return corrected(near.explicit, near.grouping, z, chord.soft, roughly)
 
 
 def corrected(
@@ -174,14 +244,14 @@ def corrected(
         found = Eliminated(explicit, grouping, z, soft)
         if grouping.backward(found.unknowns[explicit.layout.durations]) or not found.finite:
             return None
-        if found.excess <= SOLVED:
+        if found.solved:
             return found
         try:
             if found.step > min(COARSE, before):  # it leads nowhere: another transition comes or goes
                 return None
         except np.linalg.LinAlgError:
             return None
-        if roughly and found.negligible:
+        if roughly and negligible(found.step, found.left):
             return found
         before, soft = found.step, soft - found.correction
     return None

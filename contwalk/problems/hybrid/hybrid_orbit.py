@@ -157,13 +157,14 @@ class HybridOrbit(DiscretizedOrbit):
     def _linearized(self, z: np.ndarray) -> Linearization:
         residual, jacobian = self._equations(z)
         levels, magnitudes = unowned(self._levels), unowned(self.magnitudes_near)
+        nearby = unowned(self.residual)
         return Linearization(
             residual,
             jacobian,
             lambda: (levels(z, jacobian), None),
             lambda: magnitudes(z),
             self._factored,
-            unowned(self.residual),
+            lambda: nearby,
             unowned(self.fitted),
         )
 

@@ -25,7 +25,7 @@ from contwalk.errors import NotFinite
 from contwalk.memory import remembered, unowned
 from contwalk.numerics.linear import Factored, Factorization, kernel_direction
 from contwalk.problems.hybrid import limits, softness
-from contwalk.problems.hybrid.eliminated import SOLVED, Eliminated, Followed, corrected
+from contwalk.problems.hybrid.eliminated import Chord, Eliminated, corrected, reached
 from contwalk.problems.hybrid.grouping import Grouping
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.margins import Limit, Margins
@@ -43,18 +43,20 @@ from contwalk.system import System
 
 # Special points lie beside other soft transitions than a step's ends: so often they are looked for anew.
 MOST_WORDS = 4
+# Sets of soft transitions that a discretisation has beside the one that it was made with.
+MOST_FURTHER = 8
 
 
 class SoftOrbit(HybridOrbit):
     """Orbits of one word of hard transitions; parameters as of `HybridOrbit`."""
 
     _inner: Eliminated | None = None
-    _followed: Followed | None = None
+    _further: tuple[Eliminated, ...] = ()
 
     def _varied(self, **changes: Any) -> SoftOrbit:
         other = super()._varied(**changes)
         assert isinstance(other, SoftOrbit)
-        for name in ("_expanded", "_approximate", "_followed"):
+        for name in ("_expanded", "_approximate"):
             other.__dict__.pop(name, None)
         return other
 
@@ -79,7 +81,7 @@ class SoftOrbit(HybridOrbit):
     def around(self, explicit: HybridOrbit, unknowns: np.ndarray) -> SoftOrbit:
         """This problem on the steps of an explicit orbit, which is discretised."""
         grouping = Grouping(explicit.word, explicit.layout)
-        other = self._varied(_mesh=explicit.mesh, section=explicit.section)
+        other = self._varied(_mesh=explicit.mesh, section=explicit.section, _further=())
         other._inner = Eliminated(explicit, grouping, *grouping.split(unknowns))
         return other
 
@@ -99,52 +101,69 @@ class SoftOrbit(HybridOrbit):
         """How many of them are kept."""
         return self.inner.explicit.most_kept
 
-    def _at(self, z: np.ndarray) -> Eliminated:
-        """What is eliminated, solved for."""
-        return remembered(self._expanded, z.tobytes(), self.most_kept, lambda: self._solved(z))
+    def remeshed(self, z: np.ndarray) -> SoftOrbit:
+        """This problem with the soft transitions that are met over z beside those that it knows.
 
-    def _near(self, z: np.ndarray) -> Eliminated:
-        """As `_at`, solved for as far as Newton's method for the rest needs it.
+        Raises
+        ------
+        NotFinite
+            If the motion over z ends early, or is none with its soft transitions solved for.
+        """
+        magnitudes = self.weighted(self.mesh.magnitudes)
+        there = self.adapted_to(z, magnitudes, self.mesh.tolerance, self.section).inner
+        if not (there.solved and np.array_equal(there.z, z)):
+            raise NotFinite("The instants of the soft transitions have no solution there.", "")
+        return self._varied(_further=(*self._further, there)[-MOST_FURTHER:])
+
+    def _at(self, z: np.ndarray) -> Eliminated:
+        """What is eliminated, solved for; where this problem knows no soft transitions for it, by others.
+
+        Raises
+        ------
+        NotFinite
+            If there are none.
+        """
+
+        def made() -> Eliminated:
+            found = self._solved(z, self._near(z))
+            return self.remeshed(z)._at(z) if found is None else found
+
+        return remembered(self._expanded, z.tobytes(), self.most_kept, made)
+
+    def _near(self, z: np.ndarray) -> Eliminated | None:
+        """As `_at`, solved for as far as Newton's method for the rest needs it; None where others are needed.
 
         Both converge together: what is left of the one enters the other's equations, to first order.
         """
-        if z.tobytes() in self._expanded:
-            return self._at(z)
-        found = remembered(self._approximate, z.tobytes(), self.most_kept, lambda: self._solved(z, True))
-        if found.excess <= SOLVED:
-            remembered(self._expanded, z.tobytes(), self.most_kept, lambda: found)
-        return found
+        return remembered(self._approximate, z.tobytes(), self.most_kept, lambda: self._reached(z))
 
     @cached_property
     def _expanded(self) -> dict[bytes, Eliminated]:
         return {}
 
     @cached_property
-    def _approximate(self) -> dict[bytes, Eliminated]:
+    def _approximate(self) -> dict[bytes, Eliminated | None]:
         return {}
 
-    def _solved(self, z: np.ndarray, roughly: bool = False) -> Eliminated:
-        """What is eliminated, from where it is known nearest by; else found anew by simulation.
+    def _reached(self, z: np.ndarray) -> Eliminated | None:
+        """What is eliminated at z, roughly, from the nearest of the orbits that are known to begin with.
 
         A solution of what is left must be one with the soft transitions that the machine meets.
         """
-        near = self._nearest(z)
-        found = corrected(near.explicit, near.grouping, z, near.predicted(z), roughly)
-        if found is not None and not (found.settles and not softness.holds(found.explicit, found.unknowns)):
-            return found
-        there = self.adapted_to(z, self.weighted(self.mesh.magnitudes), self.mesh.tolerance).inner
-        found = corrected(there.explicit, there.grouping, z, there.predicted(z), roughly)
-        if found is None:
-            raise NotFinite("The instants of the soft transitions have no solution there.", "")
-        return found
-
-    def _nearest(self, z: np.ndarray) -> Eliminated | Followed:
-        """What is known nearest to z, of the orbits that were looked at last."""
         weights = self.weighted(self.mesh.magnitudes)
-        known: list[Eliminated | Followed] = [self.inner, *self._expanded.values()]
-        known += self._approximate.values()
-        known += [] if self._followed is None else [self._followed]
-        return min(known, key=lambda found: float(np.linalg.norm((z - found.z) / weights)))
+        known = (self.inner, *self._further)
+        for near in sorted(known, key=lambda each: float(np.linalg.norm((z - each.z) / weights))):
+            found = reached(near, z, roughly=True)
+            if found is not None and (found is near or _holds(found)):
+                return found
+        return None
+
+    def _solved(self, z: np.ndarray, rough: Eliminated | None) -> Eliminated | None:
+        """What is eliminated at z, from where it is known roughly."""
+        if rough is None or rough.solved:
+            return rough
+        found = corrected(rough.explicit, rough.grouping, z, rough.soft - rough.correction)
+        return found if found is not None and _holds(found) else None
 
     def mirror(self, sample: Sample) -> None:
         """Both halves are walked: which soft transitions happen is told by the orbits looked at before."""
@@ -225,26 +244,18 @@ class SoftOrbit(HybridOrbit):
     # -- equations ---------------------------------------------------------------------------------------
 
     def _linearized(self, z: np.ndarray) -> Linearization:
-        try:
-            found = self._near(z)
-        except NotFinite:
-            lost = np.full((self.size, self.size + 1), np.nan)
-            return Linearization(lost[:, 0], lost, lambda: (np.ones(self.size), None))
-        magnitudes, nearby = unowned(self.magnitudes_near), unowned(self._nearby)
+        found, magnitudes = self._near(z), unowned(self.magnitudes_near)
+        if found is None:
+            lost, remeshed = np.full((self.size, self.size + 1), np.nan), unowned(self.remeshed)
+            levels = np.ones(self.size)
+            return Linearization(lost[:, 0], lost, lambda: (levels, None), remeshed=lambda: remeshed(z))
         return Linearization(
             found.residual,
             found.jacobian,
             lambda: (found.levels(found.explicit.linearize(found.unknowns).levels[0]), None),
             lambda: magnitudes(z),
-            nearby=lambda there: nearby(found, there),
+            nearby=lambda: Chord(found).residual,
         )
-
-    def _nearby(self, found: Eliminated, z: np.ndarray) -> np.ndarray:
-        """Residual at a point near another one."""
-        before = self._followed
-        known = before if before is not None and before.near is found else None
-        residual, self._followed = found.followed(z, known)
-        return residual
 
     def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factorization:
         """A bordered Jacobian, factored."""
@@ -557,6 +568,11 @@ def softened_seed(seed: Seed) -> Seed:
     tangent = kernel_direction(problem.jacobian(z), filled_magnitudes(problem, z))
     tangent = tangent * (np.sign(tangent[-1]) * np.sign(seed.tangent[-1]) or 1.0)
     return replace(seed, z=z, tangent=tangent, problem=problem, reach=amplitude(tangent))
+
+
+def _holds(found: Eliminated) -> bool:
+    """Whether what is nearly a solution is one with the soft transitions that the machine meets."""
+    return not found.settles or softness.holds(found.explicit, found.unknowns)
 
 
 def applies(system: System, word: Word) -> bool:

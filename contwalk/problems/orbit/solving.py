@@ -6,6 +6,7 @@ import numpy as np
 
 from contwalk.errors import StartError
 from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.problem import equations_at
 
 ITERATIONS = 12
 # Corrections smaller than this, in the metric, that do not get smaller are rounding.
@@ -31,7 +32,7 @@ def newton_on(
     """
     z, before = guess.copy(), np.inf
     for _ in range(ITERATIONS):
-        here = problem.linearize(z)
+        problem, here = equations_at(problem, z)
         if not here.finite:
             break
         if normal is None:

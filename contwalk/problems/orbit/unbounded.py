@@ -19,7 +19,7 @@ from contwalk.errors import NotFinite, PluginError, StartError
 from contwalk.problems.orbit.discretization import FINEST
 from contwalk.problems.orbit.protocol import Orbit
 from contwalk.problems.orbit.solving import error_holding, newton_on
-from contwalk.problems.problem import Sample
+from contwalk.problems.problem import Sample, equations_at
 from contwalk.quantities import AMP
 
 # A state that grows by less in a step may as well converge.
@@ -206,7 +206,7 @@ def _solved(problem: Orbit, which: int, guess: np.ndarray, weights: np.ndarray, 
         with np.errstate(all="ignore"):  # what overflows is no orbit
             there = problem.refined(guess, sizes, FINEST)  # in one section, in which the family is a curve
             z = newton_on(there, guess, units, held, STAGNATES)
-            tangent = there.linearize(z).tangent(held, units)
+            tangent = equations_at(there, z)[1].tangent(held, units)
             error = error_holding(there, z, units, held)
             fine = there.admissible_at(z) and np.all(np.isfinite(tangent)) and tangent[which] != 0.0
     except (NotFinite, PluginError, StartError, np.linalg.LinAlgError):
