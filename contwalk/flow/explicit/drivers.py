@@ -11,6 +11,7 @@ from typing import Any
 from contwalk.flow.compiled.calling import caller, doubles, inlined, integers, record
 from contwalk.flow.explicit.explicit_call import (
     DONE,
+    FIRST_ROWS,
     FULL,
     NOT_FINITE,
     STEP_TOO_SMALL,
@@ -288,17 +289,100 @@ def leap(address: int, targets: int) -> int:
     return DONE
 
 
-def stages_of(address: int) -> int:
-    """All stages of the steps from the nodes `WHICH`, those for interpolation included."""
+def polynomials(address: int) -> int:
+    """Coefficients of the polynomials of the steps from the nodes `WHICH`, row by row.
+
+    Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section II.6.
+    """
     p = explicit_call(address)
-    which = integers(p.which, p.room)
-    size = (p.vectors - FIRST) * p.length
+    which, size = integers(p.which, p.room), (FIRST_ROWS + p.rows) * p.n
     for j in range(p.room):
-        copy(p.nodes + 8 * which[j] * p.n, place(p, Y), p.n)
+        start = p.nodes + 8 * which[j] * p.n
+        copy(start, place(p, Y), p.n)
         times = doubles(p.times, which[j] + 2)
         t, h = times[which[j]], times[which[j] + 1] - times[which[j]]
         first_stage(p, t, Y)
         step(p, t, h)
         _call_step(p.extend, t, h, p.length, p.work, p.evaluate, p.problem)
-        copy(place(p, FIRST), p.out + 8 * j * size, size)
+        _coefficients(p, h, start, p.out + 8 * j * size)
     return DONE
+
+
+@inlined
+def _coefficients(p: Any, h: float, start: int, out: int) -> None:
+    """Coefficients of the step whose stages are in the memory."""
+    n, rows = p.n, p.rows
+    begin, end, c = doubles(start, n), doubles(start + 8 * n, n), doubles(out, (FIRST_ROWS + rows) * n)
+    first, last = doubles(place(p, FIRST), n), doubles(place(p, p.last_stage + 1), n)
+    for i in range(n):
+        change = end[i] - begin[i]
+        bend = h * first[i] - change
+        c[i], c[n + i], c[2 * n + i] = change, bend, change - h * last[i] - bend
+    stages = p.vectors - FIRST
+    weights = doubles(p.dense, rows * stages)
+    for row in range(rows):
+        own = doubles(out + 8 * (FIRST_ROWS + row) * n, n)
+        for i in range(n):
+            own[i] = 0.0
+        for k in range(stages):
+            weight = weights[row * stages + k]
+            if weight != 0.0:
+                stage = doubles(place(p, FIRST + k), n)
+                for i in range(n):
+                    own[i] += weight * stage[i]
+        for i in range(n):
+            own[i] *= h
+
+
+def interpolate(
+    times: int,
+    nodes: int,
+    coefficients: int,
+    which: int,
+    steps: int,
+    n: int,
+    rows: int,
+    at: int,
+    count: int,
+    out: int,
+) -> int:
+    """The polynomials of steps at some times; `which` tells that of each step. At a node it is the node.
+
+    start + s (c0 + (1 - s) (c1 + s (c2 + ...))), where s is the part of the step that has passed.
+    """
+    grid, wanted, own = doubles(times, steps + 1), doubles(at, count), integers(which, steps)
+    k = 0
+    for j in range(count):
+        t = wanted[j]
+        if not (grid[k] <= t and t < grid[k + 1]):
+            k = _step_of(grid, t)
+        begin, found = doubles(nodes + 8 * k * n, n), doubles(out + 8 * j * n, n)
+        if t == grid[k] or t == grid[k + 1]:
+            copy(nodes + 8 * (k + 1 if t == grid[k + 1] else k) * n, out + 8 * j * n, n)
+            continue
+        s = (t - grid[k]) / (grid[k + 1] - grid[k])
+        for i in range(n):
+            found[i] = 0.0
+        for row in range(rows - 1, -1, -1):
+            c, factor = (
+                doubles(coefficients + 8 * (own[k] * rows + row) * n, n),
+                s if row % 2 == 0 else 1.0 - s,
+            )
+            for i in range(n):
+                found[i] = (found[i] + c[i]) * factor
+        for i in range(n):
+            found[i] += begin[i]
+    return DONE
+
+
+@inlined
+def _step_of(grid: Any, t: float) -> int:
+    """The last step that begins at a time or before it, or the first one of all."""
+    low, high = 0, len(grid)
+    while low < high:
+        middle = (low + high) // 2
+        if t < grid[middle]:
+            high = middle
+        else:
+            low = middle + 1
+    return min(max(low - 1, 0), len(grid) - 2)

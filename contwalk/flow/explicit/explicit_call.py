@@ -5,6 +5,8 @@ from __future__ import annotations
 from contwalk.flow.compiled.call_record import CallRecord, call_record
 
 DONE, NOT_FINITE, TOO_MANY_STEPS, STEP_TOO_SMALL, FULL = range(5)
+# Coefficients of a step's polynomial before those that `dense` tells of.
+FIRST_ROWS = 3
 STATUS = ("ok", "not_finite", "too_many_steps", "step_too_small")
 
 
@@ -38,9 +40,12 @@ class ExplicitCall(CallRecord):
     control: int
     counts: int
     far_out: int
-    # For interpolation: addresses of the positions of nodes, and of the results.
+    # For interpolation: addresses of the positions of nodes, of the results, and of what each stage
+    # contributes to the further coefficients; how many these are.
     which: int
     out: int
+    dense: int
+    rows: int
     # Of several paths: addresses of their first vectors, and of the states at all times.
     starts: int
     states: int

@@ -16,7 +16,7 @@ from contwalk.flow.compiled.call_record import CallRecord
 from contwalk.flow.compiled.compiled_field import EACH, CompiledField
 from contwalk.flow.compiled.entry_points import Entry
 from contwalk.flow.explicit import stages
-from contwalk.flow.explicit.explicit_call import FULL, STATUS, Counts, ExplicitCall, StepControl
+from contwalk.flow.explicit.explicit_call import FIRST_ROWS, FULL, STATUS, Counts, ExplicitCall, StepControl
 from contwalk.flow.path import Path
 from contwalk.flow.tableaus.runge_kutta import RungeKutta
 
@@ -27,7 +27,8 @@ ADAPTIVE = Entry(_DRIVERS, "adaptive", "q", "qdddd")
 MARCH = Entry(_DRIVERS, "march", "q", "q")
 MARCH_EACH = Entry(_DRIVERS, "march_each", "q", "q")
 LEAP = Entry(_DRIVERS, "leap", "q", "qq")
-STAGES_OF = Entry(_DRIVERS, "stages_of", "q", "q")
+POLYNOMIALS = Entry(_DRIVERS, "polynomials", "q", "q")
+INTERPOLATE = Entry(_DRIVERS, "interpolate", "q", "qqqqqqqqqq")
 
 # Steps that there is room for at first.
 _ROOM = 512
@@ -41,7 +42,7 @@ _MOST_KEPT = 4_000_000
 
 def warmup() -> None:
     """Compile everything that does not depend on the field, or find it compiled."""
-    for entry in (ADAPTIVE, MARCH, MARCH_EACH, LEAP, STAGES_OF, EACH):
+    for entry in (ADAPTIVE, MARCH, MARCH_EACH, LEAP, POLYNOMIALS, INTERPOLATE, EACH):
         _ = entry.address
     for name in stages.TABLEAUS:
         stages.code(name)
@@ -59,6 +60,7 @@ class Form:
         self.width = _padded(columns)
         self.length = self.start + field.n * self.width
         self.vectors = stages.vectors(self.method)
+        self._dense = _weights_of(method, self.vectors - stages.FIRST)
         code = stages.code(method)
         self.record = ExplicitCall(
             step=code.addresses["step"],
@@ -69,6 +71,8 @@ class Form:
             length=self.length,
             vectors=self.vectors,
             last_stage=stages.FIRST + self.method.stages - 1,
+            dense=address(self._dense),
+            rows=len(self._dense),
         )
 
 
@@ -340,59 +344,68 @@ def dense(
     if len(grid) == 1:
         found[inside] = nodes[0]
         return found
-    at = wanted[inside]
-    which = np.searchsorted(direction * grid, direction * at, side="right") - 1
-    which = np.clip(which, 0, len(grid) - 2)
     call = Call(field, c, method, None)
     call.give("times", grid)
     call.give("nodes", nodes)
     between = _interpolated if call.method.dense else _leapt
-    found[inside] = between(call, grid, nodes, which, at)
-    for node in (which, which + 1):
-        met = at == grid[node]
-        found[inside[met]] = nodes[node[met]]
+    found[inside] = between(call, direction * grid, nodes, direction * wanted[inside], wanted[inside])
     return found
 
 
-def _leapt(call: Call, grid: np.ndarray, nodes: np.ndarray, which: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """A step from the node before to each time."""
+def _steps_of(grid: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """On which step of a growing grid each time lies: the last that begins there or before."""
+    which = np.searchsorted(grid, at, side="right") - 1
+    return np.minimum(np.maximum(which, 0), len(grid) - 2)
+
+
+def _leapt(call: Call, grid: np.ndarray, nodes: np.ndarray, at: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """A step from the node before to each time; `grid` and `at` grow where the path goes backwards, too."""
+    which = _steps_of(grid, at)
     call.give("which", np.ascontiguousarray(which, dtype=np.int64))
     out = call.give("out", np.empty((len(at), call.length)))
     call.record.room = len(at)
-    LEAP(call.record.address, address(at))
-    return out[:, : call.field.n]
-
-
-def _interpolated(
-    call: Call, grid: np.ndarray, nodes: np.ndarray, which: np.ndarray, at: np.ndarray
-) -> np.ndarray:
-    """The polynomials of the steps, as many steps at once as memory allows."""
-    found = np.empty((len(at), call.field.n))
-    steps, belongs = np.unique(which, return_inverse=True)
-    vectors = len(call.vectors) - stages.FIRST
-    batch = max(1, _MOST_KEPT // (vectors * call.length))
-    for first in range(0, len(steps), batch):
-        chosen = call.give("which", np.ascontiguousarray(steps[first : first + batch], dtype=np.int64))
-        out = call.give("out", np.empty((len(chosen), vectors, call.length)))
-        call.record.room = len(chosen)
-        STAGES_OF(call.record.address)
-        rows = np.flatnonzero((belongs >= first) & (belongs < first + len(chosen)))
-        local = belongs[rows] - first
-        coefficients = _coefficients(call, grid, nodes, chosen, out[:, :, : call.field.n])
-        found[rows] = _polynomial(nodes[which[rows]], coefficients[:, local], grid, which[rows], at[rows])
+    LEAP(call.record.address, address(wanted))
+    found = out[:, : call.field.n]
+    for node in (which, which + 1):
+        met = at == grid[node]
+        found[met] = nodes[node[met]]
     return found
 
 
-def _coefficients(
-    call: Call, grid: np.ndarray, nodes: np.ndarray, chosen: np.ndarray, k: np.ndarray
+def _interpolated(
+    call: Call, grid: np.ndarray, nodes: np.ndarray, at: np.ndarray, _: np.ndarray
 ) -> np.ndarray:
-    """Coefficients of the polynomials of steps, shape (degree, steps, n) (Hairer, Norsett, Wanner, II.6)."""
-    h = (grid[chosen + 1] - grid[chosen])[:, None]
-    change = nodes[chosen + 1] - nodes[chosen]
-    bend = h * k[:, 0] - change
-    at_end = call.method.stages  # the first of the further stages
-    rest = h * np.einsum("rs,ksn->rkn", _weights_of(call.method.name, k.shape[1]), k)
-    return np.concatenate([[change, bend, change - h * k[:, at_end] - bend], rest])
+    """The polynomials of the steps, as many at once as memory allows; `grid` and `at` as for `_leapt`."""
+    found = np.empty((len(at), call.field.n))
+    steps, belongs = np.unique(_steps_of(grid, at), return_inverse=True)
+    batch = max(1, _MOST_KEPT // ((FIRST_ROWS + len(call.method.dense)) * call.field.n))
+    own = np.zeros(len(grid) - 1, dtype=np.int64)
+    for first in range(0, len(steps), batch):
+        chosen = np.ascontiguousarray(steps[first : first + batch], dtype=np.int64)
+        own[chosen] = np.arange(len(chosen))
+        rows = np.flatnonzero((belongs >= first) & (belongs < first + len(chosen)))
+        found[rows] = _polynomial(grid, nodes, _coefficients(call, chosen), own, at[rows])
+    return found
+
+
+def _coefficients(call: Call, chosen: np.ndarray) -> np.ndarray:
+    """Coefficients of the polynomials of steps, shape (steps, rows, n); the call knows times and nodes."""
+    call.give("which", chosen)
+    rows = FIRST_ROWS + len(call.method.dense)
+    out = call.give("out", np.empty((len(chosen), rows, call.field.n)))
+    call.record.room = len(chosen)
+    POLYNOMIALS(call.record.address)
+    return out
+
+
+def _polynomial(
+    grid: np.ndarray, nodes: np.ndarray, coefficients: np.ndarray, own: np.ndarray, at: np.ndarray
+) -> np.ndarray:
+    """States at times within a growing grid; `own` tells which of the polynomials is whose step's."""
+    (_, rows, n), out = coefficients.shape, np.empty((len(at), nodes.shape[1]))
+    path = address(grid), address(nodes), address(coefficients), address(own)
+    INTERPOLATE(*path, len(grid) - 1, n, rows, address(at), len(at), address(out))
+    return out
 
 
 @lru_cache
@@ -420,43 +433,21 @@ class Interpolation:
         self._grid = _grid(times)
         self._nodes = _checked(states, (len(self._grid), field.n), "nodes")
         self._coefficients: np.ndarray | None = None
+        # Where a path begins anew there is no polynomial.
         moves = self._grid[1:] > self._grid[:-1]
-        # Which is whose: where a path begins anew there is none.
-        self._polynomials = None if moves.all() else np.cumsum(moves) - 1
         if _method(method).dense and moves.any():
             call = Call(field, c, method, None)
             call.give("times", self._grid)
             call.give("nodes", self._nodes)
-            chosen = call.give("which", np.flatnonzero(moves))
-            out = call.give("out", np.empty((len(chosen), len(call.vectors) - stages.FIRST, call.length)))
-            call.record.room = len(chosen)
-            STAGES_OF(call.record.address)
-            self._coefficients = _coefficients(call, self._grid, self._nodes, chosen, out[:, :, : field.n])
+            self._own = np.cumsum(moves) - 1
+            self._coefficients = _coefficients(call, np.flatnonzero(moves))
 
     def __call__(self, times: Vector) -> np.ndarray:
         """States at times within the path."""
         at = np.ascontiguousarray(times, dtype=float)
         if self._coefficients is None:
             return dense(*self._given, at, self._method)
-        which = np.searchsorted(self._grid, at, side="right") - 1
-        which = np.minimum(np.maximum(which, 0), len(self._grid) - 2)
-        own = self._coefficients[:, which if self._polynomials is None else self._polynomials[which]]
-        found = _polynomial(self._nodes[which], own, self._grid, which, at)
-        last = at == self._grid[-1]
-        found[last] = self._nodes[-1]
-        return found
-
-
-def _polynomial(
-    start: np.ndarray, coefficients: np.ndarray, grid: np.ndarray, which: np.ndarray, at: np.ndarray
-) -> np.ndarray:
-    """start + s (c0 + (1 - s) (c1 + s (c2 + ...))), s the fraction of the step."""
-    s = ((at - grid[which]) / (grid[which + 1] - grid[which]))[:, None]
-    rest, total = 1.0 - s, np.zeros_like(start)
-    for i in reversed(range(len(coefficients))):
-        total += coefficients[i]
-        total *= s if i % 2 == 0 else rest
-    return start + total
+        return _polynomial(self._grid, self._nodes, self._coefficients, self._own, at)
 
 
 def _method(name: str) -> RungeKutta:
