@@ -18,7 +18,7 @@ import numpy as np
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.hybrid.effort import Effort
 from contwalk.problems.hybrid.layout import Layout, Segment, joined
-from contwalk.problems.hybrid.margins import Limit, Margins
+from contwalk.problems.hybrid.margins import Guarded, Limit, Margins
 from contwalk.problems.hybrid.passage import Passage, passage_of
 from contwalk.problems.hybrid.shooting import LegMesh, Piece
 from contwalk.problems.hybrid.stretch import Stretch
@@ -421,6 +421,11 @@ class DiscretizedOrbit(Orbit):
     @abstractmethod
     def limits(self) -> tuple[Limit, ...]:
         """All that must stay positive for an orbit to be the machine's."""
+
+    @property
+    @abstractmethod
+    def guarded(self) -> tuple[Guarded | None, ...]:
+        """The sampled guards that `limits` are of."""
 
     @abstractmethod
     def margins(self, z: np.ndarray) -> Margins:

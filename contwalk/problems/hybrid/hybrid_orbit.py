@@ -33,7 +33,7 @@ from contwalk.problems.hybrid import (
 )
 from contwalk.problems.hybrid.discretized_orbit import MOST_VIEWS, DiscretizedOrbit
 from contwalk.problems.hybrid.layout import Segment
-from contwalk.problems.hybrid.margins import Limit, Margins
+from contwalk.problems.hybrid.margins import Guarded, Limit, Margins
 from contwalk.problems.hybrid.mirror_image import HybridMirror, mirror_of
 from contwalk.problems.hybrid.return_map import EventMap
 from contwalk.problems.hybrid.shooting import AT_REST, meshed, most_steps
@@ -123,6 +123,11 @@ class HybridOrbit(DiscretizedOrbit):
     def limits(self) -> tuple[Limit, ...]:
         """All that must stay positive for an orbit to be the machine's."""
         return limits.limits_of(self)
+
+    @cached_property
+    def guarded(self) -> tuple[Guarded | None, ...]:
+        """The sampled guards that `limits` are of."""
+        return limits.guarded(self)
 
     @property
     def observable_names(self) -> tuple[str, ...]:

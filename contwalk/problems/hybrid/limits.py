@@ -30,7 +30,7 @@ from contwalk.errors import StartError, UnsupportedOperation
 from contwalk.flow.events.guard_derivatives import MOST_ORDER
 from contwalk.memory import computed_once
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
-from contwalk.problems.hybrid.margins import Limit, Margins
+from contwalk.problems.hybrid.margins import Guarded, Limit, Margins
 from contwalk.problems.hybrid.shooting import Piece
 from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.hybrid.watching import Watched
@@ -120,23 +120,26 @@ def limits_of_leg(system: System, mode: str, own: Transition | None, before: str
 # -- values ------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class _Watch:
-    """A guard on a leg: instants 0..1, values and rates over the leg's time, with a positive sign."""
+    """A guard on a leg of a solution, with the sign with which it is positive."""
 
     view: LegView
-    transition: Transition
-    times: np.ndarray
-    values: np.ndarray
-    rates: np.ndarray
+    guard: Guarded
     sign: float
-    own: bool
     total: float  # duration of the closure
-    opens: bool  # its guards go on from the leg before, through a soft transition or none
-    closes: bool  # they go on in the leg after it
-    known: bool  # the leg before has the guard, too
-    clock: bool  # a guard of time alone
-    passed: bool  # its event has led here, and is an edge
+
+    def __post_init__(self) -> None:
+        first, second, last_but_one, last = self.view.ends[self.guard.place]
+        self.first, self.last = self.sign * first[0], self.sign * last[0]
+        self.first_rate, self.second_rate = self.sign * first[1], self.sign * second[1]
+        self.rate_before_last, self.last_rate = self.sign * last_but_one[1], self.sign * last[1]
+
+    @computed_once
+    def sampled(self) -> tuple[np.ndarray, np.ndarray]:
+        """Instants 0..1, and values there."""
+        times, values, _ = self.view.guard(self.guard.transition)
+        return times, self.sign * values
 
     @computed_once
     def scale(self) -> float:
@@ -145,7 +148,7 @@ class _Watch:
 
     @computed_once
     def _sizes(self) -> tuple[float, float]:
-        return self.view.sizes(self.transition)
+        return self.view.sizes[self.guard.place]
 
     @computed_once
     def behind(self) -> int:
@@ -153,11 +156,11 @@ class _Watch:
 
         Until then it goes on past zero: nothing happens there.
         """
-        begins = abs(float(self.values[0])) <= BELOW * self.scale and self.rates[0] < 0.0
-        if not (self.clock and begins):
+        begins = abs(self.first) <= BELOW * self.scale and self.first_rate < 0.0
+        if not (self.guard.clock and begins):
             return 0
-        back = np.flatnonzero(self.values > ZERO * self.scale)
-        return int(back[0]) if len(back) else len(self.values)
+        back = np.flatnonzero(self.sampled[1] > ZERO * self.scale)
+        return int(back[0]) if len(back) else self.samples
 
     @computed_once
     def fastest(self) -> float:
@@ -174,27 +177,27 @@ class _Watch:
         transition there is no turn, and the guard's value there is a limit of its own.
         """
         dips = [dip for dip in self.turns(-1.0) if dip[0] >= self.behind]
-        last, still = len(self.times) - 2, NO_RATE * self.fastest
-        if abs(self.rates[0]) <= still and not self.own:
+        last, still, guard = self.samples - 2, NO_RATE * self.fastest, self.guard
+        if abs(self.first_rate) <= still and not guard.own:
             dips = [dip for dip in dips if dip[0] > 0]
-            if self.opens and not self.known and self.rates[1] > 0.0:
-                dips.append((0, 0.0, float(self.values[0])))
-        if abs(self.rates[-1]) <= still and not self.own:
+            if guard.opens and not guard.known and self.second_rate > 0.0:
+                dips.append((0, 0.0, self.first))
+        if abs(self.last_rate) <= still and not guard.own:
             dips = [dip for dip in dips if dip[0] < last]
-            if self.closes and self.rates[-2] < 0.0:
-                dips.append((last, 1.0, float(self.values[-1])))
+            if guard.closes and self.rate_before_last < 0.0:
+                dips.append((last, 1.0, self.last))
         return dips
 
     def turns(self, way: float) -> list[tuple[int, float, float]]:
         """As `dips`, where it turns that goes down (-1) or up (1) before."""
-        found = self.view.turning(self.transition)
-        return [(k, time, self.sign * value) for k, time, value in found if self.rates[k] * way > 0.0]
+        found = self.view.turning(self.guard.place)
+        way *= self.sign
+        return [(k, time, self.sign * value) for k, time, value, rate in found if rate * way > 0.0]
 
     @property
-    def edges(self) -> bool:
-        """Whether passing zero downwards is all that matters: it may be below zero where the leg begins."""
-        one_way = self.transition.direction != "both"
-        return self.transition.role == "hard" and not self.transition.at_entry and one_way
+    def samples(self) -> int:
+        """How many instants it is looked at."""
+        return self.view.samples(self.guard.place)
 
     def before(self, k: int, time: float) -> tuple[float, float]:
         """How high it was before it came down to a turn after sample k, or to its end, and at which instant.
@@ -202,14 +205,14 @@ class _Watch:
         One that has just been zero has left it upwards: that is above, however little. One that has just been
         passed downwards has not been above since.
         """
-        left = abs(float(self.values[0])) < ZERO * self.scale
-        if left and not (self.passed and self.rates[0] < 0.0):
+        left = abs(self.first) < ZERO * self.scale
+        if left and not (self.guard.passed and self.first_rate < 0.0):
             return np.inf, 0.0
         tops = [(at, value) for j, at, value in self.turns(1.0) if (j, at) < (k, time)]
         if tops:
             return tops[-1][1], tops[-1][0]
         # What goes on from the leg before, or from the end of an orbit without events, has come down there.
-        return np.inf if self.opens and self.known else float(self.values[0]), 0.0
+        return np.inf if self.guard.opens and self.guard.known else self.first, 0.0
 
 
 def margins(problem: DiscretizedOrbit, z: np.ndarray) -> Margins:
@@ -217,19 +220,20 @@ def margins(problem: DiscretizedOrbit, z: np.ndarray) -> Margins:
     views = problem.view(z)
     rows: list[tuple[float, float, float]] = []
     known: dict[tuple[int, str], _Watch] = {}
-    for limit in problem.limits:
+    total = problem.mesh.total
+    for limit, guard in zip(problem.limits, problem.guarded, strict=True):
         i = limit.leg
         view = views[i]
         if limit.test == "duration":
-            found = view.duration, problem.mesh.total, 1.0
+            found = view.duration, total, 1.0
         elif limit.test == "condition":
             found = view.conditions[limit.name], 1.0, 1.0
-        elif problem.word.legs[i].collapsed:
+        elif guard is None:
             found = _entered(problem, limit, view)
         else:
-            if (i, limit.name) not in known:
-                known[i, limit.name] = _watch(problem, i, view, transition_of(problem, limit))
-            watch = known[i, limit.name]
+            watch = known.get((i, limit.name))
+            if watch is None:
+                watch = known[i, limit.name] = _Watch(view, guard, _sign_of(guard, view), total)
             if limit.test == "leaving":
                 found = _leaving(watch)
             else:
@@ -268,38 +272,46 @@ def _at_entry(
 def _leaving(watch: _Watch) -> tuple[float, float, float]:
     """Value, scale and place of how a guard goes on that its own event has left without rate."""
     fastest = max(watch.fastest, 1e-300)
-    if abs(watch.rates[0]) > ZERO * fastest or abs(watch.values[0]) > ZERO * watch.scale:
+    if abs(watch.first_rate) > ZERO * fastest or abs(watch.first) > ZERO * watch.scale:
         return np.inf, fastest, 0.0
-    view, map_ = watch.view, watch.view.piece.passage.guard_derivative(watch.transition, 2)
+    view, map_ = watch.view, watch.view.piece.passage.guard_derivative(watch.guard.transition, 2)
     c = map_.constants(view.piece.values(view.scalars))
     return watch.sign * float(map_(0.0, view.x, c)[0]), fastest, 0.0
 
 
-def _watch(problem: DiscretizedOrbit, i: int, view: LegView, transition: Transition) -> _Watch:
-    """A guard sampled on a leg."""
-    leg = problem.word.legs[i]
-    times, values, rates = view.guard(transition)
-    own = transition == leg.transition
-    clock = view.piece.passage.of_time_alone(transition)
-    # A clock that counts both ways may have turned its sign after a period of the force.
-    sign = _sign(transition, leg.falls if own and not clock else None, values)
-    before = problem.word.legs[i - 1]
-    opens = _goes_on(before.transition) and not (i == 0 and problem.word.image)
-    known = opens and any(t.name == transition.name for t in problem.system.leaving(before.mode))
-    return _Watch(
-        view,
+def guarded(problem: DiscretizedOrbit) -> tuple[Guarded | None, ...]:
+    """The guard that each of the limits of a word's orbits is one of, if a sampled leg has it."""
+    known: dict[tuple[int, str], Guarded] = {}
+    found: list[Guarded | None] = []
+    for limit in problem.limits:
+        key = limit.leg, limit.name
+        if limit.test in ("duration", "condition") or problem.word.legs[limit.leg].collapsed:
+            found.append(None)
+            continue
+        if key not in known:
+            known[key] = _guarded(problem, limit.leg, transition_of(problem, limit))
+        found.append(known[key])
+    return tuple(found)
+
+
+def _guarded(problem: DiscretizedOrbit, i: int, transition: Transition) -> Guarded:
+    """A guard on leg i."""
+    system, word, passage = problem.system, problem.word, problem.passages[i]
+    leg, before = word.legs[i], word.legs[i - 1]
+    own, clock = transition == leg.transition, passage.of_time_alone(transition)
+    opens = _goes_on(before.transition) and not (i == 0 and word.image)
+    return Guarded(
         transition,
-        times,
-        sign * values,
-        sign * rates,
-        sign,
+        passage.leaving.index(transition),
+        # A clock that counts both ways may have turned its sign after a period of the force.
+        leg.falls if own and not clock else None,
         own,
-        problem.mesh.total,
         opens,
         _goes_on(leg.transition),
-        known,
+        opens and any(t.name == transition.name for t in system.leaving(before.mode)),
         clock,
-        transition.name in problem.system.passed(problem.word.leading_in(problem.system, i), leg.mode),
+        transition.name in system.passed(word.leading_in(system, i), leg.mode),
+        transition.role == "hard" and not transition.at_entry and transition.direction != "both",
     )
 
 
@@ -321,6 +333,13 @@ def _largest(value: float, rate: float, duration: float, total: float) -> float:
     return max(value, rate * little / abs(duration))
 
 
+def _sign_of(guard: Guarded, view: LegView) -> float:
+    """The sign with which a guard is positive on a leg before its event."""
+    told = guard.falls is not None or guard.transition.direction != "both"
+    values = np.zeros(0) if told else view.guard(guard.transition)[1]
+    return _sign(guard.transition, guard.falls, values)
+
+
 def _sign(transition: Transition, falls: bool | None, values: np.ndarray) -> float:
     """The sign with which a guard is positive before its event."""
     if transition.direction != "both":
@@ -332,31 +351,36 @@ def _sign(transition: Transition, falls: bool | None, values: np.ndarray) -> flo
 
 def _of_watch(test: str, watch: _Watch, duration: float) -> tuple[float, float, float]:
     """Value, scale and place of a limit that a guard has."""
-    scale, v, r, t = watch.scale, watch.values, watch.rates, watch.times
     if test == "rate":
         whole = max(watch.fastest, 1e-300)
         per_second = duration if duration != 0.0 else 1.0
-        return -float(r[-1]) / per_second, whole / abs(per_second), 1.0
+        return -watch.last_rate / per_second, whole / abs(per_second), 1.0
     if test in ("start", "end"):
-        k = 0 if test == "start" else -1
-        # A guard that has just been zero, or that two events share, is no limit of its own there; on a leg
-        # without length none can be told from that.
-        if abs(duration) <= NO_TIME * watch.total or watch.behind > k % len(v):
-            return np.inf, scale, float(t[k])
-        found = np.inf
-        if abs(v[k]) > ZERO * scale:
-            found = float(v[k]) if not watch.edges else _at_start(watch) if k == 0 else _at_end(watch)
-        return found, scale, float(t[k])
+        return _at_an_end(test == "start", watch, duration)
+    scale, guard, samples = watch.scale, watch.guard, watch.samples
     least, place = np.inf, np.nan
-    for k, time, value in _fallen(watch) if watch.edges else watch.dips:
-        first, last = k == 0, k == len(t) - 2
-        if last and watch.own and abs(v[-1]) < ZERO * scale:
+    for k, time, value in _fallen(watch) if guard.edges else watch.dips:
+        first, last = k == 0, k == samples - 2
+        if last and guard.own and abs(watch.last) < ZERO * scale:
             continue  # what turns just before its own event is told by the rate there
-        if first and not watch.opens and abs(v[0]) < ZERO * scale and value > -BELOW * scale:
+        if first and not guard.opens and abs(watch.first) < ZERO * scale and value > -BELOW * scale:
             continue  # it has just been zero, and leaves
         if value < least:
             least, place = value, time
     return least, scale, place
+
+
+def _at_an_end(start: bool, watch: _Watch, duration: float) -> tuple[float, float, float]:
+    """Value, scale and place of the limit that a guard has where a leg starts, or where it ends."""
+    scale, place, value = watch.scale, 0.0 if start else 1.0, watch.first if start else watch.last
+    # A guard that has just been zero, or that two events share, is no limit of its own there; on a leg
+    # without length none can be told from that.
+    if abs(duration) <= NO_TIME * watch.total or watch.behind > (0 if start else watch.samples - 1):
+        return np.inf, scale, place
+    found = np.inf
+    if abs(value) > ZERO * scale:
+        found = value if not watch.guard.edges else _at_start(watch) if start else _at_end(watch)
+    return found, scale, place
 
 
 def _fallen(watch: _Watch) -> list[tuple[int, float, float]]:
@@ -365,33 +389,33 @@ def _fallen(watch: _Watch) -> list[tuple[int, float, float]]:
     It passes zero on this way where its top is above and its bottom is below: of both the one that is nearer
     to the other side is the margin. Where the top is the start, this has a limit of its own.
     """
-    end = len(watch.times) - 2, 1.0, float(watch.values[-1])
-    downs = watch.dips + ([end] if watch.rates[-1] < 0.0 else [])
+    end = watch.samples - 2, 1.0, watch.last
+    downs = watch.dips + ([end] if watch.last_rate < 0.0 else [])
     found = []
     for down in downs:
         top, at = watch.before(*down[:2])
         if down[2] >= -top:
             found += [down] if down is not end else []
         elif at > 0.0:
-            found.append((int(np.searchsorted(watch.times, at)) - 1, at, -top))
+            found.append((int(np.searchsorted(watch.sampled[0], at)) - 1, at, -top))
     return found
 
 
 def _at_start(watch: _Watch) -> float:
     """The margin of a guard where its mode is entered: it passes zero soon if it is above and comes down."""
-    start = float(watch.values[0])
-    if watch.rates[0] >= 0.0:
+    start = watch.first
+    if watch.first_rate >= 0.0:
         return start if start > 0.0 else np.inf
-    bottom = min([value for _, _, value in watch.dips[:1]] or [float(watch.values[-1])])
+    bottom = min([value for _, _, value in watch.dips[:1]] or [watch.last])
     return -start if start < 0.0 or bottom < -start else start
 
 
 def _at_end(watch: _Watch) -> float:
     """The margin of a guard where its mode is left: it has passed zero if it was above and is below."""
-    end = float(watch.values[-1])
-    if watch.rates[-1] >= 0.0:
+    end = watch.last
+    if watch.last_rate >= 0.0:
         return end if end > 0.0 else np.inf
-    return end if end >= -watch.before(len(watch.times), 1.0)[0] else np.inf
+    return end if end >= -watch.before(watch.samples, 1.0)[0] else np.inf
 
 
 def guard_scales(problem: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:

@@ -8,6 +8,7 @@ import numpy as np
 
 from contwalk.memory import computed_once
 from contwalk.problems.problem import NO_MARGIN
+from contwalk.system import Transition
 
 # Limits whose numbers are not the guard's own: margins tell them under names of their own.
 DERIVED = ("rate", "duration", "leaving", "past")
@@ -34,6 +35,22 @@ class Limit:
     def rank(self) -> int:
         """A duration that vanishes tells more than a guard that is zero at the leg's end."""
         return {"duration": 0, "rate": 0, "past": 0, "start": 2, "end": 2}.get(self.test, 1)
+
+
+@dataclass(frozen=True, eq=False)
+class Guarded:
+    """A guard on a leg, whatever the solution."""
+
+    transition: Transition
+    place: int  # among those out of the mode
+    falls: bool | None  # it is told by the leg
+    own: bool
+    opens: bool  # its guards go on from the leg before, through a soft transition or none
+    closes: bool  # they go on in the leg after it
+    known: bool  # the leg before has the guard, too
+    clock: bool  # a guard of time alone
+    passed: bool  # its event has led here, and is an edge
+    edges: bool  # passing zero downwards is all that matters: it may be below zero where the leg begins
 
 
 @dataclass(frozen=True, eq=False)

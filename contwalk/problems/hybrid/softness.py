@@ -169,12 +169,12 @@ def _switched(system: System, name: str, pieces: list[Piece], last: np.ndarray, 
 def holds(explicit: HybridOrbit, unknowns: np.ndarray) -> bool:
     """Whether the soft transitions of an orbit are those that the machine meets: no guard is past zero."""
     for view in explicit.view(unknowns):
-        for transition in view.piece.passage.leaving:
+        for k, transition in enumerate(view.piece.passage.leaving):
             sign = {"falling": 1.0, "rising": -1.0}.get(transition.direction, 0.0)
             if transition.role != "soft" or sign == 0.0:
                 continue
             _, values, rates = view.guard(transition)
-            turns = [value for _, _, value in view.turning(transition)]
+            turns = [value for _, _, value, _ in view.turning(k)]
             past = -float(np.min(sign * np.append(values, turns)))
             if past > ZERO * largest(values, rates, view.duration, explicit.mesh.total):
                 return False

@@ -33,6 +33,8 @@ EARLY = 2.0 ** -np.arange(4.0, 0.0, -1.0)
 
 # Roundings of the time by which the ends of a leg are known.
 INSIDE = 8.0
+# The first two samples and the last two.
+_ENDS = [0, 1, -2, -1]
 
 
 class LegView:
@@ -135,21 +137,27 @@ class LegView:
         """All guards out of the mode with their rates, at the samples."""
         return self._watched(self.times, self.states, self.rates)
 
-    def sizes(self, transition: Transition) -> tuple[float, float]:
-        """Largest moduli of a transition's guard and of its rate, at the instants of `guard`."""
-        k = self.piece.passage.leaving.index(transition)
-        found = self._early_sizes if k in self.left else self._sizes
-        return found[2 * k], found[2 * k + 1]
+    @computed_once
+    def sizes(self) -> list[tuple[float, float]]:
+        """Largest moduli of each guard out of the mode and of its rate, at the instants of `guard`."""
+        return self._merged(lambda guards: _pairs(np.abs(guards).max(axis=0).tolist()))
 
     @computed_once
-    def _sizes(self) -> list[float]:
-        sizes: list[float] = np.abs(self._guards).max(axis=0).tolist()
-        return sizes
+    def ends(self) -> list[list[tuple[float, float]]]:
+        """Each guard out of the mode and its rate, at the first two instants of `guard` and the last two."""
+        return self._merged(lambda guards: list(zip(*map(_pairs, guards[_ENDS].tolist()), strict=True)))
 
-    @computed_once
-    def _early_sizes(self) -> list[float]:
-        sizes: list[float] = np.abs(self._early[1]).max(axis=0).tolist()
-        return sizes
+    def samples(self, k: int) -> int:
+        """How many instants of `guard` the k-th guard out of the mode has."""
+        return len(self._early[0] if k in self.left else self.times)
+
+    def _merged(self, told: Callable[[np.ndarray], list]) -> list:
+        """What is told of each guard, by the samples that are its own."""
+        found = told(self._guards)
+        if self.left:
+            early = told(self._early[1])
+            found = [early[k] if k in self.left else own for k, own in enumerate(found)]
+        return found
 
     def size_at_steps(self, transition: Transition) -> float:
         """Largest modulus of a transition's guard at the steps, from the samples that lie there.
@@ -191,32 +199,42 @@ class LegView:
         edge = min(INSIDE * EPSILON * max(latest / abs(self.duration), 1.0), 0.5)
         return np.clip(times, edge, 1.0 - edge)
 
-    def turning(self, transition: Transition) -> list[tuple[int, float, float]]:
-        """Where a transition's guard turns: after which sample, at which instant, and its value there."""
-        return self._turning[self.piece.passage.leaving.index(transition)]
+    def turning(self, k: int) -> list[tuple[int, float, float, float]]:
+        """Where the k-th guard out of the mode turns: after which sample, when, value, rate before."""
+        return self._turning[k]
 
     @computed_once
-    def _turning(self) -> list[list[tuple[int, float, float]]]:
+    def _turning(self) -> list[list[tuple[int, float, float, float]]]:
         """As `turning`, of all guards."""
-        found: list[list[tuple[int, float, float]]] = [[] for _ in self.piece.passage.leaving]
+        found: list[list[tuple[int, float, float, float]]] = [[] for _ in self.piece.passage.leaving]
+        if not self.left:
+            self._turn(found, None, self.times, self._guards)
+            return found
         self._turn(found, [k for k in range(len(found)) if k not in self.left], self.times, self._guards)
-        if self.left:
-            self._turn(found, self.left, *self._early)
+        self._turn(found, self.left, *self._early)
         return found
 
     def _turn(
-        self, found: list[list[tuple[int, float, float]]], which: list[int], t: np.ndarray, guards: np.ndarray
+        self,
+        found: list[list[tuple[int, float, float, float]]],
+        which: list[int] | None,
+        t: np.ndarray,
+        guards: np.ndarray,
     ) -> None:
-        """Add where some guards turn, which are evaluated together."""
-        own = np.array(which, dtype=int)
-        v, r = guards[:, 2 * own], guards[:, 2 * own + 1]
-        a, b = r[:-1], r[1:]
-        k, g = np.nonzero(((a < 0.0) & (b >= 0.0)) | ((a > 0.0) & (b <= 0.0)))
-        if len(k):
-            at = turns(t[k], t[k + 1], v[k, g], v[k + 1, g], a[k, g], b[k, g])
-            values = self._watched(at, self.at(at))[np.arange(len(k)), 2 * own[g]]
-            for number, *entry in zip(own[g].tolist(), k.tolist(), at.tolist(), values.tolist(), strict=True):
-                found[number].append((entry[0], entry[1], entry[2]))
+        """Add where some guards turn, or all; they are evaluated together."""
+        rates = guards[:, 1::2] if which is None else guards[:, [2 * k + 1 for k in which]]
+        a, b = rates[:-1], rates[1:]
+        k, g = (((a < 0.0) & (b >= 0.0)) | ((a > 0.0) & (b <= 0.0))).nonzero()
+        if not len(k):
+            return
+        own = g if which is None else np.array(which)[g]
+        value, rate, after = 2 * own, 2 * own + 1, k + 1
+        before = guards[k, rate]
+        at = turns(t[k], t[after], guards[k, value], guards[after, value], before, guards[after, rate])
+        values = self._watched(at, self.at(at))[np.arange(len(k)), value]
+        entries = zip(k.tolist(), at.tolist(), values.tolist(), before.tolist(), strict=True)
+        for number, entry in zip(own.tolist(), entries, strict=True):
+            found[number].append(entry)
 
     @computed_once
     def conditions(self) -> dict[str, float]:
@@ -286,3 +304,8 @@ class LegView:
         t, x, r = self.times, self.states, self.rates
         k, j = np.nonzero(r[:-1] * r[1:] < 0.0)
         return np.unique(turns(t[k], t[k + 1], x[k, j], x[k + 1, j], r[k, j], r[k + 1, j]))
+
+
+def _pairs(row: list[float]) -> list[tuple[float, float]]:
+    """Numbers two by two: each guard with its rate."""
+    return list(zip(row[::2], row[1::2], strict=True))

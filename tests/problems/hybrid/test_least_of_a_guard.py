@@ -10,12 +10,11 @@ import pytest
 from contwalk.problems.hybrid.limits import LITTLE, _of_watch, _sign, largest
 
 
-def watched(values, dips, **rest):
+def watched(values, dips, own=False, scale=1.0):
     """A guard of some scale for which both ways across zero matter."""
-    told = {"own": False, "opens": False, "edges": False, "scale": 1.0, **rest}
-    values = np.array(values)
-    times = np.linspace(0.0, 1.0, len(values))
-    return SimpleNamespace(values=values, rates=0.0 * values, times=times, dips=dips, **told)
+    guard = SimpleNamespace(own=own, opens=False, edges=False)
+    ends = {"first": float(values[0]), "last": float(values[-1]), "samples": len(values)}
+    return SimpleNamespace(guard=guard, dips=dips, scale=scale, **ends)
 
 
 @pytest.mark.parametrize("begin", [0.0, 0.7])
