@@ -201,9 +201,19 @@ class DiscretizedOrbit(Orbit):
         return self.known.at("view", z, MOST_VIEWS, lambda: self._looked_at(z))
 
     def _looked_at(self, z: np.ndarray) -> tuple[LegView, ...]:
-        times = self.starting_times(z)
+        times, nodes = self.starting_times(z), self.known.found("nodes", z)
+        known: list[list[np.ndarray]] = [[] for _ in self.pieces]
+        for segment, own in zip(self.layout.segments, nodes or (), strict=nodes is not None):
+            known[segment.leg].append(own)
         return tuple(
-            LegView(piece, *self.layout.inputs(i, z), float(times[i]), self._left(i), self._segments_of(z, i))
+            LegView(
+                piece,
+                *self.layout.inputs(i, z),
+                float(times[i]),
+                self._left(i),
+                self._segments_of(z, i),
+                known[i],
+            )
             for i, piece in enumerate(self.pieces)
         )
 

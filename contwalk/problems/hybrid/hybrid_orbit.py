@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -157,10 +157,11 @@ class HybridOrbit(DiscretizedOrbit):
     @property
     def most_kept(self) -> int:
         """How many linearizations are kept."""
-        return int(np.clip(MOST_BYTES / (8.0 * self.size**2), LEAST_KEPT, MOST_KEPT))
+        return int(min(max(MOST_BYTES / (8.0 * self.size**2), LEAST_KEPT), MOST_KEPT))
 
     def _linearized(self, z: np.ndarray) -> Linearization:
-        residual, jacobian = self._equations(z)
+        residual, jacobian, nodes = self._equations(z)
+        self.known.at("nodes", z, self.most_kept, lambda: nodes)
         levels, magnitudes = unowned(self._levels), unowned(self.magnitudes_near)
         nearby = unowned(self.residual)
         return Linearization(
@@ -199,22 +200,23 @@ class HybridOrbit(DiscretizedOrbit):
         # An equation of the phase is one of the first leg's start: the chain has no place for it.
         return partial(condensed.factored, self.layout) if self.word.eventful else Factored
 
-    def _equations(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        layout = self.layout
+    def _equations(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
+        layout, nodes = self.layout, []
         residual, jacobian = np.zeros(self.size), np.zeros((self.size, self.size + 1))
         for segment, piece in zip(layout.segments, self.segments, strict=True):
             x, scalars = layout.inputs_of(segment, z)
-            end, moved = piece.differentiated(PLAIN, x, scalars)
+            along, end, moved = piece.passed(x, scalars)
+            nodes.append(along)
             self._match(segment, z, end, residual)
             rows, derivative = segment.ends, layout.along(segment, moved)
             n = rows.stop - rows.start
             jacobian[rows] += derivative[:n]
-            jacobian[rows, segment.following] -= np.eye(n)
+            jacobian[rows, segment.following] -= _identity(n)
             if len(end) > n:
                 jacobian[layout.guards + segment.leg] = derivative[n]
         self._closed(z, residual, jacobian)
         self.effort.spend(self.cost)
-        return residual, jacobian
+        return residual, jacobian, nodes
 
     def _match(self, segment: Segment, z: np.ndarray, end: np.ndarray, residual: np.ndarray) -> None:
         """Write the equations of the end of a segment: it is the next one's start, and a leg's guard is zero
@@ -746,6 +748,8 @@ class HybridOrbit(DiscretizedOrbit):
         # An orbit that has shrunk to no time at all has the unit of those beside it.
         total = abs(self.duration(z)) or (1.0 if self._mesh is None else self._mesh.total)
         problem = self.on(replace(mesh, total=total), section)
+        if tolerance is None:  # who walks on asks for the equations there next, and one pass serves both
+            problem.linearize(z)
         # Its views need the steps, and the units of its equations need the views.
         problem._mesh = replace(problem.mesh, guards=limits.guard_scales(problem, z))
         return problem
@@ -903,3 +907,9 @@ class HybridOrbit(DiscretizedOrbit):
             return self.passes(b.z, [self.first_state(a.z)])
         there = self.nearest_turn(a.z, b.z)
         return bool(np.linalg.norm((there - b.z) / b.weights) < 30.0 * ALIKE)
+
+
+@cache
+def _identity(n: int) -> np.ndarray:
+    """The identity; never changed."""
+    return np.eye(n)

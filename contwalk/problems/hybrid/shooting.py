@@ -102,6 +102,17 @@ class Piece:
         map_ = self.passage.end(lift)
         return self.through(map_, x, moved, self.values(scalars, *directions))
 
+    def passed(self, x: np.ndarray, scalars: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The nodes, and `end` with its derivatives as `differentiated` has it, from one pass."""
+        field, n, k = self._field(PLAIN), len(self.passage.states), len(self.passage.columns)
+        columns, sources = _beginnings(n, n, k)
+        values = self.values(scalars)
+        c = field.constants(values)
+        nodes, moved = flow.along_with_tangents(field, c, self.steps, x[None], columns, sources, self.method)
+        if self.inner:
+            return nodes, nodes[-1], moved[0]
+        return nodes, *self.through(self.passage.end(PLAIN), nodes[-1], moved[0], values)
+
     def before_differentiated(
         self, lift: str, y: np.ndarray, scalars: np.ndarray, *directions: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:

@@ -51,6 +51,8 @@ class LegView:
         Transitions whose guards are zero where it starts: those of the hard one that leads into it.
     segments : sequence of tuple (Segment, Piece, ndarray, ndarray)
         Of a leg that is cut, its segments with their own pieces, states and scalars.
+    known : sequence of ndarray
+        States at the steps of each of its segments, if the equations have been asked for.
     """
 
     def __init__(
@@ -61,8 +63,9 @@ class LegView:
         start: float,
         left: Collection[str] = (),
         segments: Sequence[tuple[Segment, Piece, np.ndarray, np.ndarray]] = (),
+        known: Sequence[np.ndarray] = (),
     ) -> None:
-        self.segments = segments
+        self.segments, self._known = segments, known
         self.piece, self.x, self.scalars, self.start = piece, x, scalars, start
         self.duration = float(scalars[0])
         self.left = [k for k, t in enumerate(piece.passage.leaving) if t.name in left]
@@ -71,8 +74,8 @@ class LegView:
     def nodes(self) -> np.ndarray:
         """States at the steps, shape (s + 1, n_i); where two segments meet, that of the later one."""
         if not self.segments:
-            return self.piece.nodes(self.x, self.scalars)
-        parts = [piece.nodes(x, scalars) for _, piece, x, scalars in self.segments]
+            return self._known[0] if self._known else self.piece.nodes(self.x, self.scalars)
+        parts = self._known or [piece.nodes(x, scalars) for _, piece, x, scalars in self.segments]
         return np.concatenate([*(part[:-1] for part in parts), parts[-1][-1:]])
 
     @computed_once

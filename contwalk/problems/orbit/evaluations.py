@@ -23,6 +23,10 @@ class Evaluations:
         """What is known of a solution; made if nothing is, and kept in place of the oldest of `most`."""
         return remembered(self._at.setdefault(what, {}), z.tobytes(), most, make)
 
+    def found(self, what: str, z: np.ndarray) -> Any:
+        """What is known of a solution, or None; nothing is made."""
+        return self._at.get(what, {}).get(z.tobytes())
+
     def once(self, what: str, make: Callable[[], Value]) -> Value:
         """What belongs to the discretisation itself, made when it is first asked for."""
         if what not in self._once:
