@@ -22,11 +22,14 @@ from contwalk.plugin_check.functions import check_clock, check_never_finite
 from contwalk.plugin_check.guards import check_twins, traced_guard
 from contwalk.plugin_check.keeping import check_keeping
 from contwalk.plugin_check.modes import CheckedFields, distinct_transitions
+from contwalk.plugin_check.neutral import check_somewhere, traced_generator, words
 from contwalk.plugin_check.samples import samples_of
 from contwalk.plugin_check.symmetry import compare_symmetry
 from contwalk.plugin_check.traced import Traced, traced, vector_form
 from contwalk.system import System
 from contwalk.system import load_system as load_declared
+
+MOST_OPERATIONS = 4000
 
 
 def load_system(
@@ -62,6 +65,11 @@ def refuse_unsound(system: System) -> None:
     )
 
 
+def _small(fields: CheckedFields) -> bool:
+    """Whether derivatives of all fields cost milliseconds; of others only `systems check` takes them."""
+    return sum(len(field.program.graph.nodes) for field in fields.values()) <= MOST_OPERATIONS
+
+
 def _findings(system: System) -> list[Finding]:
     report = Report()
     period = check_period(report, system)
@@ -94,8 +102,9 @@ def _findings(system: System) -> list[Finding]:
     for entry in system.conditions:
         traced_at_event(report, entry, system)
     for neutral in system.neutral:
-        form = vector_form(system, "generator", "v")
-        traced(report, f"neutral direction '{neutral.name}'", neutral.generator, system, form)
+        generator = traced_generator(report, neutral, system)
+        if generator is not None and fields.complete and _small(fields):
+            check_somewhere(report, words(neutral), generator, fields, samples)
     for quantity in system.conserved:
         check_conserved(report, quantity, system, fields, samples)
     for name, field in fields.items():

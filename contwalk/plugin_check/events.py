@@ -60,7 +60,7 @@ def check_transition(
             check_repeats(report, named, function, samples, period)
         if function is not None and system.period is None:
             check_timeless(report, named, function)
-    before = _states_at_event(transition, guard, fields[transition.source], samples)
+    before = states_at_event(transition, guard, fields[transition.source], samples)
     happening = Happening(transition, guard, before)
     if transition.role == "soft" and reset is not None:
         _check_kept(report, happening, reset, samples)
@@ -131,7 +131,7 @@ def _passing_back(happening: Happening, field: Traced, samples: Samples) -> list
     other = {"falling": "rising", "rising": "falling"}.get(happening.transition.direction)
     if other is None:
         return []
-    return _states_at_event(replace(happening.transition, direction=other), happening.guard, field, samples)
+    return states_at_event(replace(happening.transition, direction=other), happening.guard, field, samples)
 
 
 def _just_beyond(transition: Transition, guard: Traced, t: float, x: np.ndarray, samples: Samples) -> float:
@@ -249,7 +249,7 @@ def check_soft(
 
 def happening(transition: Transition, guard: Traced, field: Traced, samples: Samples) -> Happening:
     """A transition at a few states, for what is looked at when a plugin is loaded."""
-    return Happening(transition, guard, _states_at_event(transition, guard, field, samples, FEW_TRIES))
+    return Happening(transition, guard, states_at_event(transition, guard, field, samples, FEW_TRIES))
 
 
 def _check_kept(report: Report, happening: Happening, reset: Traced, samples: Samples) -> None:
@@ -351,7 +351,7 @@ def _check_leaving(
             report.warning(what, f"{sentence} A motion that gets there ends.", place)
 
 
-def _states_at_event(
+def states_at_event(
     transition: Transition, guard: Traced, field: Traced, samples: Samples, tries: int = TRIES
 ) -> list[tuple[float, np.ndarray]]:
     """Times and states on the guard that approach it in the transition's direction."""

@@ -45,12 +45,18 @@ def _cannot_pass(guard: Traced, transition: Transition) -> str:
 
 def _interval(guard: Traced) -> Interval:
     """In which its values lie, for parameters within their bounds."""
-    bounds: dict[tuple[str, int], Interval] = {}
-    for k, parameter in enumerate(guard.system.parameters):
-        low, high = parameter.bounds
-        bounds["p", k] = (-math.inf if low is None else low, math.inf if high is None else high)
+    bounds = parameter_bounds(guard.system)
     found = [ranges(guard.program.graph, leaf.nodes, bounds)[0] for leaf in guard.outputs()]
     return min(low for low, _ in found), max(high for _, high in found)
+
+
+def parameter_bounds(system: System) -> dict[tuple[str, int], Interval]:
+    """In which intervals the inputs lie that are parameters."""
+    bounds: dict[tuple[str, int], Interval] = {}
+    for k, parameter in enumerate(system.parameters):
+        low, high = parameter.bounds
+        bounds["p", k] = (-math.inf if low is None else low, math.inf if high is None else high)
+    return bounds
 
 
 def _cannot_be_level(guard: Traced, transition: Transition) -> str:

@@ -51,14 +51,14 @@ def samples_of(system: System, period: float | None) -> Samples:
     scales = np.array([1.0 if state.scale is None else float(state.scale) for state in system.states])
     states = scales * random.standard_normal((COUNT, len(scales)))
     states[: COUNT // 2] = np.abs(states[: COUNT // 2])
-    centres = _equilibria(system, parameters)
+    centres = named_equilibria(system, parameters)
     for row, centre in zip(range(0, COUNT, 2), centres * COUNT, strict=False):
         states[row] = centre + 0.1 * states[row]
     times = random.uniform(0.0, period or 0.0, COUNT)
     return Samples(parameters, list(parameters.values()), states, times, scales)
 
 
-def _equilibria(system: System, parameters: dict[str, float]) -> list[np.ndarray]:
+def named_equilibria(system: System, parameters: dict[str, float]) -> list[np.ndarray]:
     """Named equilibria that can be had; what is wrong with the others is found elsewhere."""
     found = []
     for start in system.starts:

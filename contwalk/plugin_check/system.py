@@ -19,16 +19,15 @@ from contwalk.plugin_check.conserved import check_conserved
 from contwalk.plugin_check.event_kinks import check_event_kinks
 from contwalk.plugin_check.events import Happening, check_passing, check_transition, traced_reset
 from contwalk.plugin_check.findings import Finding, Report, place_of, place_of_error, split_place
-from contwalk.plugin_check.functions import check_map
 from contwalk.plugin_check.guards import check_twins
 from contwalk.plugin_check.keeping import check_keeping
 from contwalk.plugin_check.kinks import check_kinks
 from contwalk.plugin_check.modes import CheckedFields, distinct_transitions
+from contwalk.plugin_check.neutral import check_neutral
 from contwalk.plugin_check.reachable import check_reachable
 from contwalk.plugin_check.samples import Samples, samples_of
 from contwalk.plugin_check.signals import check_signal
 from contwalk.plugin_check.symmetry import check_symmetry
-from contwalk.plugin_check.traced import vector_form
 from contwalk.system import Condition, Family, Observable, Symmetry, System, list_systems
 from contwalk.system.loading import is_path, load_declaration
 
@@ -121,8 +120,7 @@ def check_system(system: System, sources: Sequence[Path] = (), model: str = "") 
         if symmetry.role == "spatial" and fields.complete and len(happenings) == len(distinct):
             _check_mirrored(report, symmetry, system, samples, period)
     for neutral in system.neutral:
-        what, form = f"neutral direction '{neutral.name}'", vector_form(system, "generator", "v")
-        check_map(report, what, neutral.generator, system, samples, form)
+        check_neutral(report, neutral, system, fields, samples)
     for quantity in system.conserved:
         check_conserved(report, quantity, system, fields, samples)
     for observable in system.observables:

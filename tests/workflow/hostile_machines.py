@@ -259,7 +259,46 @@ CLOCK_PUSH = (
     .replace('"relay"', '"clock"')
 )
 
-SOUND = {"contact": CONTACT, "relay": RELAY, "ball": BALL, "stops": STOPS, "hop": HOP, "held": HELD}
+# A rimless wheel with its place along the slope, which it passes on at each strike: any place is as good.
+WHEEL = """\
+import math
+from contwalk.system import Mode, Neutral, Parameter, State, System, Transition
+
+def roll(t, x, p, dx):
+    dx[0] = x[1]
+    dx[1] = math.sin(x[0])
+    dx[2] = x[1] * math.cos(x[0])
+
+def foot(t, x, p):
+    return p.r + 0.4 - x[0]
+
+def strike(t, x, p, after):
+    after[0] = x[0] - 0.8
+    after[1] = 0.7 * x[1]
+    after[2] = x[2] + 0.5
+
+def along(t, x, p, v):
+    v[0], v[1], v[2] = 0.0, 0.0, 1.0
+
+SYSTEM = System(
+    name="wheel",
+    states=(State("theta"), State("u"), State("s")),
+    parameters=(Parameter("r", 0.15), Parameter("k", 0.5)),
+    modes=(Mode("rolling", roll),),
+    transitions=(Transition("strike", "rolling", "rolling", foot, reset=strike),),
+    neutral=(Neutral("slide", along),),
+)
+"""
+
+SOUND = {
+    "wheel": WHEEL,
+    "contact": CONTACT,
+    "relay": RELAY,
+    "ball": BALL,
+    "stops": STOPS,
+    "hop": HOP,
+    "held": HELD,
+}
 SOUND |= {"hop_in_one": HOP_IN_ONE, "clock": CLOCK_PUSH}
 
 
@@ -838,5 +877,39 @@ WRONG: dict[str, Wrong] = {
     ),
     "energy of a state's name": _refused(
         HOP, "'x' is a state and a conserved quantity", "SYSTEM", ('Conserved("energy"', 'Conserved("x"')
+    ),
+    # -- neutral directions ------------------------------------------------------------------------------
+    "neutral direction that a reset breaks": _found(
+        WHEEL,
+        "warning",
+        "Transition 'strike' does not keep it: s moves by 0.9 after it",
+        "def strike",
+        ("x[2] + 0.5", "0.9 * x[2]"),
+    ),
+    "neutral direction that a guard breaks": _found(
+        WHEEL,
+        "warning",
+        "Transition 'strike' does not keep it: its guard changes along it",
+        "def foot",
+        ("0.4 - x[0]", "0.4 - x[0] + 0.1 * math.sin(x[2])"),
+    ),
+    "neutral direction that moves another state after an event": _found(
+        WHEEL,
+        "warning",
+        "Transition 'strike' does not keep it: u moves by 0.01",
+        "def strike",
+        ("0.7 * x[1]", "0.7 * x[1] + 0.01 * x[2]"),
+    ),
+    "neutral direction of the wrong state": _refused(
+        WHEEL,
+        "It is neutral nowhere: moved along it, dx[0] (state theta) changes in mode 'rolling'",
+        "def along",
+        ("0.0, 0.0, 1.0", "0.0, 1.0, 0.0"),
+    ),
+    "neutral direction that is none": _refused(
+        WHEEL, "It is zero everywhere", "def along", ("0.0, 0.0, 1.0", "0.0, 0.0, 0.0")
+    ),
+    "neutral direction of time": _refused(
+        WHEEL, "It depends on t", "def along", ("0.0, 0.0, 1.0", "0.0, 0.0, math.cos(t)")
     ),
 }

@@ -1,0 +1,315 @@
+"""Declared neutral directions: do fields carry them along, and do transitions take them to themselves?
+
+A direction may be neutral for some parameters, or at equilibria, only: where it is, each branch finds at its
+start. What is neutral nowhere is an error; what all fields carry along and a transition breaks is a warning.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from contwalk.fields.derivative import directional
+from contwalk.fields.ranges import ranges
+from contwalk.plugin_check.events import states_at_event, traced_reset
+from contwalk.plugin_check.findings import Report, place_of
+from contwalk.plugin_check.functions import EPSILON, check_map
+from contwalk.plugin_check.guards import parameter_bounds, traced_guard
+from contwalk.plugin_check.modes import CheckedFields, distinct_transitions
+from contwalk.plugin_check.samples import Samples, named_equilibria
+from contwalk.plugin_check.traced import Form, Traced, traced, vector_form
+from contwalk.system import Neutral, System, Transition
+
+# Both sides agree to this part of their terms, as along the orbits of a run.
+NEUTRAL = 1e-10
+# Bounds of rounding errors are of first order and of single operations.
+FACTOR = 100.0
+# An equilibrium that is named is one to this part of the terms of A g.
+AT_REST = 1e-7
+# Values that switch a term off, or make a factor that of nothing.
+TRIED = (0.0, 1.0)
+
+
+def check_neutral(
+    report: Report, neutral: Neutral, system: System, fields: CheckedFields, samples: Samples
+) -> None:
+    """Check the generator, and that Df v = Dv f in all modes, DG v(x) = +-v(G(x)) and Dh v = 0 at events."""
+    what = words(neutral)
+    generator = check_map(report, what, neutral.generator, system, samples, _form(system))
+    if (
+        generator is None
+        or not fields.complete
+        or not check_somewhere(report, what, generator, fields, samples)
+    ):
+        return
+    lost = _lost_along(generator, fields, samples)
+    place = place_of(neutral.generator)
+    if lost:
+        # It may be neutral for other parameters, or at equilibria that nobody names: that is no mistake.
+        where = _where_neutral(generator, fields, system, samples)
+        found = f"is neutral {where}" if where else "nothing shows it to be neutral"
+        unless = "" if where else ". It is held only where a branch begins that shows it to be neutral"
+        report.ok(what, f"{found}; at the defaults {lost}{unless}.", place)
+        return
+    report.ok(what, "is carried along by the fields of all modes.", place)
+    for transition in distinct_transitions(system):
+        if transition.role != "watched":
+            _check_event(report, what, generator, transition, system, fields, samples)
+
+
+def words(neutral: Neutral) -> str:
+    """The declaration in findings."""
+    return f"neutral direction '{neutral.name}'"
+
+
+def traced_generator(report: Report, neutral: Neutral, system: System) -> Traced | None:
+    """The generator; None, and a finding, where it cannot be used."""
+    return traced(report, words(neutral), neutral.generator, system, _form(system))
+
+
+def _form(system: System) -> Form:
+    return vector_form(system, "generator", "v")
+
+
+def check_somewhere(
+    report: Report, what: str, generator: Traced, fields: CheckedFields, samples: Samples
+) -> bool:
+    """Whether a direction may be neutral at all; a finding where expressions show that it is nowhere.
+
+    Told of directions that are the same at every state: there A v is the bracket, and equilibria, motions
+    and orbits all need it to vanish.
+    """
+    place = place_of(generator.function)
+    if generator.system.period is None and 0 in generator.depends():
+        sentence = "It depends on t: a direction is a function of the state and the parameters."
+        report.error(what, sentence, place)
+        return False
+    direction = _constant(generator)
+    if direction is None:
+        return True
+    if not np.any(direction):
+        report.error(
+            what,
+            "It is zero everywhere, which is no direction. Write its entries into v, or remove it.",
+            place,
+        )
+        return False
+    broken = [
+        (mode.name, _always_changes(fields[mode.name], direction, samples)) for mode in generator.system.modes
+    ]
+    if any(entry is None for _, entry in broken):
+        return True
+    mode, entry = broken[0]
+    report.error(
+        what,
+        f"It is neutral nowhere: moved along it, {entry} changes in mode '{mode}', whatever the state and "
+        "the parameters are. Correct its generator or the field, or remove it.",
+        place,
+    )
+    return False
+
+
+def _constant(generator: Traced) -> np.ndarray | None:
+    """The direction, shape (n,), if it is the same at every state and for all parameters."""
+    leaves, value = generator.outputs(), generator.program.graph.value
+    if len(leaves) != 1:
+        return None
+    entries = [value(node) for node in leaves[0].nodes]
+    return None if any(entry is None for entry in entries) else np.array(entries, dtype=float)
+
+
+def _always_changes(field: Traced, direction: np.ndarray, samples: Samples) -> str | None:
+    """The rate that a shift along a constant direction changes everywhere; None where none does."""
+    graph, bounds = field.program.graph, parameter_bounds(field.system)
+    along = {graph.input("x", i): graph.constant(float(direction[i])) for i in field.existing if direction[i]}
+    common = set(range(len(direction)))
+    for leaf in field.outputs():
+        changes = ranges(graph, tuple(directional(graph, leaf.nodes, along)), bounds)
+        common &= {i for i, (low, high) in enumerate(changes) if low > 0.0 or high < 0.0}
+    seen = [i for i in sorted(common) if _differs(field, direction, i, samples)]
+    return field.form.entry(seen[0]) if seen else None
+
+
+def _differs(field: Traced, direction: np.ndarray, i: int, samples: Samples) -> bool:
+    """Whether a rate is another one after a shift: what cancels but for rounding changes nothing."""
+    shift = direction * np.min(samples.scales[direction != 0.0] / np.abs(direction[direction != 0.0]))
+    for t, x in zip(samples.times, samples.states, strict=True):
+        moved = np.array([field.values(t, y, samples.values)[i] for y in (x, x + shift)])
+        bound = sum(field.roundings(t, y, samples.values)[i] for y in (x, x + shift))
+        if abs(moved[1] - moved[0]) > FACTOR * EPSILON * bound:
+            return True
+    return False
+
+
+def _varied(samples: Samples, system: System) -> Iterator[tuple[str, Samples]]:
+    """The samples with one parameter after the other at a value that may make a direction neutral."""
+    for parameter in system.parameters:
+        for value in TRIED:
+            if parameter.conserved or value == parameter.default or not parameter.allows(value):
+                continue
+            given = samples.parameters | {parameter.name: value}
+            yield (
+                f"with {parameter.name} = {value:g}",
+                replace(samples, parameters=given, values=list(given.values())),
+            )
+
+
+def _where_neutral(generator: Traced, fields: CheckedFields, system: System, samples: Samples) -> str:
+    """Where a direction is neutral that is not so everywhere at the defaults, in words; empty if nowhere."""
+    named = "at equilibria that are named"
+    if _at_rest(generator, fields, system, samples):
+        return named
+    for how, other in _varied(samples, system):
+        if not _lost_along(generator, fields, other):
+            return how
+        if _at_rest(generator, fields, system, other):
+            return f"{how}, {named}"
+    return ""
+
+
+# -- fields ----------------------------------------------------------------------------------------------
+
+
+def _lost_along(generator: Traced, fields: CheckedFields, samples: Samples) -> str:
+    """How the field of a mode does not carry a direction along, in words; empty where all do."""
+    for mode in generator.system.modes:
+        field = fields[mode.name]
+        for t, x in zip(samples.times, samples.states, strict=True):
+            apart, terms = _bracket(generator, field, t, field.given(x), samples)
+            if not (np.isfinite(apart).all() and np.isfinite(terms).all()):
+                continue
+            wrong = np.abs(apart) > NEUTRAL * terms
+            if wrong.any():
+                i = int(np.argmax(np.abs(apart) / np.maximum(terms, np.finfo(float).tiny)))
+                return f"{field.form.entry(i)} changes along it in mode '{mode.name}', by {apart[i]:.4g}"
+    return ""
+
+
+def _bracket(
+    generator: Traced, field: Traced, t: float, x: np.ndarray, samples: Samples
+) -> tuple[np.ndarray, np.ndarray]:
+    """Df v - Dv f in the states that exist, and the size of its terms."""
+    here = list(field.existing)
+    v, turned = generator.values(t, x, samples.values)[here], generator.slopes(t, x, samples.values)
+    f, slopes = field.values(t, x, samples.values)[here], field.slopes(t, x, samples.values)
+    by, own = slopes[here, 1:][:, here], turned[here, 1:][:, here]
+    apart, terms = np.zeros(len(x)), np.zeros(len(x))
+    apart[here] = by @ v - own @ f - turned[here, 0]
+    terms[here] = np.abs(by) @ np.abs(v) + np.abs(own) @ np.abs(f) + np.abs(turned[here, 0])
+    # What changes a rate by less than its rounding, over a shift as long as states are large, is nothing.
+    steep = float(np.max(np.abs(v) / samples.scales[here], initial=0.0))
+    noise = FACTOR * EPSILON * field.roundings(t, x, samples.values) * steep
+    return apart, terms + noise / NEUTRAL
+
+
+def _at_rest(generator: Traced, fields: CheckedFields, system: System, samples: Samples) -> bool:
+    """Whether A v = 0 at an equilibrium that the system names, at the defaults."""
+    field = fields[system.modes[0].name]
+    for x in named_equilibria(system, samples.parameters):
+        v = generator.values(0.0, x, samples.values)
+        by = field.slopes(0.0, x, samples.values)[:, 1:]
+        if not (np.isfinite(v).all() and np.any(v) and np.isfinite(by).all()):
+            continue
+        if np.all(np.abs(by @ v) <= AT_REST * float((np.abs(by) @ np.abs(v)).max())):
+            return True
+    return False
+
+
+# -- events ----------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Event:
+    """A transition with its functions; `relabel` is the map by which it swaps names."""
+
+    transition: Transition
+    guard: Traced
+    reset: Traced | None
+    relabel: Traced | None
+    existing: list[int]
+
+    def landed(self, t: float, x: np.ndarray, samples: Samples) -> tuple[np.ndarray, np.ndarray]:
+        """The state after it and the derivative of it by the state before."""
+        after, slope = x, np.eye(len(x))
+        for each in (self.reset, self.relabel):
+            if each is not None:
+                slope = each.slopes(t, after, samples.values)[:, 1:] @ slope
+                after = each.values(t, after, samples.values)
+        kept = np.zeros(len(x))
+        kept[self.existing] = 1.0
+        return kept * after, kept[:, None] * slope
+
+
+def _check_event(
+    report: Report,
+    what: str,
+    generator: Traced,
+    transition: Transition,
+    system: System,
+    fields: CheckedFields,
+    samples: Samples,
+) -> None:
+    silent = Report()
+    guard, reset = traced_guard(silent, "guard", transition, system), traced_reset(silent, transition, system)
+    if guard is None or (transition.reset is not None and reset is None):
+        return  # told where it is checked itself
+    relabel = None
+    if transition.relabel is not None:
+        symmetry = system.symmetry(transition.relabel)
+        relabel = traced(silent, "map", symmetry.map, system, vector_form(system, "map", "x_image"))
+    existing = list(system.states_of(transition.target))
+    event = _Event(transition, guard, reset, relabel, existing)
+    field = fields[transition.source]
+    lost = _lost_at(event, generator, field, samples)
+    if lost is None:
+        return
+    where = next(
+        (how for how, other in _varied(samples, system) if _lost_at(event, generator, field, other) is None),
+        "",
+    )
+    sentence, function = lost
+    sentence = f"Transition '{transition.name}' does not keep it: {sentence}"
+    place = place_of(function)
+    if where:
+        report.ok(what, f"{sentence} at the defaults; {where} it does.", place)
+        return
+    report.warning(
+        what,
+        f"{sentence}, though the fields of all modes carry it along. Orbits that meet this event do not come "
+        "in families along it, and it is not held. Correct the generator, the guard or the reset, unless it "
+        "is meant for solutions without this event.",
+        place,
+    )
+
+
+def _lost_at(
+    event: _Event, generator: Traced, field: Traced, samples: Samples
+) -> tuple[str, Callable[..., Any]] | None:
+    """What an event does to a direction, in words, and the function that does it; None where it keeps it."""
+    signs = {1.0, -1.0}
+    for t, x in states_at_event(event.transition, event.guard, field, samples):
+        v = event.guard.given(generator.values(t, x, samples.values))
+        slope = event.guard.slopes(t, x, samples.values)[0, 1:]
+        after, carried = event.landed(t, x, samples)
+        w = generator.values(t, after, samples.values)
+        if not all(np.isfinite(each).all() for each in (v, slope, after, carried, w)):
+            continue
+        moved, terms = float(slope @ v), float(np.abs(slope) @ np.abs(v))
+        if abs(moved) > NEUTRAL * terms:
+            return f"its guard changes along it, by {moved:.4g}", event.transition.guard
+        expected = np.zeros(len(x))
+        expected[event.existing] = w[event.existing]
+        came, size = carried @ v, np.abs(carried) @ np.abs(v) + np.abs(expected)
+        wrong = {sign: np.abs(came - sign * expected) > NEUTRAL * size for sign in signs}
+        signs = {sign for sign in signs if not wrong[sign].any()}
+        if not signs:
+            i = int(np.argmax(wrong.get(1.0, next(iter(wrong.values())))))
+            name = generator.form.names[i]
+            sentence = (
+                f"{name} moves by {came[i]:.4g} after it, where the direction there has {expected[i]:.4g}"
+            )
+            return sentence, event.transition.reset or event.transition.guard
+    return None
