@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+# What the engine itself tells of a branch: where it ends, and what the user asked for.
+END, MARK = "EP", "UZ"
+
 MEANINGS = {
     "EP": "end point",
     "UZ": "marked value",
@@ -14,3 +17,7 @@ MEANINGS = {
     "OC": "event-order change",
     "AZ": "admissibility limit",
 }
+
+# What is done at limits, and the points whose branches are followed, where nothing is said of that.
+AT_LIMITS = {"GR": "stop", "OC": "switch", "AZ": "ignore"}
+FOLLOWED = frozenset({"BP"})

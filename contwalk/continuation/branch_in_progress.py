@@ -15,7 +15,8 @@ from contwalk.continuation.rows import from_row
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import Here
 from contwalk.errors import DatabaseError
-from contwalk.problems.problem import MAX_ABS, MAX_RE, Problem
+from contwalk.labels import END
+from contwalk.problems.problem import MAX_ABS, MAX_RE, PointType, Problem
 from contwalk.system import System
 
 
@@ -23,8 +24,8 @@ from contwalk.system import System
 class Start:
     """One entry of the queue.
 
-    `opening` is an `Outcome` where the start failed; `orbit`: of an orbit; `label`: of the special point that
-    it leaves.
+    `opening` is an `Outcome` where the start failed; `orbit`: of an orbit; `leaves`: the kind of special
+    point that it leaves.
     """
 
     system: System
@@ -35,7 +36,7 @@ class Start:
     parent: tuple[str, float] | None = None
     depth: int = 0
     orbit: bool = False
-    label: str | None = None
+    leaves: PointType | None = None
 
 
 @dataclass(frozen=True)
@@ -130,7 +131,7 @@ def outdated(stored: Stored, settings: Settings) -> frozenset[int]:
     low, high = settings.range
     found = set()
     for number, point in enumerate(stored.special_points):
-        if point.label != "EP":
+        if point.label != END:
             continue
         values = stored.rows["free"][stored.rows["s"] == point.s, 0]
         own = int(np.sum(stored.rows["s"] * (1.0 if point.s > 0 else -1.0) >= 0.0))
@@ -161,18 +162,18 @@ def resumed(
     points = tuple(
         number
         for number, p in enumerate(stored.special_points)
-        if number not in without and p.s in (regular_s if p.label == "EP" else special_s)
+        if number not in without and p.s in (regular_s if p.label == END else special_s)
     )
     work.special_points = [stored.special_points[number] for number in points]
-    ends = {1.0 if p.s > 0 else -1.0: p for p in work.special_points if p.label == "EP"}
+    ends = {1.0 if p.s > 0 else -1.0: p for p in work.special_points if p.label == END}
     if len(kept) == 1 and ends:  # ended where it began
-        ends = dict(zip(signs, [p for p in work.special_points if p.label == "EP"], strict=False))
+        ends = dict(zip(signs, [p for p in work.special_points if p.label == END], strict=False))
     born = work.info.parent is not None
     places: dict[float, tuple[Problem, Here]] = {}
     for sign in signs:
         if sign in ends:
             end = ends[sign]
-            told = outcomes.restored(end, outcomes.goes_on(end, events))
+            told = outcomes.restored(end, outcomes.goes_on(problem.point_types, end, events))
             work.outcomes.append((sign, told))
             continue
         side = kept[(np.sign(kept["s"]) == sign) & ~kept["special"]]

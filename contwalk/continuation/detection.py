@@ -1,7 +1,8 @@
 """What is special between two neighbouring solutions.
 
 Three independent tests look at a segment: the orientation of the bordered Jacobian (branch points), the
-parameter's share of the tangent (folds), and the sorted stability measures (eigenvalues that cross). Sorted
+parameter's share of the tangent (folds), and the sorted stability measures (eigenvalues that cross). Which
+kinds of points they tell, and by which equations these are located, the problem says (`point_types`). Sorted
 measures are continuous functions along a branch, so a sign change brackets a crossing, and an interior
 extremum near zero may hide two. The tests must agree on how many eigenvalues crossed; if not, the segment is
 too long.
@@ -16,6 +17,7 @@ from itertools import pairwise
 import numpy as np
 
 from contwalk.continuation.double_crossings import knots_of
+from contwalk.continuation.kinds import crossed, pair, told_by
 from contwalk.continuation.locating import (
     SAME_POINT,
     Disagreement,
@@ -27,7 +29,7 @@ from contwalk.continuation.locating import (
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.numerics.bracketing import narrow
 from contwalk.numerics.linear import Factored, critical_pair, deficiency, solution_plane
-from contwalk.problems.problem import FLAT_FOLD, Located, Sample
+from contwalk.problems.problem import Located, Sample, Test
 
 # How far from a point its two sides are looked at, in parts of the segment.
 BESIDE = 1e-3
@@ -46,9 +48,6 @@ SECOND = (
     "A second real eigenvalue passes zero on a branch along which the parameter stands still: the branch "
     "turns back in a state, and no other one leaves there. The place is told as it is bracketed."
 )
-# How many eigenvalues pass at points that only eigenvalues tell: a pair, or a real one (SB: of half a
-# symmetric orbit, where its whole loses the symmetry).
-PASSING = {"HB": 2, "NS": 2, "PD": 1, "SB": 1}
 
 
 def bifurcations(segment: Segment) -> list[Found]:
@@ -74,18 +73,17 @@ def at_the_end(segment: Segment) -> list[Found]:
         return []
     which = int(critical[0])
     if segment.problem.many_branches(b.z):
-        label, step = "BP", 1
+        kind = told_by(segment.problem, Test.ORIENTATION)
     else:
-        label = segment.problem.label_of(b, which) or "LP"
-        step = PASSING.get(label, 2)
-    located = segment.problem.locate(label, b, which)
-    settled = located.settled() if located is not None and label != "LP" else None
+        kind = crossed(segment.problem, b, which) or told_by(segment.problem, Test.TURN)
+    located = kind.locate(segment.problem, b, which)
+    settled = located.settled() if located is not None and kind.test is not Test.TURN else None
     if settled is None or np.linalg.norm((settled.z - b.z) / segment.weights) > SAME_POINT:
         return []
     # Beyond the end nothing is computed; the way the eigenvalue moves tells the count there.
     before = segment.a.unstable
-    after = before + step * int(np.nan_to_num(np.sign(b.rates[which])))
-    return [Found(1.0, label, settled, b, before, max(after, 0))]
+    after = before + max(kind.changes) * int(np.nan_to_num(np.sign(b.rates[which])))
+    return [Found(1.0, kind, settled, b, before, max(after, 0))]
 
 
 def _crossings(segment: Segment, low: float, high: float, known: list[Found]) -> list[Found]:
@@ -98,7 +96,8 @@ def _crossings(segment: Segment, low: float, high: float, known: list[Found]) ->
     found += _measure_crossings(segment, low, high, found)
     if jump not in _reachable(segment, found):
         raise Disagreement(
-            _pair_label(segment), "The number of eigenvalues that cross does not agree with the points found."
+            pair(segment.problem),
+            "The number of eigenvalues that cross does not agree with the points found.",
         )
     return found
 
@@ -121,17 +120,17 @@ def _changes(segment: Segment, found: Found) -> tuple[int, ...]:
     if "multiplicity" in found.located.vectors:
         many = int(found.located.vectors["multiplicity"])
         return tuple(range(-many, many + 1))
-    if found.label in PASSING:
-        return (-PASSING[found.label], PASSING[found.label])
+    if found.type.test in (Test.STABILITY, Test.VALUE):
+        return found.type.changes
     if segment.problem.discretized:  # on its steps, a multiplier passes one beside the point
-        return (-1, 1) if found.label == "LP" else (-1, 0, 1)
-    if found.label == "LP" and not _has_zero(found.sample):
+        return found.type.changes
+    if found.type.test is Test.TURN and not _has_zero(found.sample):
         return (0,)
     low, high = max(found.theta - BESIDE, 0.0), min(found.theta + BESIDE, 1.0)
     seen = segment.at(high).unstable - segment.at(low).unstable
     if abs(seen) <= 1:
         return (seen,)
-    return (-1, 0, 1) if found.label == "BP" else (-1, 1)  # another point is that near
+    return found.type.changes  # another point is that near
 
 
 def _has_zero(sample: Sample) -> bool:
@@ -148,10 +147,10 @@ def _branch_points(segment: Segment, low: float, high: float, known: list[Found]
     inside = [f for f in known if low < f.theta < high]
     if inside:
         return inside
-    value = _singularity(segment, p, q)
-    found = locate(segment, "BP", low, high, lambda t: value(segment.at(t)), 0)
+    value, kind = _singularity(segment, p, q), told_by(segment.problem, Test.ORIENTATION)
+    found = locate(segment, kind, low, high, lambda t: value(segment.at(t)), 0)
     if found is None:
-        raise Disagreement("BP", "The orientation changes, but no branch point is found.")
+        raise Disagreement(kind, "The orientation changes, but no branch point is found.")
     return [found]
 
 
@@ -229,17 +228,18 @@ def at_branch_point(tangent: np.ndarray, weights: np.ndarray) -> np.ndarray:
 
 def _with_folds(segment: Segment, low: float, high: float, branch_points: list[Found]) -> list[Found]:
     """Branch points, and folds on the pieces between them; at them the tangent is known exactly."""
+    turning, crossing = (told_by(segment.problem, test) for test in (Test.TURN, Test.ORIENTATION))
     ends = [(low, _share(segment.at(low)))]
     for bp in branch_points:
-        tangent = segment.problem.tangent_at("BP", bp.located, bp.sample)
+        tangent = crossing.tangent(segment.problem, bp.located, bp.sample)
         ends.append((bp.theta, _share(bp.sample, tangent) if tangent is not None else 0.0))
     ends.append((high, _share(segment.at(high))))
     found = []
     for (t0, v0), (t1, v1) in pairwise(ends):
         if v0 * v1 < 0.0:
-            fold = locate(segment, "LP", t0, t1, lambda t: _share(segment.at(t)), 0, (v0, v1))
+            fold = locate(segment, turning, t0, t1, lambda t: _share(segment.at(t)), 0, (v0, v1))
             if fold is None:
-                raise Disagreement("LP", "The parameter turns, but no fold is found.")
+                raise Disagreement(turning, "The parameter turns, but no fold is found.")
             found.append(fold)
     if found or not ends[0][1] * ends[-1][1] < 0.0:
         return branch_points + found
@@ -255,8 +255,9 @@ def _with_its_fold(segment: Segment, low: float, high: float, point: Found) -> l
     sides = _sides(segment, point)
     if not _twice_critical(point.sample, sides):
         return [point]
+    turning = told_by(segment.problem, Test.TURN)
     for side in sides:  # at the branch point itself the equations of the fold are singular
-        fold = accepted(segment, "LP", side, 0, low, high)
+        fold = accepted(segment, turning, side, 0, low, high)
         if fold is not None and _turns_along(fold, side):
             return [point, fold]
     return [replace(point, located=_with(point.located, turns=True))]
@@ -329,21 +330,24 @@ def _flat_fold(segment: Segment, low: float, high: float, crossings: list[tuple[
     """
     ends = [segment.at(theta) for theta in (low, high)]
     share = max(abs(float(end.tangent[-1] / end.weights[-1])) for end in ends)
+    kind = told_by(segment.problem, Test.TURN)
     if share > FLAT:
-        label = "LP" if share < NEARLY_FLAT else "BP"
-        raise Disagreement(label, "A real eigenvalue passes zero where there is no fold and no branch point.")
+        likely = kind if share < NEARLY_FLAT else told_by(segment.problem, Test.ORIENTATION)
+        raise Disagreement(
+            likely, "A real eigenvalue passes zero where there is no fold and no branch point."
+        )
     theta, which = crossings[0]
     sample, width = segment.at(theta), abs(float(segment.chord[-1]))
     if segment.vertical:  # every point of it solves the equations of a fold
         known = max(width, float(np.spacing(abs(sample.parameter))))
         located = Located(sample.z, known, {"note": SECOND}, refined=False)
-        return Found(theta, "LP", located, sample, kind="unlocated")
-    for equations in (FLAT_FOLD, "LP") if segment.problem.discretized else ("LP",):
-        if (fold := accepted(segment, equations, sample, which, low, high)) is not None:
-            return replace(fold, label="LP")
+        return Found(theta, kind, located, sample, kind="unlocated")
+    for each in (*kind.flat, kind):
+        if (fold := accepted(segment, each, sample, which, low, high)) is not None:
+            return fold
     note = "A real eigenvalue passes zero, and the parameter turns by less than it is known to."
     return Found(
-        theta, "LP", Located(sample.z, width, {"note": note}, refined=False), sample, kind="unlocated"
+        theta, kind, Located(sample.z, width, {"note": note}, refined=False), sample, kind="unlocated"
     )
 
 
@@ -361,9 +365,9 @@ def _locate_crossing(segment: Segment, low: float, high: float, which: int) -> F
 
     def attempt(theta: float, left: float, right: float) -> Found | float | None:
         sample = segment.at(theta)
-        label = segment.problem.label_of(sample, which)
-        if label is not None:
-            return accepted(segment, label, sample, which, left, right)
+        kind = crossed(segment.problem, sample, which)
+        if kind is not None:
+            return accepted(segment, kind, sample, which, left, right)
         # A real eigenvalue: its place is enough, and nearer to it the corrector may be singular.
         met = abs(sample.measures[which]) <= sample.errors[which]
         return theta if met or right - left < NEAR_REAL else None
@@ -379,14 +383,9 @@ def _locate_crossing(segment: Segment, low: float, high: float, which: int) -> F
         return replace(found, located=_with(found.located, which=which))
     if found is not None:
         return found
-    label = segment.problem.label_of(segment.at(high if abs(v1) < abs(v0) else low), which)
-    label = label or _pair_label(segment)
-    raise Disagreement(label, f"Eigenvalues cross, but no point {label} is found.")
-
-
-def _pair_label(segment: Segment) -> str:
-    """What a complex pair that crosses makes: a Hopf point, of orbits a torus."""
-    return "NS" if segment.problem.discretized else "HB"
+    kind = crossed(segment.problem, segment.at(high if abs(v1) < abs(v0) else low), which)
+    kind = kind or pair(segment.problem)
+    raise Disagreement(kind, f"Eigenvalues cross, but no point {kind.label} is found.")
 
 
 def _with(located: Located, **vectors: object) -> Located:

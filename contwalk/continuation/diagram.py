@@ -27,6 +27,7 @@ from contwalk.continuation.branch_in_progress import (
     resumed,
     spent,
 )
+from contwalk.continuation.kinds import kind_of
 from contwalk.continuation.marks import Observer, marks_at, observer_of
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.pseudo_arclength import End, Point, walk
@@ -36,7 +37,8 @@ from contwalk.continuation.rows import from_row, to_row
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import Here, begin, turned
 from contwalk.errors import ContwalkError
-from contwalk.problems.problem import Mirror, Problem, Sample
+from contwalk.labels import END, FOLLOWED
+from contwalk.problems.problem import LimitType, Mirror, PointType, Problem, Sample
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,7 @@ class Plan:
     """What a diagram covers: the labels that are followed, how deep, and the directions from a start."""
 
     settings: Settings
-    follow: frozenset[str] = frozenset({"BP"})
+    follow: frozenset[str] = FOLLOWED
     depth: int = 5
     directions: tuple[float, ...] = (1.0, -1.0)
 
@@ -167,7 +169,7 @@ class Diagram:
         twin = self._twin(start)
         if twin is not None:
             return twin
-        if start.label == "HB":
+        if start.leaves is not None and start.leaves.births:
             ending = next((b.name for b in self.branches if _ends_at_point(b, here)), None)
             if ending is not None:
                 return Known(ending)
@@ -184,7 +186,7 @@ class Diagram:
         name, s = start.parent
         parent = next((branch for branch in self.branches if branch.name == name), None)
         mirror = None if parent is None else parent.info.settings.get("mirror")
-        if not mirror or start.label not in ONE_BRANCH:
+        if not mirror or start.leaves is None or start.leaves.daughters != 1:
             return None
         leaving = [b for b in self.branches if b.info.parent == (name, -s) and len(b) > 1]
         return Known(leaving[0].name, tuple(mirror)) if len(leaving) == 1 else None
@@ -368,34 +370,37 @@ class Diagram:
             work.special_points.append(record)
             yield Found(work.info, row, record)
 
-    def _followed(self, branch: Branch, point: SpecialPoint) -> bool:
-        """Whether the branches that leave a point are wanted."""
-        if point.label in ("GR", "OC"):
-            return self._plan.settings.events.get(point.label) == "switch"
-        return point.label in self._plan.follow
+    def _followed(self, kind: PointType) -> bool:
+        """Whether the branches that leave points of a kind are wanted."""
+        if isinstance(kind, LimitType) and not kind.declared:
+            return self._plan.settings.events.get(kind.label) == "switch"
+        return kind.label in self._plan.follow
 
     def _grown(self, start: Start, problem: Problem, branch: Branch) -> Iterator[Start]:
         """Starts for the branches that leave a branch's special points."""
         for point in branch.special_points:
-            if not self._followed(branch, point) or point.status != "located":
+            kind = kind_of(problem, point)
+            if kind is None or not self._followed(kind) or point.status != "located":
                 continue
             if start.parent is not None and abs(point.s) < 1e-9:
                 continue  # the point that this branch itself was born at
-            for opening in self._openings(problem, point):
+            for opening in self._openings(problem, kind, point):
                 yield replace(
                     start,
                     opening=opening,
                     origin=f"{branch.name}/{point.name}",
                     parent=(branch.name, point.s),
                     depth=start.depth + 1,
-                    label=point.label,
-                    orbit=start.orbit or point.label in ("HB", "PD"),
+                    leaves=kind,
+                    orbit=start.orbit or problem.discretized or kind.births,
                 )
 
-    def _openings(self, problem: Problem, point: SpecialPoint) -> Iterator[Opening | Outcome]:
+    def _openings(
+        self, problem: Problem, kind: PointType, point: SpecialPoint
+    ) -> Iterator[Opening | Outcome]:
         """The branches that leave a point; of one that cannot be begun, why."""
         try:
-            for seed in problem.seeds(point):
+            for seed in kind.seeds(problem, point):
                 here = begin(seed.problem, seed.z, self._plan.settings, seed.tangent, seed.reach)
                 if isinstance(here, Here):
                     yield Opening(seed.problem, here, one_sided=seed.one_sided)
@@ -412,8 +417,6 @@ def _broken(error: ContwalkError | np.linalg.LinAlgError, what: str) -> Outcome:
     return outcomes.broken(f"{what}: its equations are singular ({error}).", "Start elsewhere.")
 
 
-# Special points that one branch leaves.
-ONE_BRANCH = ("BP", "HB", "PD")
 # How near the last orbit of a family is to the Hopf point that it ends at, in parameter, period and state.
 NEAR_PARAMETER, NEAR_PERIOD, NEAR_STATE = 0.05, 0.1, 0.5
 
@@ -424,7 +427,7 @@ def _ends_at_point(branch: Branch, here: Here) -> bool:
         return False
     sample, n = here.sample, len(branch.info.states)
     for point in branch.special_points:
-        if point.label != "EP" or point.kind != "shrunk":
+        if point.label != END or point.kind != "shrunk":
             continue
         row = branch.points[point.index]
         weights = row["weights"]

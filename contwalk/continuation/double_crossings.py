@@ -8,11 +8,12 @@ from itertools import pairwise
 
 import numpy as np
 
+from contwalk.continuation.kinds import crossed, told_by
 from contwalk.continuation.locating import Disagreement, Found, accepted, locate_multiple
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.errors import NotFinite
 from contwalk.numerics.bracketing import narrow
-from contwalk.problems.problem import Sample
+from contwalk.problems.problem import Sample, Test
 
 # An extremum is looked at when it comes this much nearer to zero than the ends.
 NEAR_ZERO = 0.5
@@ -59,8 +60,8 @@ def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | Non
     try:
         finest = segment.problem.finest(here.z, segment.weights)
     except NotFinite as error:
-        label = segment.problem.label_of(here, which) or "BP"
-        raise Disagreement(label, f"Two crossings may hide there: {error.sentence}") from None
+        kind = crossed(segment.problem, here, which) or told_by(segment.problem, Test.ORIENTATION)
+        raise Disagreement(kind, f"Two crossings may hide there: {error.sentence}") from None
     if finest is None:
         return None
     sides = max(theta - NEIGHBOURHOOD, 0.0), min(theta + NEIGHBOURHOOD, 1.0)
@@ -78,9 +79,8 @@ def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | Non
     for low, high, before, after in ((0.0, middle, outside, inside), (middle, 1.0, inside, outside)):
         point = _crossing_between(part, which, low, high)
         if point is None:
-            raise Disagreement(
-                str(finest.label_of(part.at(middle), which)), "Of two near crossings one is lost."
-            )
+            kind = crossed(finest, part.at(middle), which) or told_by(finest, Test.ORIENTATION)
+            raise Disagreement(kind, "Of two near crossings one is lost.")
         position = sides[0] + point.theta * (sides[1] - sides[0])
         found.append(replace(point, theta=position, before=before, after=after, counted=True))
     return found
@@ -98,8 +98,8 @@ def _crossing_between(segment: Segment, which: int, low: float, high: float) -> 
 
     def attempt(theta: float, left: float, right: float) -> Found | None:
         sample = segment.at(theta)
-        label = segment.problem.label_of(sample, which)
-        return None if label is None else accepted(segment, label, sample, which, left, right)
+        kind = crossed(segment.problem, sample, which)
+        return None if kind is None else accepted(segment, kind, sample, which, left, right)
 
     return narrow(value, low, high, value(low), value(high), attempt)
 

@@ -18,7 +18,6 @@ from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.numerics.bracketing import narrow
 from contwalk.problems.problem import Located, Problem
 
-LABELS = ("GR", "OC", "AZ")
 # A branch that was born at a limit begins with a margin of zero, which is positive; of one that begins next
 # to a limit the sign is known.
 BORN, ROUNDED = 1e-7, 1e-10
@@ -111,7 +110,7 @@ def _alike(problem: Problem, which: int, other: int) -> bool:
     once.
     """
     a, b = problem.limits[which], problem.limits[other]
-    return a.name == b.name or a.label == b.label == "OC"
+    return a.name == b.name or (a.type is b.type and a.type.shared)
 
 
 class _Jumps(Exception):
@@ -125,7 +124,7 @@ def _located(
 
     None where there is none.
     """
-    problem, label = segment.problem, segment.problem.limits[which].label
+    problem, kind = segment.problem, segment.problem.limits[which].type
     around = {low: first, 1.0: last}
 
     def value(theta: float) -> float:
@@ -149,7 +148,7 @@ def _located(
         # Beyond one, there is no such instant, or it is far from the limit.
         if abs(around[theta]) < 1.0 and right - left < 0.2 * tried:
             tried = right - left
-            found = accepted(segment, label, segment.at(theta), which, left, right, known)
+            found = accepted(segment, kind, segment.at(theta), which, left, right, known)
             if found is not None:
                 return found
         change = abs(around[left] - around[right])
@@ -163,7 +162,7 @@ def _located(
         theta = low + (1.0 - low) * first / (first - last)
         nearer = segment.a if theta < 0.5 else segment.b
         guess = replace(nearer, z=segment.guess(theta))
-        found = accepted(segment, label, guess, which, low, 1.0, known)
+        found = accepted(segment, kind, guess, which, low, 1.0, known)
         if found is not None:
             return found
     try:
@@ -180,7 +179,7 @@ def _located(
     ]
     if any(jumps):
         return None
-    raise Disagreement(label, f"'{problem.limits[which].name}' passes its limit, but cannot be located.")
+    raise Disagreement(kind, f"'{problem.limits[which].name}' passes its limit, but cannot be located.")
 
 
 def policy(problem: Problem, located: Located, events: Mapping[str, str]) -> str:
@@ -190,8 +189,8 @@ def policy(problem: Problem, located: Located, events: Mapping[str, str]) -> str
     beyond it the orbit's own event happens earlier, and no orbit of this word is the machine's.
     """
     limit = problem.limits[int(located.vectors["limit"])]
-    asked = events.get(limit.label, "ignore")
-    if limit.label == "AZ":
+    asked = events.get(limit.type.label, "ignore")
+    if limit.type.declared:
         return asked
     if asked == "switch" and not limit.acts:
         return "ignore"

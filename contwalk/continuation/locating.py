@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from contwalk.continuation.kinds import all_told_by
 from contwalk.continuation.segment import Segment
 from contwalk.errors import NotFinite
 from contwalk.numerics.bracketing import narrow
-from contwalk.problems.problem import Located, Sample
+from contwalk.problems.problem import Located, PointType, Sample, Test
 
 # Of two points that are one, in the metric, beside what a problem blurs.
 SAME_POINT = 1e-6
@@ -24,7 +25,7 @@ class Found:
     """A located special point: where on the segment, what, and the sample there."""
 
     theta: float
-    label: str
+    type: PointType
     located: Located
     sample: Sample
     before: int = 0
@@ -33,19 +34,28 @@ class Found:
     counted: bool = False  # the counts are known already
     mark: tuple[str, float] | None = None  # what has which marked value there
 
+    @property
+    def label(self) -> str:
+        """As it is stored."""
+        return self.type.label
 
-class Disagreement(Exception):
-    """The tests do not agree, or what they see cannot be located."""
 
-    def __init__(self, label: str, sentence: str) -> None:
+class TooLong(Exception):
+    """A step is too long to be trusted, or to be told from its end."""
+
+
+class Disagreement(TooLong):
+    """The tests do not agree, or what they see, a point of this kind, cannot be located."""
+
+    def __init__(self, kind: PointType, sentence: str) -> None:
         super().__init__(sentence)
-        self.label = label
+        self.type = kind
         self.sentence = sentence
 
 
 def locate(
     segment: Segment,
-    label: str,
+    kind: PointType,
     low: float,
     high: float,
     value: Callable[[float], float],
@@ -55,7 +65,7 @@ def locate(
     """The special point bracketed by a test, by its defining system."""
 
     def attempt(theta: float, left: float, right: float) -> Found | None:
-        return accepted(segment, label, segment.at(theta), which, left, right)
+        return accepted(segment, kind, segment.at(theta), which, left, right)
 
     v0, v1 = values or (value(low), value(high))
     if v0 * v1 > 0.0:  # the borders of the test were chosen badly for so long a segment
@@ -65,7 +75,7 @@ def locate(
 
 def accepted(
     segment: Segment,
-    label: str,
+    kind: PointType,
     near: Sample,
     which: int,
     left: float,
@@ -77,21 +87,21 @@ def accepted(
     `known` is asked whether what lies at a position has been found already, before more is spent on it.
     """
     try:
-        return _accepted(segment, label, near, which, left, right, known)
+        return _accepted(segment, kind, near, which, left, right, known)
     except (NotFinite, np.linalg.LinAlgError):  # as if its equations had no solution there
         return None
 
 
 def _accepted(
     segment: Segment,
-    label: str,
+    kind: PointType,
     near: Sample,
     which: int,
     left: float,
     right: float,
     known: Callable[[Located, float], Found | None] | None,
 ) -> Found | None:
-    located = segment.problem.locate(label, near, which)
+    located = kind.locate(segment.problem, near, which)
     if located is None:
         return None
     theta = segment.position(located.z)
@@ -100,7 +110,7 @@ def _accepted(
         return None
     # Right at a branch point a sample's own tangent is noise; the ends of the segment know the way.
     near = replace(near, tangent=segment.direction(min(max(theta, 0.0), 1.0)))
-    if not _on_branch(segment, label, located, near, theta, right - left):
+    if not _on_branch(segment, kind, located, near, theta, right - left):
         return None
     if known is not None and (found := known(located, theta)) is not None:
         return found
@@ -108,25 +118,26 @@ def _accepted(
     if settled is None:
         return None
     # The point may be an end of the segment, to rounding: it is never placed beyond it.
-    return Found(min(max(theta, 0.0), 1.0), label, settled, sample_at(segment, label, settled, near))
+    return Found(min(max(theta, 0.0), 1.0), kind, settled, sample_at(segment, kind, settled, near))
 
 
 def locate_multiple(segment: Segment, theta: float) -> Found | None:
     """The point near theta at which the null space of F_u has more than one dimension."""
     span = 1e-4
-    found = accepted(segment, "MULTIPLE", segment.at(theta), 0, theta - span, theta + span)
-    return None if found is None else replace(found, label="BP")
+    kinds = all_told_by(segment.problem, Test.TOGETHER)
+    found = (accepted(segment, kind, segment.at(theta), 0, theta - span, theta + span) for kind in kinds)
+    return next((point for point in found if point is not None), None)
 
 
 def _on_branch(
-    segment: Segment, label: str, located: Located, near: Sample, theta: float, width: float
+    segment: Segment, kind: PointType, located: Located, near: Sample, theta: float, width: float
 ) -> bool:
     """Whether a located point is on this branch and not on another one nearby."""
-    tangent = segment.problem.tangent_at(label, located, near)
+    tangent = kind.tangent(segment.problem, located, near)
     if tangent is None:
         return same_point(segment, located, theta)
     # The more branches meet there, the farther its influence reaches.
-    offset = 1e-2 if label == "MULTIPLE" else max(1e-3 * width, 1e-7)
+    offset = 1e-2 if kind.test is Test.TOGETHER else max(1e-3 * width, 1e-7)
     return passes_through(segment, located.z, tangent, theta, offset)
 
 
@@ -150,11 +161,11 @@ def same_point(segment: Segment, located: Located, theta: float) -> bool:
     return bool(guessed < 0.1 * least) or segment.distance(located.z, theta) < least
 
 
-def sample_at(segment: Segment, label: str, located: Located, near: Sample) -> Sample:
+def sample_at(segment: Segment, kind: PointType, located: Located, near: Sample) -> Sample:
     """The sample at a located point; its tangent is the branch's own even where DF does not determine it."""
     problem = segment.problem if located.problem is None else located.problem
     linearization = problem.linearize(located.z)
-    tangent = problem.tangent_at(label, located, near)
+    tangent = kind.tangent(problem, located, near)
     if tangent is None:
         tangent = segment.tangent(linearization)
     elif segment.normal @ tangent < 0:

@@ -9,13 +9,14 @@ from itertools import pairwise
 import numpy as np
 
 from contwalk import quantities
+from contwalk.continuation.kinds import told_by
 from contwalk.continuation.locating import Found, same_point, sample_at
 from contwalk.continuation.newton import correct
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Mark
 from contwalk.numerics.bracketing import narrow
 from contwalk.problems.parameter_line import ParameterLine
-from contwalk.problems.problem import Located, Problem, Sample
+from contwalk.problems.problem import Located, Problem, Sample, Test
 
 # How near to a turn of the branch, in parts of the segment, no extremum is looked for.
 TURN = 1e-3
@@ -103,7 +104,8 @@ def _levels(segment: Segment, name: str, level: float, observer: Observer) -> li
         settled = located.settled()
         if settled is None:
             return None
-        return Found(position, "UZ", settled, sample_at(segment, "UZ", settled, sample))
+        marked = told_by(segment.problem, Test.MARK)
+        return Found(position, marked, settled, sample_at(segment, marked, settled, sample))
 
     kind = "observable" if observer.place(name, level) is None else "parameter"
     try:
@@ -162,7 +164,8 @@ def _extrema(segment: Segment, name: str, low: float, high: float) -> list[Found
     if finer is not None:
         error = max(error, FINER * abs(finer.parameter - sample.parameter))
         sample = finer
-    return [Found(theta, "UZ", Located(sample.z, error, {}, certain), sample, kind="extremum")]
+    point = Located(sample.z, error, {}, certain)
+    return [Found(theta, told_by(segment.problem, Test.MARK), point, sample, kind="extremum")]
 
 
 def _on_finer_steps(segment: Segment, name: str, theta: float) -> Sample | None:

@@ -14,6 +14,7 @@ import numpy as np
 
 from contwalk.branch import BranchInfo, Outcome, SpecialPoint
 from contwalk.continuation.settings import Settings
+from contwalk.labels import END
 from contwalk.problems.images import in_words
 from contwalk.problems.problem import Mirror
 
@@ -49,8 +50,8 @@ class Half:
     @classmethod
     def of(cls, rows: list[np.ndarray], points: list[SpecialPoint], sign: float) -> Half | None:
         """The half of a branch on one side of its start; None where it has no solution, or no end."""
-        records = iter([p for p in points if p.s * sign > 0.0 and p.label != "EP"])
-        ends = [p for p in points if p.s * sign > 0.0 and p.label == "EP"]
+        records = iter([p for p in points if p.s * sign > 0.0 and p.label != END])
+        ends = [p for p in points if p.s * sign > 0.0 and p.label == END]
         steps: list[list[Entry]] = [[]]
         before = rows[0]
         for row in rows:

@@ -34,7 +34,8 @@ from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.problems.parameter_line import Ends, ParameterLine
-from contwalk.problems.problem import NO_MARGIN, equations_at
+from contwalk.problems.problem import equations_at
+from contwalk.problems.sample import NO_MARGIN
 from contwalk.problems.stored_word import StoredWord
 from contwalk.signatures import folded
 from contwalk.system import Neutral, System

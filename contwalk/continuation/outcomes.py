@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.errors import ContwalkError
+from contwalk.problems.problem import LimitType, PointType
 
 # What cannot be computed is said by these: it ends one point, one direction or one branch, never a run.
 BREAKDOWNS = (ContwalkError, np.linalg.LinAlgError)
@@ -39,19 +40,15 @@ def stop_at(what: str) -> Outcome:
     return Outcome("stopped", "stop_at", f"Stopped at {what}, as asked. Remove it from `stop_at` to go on.")
 
 
-# The reason that an end at a limit of each label has.
-AT_LIMITS = {"GR": "grazing", "OC": "order_change", "AZ": "inadmissible"}
-
-
-def limit(label: str, kind: str | None, asked: str, words: str) -> Outcome:
+def limit(point: LimitType, kind: str | None, asked: str, words: str) -> Outcome:
     """The orbits beyond are not the machine's, or have another word."""
-    reason = AT_LIMITS[label]
+    reason, label = point.reason, point.label
     if asked == "switch":
         return Outcome("complete", reason, words)
     if kind == "terminal":
         words += " Beyond it that event happens earlier, and no orbit of this signature is the machine's."
     ways = [] if kind == "terminal" else [f"past it with --set events.{label}=ignore"]
-    ways += [] if label == "AZ" else [f"to orbits of another signature with --set events.{label}=switch"]
+    ways += [] if point.declared else [f"to orbits of another signature with --set events.{label}=switch"]
     return Outcome("stopped", reason, f"{words} To go on {', or '.join(ways)}.")
 
 
@@ -80,9 +77,10 @@ def restored(end: SpecialPoint, goes_on: bool) -> Outcome:
     return Outcome(status, reason, end.note or f"Ended with {reason}. Nothing more is known.")
 
 
-def goes_on(end: SpecialPoint, events: Mapping[str, str]) -> bool:
-    """Whether an end point is a limit at which the diagram goes over to other branches."""
-    return any(end.kind == reason and events.get(label) == "switch" for label, reason in AT_LIMITS.items())
+def goes_on(kinds: Sequence[PointType], end: SpecialPoint, events: Mapping[str, str]) -> bool:
+    """Whether an end point is a limit, of some kinds, at which the diagram goes over to other branches."""
+    limits = (kind for kind in kinds if isinstance(kind, LimitType))
+    return any(end.kind == kind.reason and events.get(kind.label) == "switch" for kind in limits)
 
 
 def stuck(reason: str, sentence: str, step: float, name: str, value: float, known: str = "") -> Outcome:

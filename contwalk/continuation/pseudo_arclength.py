@@ -17,7 +17,7 @@ from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import Here, adapted, grown
 from contwalk.continuation.step import Step, take_step
 from contwalk.errors import ContwalkError, NotFinite, PluginError
-from contwalk.problems.problem import Problem
+from contwalk.problems.problem import LimitType, Problem
 
 
 @dataclass(frozen=True)
@@ -126,15 +126,15 @@ def _stop(problem: Problem, found: Found, record: SpecialPoint, settings: Settin
     """The end of the branch at a point: at a limit, where it meets its parent, or where a mark has a value of
     `stop_at`.
     """
-    if found.kind != "unlocated" and found.label in limits.LABELS:
+    if found.kind != "unlocated" and isinstance(found.type, LimitType):
         asked = limits.policy(problem, found.located, settings.events)
         if asked == "ignore":
             return None
-        words = problem.stopped(found.label, found.located, found.sample)
+        words = problem.stopped(found.located, found.sample)
         if asked == "switch":
             words = f"{words} {problem.neighbours(record)[1]}"
         kind = problem.limits[int(found.located.vectors["limit"])].kind
-        return outcomes.limit(found.label, kind, asked, words)
+        return outcomes.limit(found.type, kind, asked, words)
     if found.located.vectors.get("fallen_back"):
         return outcomes.fallen_back()
     if found.mark is None:

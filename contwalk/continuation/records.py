@@ -7,17 +7,18 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
+from contwalk.continuation.kinds import told_by
 from contwalk.continuation.locating import Found
 from contwalk.continuation.state import Here
 from contwalk.errors import NotFinite
-from contwalk.problems.problem import Located, Problem
+from contwalk.problems.problem import Located, Problem, Test
 
 
 def found_record(problem: Problem, found: Found, s: float, sign: float) -> SpecialPoint:
     """The record of a found point; counts are in the order of growing arclength."""
     before, after = (found.before, found.after) if sign > 0 else (found.after, found.before)
     if found.kind == "unlocated":
-        record = problem.special_point("UZ", found.located, found.sample, s)
+        record = told_by(problem, Test.MARK).describe(problem, found.located, found.sample, s)
         note = str(found.located.vectors["note"])
         # Nothing tells how far it is from the sample that stands for it: the parameter may have turned.
         record = replace(record, label=found.label, status="unlocated", error=None, note=note)
@@ -35,9 +36,9 @@ def found_record(problem: Problem, found: Found, s: float, sign: float) -> Speci
 def _described(problem: Problem, found: Found, s: float) -> SpecialPoint:
     """The record of a located point; where its normal form cannot be computed, it is a point without one."""
     try:
-        return problem.special_point(found.label, found.located, found.sample, s)
+        return found.type.describe(problem, found.located, found.sample, s)
     except (NotFinite, np.linalg.LinAlgError) as error:
-        record = problem.special_point("UZ", found.located, found.sample, s)
+        record = told_by(problem, Test.MARK).describe(problem, found.located, found.sample, s)
         why = error.sentence if isinstance(error, NotFinite) else str(error)
         note = f"located, but its normal form cannot be computed: {why}"
         return replace(record, label=found.label, kind=None, note=note)
@@ -52,7 +53,8 @@ def end_record(
     """
     if error is None:
         error = 0.0 if outcome.reason == "bound" else float(np.spacing(abs(here.sample.parameter)))
-    record = problem.special_point("EP", Located(here.sample.z, error), here.sample, here.s)
+    located = Located(here.sample.z, error)
+    record = told_by(problem, Test.END).describe(problem, located, here.sample, here.s)
     count = here.sample.unstable
     return replace(
         record,
@@ -68,6 +70,6 @@ def end_record(
 def start_record(problem: Problem, here: Here, kind: str) -> SpecialPoint:
     """The record of a mark that the start of a branch has."""
     located = Located(here.sample.z, float(np.spacing(abs(here.sample.parameter))))
-    record = problem.special_point("UZ", located, here.sample, here.s)
+    record = told_by(problem, Test.MARK).describe(problem, located, here.sample, here.s)
     count = here.sample.unstable
     return replace(record, kind=kind, unstable_before=count, unstable_after=count)

@@ -18,7 +18,7 @@ def to_row(
     sample = here.sample
     born = info.parent is not None and here.s == 0.0
     # There equations are singular, and tell no error; the point has been located by others.
-    singular = born or (special is not None and special.label == "BP" and special.status == "located")
+    singular = born or (special is not None and special.status == "located" and _singular(problem, special))
     row = np.zeros(1, dtype=info.point_dtype())
     eigenvalues = np.full(info.spectrum, np.nan + 0j)
     eigenvalues[: len(sample.eigenvalues)] = sample.spectrum
@@ -51,6 +51,11 @@ def to_row(
     row["rhs"] = sample.evaluations
     row["seconds"] = sample.seconds
     return row
+
+
+def _singular(problem: Problem, point: SpecialPoint) -> bool:
+    """Whether equations are singular at points that are stored like this one."""
+    return any(kind.singular for kind in problem.point_types if kind.label == point.label)
 
 
 def from_row(problem: Problem, row: np.void, sign: float, born: bool) -> tuple[Problem, Here]:

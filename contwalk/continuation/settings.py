@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
+from contwalk.labels import AT_LIMITS
+
 
 @dataclass(frozen=True)
 class Mark:
@@ -54,7 +56,7 @@ class Settings:
     newton_iterations: int = 8
     marks: tuple[Mark, ...] = ()
     stop_at: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
-    events: Mapping[str, str] = field(default_factory=lambda: {"GR": "stop", "OC": "switch", "AZ": "ignore"})
+    events: Mapping[str, str] = field(default_factory=lambda: dict(AT_LIMITS))
     mirror_images: str = "known"
 
     @cached_property

@@ -10,7 +10,7 @@ import numpy as np
 from contwalk.branch import Outcome
 from contwalk.continuation import control, limits, outcomes
 from contwalk.continuation.detection import at_branch_point, at_the_end, bifurcations
-from contwalk.continuation.locating import Disagreement, Found, passes_through
+from contwalk.continuation.locating import Disagreement, Found, TooLong, passes_through
 from contwalk.continuation.marks import Observer, marked
 from contwalk.continuation.newton import Correction, correct
 from contwalk.continuation.segment import LostBranch, Segment
@@ -19,7 +19,7 @@ from contwalk.continuation.state import Here
 from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.event_kinks import Met
 from contwalk.problems.kinks import refusal
-from contwalk.problems.problem import Linearization, Located, Problem, Sample
+from contwalk.problems.problem import Linearization, Located, Problem, Sample, Test
 
 # A mark this near to a bifurcation, in parts of the step, is at the same place.
 COINCIDE = 1e-9
@@ -29,6 +29,8 @@ BEFORE_LIMIT = 1e-4
 BEFORE_VANISHING = (1e-2, 1e-1, 3e-1)
 # A family of orbits is followed to this size, in the metric, before it counts as shrunk onto its Hopf point.
 NEARLY_SHRUNK = 1e-3
+# What tells points at which the branch itself may turn.
+TURNS = (Test.TURN, Test.ORIENTATION, Test.TOGETHER)
 # The field's domain ends where a step this short still leaves it.
 EDGE = 1e-7
 
@@ -115,15 +117,15 @@ def take_step(problem: Problem, here: Here, settings: Settings, observer: Observ
                 segment = _with_kinks(segment, passed)
                 if outcome := segment.problem.ended(segment.a, segment.b):
                     if outcome.reason == "shrunk" and length > NEARLY_SHRUNK and not smallest:
-                        raise Disagreement("EP", "The orbit shrinks to nothing within the step.")
+                        raise TooLong("The orbit shrinks to nothing within the step.")
                     return outcome
                 found = _special(segment, settings, observer, smallest, here)
                 if not (smallest or prediction.to_bound) and _ends_at_a_limit(segment, found, settings):
-                    raise Disagreement("GR", "The step ends at a limit, to within its errors.")
+                    raise TooLong("The step ends at a limit, to within its errors.")
                 if prediction.to_bound and not any(f.theta > 1.0 - COINCIDE for f in found):
                     found += at_the_end(segment)
                 return Step(segment, segment.b, found, _next_length(segment, prediction, here, settings))
-            except (Disagreement, LostBranch) as error:
+            except (TooLong, LostBranch) as error:
                 sentence = str(error)
             except np.linalg.LinAlgError:
                 sentence = "The equations are singular there in more than one direction."
@@ -190,7 +192,7 @@ def _segment(
     settings: Settings,
     smallest: bool,
 ) -> Segment:
-    """The piece of branch up to the corrected point; `Disagreement` if it is not to be trusted."""
+    """The piece of branch up to the corrected point; `TooLong` if it is not to be trusted."""
     problem, a, linearization = correction.problem, here.sample, correction.linearization
     assert linearization is not None
     z = correction.z
@@ -204,7 +206,7 @@ def _segment(
     if not smallest:
         _check_shape(a, z, tangent, prediction, settings)
     if not settings.range[0] <= z[-1] <= settings.range[1]:
-        raise Disagreement("EP", "The step passes the end of the range.")
+        raise TooLong("The step passes the end of the range.")
     there = problem.examine(z, tangent, a.weights, linearization, a.unstable)
     segment = Segment(problem, a, replace(there, iterations=correction.iterations))
     # Orientation is not defined at a branch point that the walk begins at.
@@ -218,7 +220,7 @@ def _tangent(a: Sample, linearization: Linearization) -> np.ndarray:
     try:
         return linearization.tangent(a.tangent / a.weights**2, a.weights)
     except np.linalg.LinAlgError:
-        raise Disagreement("BP", "The tangent is not determined.") from None
+        raise TooLong("The tangent is not determined.") from None
 
 
 def _check_shape(
@@ -228,11 +230,9 @@ def _check_shape(
     angle = control.turn(a, tangent)
     moved = float(np.linalg.norm((z - prediction.guess) / a.weights))
     if angle > settings.max_angle or moved > 0.5 * prediction.length:
-        raise Disagreement("LP", f"The branch turns by {angle:.0f} degrees in one step.")
+        raise TooLong(f"The branch turns by {angle:.0f} degrees in one step.")
     if control.bend(a, z, tangent) > max(0.25 * np.radians(angle), 0.02):
-        raise Disagreement(
-            "BP", "The step does not lie along the branch: it may have left it for another one."
-        )
+        raise TooLong("The step does not lie along the branch: it may have left it for another one.")
 
 
 def _onto_crossing(problem: Problem, a: Sample, z: np.ndarray, linearization: Linearization) -> Segment:
@@ -276,7 +276,7 @@ def _special(
         found = [_unlocated(segment, disagreement)]
     low, high = settings.range
     if any(not low <= f.located.z[-1] <= high for f in found):
-        raise Disagreement("EP", "The step passes the end of the range and comes back.")
+        raise TooLong("The step passes the end of the range and comes back.")
     return _with_counts(sorted(found, key=lambda f: f.theta), segment.a.unstable)
 
 
@@ -304,7 +304,7 @@ def _smooth_before(
 
 def _ends_at_a_limit(segment: Segment, found: list[Found], settings: Settings) -> bool:
     """Whether the walk goes on from a step that ends at a limit, to within what its margin is known to."""
-    reached = [f for f in found if f.kind != "unlocated" and f.label in limits.LABELS]
+    reached = [f for f in found if f.kind != "unlocated" and f.type.test is Test.MARGIN]
     goes_on = limits.stopping(segment.problem, reached, settings.events) is None
     return goes_on and limits.in_doubt(segment)
 
@@ -312,9 +312,9 @@ def _ends_at_a_limit(segment: Segment, found: list[Found], settings: Settings) -
 def _smooth(segment: Segment, settings: Settings, observer: Observer, born: bool) -> list[Found]:
     """Bifurcations and marks on a segment; `born`: the branch leaves another one at its beginning."""
     found = bifurcations(segment)
-    turns = [*([0.0] if born else []), *(f.theta for f in found if f.label in ("LP", "BP"))]
+    turns = [*([0.0] if born else []), *(f.theta for f in found if f.type.test in TURNS)]
     for mark in marked(segment, settings.sought, observer, turns):
-        at = [f.theta for f in found if f.label != "UZ" and abs(f.theta - mark.theta) < COINCIDE]
+        at = [f.theta for f in found if f.type.test is not Test.MARK and abs(f.theta - mark.theta) < COINCIDE]
         found.append(replace(mark, theta=at[0]) if at else mark)
     return found
 
@@ -323,7 +323,7 @@ def _with_counts(found: list[Found], count: int) -> list[Found]:
     """Marks take their unstable counts from the bifurcations before them, or at the same place."""
     result = []
     for point in found:
-        uncounted = point.label in ("UZ", *limits.LABELS)
+        uncounted = point.type.test in (Test.MARK, Test.MARGIN)
         result.append(replace(point, before=count, after=count) if uncounted else point)
         count = result[-1].after
     return result
@@ -334,7 +334,7 @@ def _unlocated(segment: Segment, disagreement: Disagreement) -> Found:
     b = segment.b
     width = abs(float(segment.chord[-1]))
     located = Located(b.z, width, {"note": disagreement.sentence}, refined=False)
-    return Found(1.0, disagreement.label, located, b, segment.a.unstable, b.unstable, kind="unlocated")
+    return Found(1.0, disagreement.type, located, b, segment.a.unstable, b.unstable, kind="unlocated")
 
 
 def _next_length(segment: Segment, prediction: Prediction, here: Here, settings: Settings) -> float:

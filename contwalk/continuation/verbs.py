@@ -13,6 +13,7 @@ from contwalk import quantities
 from contwalk.branch import Branch, Outcome, SpecialPoint
 from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.diagram import Diagram, Plan
+from contwalk.continuation.kinds import kind_of
 from contwalk.continuation.marks import observer_of
 from contwalk.continuation.opening import Opening, opened
 from contwalk.continuation.pseudo_arclength import Point, walk
@@ -20,7 +21,9 @@ from contwalk.continuation.reopening import problem_of
 from contwalk.continuation.settings import Mark, Settings
 from contwalk.continuation.state import begin, turned
 from contwalk.errors import StartError
+from contwalk.labels import MEANINGS
 from contwalk.problems.equilibrium.equilibrium import Equilibrium
+from contwalk.problems.problem import Problem
 from contwalk.system.declarations import nearest
 
 if TYPE_CHECKING:  # compiled flows are imported only where orbits are computed
@@ -102,11 +105,12 @@ def switch_branch(
     if branch.info.problem != "equilibrium" or pinned != list(branch.info.settings.get("pins", ())):
         state = np.array(list(special.state.values()))
         problem = problem_of(problem.system, branch.info, state, problem.discretization)
-    seeds = problem.seeds(special)
+    kind = kind_of(problem, special)
+    seeds = () if kind is None else kind.seeds(problem, special)
     if not seeds:
         raise StartError(
             f"No other branch leaves {special.name} of {branch.name}.",
-            "Branches leave branch points (BP), Hopf points (HB) and period doublings (PD).",
+            f"Branches leave {_left(problem)}.",
         )
     seed = seeds[0]
     # What is watched along the new branch: of cycles that are born at a Hopf point more than of equilibria.
@@ -117,6 +121,13 @@ def switch_branch(
     parent = (branch.name, special.s)
     start = Start(problem.system, problem.free, dict(problem.parameters), opening, special.name, parent, 1)
     return _single(start, Plan(chosen, frozenset(), 0))
+
+
+def _left(problem: Problem) -> str:
+    """The points that other branches leave, in words."""
+    kinds = {kind.label: None for kind in problem.point_types if kind.daughters}
+    *others, last = (f"{MEANINGS[label]}s ({label})" for label in kinds)
+    return f"{', '.join(others)} and {last}" if others else last
 
 
 def points(

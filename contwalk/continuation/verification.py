@@ -17,12 +17,13 @@ from contwalk import quantities
 from contwalk.branch import ORBITS, Branch, SpecialPoint
 from contwalk.continuation import outcomes
 from contwalk.continuation.detection import NO_SHARE
-from contwalk.continuation.limits import LABELS as LIMITS
+from contwalk.continuation.kinds import kind_of
 from contwalk.continuation.newton import correct
 from contwalk.continuation.reopening import problem_of, reopened, stored_place
 from contwalk.errors import ContwalkError
+from contwalk.labels import END, MARK
 from contwalk.problems.orbit.discretization import TIGHTEST, Discretization
-from contwalk.problems.problem import FLAT_FOLD, Linearization, Located, Problem, Sample
+from contwalk.problems.problem import Linearization, Located, PointType, Problem, Sample, Test
 from contwalk.system import System
 
 # A point may differ by so many times what the two error estimates together allow: estimates are estimates.
@@ -136,7 +137,7 @@ def compared(
     orbit, accuracy = branch.info.problem in ORBITS, steps.accuracy
     marked = marks or {}
     begun = replace(begun, method=method or "40 digits")
-    if not orbit and point.label == "UZ" and point.kind == "parameter":
+    if not orbit and point.label == MARK and point.kind == "parameter":
         begun = replace(begun, method="another start")
     try:
         if orbit:
@@ -167,7 +168,7 @@ def _attempted(
     """The point recomputed by one integrator with one aim; `LOST` where that does not come back to it."""
     try:
         problem, sample = _beside(system, branch, point, Discretization(accuracy=aim, method=begun.method))
-        if point.label == "UZ" and point.kind == "parameter":
+        if point.label == MARK and point.kind == "parameter":
             return _at_value(begun, branch, problem, sample, point, accuracy)
         found = _found(problem, sample, branch, point, marks)
     except outcomes.BREAKDOWNS as failure:
@@ -190,8 +191,8 @@ def _not_for_us(branch: Branch, point: SpecialPoint) -> str:
 
 def _of_parent(branch: Branch, point: SpecialPoint) -> bool:
     """Whether a point is one of the parent, which the branch has become."""
-    own = branch.info.problem in ORBITS and point.label == "BP"
-    return own and point.status == "located" and not point.coefficients
+    ends = (end for end in branch.special_points if end.label == END and end.kind == "rejoined")
+    return point.label not in (END, MARK) and any(end.s == point.s for end in ends)
 
 
 # -- the second computation --------------------------------------------------------------------------------
@@ -223,7 +224,7 @@ def _beside(
     z, tangent, weights = place.z, place.tangent, place.weights
     problem: Problem = problem_of(system, branch.info, z[: len(branch.info.states)], steps)
     problem = problem.at_stored(z, weights)
-    if point.label == "UZ" and point.kind == "parameter":
+    if point.label == MARK and point.kind == "parameter":
         normal = np.zeros(len(z))
         normal[-1] = 1.0 / weights[-1]
         shift = aside * weights * np.cos(np.arange(1.0, len(z) + 1.0))
@@ -253,7 +254,7 @@ def _finest(
     marks: Mapping[str, Sequence[float | str]],
 ) -> Problem:
     """The finest steps on which a point was located."""
-    if point.label == "UZ" and point.kind == "parameter":
+    if point.label == MARK and point.kind == "parameter":
         return problem.refined(sample.z, sample.weights)
     found = _found(problem, sample, branch, point, marks)
     return problem if found is None or found.problem is None else found.problem
@@ -267,41 +268,31 @@ def _found(
     marks: Mapping[str, Sequence[float | str]],
 ) -> Located | None:
     """The special point near a sample."""
-    if point.label == "UZ":
+    if point.label == MARK:
         name, level = _mark(problem, branch, point, sample, marks)
         if level is None:
             return _extremum(problem, sample, name)
         located = problem.locate_mark(name, level, sample)
     else:
-        if point.label in LIMITS:
-            label, which = point.label, problem.limit_of(point)
-        else:
-            label, which = _search(problem, branch, point, sample)
-        located = problem.locate(label, sample, which)
+        kind = _defining(problem, point, sample)
+        margin = kind.test is Test.MARGIN
+        which = problem.limit_of(point) if margin else _critical(kind, point, sample)
+        located = kind.locate(problem, sample, which)
     return None if located is None else located.settled()
 
 
-def _defining(problem: Problem, branch: Branch, point: SpecialPoint, sample: Sample) -> str:
-    """Label of the defining system of a point."""
-    # Half an orbit flips where it loses its symmetry; an eigenvalue of equilibria is zero there, as ever.
-    if point.kind == "symmetry-breaking" and branch.info.problem in ORBITS:
-        return "SB"
-    still = problem.discretized and abs(sample.tangent[-1] / sample.weights[-1]) < NO_SHARE
-    if point.label == "LP" and still:
-        return FLAT_FOLD
-    return "MULTIPLE" if "multiplicity" in point.coefficients else point.label
+def _defining(problem: Problem, point: SpecialPoint, sample: Sample) -> PointType:
+    """The kind of a point, whose defining system it solves."""
+    kind = kind_of(problem, point)
+    if kind is None:
+        raise ContwalkError(f"Points {point.label} are none of this branch's.")
+    still = abs(sample.tangent[-1] / sample.weights[-1]) < NO_SHARE
+    return kind.flat[0] if kind.flat and still else kind
 
 
-def _search(problem: Problem, branch: Branch, point: SpecialPoint, sample: Sample) -> tuple[str, int]:
-    """Label of the defining system, and the number of the eigenvalue that is critical."""
-    label, target = _defining(problem, branch, point, sample), complex(sample.critical)
-    if label == "HB":
-        target = 1j * float(point.coefficients["omega"])
-    elif label == "NS":
-        target = np.exp(1j * float(point.coefficients["theta"]))
-    elif label in ("PD", "SB"):
-        target = -1.0 + 0.0j
-    return label, int(np.argmin(np.abs(sample.eigenvalues - target)))
+def _critical(kind: PointType, point: SpecialPoint, sample: Sample) -> int:
+    """Number of the eigenvalue that is critical at a point."""
+    return int(np.argmin(np.abs(sample.eigenvalues - kind.critical(point, sample))))
 
 
 def _mark(
@@ -386,7 +377,7 @@ def _judged(
     claim = begun.stored_error if np.isfinite(begun.stored_error) else accuracy * abs(begun.stored)
     within = SLACK * (claim + found.error)
     asked = accuracy * abs(begun.stored)
-    spectral, uncertain = _from_spectrum(problem, sample, branch, point, found)
+    spectral, uncertain = _from_spectrum(problem, sample, point, found)
     result = replace(
         begun,
         recomputed=value,
@@ -406,15 +397,16 @@ def _judged(
 
 
 def _from_spectrum(
-    problem: Problem, sample: Sample, branch: Branch, point: SpecialPoint, found: Located
+    problem: Problem, sample: Sample, point: SpecialPoint, found: Located
 ) -> tuple[float, float]:
     """Distance of the parameter from where the critical measure is zero, and how uncertain that is."""
-    if _defining(problem, branch, point, sample) not in ("HB", "PD", "NS", "SB"):
+    kind = _defining(problem, point, sample)
+    if kind.test is not Test.STABILITY:
         return float("nan"), 0.0
     there = problem if found.problem is None else found.problem
     tangent = np.array(point.tangent)
     at = there.examine(found.z, tangent, sample.weights, there.linearize(found.z), sample.unstable)
-    _, which = _search(there, branch, point, at)
+    which = _critical(kind, point, at)
     rate = abs(at.rates[which])
     if not rate > 0.0:
         return float("nan"), 0.0

@@ -5,276 +5,30 @@ Rules
 1. `z` is a vector of N unknowns with the free parameter last.
 2. `linearize(z)` gives residual, exact Jacobian and the rounding level of each equation.
 3. `examine` computes everything that is stored or watched at a solution, once.
-4. Three kinds of test tell neighbouring samples apart: the orientation (branch points), the parameter's
-share of
-   the tangent (folds), and the stability measures (everything else). `locate` solves a point's defining
-   system, `special_point` computes its normal form.
-5. `seeds` proposes the branches that leave a special point; each is a start like any other.
+4. `point_types` are the kinds of special points that its branches have. Each says what tells it (`Test`), and
+   has its defining system, its normal form, and the branches that leave.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any, Protocol
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.errors import NotFinite
-from contwalk.memory import computed_once
-from contwalk.numerics.linear import EPSILON, Factored, Factorization
 from contwalk.problems.event_kinks import Met
 from contwalk.problems.kinks import Kink
+from contwalk.problems.linearization import Linearization
 from contwalk.problems.parameter_line import ParameterLine
+from contwalk.problems.sample import Sample
 
 # Observables that every problem has: the largest real part of an equilibrium, the largest modulus of an
 # orbit.
 MAX_RE, MAX_ABS = "max_re", "max_abs"
-# `locate` is asked for a fold by this name where the parameter stands still to the errors of the equations.
-FLAT_FOLD = "FLAT"
-# A relative margin this far below zero is zero still: on the steps of a branch it is not known better.
-NO_MARGIN = 1e-7
-
-# Unknowns fitted for a corrector's hyperplane, given with its normal and the metric.
-Fitted = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray | None]
-
-
-class Linearization:
-    """The equations at one z: F, shape (N,), and DF, shape (N, N + 1).
-
-    What is only needed near a solution is computed when it is first asked for, by `levels`. `nearby()` begins
-    a chain of points near z at which F alone is asked for, where that is far cheaper than DF; else it is
-    None. `fitted(z, normal, weights)` tells z with those unknowns solved for that are hard to guess, None
-    where there are none. Where the discretisation does not reach z nothing is finite, and `remeshed()` gives
-    the problem on one that does as well.
-    """
-
-    def __init__(
-        self,
-        residual: np.ndarray,
-        jacobian: np.ndarray,
-        levels: Callable[[], tuple[np.ndarray, np.ndarray | None]],
-        magnitudes: Callable[[], np.ndarray] | None = None,
-        factor: Callable[[np.ndarray, np.ndarray], Factorization] = Factored,
-        nearby: Callable[[], Callable[[np.ndarray], np.ndarray]] | None = None,
-        fitted: Fitted | None = None,
-        remeshed: Callable[[], Problem] | None = None,
-    ) -> None:
-        self.residual = residual
-        self.jacobian = jacobian
-        self.nearby, self.fitted, self.remeshed = nearby, fitted, remeshed
-        self._factor = factor
-        self._bordered: tuple[bytes, Factorization] | None = None
-        self._levels = levels
-        self._magnitudes = magnitudes
-
-    @computed_once
-    def levels(self) -> tuple[np.ndarray, np.ndarray | None]:
-        """Rounding level of each residual, shape (N,), and what comes with it of typical magnitudes."""
-        return self._levels()
-
-    @computed_once
-    def magnitudes(self) -> np.ndarray:
-        """Typical magnitudes of z, shape (N + 1,), NaN where neither z nor the equations tell."""
-        found = self.levels[1] if self._magnitudes is None else self._magnitudes()
-        assert found is not None
-        return found
-
-    def bordered(self, row: np.ndarray, weights: np.ndarray) -> Factorization:
-        """[DF; row], factored; kept until another row is asked for.
-
-        Raises
-        ------
-        numpy.linalg.LinAlgError
-            If it is exactly singular, here or when it is used.
-        """
-        key = row.tobytes() + weights.tobytes()
-        if self._bordered is None or self._bordered[0] != key:
-            self._bordered = key, self._factor(np.vstack([self.jacobian, row]), weights)
-        return self._bordered[1]
-
-    def tangent(self, border: np.ndarray, weights: np.ndarray) -> np.ndarray:
-        """The null vector t of DF with border . t = 1.
-
-        Raises
-        ------
-        numpy.linalg.LinAlgError
-            Exactly at a branch point, where DF has more than one.
-        """
-        unit = np.zeros(len(border))
-        unit[-1] = 1.0
-        return self.bordered(border, weights).solve(unit)
-
-    def orientation_and_error(
-        self, tangent: np.ndarray, weights: np.ndarray, levels: np.ndarray
-    ) -> tuple[float, float]:
-        """Sign of det [DF; tangent], and what errors `levels` of the equations do to the solution at most."""
-        try:
-            bordered = self.bordered(tangent / weights**2, weights)
-            return bordered.orientation(), bordered.error(levels, weights)
-        except np.linalg.LinAlgError:
-            return 0.0, float("inf")
-
-    @property
-    def finite(self) -> bool:
-        """Whether residual and Jacobian are."""
-        return bool(np.all(np.isfinite(self.residual)) and np.all(np.isfinite(self.jacobian)))
-
-    def excess_in(self, weights: np.ndarray) -> float:
-        """As `excess`, where unknowns too are only known to the rounding of their weights."""
-        level = self.levels[0] + EPSILON * (np.abs(self.jacobian) @ weights)
-        return float(np.max(np.abs(self.residual) / level))
-
-    @computed_once
-    def excess(self) -> float:
-        """Largest residual in units of its rounding level; at most a few at a solution."""
-        ratio = float(np.max(np.abs(self.residual) / self.levels[0]))
-        return ratio if np.isfinite(ratio) else float("inf")
-
-
-class Rates:
-    """How fast stability measures change along a branch, each computed when it is first asked for.
-
-    Parameters
-    ----------
-    count : int
-    rate : callable
-        Derivative of the measure of a number 0..count-1 by arclength, NaN where none is known.
-    """
-
-    def __init__(self, count: int, rate: Callable[[int], float], factor: float = 1.0) -> None:
-        self._count, self._rate, self._factor = count, rate, factor
-
-    @classmethod
-    def known(cls, values: np.ndarray) -> Rates:
-        """Rates that are known already."""
-        return cls(len(values), values.tolist().__getitem__)
-
-    def __len__(self) -> int:
-        return self._count
-
-    def __getitem__(self, which: int) -> float:
-        if not 0 <= which < self._count:
-            raise IndexError(which)
-        return self._factor * self._rate(which)
-
-    def scaled(self, factor: float) -> Rates:
-        """Rates by another arclength."""
-        return Rates(self._count, self._rate, self._factor * factor)
-
-
-@dataclass(frozen=True)
-class Sample:
-    """A solution with all that is watched along a branch.
-
-    Parameters
-    ----------
-    z : ndarray, shape (N + 1,)
-    tangent : ndarray, shape (N + 1,)
-        Unit in the metric of `weights`, pointing the way the branch is walked.
-    weights : ndarray, shape (N + 1,)
-        Typical magnitudes; the metric is the Euclidean norm of z / weights.
-    orientation : float
-        Sign of det [DF; tangent]; changes at a simple branch point and nowhere else.
-    eigenvalues, errors : ndarray, shape (m,)
-        Spectrum, and its estimated errors.
-    rates : Rates
-        Of its stability measures along the branch.
-    measures : ndarray, shape (m,)
-        What must be negative for stability, in descending order (real parts; moduli minus one for orbits).
-    unstable : int
-    observables : ndarray, shape (o,)
-    magnitudes : ndarray, shape (N + 1,)
-        Typical magnitudes as z and the equations tell them, NaN where they do not.
-    excess : float
-        Residual in units of its rounding level.
-    critical : float
-        What a real eigenvalue is where it changes stability: 0, of orbits 1.
-    spectrum_error : float, optional
-        Estimated error of the leading eigenvalue, where `errors` are only what blurs its sign along the
-        branch.
-    spectrum_accuracy : float, optional
-        The same for a solution that is known exactly: `spectrum_error` may have what z is not known to.
-    sizes : ndarray, shape (N + 1,), optional
-        What the weights of the metric grow with along the branch; |z| if not given.
-    error : float
-        Estimated error of z in the metric, from the errors of the equations.
-    margins : ndarray
-        What must stay positive for the motion to be the machine's, relative; those of `Problem.limits`.
-    reported : ndarray, shape (n,), optional
-        The state that stands for the solution, where it depends on the steps it was computed on.
-    forbidden : bool
-        Whether an event of the machine would happen on it, which these equations do not have.
-    still : bool
-        Whether the last eigenvalue, out of order, is that of the branch's own direction: zero all along it.
-    kinks : tuple of Kink
-        Where the field is smooth by pieces only along an orbit.
-    period, trivial_error : float
-        Of orbits: duration of the closure in seconds, and |M f - f| / |f|.
-    """
-
-    z: np.ndarray
-    tangent: np.ndarray
-    weights: np.ndarray
-    orientation: float
-    eigenvalues: np.ndarray
-    errors: np.ndarray
-    rates: Rates
-    measures: np.ndarray
-    unstable: int
-    observables: np.ndarray
-    magnitudes: np.ndarray
-    excess: float
-    iterations: int = 0
-    evaluations: int = 0
-    seconds: float = 0.0
-    critical: float = 0.0
-    period: float = float("nan")
-    trivial_error: float = float("nan")
-    spectrum_error: float | None = None
-    spectrum_accuracy: float | None = None
-    sizes: np.ndarray | None = None
-    error: float = float("nan")
-    margins: np.ndarray = field(default_factory=lambda: np.zeros(0))
-    reported: np.ndarray | None = None
-    forbidden: bool = False
-    still: bool = False
-    kinks: tuple[Kink, ...] = ()
-
-    @property
-    def spectrum(self) -> np.ndarray:
-        """The eigenvalues in their order."""
-        if not self.still:
-            return self.eigenvalues
-        return self.eigenvalues[np.lexsort((-self.eigenvalues.imag, -self.eigenvalues.real))]
-
-    @property
-    def leading(self) -> int:
-        """Number of the first of the eigenvalues in their order."""
-        return int(np.argmax(self.eigenvalues.real)) if self.still else 0
-
-    @property
-    def parameter(self) -> float:
-        """Value of the free parameter."""
-        return float(self.z[-1])
-
-    def counted(self, unstable: int) -> Sample:
-        """The same with a count that was told on other steps.
-
-        An eigenvalue that these steps put on the other side is not known to its distance from it.
-        """
-        if unstable == self.unstable:
-            return self
-        other = (np.arange(len(self.measures)) < unstable) != (self.measures > 0.0)
-        doubt = np.where(other, np.abs(self.measures), 0.0)
-        known = max(self.spectrum_error or 0.0, float(np.max(doubt, initial=0.0)))
-        return replace(self, unstable=unstable, errors=np.maximum(self.errors, doubt), spectrum_error=known)
-
-    @property
-    def admissible(self) -> bool:
-        """Whether no margin is negative beyond rounding, and no event is passed over."""
-        return not self.forbidden and bool(np.all(self.margins >= -NO_MARGIN))
 
 
 @dataclass(frozen=True)
@@ -325,6 +79,102 @@ class Seed:
     one_sided: bool = False
 
 
+class Test(Enum):
+    """What tells that a special point lies between two neighbouring solutions.
+
+    Every curve of solutions has the first three, so that the engine computes them; a kind of point that they
+    do not tell has a function of its own.
+    """
+
+    TURN = "the parameter's share of the unit tangent changes its sign"
+    ORIENTATION = "the sign of det [DF; tangent] changes"
+    STABILITY = "a stability measure passes zero"
+    TOGETHER = "stability measures are zero together, unseen by the orientation"
+    VALUE = "the function `value` of the kind passes zero"
+    MARGIN = "what must stay positive for solutions to be the machine's passes zero"
+    MARK = "the user asks for it"
+    END = "the branch ends there"
+
+
+class PointType:
+    """A kind of special point; one object serves all problems of a class.
+
+    Attributes
+    ----------
+    label : str
+        As it is stored; several kinds may share one.
+    test : Test
+    changes : tuple of int
+        Changes of the unstable count that a point of this kind can bring about.
+    singular : bool
+        Whether the equations are singular there, and tell no error.
+    flat : tuple of PointType
+        What else is tried where the parameter stands still, to the errors of the equations.
+    births : bool
+        Whether orbits are born there on a branch of equilibria.
+    daughters : int, optional
+        How many branches leave, where it is the same number always.
+    """
+
+    label: ClassVar[str]
+    test: ClassVar[Test]
+    changes: ClassVar[tuple[int, ...]] = (0,)
+    singular: ClassVar[bool] = False
+    flat: ClassVar[tuple[PointType, ...]] = ()
+    births: ClassVar[bool] = False
+    daughters: ClassVar[int | None] = None
+
+    def value(self, problem: Any, sample: Sample) -> float:
+        """The function that passes zero at such points, where `test` is `Test.VALUE`."""
+        raise NotImplementedError(f"points {self.label} have no test function of their own")
+
+    def tells(self, problem: Any, sample: Sample, which: int) -> bool:
+        """Whether stability measure `which` passes zero at a point of this kind, if `test` is STABILITY."""
+        return False
+
+    def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
+        """The point near a sample, by its defining system; `which` is the number of the measure or margin."""
+        return None
+
+    def tangent(self, problem: Any, located: Located, near: Sample) -> np.ndarray | None:
+        """Tangent there of the branch that `near` is on, where DF alone does not determine it; else None."""
+        return None
+
+    def describe(self, problem: Any, located: Located, sample: Sample, s: float) -> SpecialPoint:
+        """The record of a located point, with its normal form."""
+        raise NotImplementedError(f"points {self.label} have no record")
+
+    def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
+        """The branches that leave a stored point."""
+        return ()
+
+    def has(self, point: SpecialPoint) -> bool:
+        """Whether a stored point is of this kind."""
+        return point.label == self.label
+
+    def critical(self, point: SpecialPoint, sample: Sample) -> complex:
+        """The eigenvalue that is critical at a stored point."""
+        return complex(sample.critical)
+
+
+class LimitType(PointType):
+    """A kind of point beyond which solutions are not the machine's: `Test.MARGIN`.
+
+    Attributes
+    ----------
+    reason : str
+        The reason code of a branch that ends there.
+    shared : bool
+        Whether two that coincide are one.
+    declared : bool
+        Whether nothing happens there but that something is no longer as it was declared to be.
+    """
+
+    reason: ClassVar[str]
+    shared: ClassVar[bool] = False
+    declared: ClassVar[bool] = False
+
+
 class Mirror(Protocol):
     """What takes one half of a branch to the other, where they are images of each other under symmetries."""
 
@@ -360,14 +210,18 @@ class Mirror(Protocol):
 class Limit(Protocol):
     """Something that must stay positive along a branch for its solutions to be what the machine does.
 
-    `label` and `kind` are those of the special point where it passes zero; `name` says what it is; `acts`
+    `type` and `kind` are those of the special point where it passes zero; `name` says what it is; `acts`
     whether something happens there. Of two that pass zero at once for one reason, the lower `rank` tells it.
     """
 
-    label: str
     kind: str | None
     name: str
     acts: bool
+
+    @property
+    def type(self) -> LimitType:
+        """The kind of special point where it passes zero."""
+        ...
 
     @property
     def rank(self) -> int:
@@ -389,6 +243,11 @@ class Problem(Protocol):
     beside: float
     # A located point lies on the branch if it is this near, relative to the segment, beside rounding.
     blur: float
+
+    @property
+    def point_types(self) -> Sequence[PointType]:
+        """The kinds of special points of its branches."""
+        ...
 
     @property
     def size(self) -> int:
@@ -419,7 +278,7 @@ class Problem(Protocol):
         """Which of the limits a special point is one of."""
         ...
 
-    def stopped(self, label: str, located: Located, sample: Sample) -> str:
+    def stopped(self, located: Located, sample: Sample) -> str:
         """In words, why solutions beyond a limit are not the machine's, and what is nearest to it."""
         ...
 
@@ -498,20 +357,12 @@ class Problem(Protocol):
         """What makes solutions beside z hard to find, and what helps; empty if nothing is known of that."""
         ...
 
-    def locate(self, label: str, sample: Sample, which: int) -> Located | None:
-        """The special point near a sample, by its defining system; `which` counts critical eigenvalues."""
-        ...
-
     def locate_mark(self, name: str, level: float, sample: Sample) -> Located | None:
         """The point near a sample at which an observable has the value `level`."""
         ...
 
     def rate(self, name: str, sample: Sample) -> float:
         """Derivative of an observable along the branch."""
-        ...
-
-    def tangent_at(self, label: str, located: Located, near: Sample) -> np.ndarray | None:
-        """Tangent of the branch at a special point where DF alone does not determine it; else None."""
         ...
 
     def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
@@ -522,20 +373,8 @@ class Problem(Protocol):
         """Whether more than one branch passes through a solution, to rounding."""
         ...
 
-    def label_of(self, sample: Sample, which: int) -> str | None:
-        """Label of the point at which stability measure `which` passes zero; None if other tests see it."""
-        ...
-
-    def special_point(self, label: str, located: Located, sample: Sample, s: float) -> SpecialPoint:
-        """The record of a located point, with its normal form."""
-        ...
-
     def mirror(self, sample: Sample) -> Mirror | None:
         """What takes one half of the branch that leaves a solution to the other, if a symmetry does."""
-        ...
-
-    def seeds(self, point: SpecialPoint) -> Sequence[Seed]:
-        """Branches that leave a special point."""
         ...
 
 

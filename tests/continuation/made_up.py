@@ -11,14 +11,50 @@ from typing import Any
 
 import numpy as np
 
+from contwalk.branch import SpecialPoint
 from contwalk.continuation.segment import Segment
 from contwalk.problems.parameter_line import ParameterLine
-from contwalk.problems.problem import Linearization, Located, Rates, Sample
+from contwalk.problems.problem import Linearization, Located, PointType, Sample, Test
+from contwalk.problems.sample import Rates
 
 # What an evaluation of these equations may be off by.
 LEVEL = 4e-16
 # What moves along a made-up branch.
 LINE = ParameterLine("lam", {"lam": 0.0})
+
+
+class Told(PointType):
+    """A kind of point whose places and tangents the made-up problem tells, under a name."""
+
+    def __init__(
+        self, name: str, label: str, test: Test, changes: tuple[int, ...], flat: tuple[PointType, ...] = ()
+    ) -> None:
+        self.name, self.label, self.test, self.changes, self.flat = name, label, test, changes, flat
+
+    def tells(self, problem: MadeUp, sample: Sample, which: int) -> bool:
+        return sample.eigenvalues[which].imag != 0.0
+
+    def locate(self, problem: MadeUp, sample: Sample, which: int) -> Located | None:
+        return problem.locate(self.name, sample, which)
+
+    def tangent(self, problem: MadeUp, located: Located, near: Sample) -> np.ndarray | None:
+        return problem.tangents.get(self.name)
+
+    def describe(self, problem: MadeUp, located: Located, sample: Sample, s: float) -> SpecialPoint:
+        return SpecialPoint(self.label, s, parameters={"lam": sample.parameter})
+
+
+KINDS = {
+    kind.name: kind
+    for kind in (
+        Told("LP", "LP", Test.TURN, (-1, 1)),
+        Told("BP", "BP", Test.ORIENTATION, (-1, 0, 1)),
+        Told("MULTIPLE", "BP", Test.TOGETHER, (0,)),
+        Told("HB", "HB", Test.STABILITY, (-2, 2)),
+        Told("UZ", "UZ", Test.MARK, (0,)),
+        Told("EP", "EP", Test.END, (0,)),
+    )
+}
 
 
 @dataclass
@@ -40,7 +76,7 @@ class MadeUp:
     evaluated: int = 0
 
     kind, free, line, discretized, beside, blur, limits = "made_up", "lam", LINE, False, 1e-4, 1e-6, ()
-    method, evaluations = "", 0
+    method, evaluations, point_types = "", 0, tuple(KINDS.values())
 
     @property
     def observable_names(self) -> tuple[str, ...]:
@@ -107,14 +143,8 @@ class MadeUp:
         h, value = 1e-5, self.observe[name]
         return (value(sample.z + h * sample.tangent) - value(sample.z - h * sample.tangent)) / (2.0 * h)
 
-    def tangent_at(self, label: str, located: Located, near: Sample) -> np.ndarray | None:
-        return self.tangents.get(label)
-
     def many_branches(self, z: np.ndarray) -> bool:
         return any(np.allclose(p.z, z, atol=1e-12) for p in self.special.get("BP", []))
-
-    def label_of(self, sample: Sample, which: int) -> str | None:
-        return "HB" if sample.eigenvalues[which].imag != 0.0 else None
 
     def kinks_between(self, a, b):
         return ()

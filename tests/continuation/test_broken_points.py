@@ -11,6 +11,7 @@ from contwalk.continuation.opening import opened
 from contwalk.continuation.settings import Settings
 from contwalk.errors import NotFinite
 from contwalk.problems.equilibrium.equilibrium import Equilibrium
+from contwalk.problems.equilibrium.points.hopf import Hopf
 
 
 def two_points(t, x, p, dx):
@@ -33,20 +34,18 @@ def walked(follow=frozenset({"BP"})):
 ERRORS = [NotFinite("A motion is not finite.", "Start elsewhere."), np.linalg.LinAlgError("Singular matrix")]
 
 
-def fails_for(monkeypatch, name, label, error):
-    whole = getattr(Equilibrium, name)
+def fails(monkeypatch, name, error):
+    """What Hopf points do under a name raises an error."""
 
     def broken(self, *given):
-        if given[0] == label or getattr(given[0], "label", None) == label:
-            raise error
-        return whole(self, *given)
+        raise error
 
-    monkeypatch.setattr(Equilibrium, name, broken)
+    monkeypatch.setattr(Hopf, name, broken)
 
 
 @pytest.mark.parametrize("error", ERRORS)
 def test_a_point_that_cannot_be_located_is_unlocated(monkeypatch, error):
-    fails_for(monkeypatch, "locate", "HB", error)
+    fails(monkeypatch, "locate", error)
     first, daughter = walked()
     assert [(p.label, p.status) for p in labelled(first, "BP")] == [("BP", "located")]
     hopf = labelled(first, "HB")
@@ -57,7 +56,7 @@ def test_a_point_that_cannot_be_located_is_unlocated(monkeypatch, error):
 
 @pytest.mark.parametrize("error", ERRORS)
 def test_a_point_without_a_normal_form_is_located(monkeypatch, error):
-    fails_for(monkeypatch, "special_point", "HB", error)
+    fails(monkeypatch, "describe", error)
     first, _ = walked()
     (hopf,) = labelled(first, "HB")
     assert (hopf.status, hopf.kind, hopf.criticality) == ("located", None, None)
@@ -69,7 +68,7 @@ def test_a_point_without_a_normal_form_is_located(monkeypatch, error):
 
 @pytest.mark.parametrize("error", ERRORS)
 def test_a_branch_that_cannot_be_begun_is_one_that_failed(monkeypatch, error):
-    fails_for(monkeypatch, "seeds", "HB", error)
+    fails(monkeypatch, "seeds", error)
     first, *rest = walked(frozenset({"BP", "HB"}))
     assert first.outcome.reason == "bound"
     failed = [b for b in rest if b.outcome.status == "failed"]

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from made_up import LINE, MadeUp, at, line
 
-from contwalk.branch import SpecialPoint
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.pseudo_arclength import Point, walk
 from contwalk.continuation.settings import Settings
@@ -36,9 +35,6 @@ class Remade(MadeUp):
         there = seen(0.0 if early else 0.03)
         linearization = there.linearize(sample.z)
         return there, there.examine(sample.z, sample.tangent, sample.weights, linearization, sample.unstable)
-
-    def special_point(self, label: str, located: object, sample: Sample, s: float) -> SpecialPoint:
-        return SpecialPoint(label, s, parameters={"lam": sample.parameter})
 
 
 # From one of these the row before the point lies between where it is and where other steps see it.

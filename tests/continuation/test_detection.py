@@ -40,7 +40,7 @@ def test_a_fold_that_is_not_found_is_a_disagreement():
         problem = parabola(special=special)
         with pytest.raises(Disagreement, match="The parameter turns, but no fold is found") as raised:
             bifurcations(problem.segment((-0.3, 0.09), (0.4, 0.16)))
-        assert raised.value.label == "LP"
+        assert raised.value.type.label == "LP"
 
 
 def test_both_folds_of_a_segment_that_turns_twice_need_a_shorter_one():
@@ -92,7 +92,7 @@ def test_along_the_branch_that_turns_there_the_count_stays():
 def test_a_branch_point_that_is_not_there_is_a_disagreement(special):
     with pytest.raises(Disagreement, match="no branch point is found") as raised:
         bifurcations(pitchfork(special={"BP": special}).segment((0.0, -0.3), (0.0, 0.4)))
-    assert raised.value.label == "BP"
+    assert raised.value.type.label == "BP"
 
 
 def test_a_point_on_this_place_but_of_another_way_is_refused():
@@ -176,7 +176,7 @@ def test_a_pair_that_crosses_without_a_hopf_point_is_a_disagreement(special):
     problem = line(pair(0.25), special={"HB": special})
     with pytest.raises(Disagreement, match="no point HB is found") as raised:
         bifurcations(problem.segment((0.0, 0.0), (0.0, 1.0)))
-    assert raised.value.label == "HB"
+    assert raised.value.type.label == "HB"
 
 
 def test_a_real_eigenvalue_that_passes_zero_alone_is_a_disagreement():
@@ -184,7 +184,7 @@ def test_a_real_eigenvalue_that_passes_zero_alone_is_a_disagreement():
     problem = line(lambda z: [z[1] - 0.3])
     with pytest.raises(Disagreement, match="no fold and no branch point") as raised:
         bifurcations(problem.segment((0.0, 0.0), (0.0, 1.0)))
-    assert raised.value.label == "BP"
+    assert raised.value.type.label == "BP"
 
 
 def test_two_real_eigenvalues_that_pass_together_are_one_point():

@@ -8,6 +8,7 @@ import contwalk as cw
 from contwalk.branch import SpecialPoint
 from contwalk.continuation import state as here
 from contwalk.continuation.initial_scales import initial_magnitudes
+from contwalk.problems.equilibrium.second_direction import branch_point_seeds
 from contwalk.system import State
 
 
@@ -138,5 +139,5 @@ def test_a_branch_that_is_born_there_sets_out_along_its_own_tangent():
     """In that metric the parameter's share of the tangent was left out as rounding: steps began at 1e-12."""
     problem = small_problem(cancelling, "x", {"lam": 0.3}, "lam")
     point = SpecialPoint("BP", 0.0, unknowns=(3e-17, -0.7), tangent=(0.0, 0.7))
-    (seed,) = problem.seeds(point)
+    (seed,) = branch_point_seeds(problem, point)
     assert seed.tangent[0] / seed.tangent[1] == pytest.approx(-2.5, rel=1e-12)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +10,7 @@ from made_up import MadeUp
 
 from contwalk.continuation.limits import _located
 from contwalk.continuation.locating import Disagreement
+from contwalk.problems.hybrid.limits import Limit
 
 
 @dataclass
@@ -18,7 +18,7 @@ class Margined(MadeUp):
     """x = 0 for every lam, with a margin that is told, and no equations that locate where it is zero."""
 
     margin: object = None
-    limits = (SimpleNamespace(label="GR", kind="interior", name="wall"),)
+    limits = (Limit("GR", "interior", "wall", 0, "dip"),)
 
     def examine(self, z, *rest):
         return replace(super().examine(z, *rest), margins=np.array([self.margin(float(z[-1]))]))

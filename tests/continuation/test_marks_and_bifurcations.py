@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from made_up import LINE, at, line
+from made_up import KINDS, LINE, at, line
 
 from contwalk.continuation import step
 from contwalk.continuation.locating import Found
@@ -12,7 +12,7 @@ from contwalk.continuation.settings import Settings
 
 
 def found(theta, label):
-    return Found(theta, label, at(0.0, theta), None)
+    return Found(theta, KINDS[label], at(0.0, theta), None)
 
 
 @pytest.mark.parametrize(("apart", "moved"), [(1e-11, True), (-1e-11, True), (1e-6, False)])

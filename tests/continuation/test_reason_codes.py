@@ -11,6 +11,7 @@ from contwalk.continuation.branch_in_progress import Start, Stored, Work, spent
 from contwalk.continuation.diagram import Diagram, Found, Plan
 from contwalk.continuation.opening_orbits import opened_orbit
 from contwalk.continuation.settings import Settings
+from contwalk.problems.orbit.points.catalogue import LIMIT_TYPES
 from contwalk.storage.schema import outcome_from_text, outcome_text, special_from_text, special_text
 
 
@@ -97,7 +98,7 @@ def test_a_stored_end_has_its_status_again(kind):
     ],
 )
 def test_where_a_diagram_goes_on_beyond_an_end(kind, events, expected):
-    assert outcomes.goes_on(end(kind), events) is expected
+    assert outcomes.goes_on(LIMIT_TYPES, end(kind), events) is expected
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,7 @@ from contwalk.continuation.recognition import Known, images, known_branch
 from contwalk.continuation.reopening import reopened
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import begin
+from contwalk.problems.equilibrium.points.hopf import Hopf
 from contwalk.system import State, Symmetry
 
 SETTINGS = Settings(range=(-1.0, 1.0))
@@ -252,7 +253,7 @@ class TestBeginningsAtHopfPoints:
         problem, straight = problem_of(), branches[0]
         here = begin(problem, np.array([0.0, 0.0, 0.3]), SETTINGS)
         values, opening = problem.system.defaults(), Opening(problem, here)
-        start = Start(problem.system, "mu", values, opening, "b9/HB1", ("b9", 0.0), label="HB")
+        start = Start(problem.system, "mu", values, opening, "b9/HB1", ("b9", 0.0), leaves=Hopf())
         walks = []
 
         def told(ends_there):

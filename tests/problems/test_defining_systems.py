@@ -8,8 +8,11 @@ import numpy as np
 import pytest
 from small_systems import small_problem
 
-from contwalk.problems.equilibrium import defining_systems as defining
+from contwalk.problems.equilibrium.defining_systems import real_eigenvalue
 from contwalk.problems.equilibrium.equilibrium import Equilibrium
+from contwalk.problems.equilibrium.points.branch_point import branch_point
+from contwalk.problems.equilibrium.points.hopf import hopf
+from contwalk.problems.equilibrium.points.multiple_zero import multiple_zero
 from contwalk.problems.equilibrium.second_direction import (
     branch_point_seeds,
     directions,
@@ -61,7 +64,7 @@ def swing_problem(w=2.0):
 
 
 def test_a_fold_is_known_to_the_last_bit():
-    rough = defining.fold(fold_problem(), sample_at(fold_problem(), 0.4, 0.2, 0.05))
+    rough = real_eigenvalue(fold_problem(), sample_at(fold_problem(), 0.4, 0.2, 0.05), None)
     found = rough.settled()
     assert found.refined
     assert found.z == pytest.approx([1.0 / 3.0, 1.0 / 6.0, 0.0], abs=6e-17)
@@ -77,12 +80,12 @@ def test_where_there_is_no_fold_none_is_found():
 
     problem = small_problem(field, "x", {"lam": 0.1}, "lam")
     for x in (-0.5, 0.0, 0.5):
-        assert defining.fold(problem, sample_at(problem, x, x + x**3)) is None
+        assert real_eigenvalue(problem, sample_at(problem, x, x + x**3), None) is None
 
 
 def test_an_eigenvalue_of_a_given_value():
     """The eigenvalue of the fold's field is -2 (x - a): it is -1 at x = a + 1/2, lam = 1/4."""
-    found = defining.real_eigenvalue(fold_problem(), sample_at(fold_problem(), 0.8, 0.4, 0.2), -1.0).settled()
+    found = real_eigenvalue(fold_problem(), sample_at(fold_problem(), 0.8, 0.4, 0.2), -1.0).settled()
     assert found.z == pytest.approx([1.0 / 3.0 + 0.5, 0.5 * (1.0 / 3.0 + 0.5), 0.25], abs=2e-16)
 
 
@@ -90,7 +93,7 @@ def test_an_eigenvalue_of_a_given_value():
 
 
 def test_a_branch_point_is_known_to_the_last_bit():
-    found = defining.branch_point(fork_problem(), sample_at(fork_problem(), 0.02, 0.01, -0.04)).settled()
+    found = branch_point(fork_problem(), sample_at(fork_problem(), 0.02, 0.01, -0.04)).settled()
     assert found.z.tolist() == [0.0, 0.0, 0.0]
     assert found.error <= 1e-20
     assert np.abs(found.vectors["left"]) == pytest.approx([1.0, 0.0], abs=1e-15)
@@ -99,13 +102,11 @@ def test_a_branch_point_is_known_to_the_last_bit():
 @pytest.mark.parametrize("c", [1e-3, 1e-8, 1e-13])
 def test_an_unfolded_branch_point_is_none(c):
     """What would have to be added to the equations is c, far above their rounding."""
-    assert defining.branch_point(fork_problem(c), sample_at(fork_problem(c), 0.0, 0.0, 1e-3)) is None
+    assert branch_point(fork_problem(c), sample_at(fork_problem(c), 0.0, 0.0, 1e-3)) is None
 
 
 def test_below_rounding_an_unfolding_is_nothing():
-    assert (
-        defining.branch_point(fork_problem(1e-20), sample_at(fork_problem(1e-20), 0.0, 0.0, 1e-3)) is not None
-    )
+    assert branch_point(fork_problem(1e-20), sample_at(fork_problem(1e-20), 0.0, 0.0, 1e-3)) is not None
 
 
 def test_what_the_equations_round_may_be_nothing_in_floats_and_something_in_truth():
@@ -117,7 +118,7 @@ def test_what_the_equations_round_may_be_nothing_in_floats_and_something_in_trut
 
     problem = small_problem(field, "xy", {"lam": 0.1, "m": 1.32}, "lam")
     assert problem.linearize(np.zeros(3)).residual.tolist() == [0.0, 0.0]
-    found = defining.branch_point(problem, sample_at(problem, 0.0, 0.0, 1e-3)).settled()
+    found = branch_point(problem, sample_at(problem, 0.0, 0.0, 1e-3)).settled()
     assert found.refined
     assert found.z == pytest.approx(np.zeros(3), abs=1e-20)
 
@@ -129,10 +130,10 @@ def test_two_eigenvalues_that_vanish_together_and_one_alone():
         dx[2] = -x[2]
 
     problem = small_problem(both, "xyz", {"lam": 0.1}, "lam")
-    found = defining.multiple_zero(problem, sample_at(problem, 0.0, 0.0, 0.0, 1e-3)).settled()
+    found = multiple_zero(problem, sample_at(problem, 0.0, 0.0, 0.0, 1e-3)).settled()
     assert found.vectors["multiplicity"] == 2
     assert np.abs(found.z).max() <= 1e-15
-    assert defining.multiple_zero(fork_problem(), sample_at(fork_problem(), 0.0, 0.0, 1e-3)) is None
+    assert multiple_zero(fork_problem(), sample_at(fork_problem(), 0.0, 0.0, 1e-3)) is None
 
 
 # -- Hopf points ---------------------------------------------------------------------------------------------
@@ -141,20 +142,18 @@ def test_two_eigenvalues_that_vanish_together_and_one_alone():
 def test_a_hopf_point_with_its_frequency():
     problem = swing_problem(1.0 / 3.0)
     sample = sample_at(problem, 0.0, 0.0, 0.0, 0.03)
-    found = defining.hopf(problem, sample, 0).settled()
+    found = hopf(problem, sample, 0).settled()
     assert found.z.tolist() == [0.0, 0.0, 0.0, 0.0]
     assert found.vectors["omega"] == pytest.approx(1.0 / 3.0, abs=1e-16)
     q = found.vectors["right"]
     # (A - i omega) q = 0 with A = [[0, -w], [w, 0]]: q is (1, -i) times a number, whichever one was asked.
     assert abs(q[1] + 1j * q[0]) <= 1e-15 * abs(q[0])
-    same = defining.hopf(problem, sample, 1).settled()
+    same = hopf(problem, sample, 1).settled()
     assert same.vectors["omega"] == found.vectors["omega"]
 
 
 def test_a_pair_with_a_given_real_part():
-    found = defining.hopf(
-        swing_problem(), sample_at(swing_problem(), 0.0, 0.0, 0.0, 0.03), 0, shift=-0.5
-    ).settled()
+    found = hopf(swing_problem(), sample_at(swing_problem(), 0.0, 0.0, 0.0, 0.03), 0, shift=-0.5).settled()
     assert found.z[-1] == pytest.approx(-0.5, abs=1e-16)
     assert found.vectors["omega"] == pytest.approx(2.0, abs=4e-16)
 
@@ -168,7 +167,7 @@ def test_a_double_zero_is_no_hopf_point():
 
     problem = small_problem(field, "xy", {"lam": 0.04}, "lam")
     # The pair at x = -0.2 has the real part 0.25 for ever: it never crosses.
-    assert defining.hopf(problem, sample_at(problem, -0.2, 0.0, 0.04), 0) is None
+    assert hopf(problem, sample_at(problem, -0.2, 0.0, 0.04), 0) is None
 
 
 def test_where_a_pair_does_not_cross_there_is_none():
@@ -177,7 +176,7 @@ def test_where_a_pair_does_not_cross_there_is_none():
         dx[1] = 2.0 * x[0] - (1.0 + p.lam**2) * x[1]
 
     problem = small_problem(field, "xy", {"lam": 0.1}, "lam")
-    assert defining.hopf(problem, sample_at(problem, 0.0, 0.0, 0.1), 0) is None
+    assert hopf(problem, sample_at(problem, 0.0, 0.0, 0.1), 0) is None
 
 
 # -- directions at a branch point ----------------------------------------------------------------------------

@@ -20,12 +20,9 @@ from contwalk.problems.equilibrium import defining_systems as defining
 from contwalk.problems.equilibrium import vertical
 from contwalk.problems.equilibrium.equations import GROUPS, equations_of
 from contwalk.problems.equilibrium.mirror import Mirror, mirror_of
-from contwalk.problems.equilibrium.record import described
-from contwalk.problems.equilibrium.second_direction import (
-    branch_point_seeds,
-    second_direction,
-    tangent_through,
-)
+from contwalk.problems.equilibrium.points.catalogue import POINT_TYPES
+from contwalk.problems.equilibrium.points.hopf import hopf
+from contwalk.problems.equilibrium.second_direction import second_direction
 from contwalk.problems.equilibrium.spectrum import EPSILON, Spectrum, spectrum
 from contwalk.problems.equilibrium.unbounded import escape
 from contwalk.problems.event_kinks import Met
@@ -33,7 +30,8 @@ from contwalk.problems.kinks import Kink, between
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.parameter_line import Ends, ParameterLine
 from contwalk.problems.passed_over import passed_over
-from contwalk.problems.problem import MAX_RE, Linearization, Located, Rates, Sample, Seed
+from contwalk.problems.problem import MAX_RE, Linearization, Located, Sample, Seed
+from contwalk.problems.sample import Rates
 from contwalk.python_functions import plain
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
@@ -70,6 +68,7 @@ class Equilibrium:
     discretized = False
     beside = 1e-4
     blur = 1e-6
+    point_types = POINT_TYPES
     method = ""
 
     def __init__(
@@ -432,24 +431,14 @@ class Equilibrium:
         """The state, shape (n,)."""
         return z[: self.states]
 
-    # -- special points: locating ------------------------------------------------------------------------
-
-    def locate(self, label: str, sample: Sample, which: int) -> Located | None:
-        """The special point near a sample, by its defining system."""
-        if label == "LP":
-            return defining.fold(self, sample)
-        if label == "BP":
-            return defining.branch_point(self, sample)
-        if label == "MULTIPLE":
-            return defining.multiple_zero(self, sample)
-        return defining.hopf(self, sample, which)
+    # -- special points ------------------------------------------------------------------------
 
     def locate_mark(self, name: str, level: float, sample: Sample) -> Located | None:
         """The point near a sample at which an observable has the value `level`."""
         if name != MAX_RE:
             return defining.observed(self, sample, self.observable_kernels(name), level)
         if sample.eigenvalues[sample.leading].imag != 0.0:
-            return defining.hopf(self, sample, sample.leading, level)
+            return hopf(self, sample, sample.leading, level)
         return defining.real_eigenvalue(self, sample, level)
 
     def rate(self, name: str, sample: Sample) -> float:
@@ -459,25 +448,9 @@ class Equilibrium:
         gradient = self.observable_kernels(name)[1](*self.inputs(sample.z))
         return float(gradient @ sample.tangent)
 
-    def tangent_at(self, label: str, located: Located, near: Sample) -> np.ndarray | None:
-        """At a branch point, the tangent of the branch that `near` is on."""
-        if label == "MULTIPLE":
-            return near.tangent  # more than two branches meet: only continuity tells
-        return tangent_through(self, located.z, near.weights, near.tangent) if label == "BP" else None
-
     def many_branches(self, z: np.ndarray) -> bool:
         """Whether more than one branch passes through a solution, to rounding."""
         return second_direction(self, z) is not None
-
-    def label_of(self, sample: Sample, which: int) -> str | None:
-        """HB for a complex pair; a real eigenvalue is the business of the fold and branch point tests."""
-        return "HB" if sample.eigenvalues[which].imag != 0.0 else None
-
-    # -- special points: describing ----------------------------------------------------------------------
-
-    def special_point(self, label: str, located: Located, sample: Sample, s: float) -> SpecialPoint:
-        """The record of a located point, with its normal form."""
-        return described(self, label, located, sample, s)
 
     limits = ()
 
@@ -485,7 +458,7 @@ class Equilibrium:
         """There is no limit."""
         raise ValueError("a smooth problem has no limits")
 
-    def stopped(self, label: str, located: Located, sample: Sample) -> str:
+    def stopped(self, located: Located, sample: Sample) -> str:
         """There is no limit."""
         raise ValueError("a smooth problem has no limits")
 
@@ -508,20 +481,6 @@ class Equilibrium:
     def mirror(self, sample: Sample) -> Mirror | None:
         """What takes one half of the branch that leaves a solution to the other, if a symmetry does."""
         return mirror_of(self, sample)
-
-    def seeds(self, point: SpecialPoint) -> Sequence[Seed]:
-        """The other branch through a branch point, and the cycle that is born at a Hopf point."""
-        if point.label == "HB":
-            from contwalk.problems.orbit.from_hopf import from_hopf  # compiled flows, where they are wanted
-
-            seeds = from_hopf(self, point)
-            if not self.system.acting:
-                return seeds
-            from contwalk.problems.hybrid.birth import eventful
-
-            return [eventful(seed) for seed in seeds]
-        simple = point.label == "BP" and "multiplicity" not in point.coefficients
-        return branch_point_seeds(self, point) if simple else ()
 
 
 def solution_at(

@@ -52,12 +52,14 @@ from contwalk.problems.orbit.motion import PLAIN, TANGENT
 from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers
 from contwalk.problems.orbit.normal_forms import SectionMap
 from contwalk.problems.orbit.period import period_and_slope
+from contwalk.problems.orbit.points.catalogue import LIMIT_TYPES, POINT_TYPES
+from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.orbit.section import Section, section_at
 from contwalk.problems.orbit.slow_place import AROUND, SlowPlace, slow_place_on
 from contwalk.problems.orbit.solving import error_holding, newton_on
 from contwalk.problems.orbit.unbounded import unbounded
 from contwalk.problems.orbit.vanishing import at_a_point
-from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed
+from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed, Test
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 
@@ -115,6 +117,7 @@ class HybridOrbit(DiscretizedOrbit):
     kind = "hybrid_orbit"
     discretized = True
     blur = 1e-3  # solutions are solved for to a part of the tolerance only
+    point_types = (*POINT_TYPES, *LIMIT_TYPES)
     beside = 0.05
 
     # -- variants ----------------------------------------------------------------------------------------
@@ -766,11 +769,11 @@ class HybridOrbit(DiscretizedOrbit):
 
     # -- special points ----------------------------------------------------------------------------------
 
-    def locate(self, label: str, sample: Sample, which: int) -> Located | None:
-        """The special point near a sample, by its defining system."""
-        if label in limits.LABELS:
+    def locate(self, kind: OrbitKind, sample: Sample, which: int) -> Located | None:
+        """The special point of a kind near a sample, by its augmented system."""
+        if kind.test is Test.MARGIN:
             return limits.located(self, which, sample)
-        return augmented.located(self, label, sample, which)
+        return augmented.located(self, kind, sample, which)
 
     def locate_mark(self, name: str, level: float, sample: Sample) -> Located | None:
         """The point near a sample at which an observable has the value `level`."""
@@ -780,35 +783,26 @@ class HybridOrbit(DiscretizedOrbit):
         """Derivative of an observable along the branch."""
         return rates.of_observable(self, name, sample)
 
-    def tangent_at(self, label: str, located: Located, near: Sample) -> np.ndarray | None:
+    def tangent_at(self, located: Located, near: Sample) -> np.ndarray | None:
         """At a branch point, the tangent of the branch that `near` is on."""
-        return branching.tangent_through(self, located, near) if label == "BP" else None
+        return branching.tangent_through(self, located, near)
 
     def many_branches(self, z: np.ndarray) -> bool:
         """Whether more than one branch passes through a solution, to rounding."""
         return branching.second_direction(self, z) is not None
 
-    def label_of(self, sample: Sample, which: int) -> str | None:
-        """PD or NS, SB of half a symmetric orbit; what happens at one, other tests see."""
-        value = sample.eigenvalues[which]
-        if value.imag != 0.0:
-            return "NS"
-        if value.real > 0.0:
-            return None
-        return "SB" if self.word.image else "PD"
-
-    def special_point(self, label: str, located: Located, sample: Sample, s: float) -> SpecialPoint:
-        """The record of a located point, with its normal form, or what it is a limit of."""
+    def special_point(self, kind: OrbitKind, located: Located, sample: Sample, s: float) -> SpecialPoint:
+        """The record of a located point of a kind, with its normal form, or what it is a limit of."""
         there = located.problem if located.problem is not None else self
-        record = describing.described(self, label, located, sample, s)
-        if label in limits.LABELS:
+        record = describing.described(self, kind, located, sample, s)
+        if kind.test is Test.MARGIN:
             limit = self.limits[int(located.vectors["limit"])]
-            kind = limit.kind
+            name = limit.kind
             changes = limit.test in ("duration", "past")
             if changes and neighbours.corners(there, located.z, limit, sample.tangent):
-                kind = "corner"
-            record = replace(record, kind=kind, note=limits.place_of(there, limit, located))
-        if label == "UZ" and abs(observing.split(sample.eigenvalues)) < MEET:
+                name = "corner"
+            record = replace(record, kind=name, note=limits.place_of(there, limit, located))
+        if kind.test is Test.MARK and abs(observing.split(sample.eigenvalues)) < MEET:
             met = "two multipliers meet: each is known to the root of rounding only, their mean far better"
             record = replace(record, note=met if record.note is None else f"{record.note}; {met}")
         values = there.margins(located.z)
@@ -821,9 +815,9 @@ class HybridOrbit(DiscretizedOrbit):
         there = self if known else switching.discretized(self, z)
         return limits.nearest(there, point)
 
-    def stopped(self, label: str, located: Located, sample: Sample) -> str:
+    def stopped(self, located: Located, sample: Sample) -> str:
         """Why an orbit beyond a limit is not the machine's, and what lies next to it."""
-        return limits.sentence(self, label, located, sample)
+        return limits.sentence(self, located)
 
     def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
         """The same solution with its angles turned as near as possible to those of another one.
@@ -841,11 +835,18 @@ class HybridOrbit(DiscretizedOrbit):
         """What takes one half of the branch that leaves an orbit to the other, if a symmetry does."""
         return mirror_of(self, sample)
 
-    def seeds(self, point: SpecialPoint) -> Sequence[Seed]:
-        """The branches that leave a special point."""
-        if point.label in ("GR", "OC"):
-            return self.neighbours(point)[0]
-        return switching.seeds(self, point)
+    def leaving(self, kind: OrbitKind, point: SpecialPoint) -> Sequence[Seed]:
+        """The branches that leave a special point of a kind."""
+        z = np.array(point.unknowns)
+        return kind.branches(switching.discretized(self, z), z, point)
+
+    def doubled_from(self, z: np.ndarray) -> Sequence[Seed]:
+        """The orbit of the word run through twice that leaves where a multiplier is -1."""
+        return switching.doubled(self, z)
+
+    def unfolded_from(self, z: np.ndarray) -> Sequence[Seed]:
+        """The whole orbit without its symmetry that leaves where a multiplier of its half is -1."""
+        return switching.unfolded(self, z)
 
     def neighbours(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
         """The branches of other words beyond a limit, and in words what was found, or tried.

@@ -30,7 +30,7 @@ from contwalk.errors import StartError, UnsupportedOperation
 from contwalk.flow.events.guard_derivatives import MOST_ORDER
 from contwalk.memory import computed_once
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
-from contwalk.problems.hybrid.margins import Guarded, Limit, Margins
+from contwalk.problems.hybrid.margins import KINDS, Guarded, Limit, Margins
 from contwalk.problems.hybrid.shooting import Piece
 from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.hybrid.watching import Watched
@@ -42,7 +42,7 @@ from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.problem import Located, Sample
 from contwalk.system import System, Transition
 
-LABELS = ("GR", "OC", "AZ")
+LABELS = tuple(KINDS)
 AT_START = ("start", "leaving", "past")
 # Margins larger than this are not those that a special point is a zero of.
 HIDDEN = 1e-6
@@ -815,7 +815,7 @@ def place_of(problem: DiscretizedOrbit, limit: Limit, located: Located) -> str:
     return f"'{limit.name}' is touched {after} after {before}, in mode {leg.mode}"
 
 
-def sentence(problem: DiscretizedOrbit, label: str, located: Located, sample: Sample) -> str:
+def sentence(problem: DiscretizedOrbit, located: Located) -> str:
     """What fails beyond a limit, and what is nearest to it."""
     there = located.problem if located.problem is not None else problem
     limit = problem.limits[int(located.vectors["limit"])]

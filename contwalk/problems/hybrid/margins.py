@@ -7,9 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from contwalk.memory import computed_once
-from contwalk.problems.problem import NO_MARGIN
+from contwalk.problems.orbit.points.catalogue import LIMIT_TYPES
+from contwalk.problems.problem import LimitType
+from contwalk.problems.sample import NO_MARGIN
 from contwalk.system import Transition
 
+KINDS: dict[str, LimitType] = {kind.label: kind for kind in LIMIT_TYPES}
 # Limits whose numbers are not the guard's own: margins tell them under names of their own.
 DERIVED = ("rate", "duration", "leaving", "past")
 
@@ -30,6 +33,11 @@ class Limit:
     leg: int
     test: str
     acts: bool = True
+
+    @property
+    def type(self) -> LimitType:
+        """The kind of special point where it passes zero."""
+        return KINDS[self.label]
 
     @property
     def rank(self) -> int:

@@ -36,9 +36,10 @@ from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.hybrid.word import Word
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.orbit.multipliers import Multipliers
+from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.orbit.section import Section
 from contwalk.problems.orbit.slow_place import SlowPlace
-from contwalk.problems.problem import Linearization, Located, Sample, Seed
+from contwalk.problems.problem import Linearization, Located, Sample, Seed, Test
 from contwalk.system import System
 
 # Special points lie beside other soft transitions than a step's ends: so often they are looked for anew.
@@ -413,15 +414,15 @@ class SoftOrbit(HybridOrbit):
 
     # -- special points ----------------------------------------------------------------------------------
 
-    def locate(self, label: str, sample: Sample, which: int) -> Located | None:
-        """The special point near a sample, by its defining system."""
-        if label not in limits.LABELS:
-            return self._located(sample, lambda explicit, own: explicit.locate(label, own, which))
+    def locate(self, kind: OrbitKind, sample: Sample, which: int) -> Located | None:
+        """The special point of a kind near a sample, by its augmented system."""
+        if kind.test is not Test.MARGIN:
+            return self._located(sample, lambda explicit, own: explicit.locate(kind, own, which))
 
         def locate(explicit: HybridOrbit, own: Sample) -> Located | None:
             grouping = Grouping(explicit.word, explicit.layout)
             chosen = self._least(grouping, explicit.margins(own.z), self.limits[which])
-            return None if chosen is None else explicit.locate(label, own, chosen)
+            return None if chosen is None else explicit.locate(kind, own, chosen)
 
         return self._located(sample, locate)
 
@@ -468,26 +469,24 @@ class SoftOrbit(HybridOrbit):
         explicit, own, length = self._explicit_sample(sample)
         return explicit.rate(name, own) * length
 
-    def tangent_at(self, label: str, located: Located, near: Sample) -> np.ndarray | None:
+    def tangent_at(self, located: Located, near: Sample) -> np.ndarray | None:
         """At a branch point, the tangent of the branch that `near` is on."""
-        if label != "BP":
-            return None
         explicit, own, _ = self._explicit_sample(near)
         under = located.vectors["explicit"]
         if under.problem.word != explicit.word:
             there = self.adapted_to(located.z, near.weights)
             explicit, own, _ = there._explicit_sample(replace(near, z=located.z))
-        tangent = explicit.tangent_at(label, under, own)
+        tangent = explicit.tangent_at(under, own)
         if tangent is None:
             return None
         found = Grouping(under.problem.word, under.problem.layout).split(tangent)[0]
         return found / float(np.linalg.norm(found / near.weights))
 
-    def special_point(self, label: str, located: Located, sample: Sample, s: float) -> SpecialPoint:
-        """The record of a located point, with its normal form, or what it is a limit of."""
+    def special_point(self, kind: OrbitKind, located: Located, sample: Sample, s: float) -> SpecialPoint:
+        """The record of a located point of a kind, with its normal form, or what it is a limit of."""
         under, own = self._under(located, sample)
-        record = under.problem.special_point(label, under, own, s)
-        if label in limits.LABELS and record.kind != "corner":
+        record = under.problem.special_point(kind, under, own, s)
+        if kind.test is Test.MARGIN and record.kind != "corner":
             record = replace(record, kind=self.limits[int(located.vectors["limit"])].kind)
         return replace(record, unknowns=tuple(located.z.tolist()), tangent=tuple(sample.tangent.tolist()))
 
@@ -498,10 +497,10 @@ class SoftOrbit(HybridOrbit):
         under = located.vectors.get("explicit")
         return under or Located(own.z, located.error, located.vectors, problem=explicit), own
 
-    def stopped(self, label: str, located: Located, sample: Sample) -> str:
+    def stopped(self, located: Located, sample: Sample) -> str:
         """Why an orbit beyond a limit is not the machine's, and what lies next to it."""
         under, own = self._under(located, sample)
-        return under.problem.stopped(label, under, own)
+        return under.problem.stopped(under, own)
 
     # -- the branches that leave -------------------------------------------------------------------------
 
@@ -515,15 +514,13 @@ class SoftOrbit(HybridOrbit):
         own = replace(point, unknowns=tuple(found.unknowns.tolist()), tangent=tuple(along.tolist()))
         return there, found.explicit, own
 
-    def seeds(self, point: SpecialPoint) -> Sequence[Seed]:
-        """The branches that leave a special point."""
-        if point.label in ("GR", "OC"):
-            return self.neighbours(point)[0]
+    def leaving(self, kind: OrbitKind, point: SpecialPoint) -> Sequence[Seed]:
+        """The branches that leave a special point of a kind."""
         try:
             _, explicit, own = self._stored(point)
         except NotFinite:
             return ()
-        return [softened_seed(seed) for seed in explicit.seeds(own)]
+        return [softened_seed(seed) for seed in explicit.leaving(kind, own)]
 
     def _beyond(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
         try:

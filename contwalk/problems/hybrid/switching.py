@@ -8,12 +8,11 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk import flow
-from contwalk.branch import SpecialPoint
 from contwalk.problems.hybrid import cutting, monodromy
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind
 from contwalk.problems.hybrid.shooting import AT_REST
 from contwalk.problems.hybrid.word import imaged_leg
-from contwalk.problems.orbit.branching import amplitude, crossing, filled_magnitudes
+from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.motion import PLAIN
 from contwalk.problems.orbit.null_vectors import null_vectors
@@ -32,19 +31,6 @@ NO_UNIT = 1e-30
 ALIKE = 1e-6
 # Shifts along pinned directions that are tried, and how little they leave of the residual.
 MOST_SHIFTS, SHIFTED = 5, 2.0
-
-
-def seeds(problem: DiscretizedOrbit, point: SpecialPoint) -> Sequence[Seed]:
-    """The branches that leave a special point."""
-    if point.label not in ("BP", "PD"):
-        return ()
-    z = np.array(point.unknowns)
-    there = discretized(problem, z)
-    if point.label == "PD":
-        return _doubled(there, z)
-    if point.kind == "symmetry-breaking":
-        return _unfolded(there, z)
-    return crossing(there, z, point) if point.coefficients else ()
 
 
 def discretized(problem: Kind, z: np.ndarray, parent: DiscretizedOrbit | None = None) -> Kind:
@@ -94,7 +80,7 @@ def _between(problem: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
     return finer if alike else np.zeros(problem.states)
 
 
-def _doubled(problem: DiscretizedOrbit, z: np.ndarray) -> Sequence[Seed]:
+def doubled(problem: DiscretizedOrbit, z: np.ndarray) -> Sequence[Seed]:
     """The orbit of the word run through twice that leaves along the critical vector.
 
     Where the second round is the image of the first, as where a symmetry keeps every state of the parent and
@@ -136,7 +122,7 @@ def _reverses(problem: DiscretizedOrbit, z: np.ndarray, v: np.ndarray, symmetry:
     return True
 
 
-def _unfolded(problem: DiscretizedOrbit, z: np.ndarray) -> Sequence[Seed]:
+def unfolded(problem: DiscretizedOrbit, z: np.ndarray) -> Sequence[Seed]:
     """The orbit without the symmetry that its parent closes up to."""
     other, symmetry = problem.of_word(problem.whole_word), problem.system.symmetry(problem.word.image)
     p, passages = ParameterValues(**problem.values_of(z)), problem.passages

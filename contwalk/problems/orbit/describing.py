@@ -9,9 +9,8 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
-from contwalk.problems.orbit import normal_forms
 from contwalk.problems.orbit.normal_forms import SectionMap
-from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.orbit.protocol import Orbit, OrbitKind
 from contwalk.problems.problem import Located, Sample
 
 # Where theta is this near to 2 pi k / q, q = 1..4, the point is a strong resonance.
@@ -35,12 +34,12 @@ PAIR = (
 Form = tuple[str | None, str | None, dict[str, Any], str | None]
 
 
-def described(problem: Orbit, label: str, located: Located, sample: Sample, s: float) -> SpecialPoint:
+def described(problem: Orbit, point: OrbitKind, located: Located, sample: Sample, s: float) -> SpecialPoint:
     """The record of a located point, with its normal form."""
     there = located.problem if located.problem is not None else problem
     z = located.z
     try:
-        kind, criticality, coefficients, note = _normal_form(there, label, located, sample)
+        kind, criticality, coefficients, note = _form(there, point, located, sample)
     except np.linalg.LinAlgError:
         kind, criticality, coefficients = None, None, {}
         note = "degenerate: the critical directions are not determined, so there is no normal form"
@@ -58,7 +57,7 @@ def described(problem: Orbit, label: str, located: Located, sample: Sample, s: f
     spectrum = tuple(complex(v) for v in sample.eigenvalues)
     state = there.reported(z) if sample.reported is None else sample.reported
     return SpecialPoint(
-        label="BP" if label == "SB" else label,
+        label=point.label,
         s=s,
         kind=kind,
         parameters=values | {problem.free: float(z[-1])},
@@ -77,27 +76,11 @@ def described(problem: Orbit, label: str, located: Located, sample: Sample, s: f
     )
 
 
-def _normal_form(problem: Orbit, label: str, located: Located, sample: Sample) -> Form:
+def _form(problem: Orbit, point: OrbitKind, located: Located, sample: Sample) -> Form:
     """Kind, criticality, coefficients and note of a located point."""
-    z = located.z
-    critical = {"LP": 1.0, "BP": 1.0, "PD": -1.0, "SB": -1.0}.get(label)
-    if critical is not None and problem.system.conserved and _double(sample, critical):
-        return _of_a_pair(problem, label, located, sample)
-    if label == "LP":
-        return None, None, normal_forms.fold(problem.return_map(z)), None
-    if label in ("PD", "SB"):
-        coefficients = _known(problem, located, sample, "c", normal_forms.flip)
-        criticality, vanishes = _criticality(-coefficients["c"], coefficients.get("c_error"))
-        if label == "PD":
-            return None, criticality, coefficients, vanishes
-        name, _ = problem.whole
-        note = vanishes or f"the orbits that leave have lost '{name}'"
-        return "symmetry-breaking", criticality, coefficients, note
-    if label == "NS":
-        return _torus(problem, located, sample)
-    if label == "BP":
-        return _branch_point(problem, located, sample)
-    return None, None, {}, None
+    if point.multiplier is not None and problem.system.conserved and _double(sample, point.multiplier):
+        return point.form_of_pair(problem, located, sample)
+    return point.form(problem, located, sample)
 
 
 def _double(sample: Sample, critical: float) -> bool:
@@ -105,20 +88,7 @@ def _double(sample: Sample, critical: float) -> bool:
     return int(np.sum(np.abs(sample.eigenvalues - critical) < MEET)) > 1
 
 
-def _of_a_pair(problem: Orbit, label: str, located: Located, sample: Sample) -> Form:
-    """As `_normal_form`, where the critical multiplier is double.
-
-    Coefficients on the critical direction alone do not exist there, and their signs tell no stability.
-    """
-    if label != "BP" or located.vectors.get("fallen_back"):
-        return ("symmetry-breaking" if label == "SB" else None), None, {}, PAIR
-    c = normal_forms.branch_point(problem.return_map(located.z), float(sample.weights[-1]))
-    largest = max(abs(c[name]) for name in BRANCHING)
-    coefficients = {name: c[name] / largest for name in BRANCHING} | {"convention": UP_TO_A_FACTOR}
-    return ("transcritical" if c["c11"] != 0.0 else "pitchfork"), None, coefficients, PAIR
-
-
-def _known(
+def known(
     problem: Orbit, located: Located, sample: Sample, name: str, form: Callable[[SectionMap], dict[str, Any]]
 ) -> dict[str, Any]:
     """A normal form with the estimated error of one coefficient: what it is on coarser steps tells.
@@ -135,44 +105,10 @@ def _known(
     return {**found, f"{name}_error": error} if np.isfinite(error) else found
 
 
-def _criticality(coefficient: float, error: float | None) -> tuple[str | None, str | None]:
+def criticality_of(coefficient: float, error: float | None) -> tuple[str | None, str | None]:
     """Criticality by the sign of a coefficient, and a note where it vanishes."""
     if abs(coefficient) < VANISHES:
         return None, "degenerate: the cubic coefficient is zero, as of a linear system"
     if error is not None and abs(coefficient) <= error:
         return None, "degenerate: the cubic coefficient is zero to its error"
     return "supercritical" if coefficient < 0 else "subcritical", None
-
-
-def _torus(problem: Orbit, located: Located, sample: Sample) -> Form:
-    theta = float(located.vectors["theta"])
-    resonance = _resonance(theta)
-    if resonance is not None:
-        note = f"strong resonance {resonance}: the normal form is another one"
-        return None, None, {"theta": theta, "rotation_number": theta / (2.0 * np.pi)}, note
-    coefficients = _known(problem, located, sample, "d", lambda map_: normal_forms.torus(map_, theta))
-    _, fold = problem.whole
-    if fold > 1:
-        coefficients["theta_full"] = float(abs(np.angle(np.exp(1j * fold * theta))))
-    criticality, vanishes = _criticality(coefficients["d"], coefficients.get("d_error"))
-    return None, criticality, coefficients, vanishes
-
-
-def _resonance(theta: float) -> str | None:
-    """`1:q` where exp(i theta) is a q-th root of one, q = 1..4."""
-    for q in (1, 2, 3, 4):
-        distance = abs(np.angle(np.exp(1j * q * theta))) / q
-        if distance < RESONANT:
-            return f"1:{q}"
-    return None
-
-
-def _branch_point(problem: Orbit, located: Located, sample: Sample) -> Form:
-    if located.vectors.get("fallen_back"):
-        return "pitchfork", None, {}, "the orbit is its parent again here: the branch ends on it"
-    weight = float(sample.weights[-1])
-    c = _known(problem, located, sample, "c", lambda map_: normal_forms.branch_point(map_, weight))
-    if c["c11"] != 0.0:
-        return "transcritical", None, c, None
-    criticality, vanishes = _criticality(c["c"], c.get("c_error"))
-    return "pitchfork", criticality, c, vanishes

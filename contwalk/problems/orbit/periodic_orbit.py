@@ -26,6 +26,8 @@ from contwalk.problems.orbit.mirror import OrbitMirror, mirror_of
 from contwalk.problems.orbit.motion import MIXED, TANGENT
 from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers
 from contwalk.problems.orbit.period import period_and_slope
+from contwalk.problems.orbit.points.catalogue import POINT_TYPES
+from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.orbit.return_map import ReturnMap
 from contwalk.problems.orbit.sampling import crossing, extremes, measured_along
 from contwalk.problems.orbit.section import Reference, better_phase, reference_of
@@ -86,6 +88,7 @@ class PeriodicOrbit(SegmentedOrbit):
     eventful = False
     discretized = True
     blur = 1e-3  # solutions are solved for to a part of the tolerance only
+    point_types = POINT_TYPES
     # Stability grows with the square of the amplitude, and drowns in the error of the steps nearer by.
     beside = 1.0
 
@@ -560,9 +563,9 @@ class PeriodicOrbit(SegmentedOrbit):
 
     # -- special points ----------------------------------------------------------------------------------
 
-    def locate(self, label: str, sample: Sample, which: int) -> Located | None:
-        """The special point near a sample, by its defining system."""
-        return augmented.located(self, label, sample, which)
+    def locate(self, kind: OrbitKind, sample: Sample, which: int) -> Located | None:
+        """The special point of a kind near a sample, by its augmented system."""
+        return augmented.located(self, kind, sample, which)
 
     def locate_mark(self, name: str, level: float, sample: Sample) -> Located | None:
         """The point near a sample at which an observable has the value `level`."""
@@ -572,26 +575,17 @@ class PeriodicOrbit(SegmentedOrbit):
         """Derivative of an observable along the branch."""
         return rates.of_observable(self, name, sample)
 
-    def tangent_at(self, label: str, located: Located, near: Sample) -> np.ndarray | None:
+    def tangent_at(self, located: Located, near: Sample) -> np.ndarray | None:
         """At a branch point, the tangent of the branch that `near` is on."""
-        return branching.tangent_through(self, located, near) if label == "BP" else None
+        return branching.tangent_through(self, located, near)
 
     def many_branches(self, z: np.ndarray) -> bool:
         """Whether more than one branch passes through a solution, to rounding."""
         return branching.second_direction(self, z) is not None
 
-    def label_of(self, sample: Sample, which: int) -> str | None:
-        """PD or NS; a real multiplier at one is the business of the fold and branch point tests."""
-        value = sample.eigenvalues[which]
-        if value.imag != 0.0:
-            return "NS"
-        if value.real > 0.0:
-            return None
-        return "SB" if self.rounds > 1 else "PD"
-
-    def special_point(self, label: str, located: Located, sample: Sample, s: float) -> SpecialPoint:
-        """The record of a located point, with its normal form."""
-        return describing.described(self, label, located, sample, s)
+    def special_point(self, kind: OrbitKind, located: Located, sample: Sample, s: float) -> SpecialPoint:
+        """The record of a located point of a kind, with its normal form."""
+        return describing.described(self, kind, located, sample, s)
 
     limits = ()
 
@@ -599,7 +593,7 @@ class PeriodicOrbit(SegmentedOrbit):
         """There is no limit."""
         raise ValueError("a smooth problem has no limits")
 
-    def stopped(self, label: str, located: Located, sample: Sample) -> str:
+    def stopped(self, located: Located, sample: Sample) -> str:
         """There is no limit."""
         raise ValueError("a smooth problem has no limits")
 
@@ -615,9 +609,18 @@ class PeriodicOrbit(SegmentedOrbit):
         """What takes one half of the branch that leaves an orbit to the other, if a symmetry does."""
         return mirror_of(self, sample)
 
-    def seeds(self, point: SpecialPoint) -> Sequence[Seed]:
-        """The branches that leave a special point."""
-        return switching.seeds(self, point)
+    def leaving(self, kind: OrbitKind, point: SpecialPoint) -> Sequence[Seed]:
+        """The branches that leave a special point of a kind."""
+        z = np.array(point.unknowns)
+        return kind.branches(switching.discretized(self, z), z, point)
+
+    def doubled_from(self, z: np.ndarray) -> Sequence[Seed]:
+        """The orbit of twice the period that leaves where a multiplier is -1."""
+        return switching.doubled(self, z)
+
+    def unfolded_from(self, z: np.ndarray) -> Sequence[Seed]:
+        """The orbit without the symmetry that it closes up to, where a multiplier is -1."""
+        return switching.unfolded(self, z)
 
     # -- comparing ---------------------------------------------------------------------------------------
 

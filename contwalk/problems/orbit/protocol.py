@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Protocol
 
 import numpy as np
 
+from contwalk.branch import SpecialPoint
 from contwalk.numerics.linear import Factorization
 from contwalk.problems.kinks import Course, Kink
 from contwalk.problems.orbit.discretization import Discretization
@@ -15,8 +17,43 @@ from contwalk.problems.orbit.section import Section
 from contwalk.problems.orbit.shooting import Mesh
 from contwalk.problems.orbit.slow_place import SlowPlace
 from contwalk.problems.parameter_line import ParameterLine
-from contwalk.problems.problem import Linearization, Sample
+from contwalk.problems.problem import Linearization, Located, Sample, Seed, Test
 from contwalk.system import Neutral, System
+
+
+class OrbitKind(Protocol):
+    """A kind of special point of orbits, as they see it: `points.point` says what each member is."""
+
+    @property
+    def label(self) -> str:
+        """As it is stored."""
+        ...
+
+    @property
+    def test(self) -> Test:
+        """What tells it."""
+        ...
+
+    @property
+    def multiplier(self) -> float | None:
+        """The real multiplier that is critical there."""
+        ...
+
+    def system(self, problem: Any, sample: Sample, which: int) -> Any:
+        """The augmented system whose solution near a sample is such a point."""
+        ...
+
+    def form(self, problem: Any, located: Located, sample: Sample) -> Any:
+        """Kind, criticality, coefficients and note of a located point."""
+        ...
+
+    def form_of_pair(self, problem: Any, located: Located, sample: Sample) -> Any:
+        """As `form`, where the critical multiplier is double."""
+        ...
+
+    def branches(self, problem: Any, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
+        """The branches that leave a point, on fine steps."""
+        ...
 
 
 class Orbit(Protocol):
@@ -156,6 +193,30 @@ class Orbit(Protocol):
         """Name of the state that an unknown is a value of, None if it is an angle's or none's."""
         ...
 
+    def locate(self, kind: OrbitKind, sample: Sample, which: int) -> Located | None:
+        """The special point of a kind near a sample."""
+        ...
+
+    def tangent_at(self, located: Located, near: Sample) -> np.ndarray | None:
+        """At a branch point, the tangent of the branch that `near` is on."""
+        ...
+
+    def special_point(self, kind: OrbitKind, located: Located, sample: Sample, s: float) -> SpecialPoint:
+        """The record of a located point of a kind."""
+        ...
+
+    def leaving(self, kind: OrbitKind, point: SpecialPoint) -> Sequence[Seed]:
+        """The branches that leave a special point of a kind."""
+        ...
+
+    def doubled_from(self, z: np.ndarray) -> Sequence[Seed]:
+        """The orbit of twice the closure that leaves where a multiplier is -1."""
+        ...
+
+    def unfolded_from(self, z: np.ndarray) -> Sequence[Seed]:
+        """The whole orbit without its symmetry that leaves where a multiplier of its half is -1."""
+        ...
+
     def admissible_at(self, z: np.ndarray) -> bool:
         """Whether a solution is one that the machine can move on."""
         ...
@@ -213,4 +274,12 @@ class Orbit(Protocol):
         before: int | None,
     ) -> Sample:
         """Everything that is watched at a solution."""
+        ...
+
+
+class EventfulOrbit(Orbit, Protocol):
+    """An orbit through events, which has limits."""
+
+    def neighbours(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
+        """The branches of other words beyond a limit, and in words what was found, or tried."""
         ...

@@ -8,7 +8,7 @@ from contwalk import quantities
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.null_vectors import null_vectors
 from contwalk.problems.orbit.protocol import Orbit
-from contwalk.problems.problem import Rates, Sample
+from contwalk.problems.sample import Rates, Sample
 
 # Rates are computed of the leading multipliers whose moduli lie between these: a pair of crossings may
 # hide between

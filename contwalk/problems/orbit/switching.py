@@ -7,26 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.branch import SpecialPoint
-from contwalk.problems.orbit.branching import amplitude, crossing, filled_magnitudes
+from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.orbit.null_vectors import null_vectors
 from contwalk.problems.orbit.own_image import halved
 from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
 from contwalk.problems.orbit.transport import carried_to, following, segments_for
 from contwalk.problems.problem import Seed
 from contwalk.system.declarations import ParameterValues
-
-
-def seeds(problem: SegmentedOrbit, point: SpecialPoint) -> Sequence[Seed]:
-    """The branches that leave a special point of a branch of orbits."""
-    z = np.array(point.unknowns)
-    if point.label == "PD":
-        return _doubled(discretized(problem, z), z)
-    if point.label == "BP" and point.kind == "symmetry-breaking":
-        return _whole(discretized(problem, z), z)
-    if point.label == "BP" and point.coefficients:
-        return crossing(discretized(problem, z), z, point)
-    return ()
 
 
 def discretized(problem: SegmentedOrbit, z: np.ndarray) -> SegmentedOrbit:
@@ -40,7 +27,7 @@ def discretized(problem: SegmentedOrbit, z: np.ndarray) -> SegmentedOrbit:
     return rough.adapted_to(z, filled_magnitudes(rough, z), problem.discretization.locating)
 
 
-def _doubled(problem: SegmentedOrbit, z: np.ndarray) -> Sequence[Seed]:
+def doubled(problem: SegmentedOrbit, z: np.ndarray) -> Sequence[Seed]:
     """The orbit of twice the period that leaves along the critical vector.
 
     It is closed up to a declared symmetry if each half of it is the image of the other one.
@@ -52,7 +39,7 @@ def _doubled(problem: SegmentedOrbit, z: np.ndarray) -> Sequence[Seed]:
     return (Seed("PD", start, tangent, amplitude(tangent), there, one_sided=True),)
 
 
-def _whole(problem: SegmentedOrbit, z: np.ndarray) -> Sequence[Seed]:
+def unfolded(problem: SegmentedOrbit, z: np.ndarray) -> Sequence[Seed]:
     """The orbit without the symmetry that its parent closes up to."""
     times = problem.closure.fold
     there, start, tangent = _followed(problem, z, times, problem.without_symmetry())

@@ -1,0 +1,43 @@
+"""Which of a problem's kinds of special points a test tells."""
+
+from __future__ import annotations
+
+from contwalk.branch import SpecialPoint
+from contwalk.problems.problem import PointType, Problem, Sample, Test
+
+
+def all_told_by(problem: Problem, test: Test) -> tuple[PointType, ...]:
+    """The kinds of points that a test tells, in the problem's order."""
+    return tuple(kind for kind in problem.point_types if kind.test is test)
+
+
+def told_by(problem: Problem, test: Test) -> PointType:
+    """The kind of points that a test tells.
+
+    Raises
+    ------
+    LookupError
+        If the problem has none.
+    """
+    for kind in problem.point_types:
+        if kind.test is test:
+            return kind
+    raise LookupError(f"{problem.kind} has no kind of point that is told by: {test.value}")
+
+
+def crossed(problem: Problem, sample: Sample, which: int) -> PointType | None:
+    """The kind of point at which stability measure `which` passes zero; None where other tests tell it."""
+    for kind in problem.point_types:
+        if kind.test is Test.STABILITY and kind.tells(problem, sample, which):
+            return kind
+    return None
+
+
+def pair(problem: Problem) -> PointType:
+    """The kind of point that most eigenvalues pass at together: a complex pair."""
+    return max(all_told_by(problem, Test.STABILITY), key=lambda kind: max(kind.changes))
+
+
+def kind_of(problem: Problem, point: SpecialPoint) -> PointType | None:
+    """The kind of a stored point; None if the problem has no such points."""
+    return next((kind for kind in problem.point_types if kind.has(point)), None)

@@ -1,0 +1,248 @@
+"""Simple branch points (BP), at which two branches cross.
+
+F + mu b = 0, psi F_u = 0, psi F_lambda = 0, b.psi = 1 (Moore 1980, Numer. Funct. Anal. Optim. 2, 441); mu is
+zero where it is one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+from contwalk.numerics.linear import EPSILON, Factored, critical_pair, deficiency
+from contwalk.numerics.refine import DefiningSystem, Solution
+from contwalk.problems.equilibrium.defining_systems import dot, solve
+from contwalk.problems.equilibrium.normal_forms import Forms, critical_vectors, rounded
+from contwalk.problems.equilibrium.points.point import SURE, EquilibriumPoint, Form
+from contwalk.problems.equilibrium.second_direction import (
+    EQUAL,
+    branch_point_seeds,
+    keep_parameter,
+    tangent_through,
+)
+from contwalk.problems.problem import Located, Sample, Seed, Test
+from contwalk.system import Symmetry
+
+if TYPE_CHECKING:
+    from contwalk.problems.equilibrium.equilibrium import Equilibrium
+
+
+class BranchPoint(EquilibriumPoint):
+    """Another branch passes."""
+
+    label, test, changes, singular, daughters = "BP", Test.ORIENTATION, (-1, 0, 1), True, 1
+
+    def locate(self, problem: Equilibrium, sample: Sample, which: int) -> Located | None:
+        """The branch point near a sample."""
+        return branch_point(problem, sample)
+
+    def tangent(self, problem: Equilibrium, located: Located, near: Sample) -> np.ndarray | None:
+        """Of the two tangents there, that of the branch that `near` is on."""
+        return tangent_through(problem, located.z, near.weights, near.tangent)
+
+    def form(self, problem: Equilibrium, located: Located, sample: Sample) -> Form:
+        """Transcritical or a pitchfork, and to which side that opens."""
+        return _form(problem, located, sample.weights)
+
+    def seeds(self, problem: Equilibrium, point: SpecialPoint) -> Sequence[Seed]:
+        """The branch that crosses."""
+        return branch_point_seeds(problem, point)
+
+    def has(self, point: SpecialPoint) -> bool:
+        """A branch point without a multiplicity."""
+        return point.label == self.label and "multiplicity" not in point.coefficients
+
+
+def _form(problem: Equilibrium, located: Located, weights: np.ndarray) -> Form:
+    if keep_parameter(problem, located.z, weights):
+        return None, None, {}, "both branches that cross here keep the parameter: there is no criticality"
+    c = branch_point_coefficients(problem, located, weights)
+    numbers = {name: c[name] for name in ("c11", "c12", "c22", "c", "c_error")}
+    numbers["convention"] = (
+        "c11 s^2 + 2 c12 s t + c22 t^2 = 0 for the directions s q + t h; "
+        "c = p.(C(q,q,q) - 3 B(q, A^-1 B(q,q)))/6, |q| = 1, p.q = 1"
+    )
+    if c["c11"] != 0.0:
+        return "transcritical", None, numbers, None
+    if c["c"] == 0.0:
+        note = "the other branch keeps the parameter to third order: it may be vertical"
+        return "pitchfork", None, numbers, note
+    if abs(c["c"]) <= SURE * c["c_error"]:
+        return "pitchfork", None, numbers, "degenerate: the cubic coefficient is zero to its error"
+    critical = "supercritical" if c["c"] < 0 else "subcritical"
+    symmetry = _breaks(problem, located.z, c["q"])
+    if symmetry is None:
+        return "pitchfork", critical, numbers, None
+    note = f"the branches that leave are images of each other under the symmetry '{symmetry.name}'"
+    kind = "symmetry-breaking" if symmetry.role == "spatial" else "pitchfork"
+    return kind, critical, numbers, note
+
+
+def _breaks(problem: Equilibrium, z: np.ndarray, q: np.ndarray) -> Symmetry | None:
+    """The declared symmetry that a branch point's state has and its critical vector has not."""
+    n = problem.states
+    for symmetry in problem.system.symmetries:
+        image = problem.image(symmetry.name, z)[:n]
+        moved = problem.image(symmetry.name, np.append(z[:-1] + 1e-3 * q, z[-1]))[:n] - image
+        kept = np.allclose(image, z[:n], rtol=1e-9, atol=1e-12)
+        if kept and not np.allclose(moved, 1e-3 * q[:n], rtol=1e-6, atol=1e-12):
+            return symmetry
+    return None
+
+
+# -- the equations -----------------------------------------------------------------------------------------
+
+
+def branch_point(problem: Equilibrium, sample: Sample) -> Located | None:
+    """The simple branch point near a sample; None where the nearest one is unfolded (mu is not zero)."""
+    there = problem.jacobian(sample.z)
+    left = critical_pair(there[:, : problem.size]).left.real
+    # Along a vertical branch F_u is singular everywhere, and beside a fold for another reason: DF tells.
+    located = None if sample.still else _branch_point_from(problem, sample, left)
+    if located is not None:
+        return located
+    return _branch_point_from(problem, sample, deficiency(there, sample.weights).left)
+
+
+def _branch_point_from(problem: Equilibrium, sample: Sample, left: np.ndarray) -> Located | None:
+    """The branch point near a sample whose left critical vector is near a given one."""
+    size = problem.size
+    b = start = left / np.linalg.norm(left)
+
+    def residual(u: np.ndarray) -> np.ndarray:
+        z, psi, mu = u[: size + 1], u[size + 1 : -1], u[-1]
+        inputs = problem.inputs(z)
+        f = problem.kernels.residual(*inputs) + mu * b
+        return np.concatenate([f, problem.kernels.adjoint(*inputs, psi), [b @ psi - 1.0]])
+
+    def jacobian(u: np.ndarray) -> np.ndarray:
+        z, psi = u[: size + 1], u[size + 1 : -1]
+        f = problem.jacobian(z)
+        matrix = np.zeros((2 * size + 2, 2 * size + 2))
+        matrix[:size, : size + 1] = f
+        matrix[:size, -1] = b
+        matrix[size:-1, : size + 1] = problem.kernels.jacobian_of_adjoint(*problem.inputs(z), psi)
+        matrix[size:-1, size + 1 : -1] = f.T
+        matrix[-1, size + 1 : -1] = b
+        return matrix
+
+    def exactly(u: Sequence[Any]) -> list[Any]:
+        z, psi, mu = u[: size + 1], u[size + 1 : -1], u[-1]
+        inputs = problem.exact_inputs(z)
+        f = [a + float(c) * mu for a, c in zip(problem.kernels.residual.exactly(*inputs), b, strict=True)]
+        return [*f, *problem.kernels.adjoint.exactly(*inputs, psi), dot(b, psi) - 1]
+
+    # What the roundings of the equations, and of the unknowns in them, could pass for an unfolding.
+    here = problem.linearize(sample.z)
+    rounding = here.levels[0] + EPSILON * (np.abs(here.jacobian) @ sample.weights)
+    unfolding = float(np.max(rounding[b != 0] / np.abs(b[b != 0])))
+    scale = np.concatenate([sample.weights, np.abs(start).max() * np.ones(size), [unfolding]])
+    system = DefiningSystem(scale, residual, jacobian, exactly)
+
+    def described(found: Solution) -> Located | None:
+        # mu is what would have to be added to the equations for a branch point: nothing, or there is none.
+        # What is below the rounding of the equations is nothing: parameters such as pi are rounded too.
+        if abs(found.values[-1]) > 16.0 * unfolding:
+            return None
+        vectors = {"left": found.values[size + 1 : -1], "exact": found.exact}
+        return Located(found.values[: size + 1], float(found.errors[size]), vectors, found.refined)
+
+    return solve(system, np.concatenate([sample.z, start, [0.0]]), described, unfolds=True)
+
+
+# -- the normal form ---------------------------------------------------------------------------------------
+
+
+def branch_point_coefficients(problem: Equilibrium, located: Located, weights: np.ndarray) -> dict[str, Any]:
+    """Coefficients of the algebraic branching equation and of the reduced equation along the critical vector.
+
+    With q the null vector of F_u and h solving F_u h = -F_lambda, the branches leave along s q + t h, where
+    c11 s^2 + 2 c12 s t + c22 t^2 = 0 (Keller 1977). c11 = 0: one branch has no component in the parameter,
+    a pitchfork, and the cubic coefficient c = p.(C(q,q,q) - 3 B(q, A^-1 B(q,q))) / 6 decides. Its error is
+    how far it moves while the solution moves by roundings of its own and of its weights.
+    """
+    size, z = problem.size, located.z
+    jacobian = problem.jacobian(z)
+    q, p = critical_vectors(jacobian[:, :size])
+    h = _bordered(jacobian[:, :size], q, p).solve(np.append(-jacobian[:, -1], 0.0))[:size]
+    forms = Forms(problem, z)
+    q1, h1 = np.append(q, 0.0), np.append(h, 1.0)
+    c11 = float(p @ forms.second(q1, q1))
+    c12 = float(p @ forms.second(q1, h1))
+    c22 = float(p @ forms.second(h1, h1))
+    c = _cubic(problem, z, q, p)
+    c_error = max(abs(_cubic(problem, moved, q, p) - c) for moved in rounded(z, weights))
+    # How far the parameter moves while the unknowns move by their typical magnitudes along q, to second and
+    # to third order, against its own magnitude.
+    reach = 1.0 / float(np.linalg.norm(q / weights[:-1]))
+    drive = abs(2.0 * c12 * weights[-1])
+    if abs(c11) * reach <= EQUAL * drive or is_pitchfork(problem, located, q, p):
+        c11 = 0.0
+    return {"c11": c11, "c12": c12, "c22": c22, "c": c, "c_error": c_error, "q": q}
+
+
+def _cubic(problem: Equilibrium, z: np.ndarray, q: np.ndarray, p: np.ndarray) -> float:
+    """c of the reduced equation along the critical vector, zero where it is nothing against its terms."""
+    size, forms = problem.size, Forms(problem, z)
+    matrix = problem.jacobian(z)[:, :size]
+    h2 = _bordered(matrix, q, p).solve(np.append(forms.second(q, q), 0.0))[:size]
+    cubic, mixed = forms.third(q, q, q), 3.0 * forms.second(q, h2)
+    c = float(p @ (cubic - mixed)) / 6.0
+    return c if abs(6.0 * c) > EQUAL * float(np.abs(p) @ (np.abs(cubic) + np.abs(mixed))) else 0.0
+
+
+def _bordered(matrix: np.ndarray, q: np.ndarray, p: np.ndarray) -> Factored:
+    """A singular matrix bordered by its critical vectors."""
+    return Factored(np.block([[matrix, p[:, None]], [q[None, :], np.zeros((1, 1))]]))
+
+
+def is_pitchfork(problem: Equilibrium, located: Located, q: np.ndarray, p: np.ndarray) -> bool:
+    """Whether p.B(q, q) vanishes, judged in extended precision at the refined point.
+
+    A pitchfork is a statement of equality; in floats it could not be told from a transcritical point
+    that is nearly one.
+    """
+    if not located.refined:
+        return False
+    import mpmath
+
+    from contwalk.numerics.refine import DIGITS
+
+    size = problem.size
+    with mpmath.workdps(DIGITS):
+        exact: Sequence[Any] = located.vectors["exact"]
+        inputs = problem.exact_inputs(exact[: size + 1])
+        psi = exact[size + 1 : 2 * size + 1]
+        vector = _refined_null_vector(problem, inputs, q, p)
+        product = problem.kernels.second.exactly(*inputs, vector, vector)
+        value = sum((a * b for a, b in zip(psi, product, strict=True)), mpmath.mpf(0))
+        magnitude = sum((abs(a * b) for a, b in zip(psi, product, strict=True)), mpmath.mpf(0))
+        cubic = problem.kernels.third.exactly(*inputs, vector, vector, vector)
+        magnitude += sum((abs(a * b) for a, b in zip(psi, cubic, strict=True)), mpmath.mpf(0))
+        return bool(abs(value) <= EQUAL * magnitude)
+
+
+def _refined_null_vector(
+    problem: Equilibrium, inputs: Sequence[Any], q: np.ndarray, p: np.ndarray
+) -> list[Any]:
+    """The null vector q of F_u in extended precision, padded with a zero for the parameter."""
+    import mpmath
+
+    size = problem.size
+    z = np.array([float(v) for v in [*inputs[0], *inputs[1]]])
+    bordered = Factored(
+        np.block([[problem.jacobian(z)[:, :size], p[:, None]], [q[None, :], np.zeros((1, 1))]])
+    )
+    vector = [mpmath.mpf(float(v)) for v in q]
+    for _ in range(4):
+        residual = problem.kernels.first.exactly(*inputs, [*vector, 0])
+        largest = max(abs(r) for r in residual)
+        if largest == 0:
+            break
+        right = np.array([float(r / largest) for r in residual] + [0.0])
+        correction = bordered.solve(right)[:size]
+        vector = [v - largest * float(c) for v, c in zip(vector, correction, strict=True)]
+    return [*vector, 0]

@@ -1,0 +1,186 @@
+"""Hopf points (HB), at which cycles are born.
+
+F = 0, (A - sigma)(v + i w) = i omega (v + i w), c.(v + i w) = 1 (Griewank & Reddien 1983, IMA J. Numer.
+Anal. 3, 295); sigma is zero, and the wanted real part where that is marked.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+from contwalk.numerics.linear import nearest_eigenpair
+from contwalk.numerics.refine import DefiningSystem, Solution
+from contwalk.problems.equilibrium.defining_systems import dot, solve
+from contwalk.problems.equilibrium.normal_forms import Forms, rounded
+from contwalk.problems.equilibrium.points.point import SURE, EquilibriumPoint, Form
+from contwalk.problems.problem import Located, Sample, Seed, Test
+
+if TYPE_CHECKING:
+    from contwalk.problems.equilibrium.equilibrium import Equilibrium
+
+
+class Hopf(EquilibriumPoint):
+    """A pair of complex eigenvalues passes the imaginary axis."""
+
+    label, test, changes, births, daughters = "HB", Test.STABILITY, (-2, 2), True, 1
+
+    def tells(self, problem: Equilibrium, sample: Sample, which: int) -> bool:
+        """A complex pair; real eigenvalues are told by the tests of folds and branch points."""
+        return bool(sample.eigenvalues[which].imag != 0.0)
+
+    def locate(self, problem: Equilibrium, sample: Sample, which: int) -> Located | None:
+        """The Hopf point near a sample."""
+        return hopf(problem, sample, which)
+
+    def form(self, problem: Equilibrium, located: Located, sample: Sample) -> Form:
+        """The first Lyapunov coefficient, and the side to which cycles are born."""
+        coefficients = hopf_coefficients(problem, located, sample.weights)
+        criticality, note = _criticality(problem, coefficients)
+        return None, criticality, coefficients, note
+
+    def seeds(self, problem: Equilibrium, point: SpecialPoint) -> Sequence[Seed]:
+        """The cycle that is born."""
+        from contwalk.problems.orbit.from_hopf import from_hopf  # compiled flows, where they are wanted
+
+        seeds = from_hopf(problem, point)
+        if not problem.system.acting:
+            return seeds
+        from contwalk.problems.hybrid.birth import eventful
+
+        return [eventful(seed) for seed in seeds]
+
+    def critical(self, point: SpecialPoint, sample: Sample) -> complex:
+        """i omega."""
+        return 1j * float(point.coefficients["omega"])
+
+
+def _criticality(problem: Equilibrium, coefficients: dict[str, Any]) -> tuple[str | None, str | None]:
+    """Criticality and note of a Hopf point."""
+    if abs(coefficients["l1"]) <= SURE * coefficients["l1_error"]:
+        return None, "degenerate: the first Lyapunov coefficient is zero to its error"
+    criticality = "supercritical" if coefficients["l1"] < 0 else "subcritical"
+    held = "l1 is that of the motion with the pinned neutral directions held"
+    return criticality, held if problem.pins else None
+
+
+# -- the equations -----------------------------------------------------------------------------------------
+
+
+def hopf(problem: Equilibrium, sample: Sample, which: int, shift: float = 0.0) -> Located | None:
+    """The point near a sample at which the pair of eigenvalue number `which` has real part `shift`."""
+    size, n = problem.size, problem.states
+    eigenvalue = sample.eigenvalues[which]
+    omega = abs(eigenvalue.imag)
+    a = problem.jacobian(sample.z)[:n, :n]
+    start = nearest_eigenpair(a, complex(eigenvalue.real, omega)).right.astype(complex)
+    c = np.conj(start) / np.vdot(start, start).real
+
+    def parts(u: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+        return u[: size + 1], u[size + 1 : size + 1 + n] + 1j * u[size + 1 + n : -1], u[-1]
+
+    def padded(v: np.ndarray) -> np.ndarray:
+        return np.concatenate([v, np.zeros(size + 1 - n)])
+
+    def residual(u: np.ndarray) -> np.ndarray:
+        z, v, w = parts(u)
+        inputs = problem.inputs(z)
+        product = problem.kernels.first(*inputs, padded(v))[:n] - (shift + 1j * w) * v
+        norm = c @ v - 1.0
+        f = problem.kernels.residual(*inputs)
+        return np.concatenate([f, product.real, product.imag, [norm.real, norm.imag]])
+
+    def jacobian(u: np.ndarray) -> np.ndarray:
+        z, v, w = parts(u)
+        inputs = problem.inputs(z)
+        f = problem.jacobian(z)
+        matrix = np.zeros((size + 2 * n + 2, size + 2 * n + 2))
+        matrix[:size, : size + 1] = f
+        real, imag = slice(size, size + n), slice(size + n, size + 2 * n)
+        vectors = slice(size + 1, size + 1 + 2 * n)
+        matrix[real, : size + 1] = problem.kernels.jacobian_of_first(*inputs, padded(v.real))[:n]
+        matrix[imag, : size + 1] = problem.kernels.jacobian_of_first(*inputs, padded(v.imag))[:n]
+        matrix[size : size + 2 * n, vectors] = _complex_as_real(f[:n, :n] - shift * np.eye(n), w)
+        matrix[real, -1] = v.imag
+        matrix[imag, -1] = -v.real
+        matrix[-2, vectors] = np.concatenate([c.real, -c.imag])
+        matrix[-1, vectors] = np.concatenate([c.imag, c.real])
+        return matrix
+
+    def exactly(u: Sequence[Any]) -> list[Any]:
+        z, v, y, w = u[: size + 1], u[size + 1 : size + 1 + n], u[size + 1 + n : -1], u[-1]
+        inputs = problem.exact_inputs(z)
+        rest = [0] * (size + 1 - n)
+        av = problem.kernels.first.exactly(*inputs, [*v, *rest])[:n]
+        ay = problem.kernels.first.exactly(*inputs, [*y, *rest])[:n]
+        real = [p - shift * q + w * r for p, q, r in zip(av, v, y, strict=True)]
+        imag = [p - shift * q - w * r for p, q, r in zip(ay, y, v, strict=True)]
+        norm = [dot(c.real, v) - dot(c.imag, y) - 1, dot(c.imag, v) + dot(c.real, y)]
+        return [*problem.kernels.residual.exactly(*inputs), *real, *imag, *norm]
+
+    scale = np.concatenate([sample.weights, np.ones(2 * n), [max(omega, 1e-300)]])
+    system = DefiningSystem(scale, residual, jacobian, exactly)
+
+    def described(found: Solution) -> Located | None:
+        z, v, w = parts(found.values)
+        # omega = 0 is the degenerate solution of the same equations (a fold, a Bogdanov-Takens point).
+        if not abs(w) > 1e-6 * omega:
+            return None
+        vectors = {"right": v if w > 0 else np.conj(v), "omega": abs(w), "exact": found.exact}
+        return Located(z, float(found.errors[size]), vectors, found.refined)
+
+    return solve(system, np.concatenate([sample.z, start.real, start.imag, [omega]]), described)
+
+
+def _complex_as_real(a: np.ndarray, omega: float) -> np.ndarray:
+    """(A - i omega)(v + i w) as a real matrix acting on (v, w)."""
+    i = omega * np.eye(len(a))
+    return np.block([[a, i], [-i, a]])
+
+
+# -- the normal form ---------------------------------------------------------------------------------------
+
+
+def hopf_coefficients(problem: Equilibrium, located: Located, weights: np.ndarray) -> dict[str, Any]:
+    """First Lyapunov coefficient with its estimated error, and how fast the pair crosses.
+
+    The error is how far l1 moves while the solution moves by roundings of its own and of its weights.
+    """
+    omega = float(located.vectors["omega"])
+    q = located.vectors["right"] / np.linalg.norm(located.vectors["right"])
+    l1, q, p = _lyapunov(problem, located.z, omega, q)
+    moved = [_lyapunov(problem, z, omega, q)[0] for z in rounded(located.z, weights)]
+    return {
+        "l1": l1,
+        "l1_error": max(abs(value - l1) for value in moved),
+        "omega": omega,
+        "crossing_rate": problem.crossing_rate(located.z, q, p),
+        "convention": "Kuznetsov 2004, eq. 5.34: l1 = Re(c1)/omega with <q,q> = 1, <p,q> = 1",
+    }
+
+
+def _lyapunov(
+    problem: Equilibrium, z: np.ndarray, omega: float, q: np.ndarray
+) -> tuple[float, np.ndarray, np.ndarray]:
+    """l1 with its critical vectors q and p (Kuznetsov 2004, eq. 5.34), <q, q> = 1, <p, q> = 1.
+
+    l1 = Re[<p, C(q,q,q*)> - 2 <p, B(q, A^-1 B(q,q*))> + <p, B(q*, (2 i w - A)^-1 B(q,q))>] / (2 w).
+    Where neutral directions are pinned, A is singular along the family and A^-1 is taken with the pin in
+    place.
+    """
+    n = problem.states
+    a = problem.jacobian(z)[:n, :n]
+    p = nearest_eigenpair(a, 1j * omega).left  # a row vector: <p, x> is p @ x
+    p = p / (p @ q)
+    forms = Forms(problem, z)
+    h11 = problem.solve_states(z, forms.second(q, np.conj(q))[:n])
+    h20 = np.linalg.solve(2j * omega * np.eye(n) - a, forms.second(q, q)[:n])
+    total = (
+        p @ forms.third(q, q, np.conj(q))[:n]
+        - 2.0 * p @ forms.second(q, h11)[:n]
+        + p @ forms.second(np.conj(q), h20)[:n]
+    )
+    return float(total.real) / (2.0 * omega), q, p

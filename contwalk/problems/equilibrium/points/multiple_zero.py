@@ -1,0 +1,68 @@
+"""Points at which several real eigenvalues vanish together; the orientation does not see an even number.
+
+The equations are those of a fold; their Jacobian is deficient, since v may turn in the null space.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+from contwalk.numerics.linear import balanced
+from contwalk.problems.equilibrium.defining_systems import VANISHED, real_eigenvalue
+from contwalk.problems.equilibrium.points.point import EquilibriumPoint, Form
+from contwalk.problems.problem import Located, Sample, Test
+
+if TYPE_CHECKING:
+    from contwalk.problems.equilibrium.equilibrium import Equilibrium
+
+
+class MultipleZero(EquilibriumPoint):
+    """More than two branches may meet there; only the one that is followed is known."""
+
+    label, test, singular, daughters = "BP", Test.TOGETHER, True, 1
+
+    def locate(self, problem: Equilibrium, sample: Sample, which: int) -> Located | None:
+        """The point near a sample at which F_u has a null space of more than one dimension."""
+        return multiple_zero(problem, sample)
+
+    def tangent(self, problem: Equilibrium, located: Located, near: Sample) -> np.ndarray | None:
+        """Only continuity tells."""
+        return near.tangent
+
+    def form(self, problem: Equilibrium, located: Located, sample: Sample) -> Form:
+        """How many eigenvalues vanish."""
+        coefficients = {"multiplicity": located.vectors["multiplicity"]}
+        note = (
+            f"{located.vectors['multiplicity']} real eigenvalues vanish together: more than two branches "
+            "may meet here; the other ones are not followed"
+        )
+        return None, None, coefficients, note
+
+    def has(self, point: SpecialPoint) -> bool:
+        """A branch point with a multiplicity."""
+        return point.label == self.label and "multiplicity" in point.coefficients
+
+
+def multiple_zero(problem: Equilibrium, sample: Sample) -> Located | None:
+    """The point near a sample at which F_u has a null space of more than one dimension."""
+    located = real_eigenvalue(problem, sample, shift=None, deficient=True)
+    if located is None:
+        return None
+    values = np.linalg.eigvals(balanced(problem.jacobian(located.z)[:, : problem.size])[0])
+    # Where all of them vanish together, what they become along the branch is a measure.
+    fastest = max((abs(sample.rates[k]) for k in range(len(sample.eigenvalues))), default=0.0)
+    nothing = max(1e-6 * np.abs(values).max(), VANISHED * np.nan_to_num(fastest))
+    count = int(np.sum(np.abs(values) < nothing))
+    if count < 2:
+        return None
+    refine_fold = located.refine
+
+    def refined() -> Located | None:
+        found = refine_fold() if refine_fold is not None else located
+        return found and replace(found, vectors={**found.vectors, "multiplicity": count}, refine=None)
+
+    return replace(located, vectors={**located.vectors, "multiplicity": count}, refine=refined)

@@ -1,0 +1,63 @@
+"""What all special points of equilibria share: the record; what it says of the point is left to each kind."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+from contwalk.problems.problem import Located, PointType, Sample
+
+if TYPE_CHECKING:
+    from contwalk.problems.equilibrium.equilibrium import Equilibrium
+
+# A coefficient has a sign if it is this many times its estimated error.
+SURE = 10.0
+
+# Kind, criticality, coefficients and note of a special point.
+Form = tuple[str | None, str | None, dict[str, Any], str | None]
+
+
+class EquilibriumPoint(PointType):
+    """A kind of special point of equilibria."""
+
+    def form(self, problem: Equilibrium, located: Located, sample: Sample) -> Form:
+        """Kind, criticality, coefficients and note of a located point.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError
+            Where its critical directions are not determined.
+        """
+        return None, None, {}, None
+
+    def describe(self, problem: Equilibrium, located: Located, sample: Sample, s: float) -> SpecialPoint:
+        """The record of a located point, with its normal form."""
+        z = located.z
+        try:
+            kind, criticality, coefficients, note = self._told(problem, located, sample)
+        except np.linalg.LinAlgError:
+            kind, criticality, coefficients = None, None, {}
+            note = "degenerate: the critical directions are not determined, so there is no normal form"
+        return SpecialPoint(
+            label=self.label,
+            s=s,
+            kind=kind,
+            parameters=problem.values_of(z) | {problem.free: float(z[-1])},
+            state=dict(zip(problem.system.state_names, z[: problem.states].tolist(), strict=True)),
+            spectrum=tuple(complex(v) for v in sample.spectrum),
+            error=located.error,
+            criticality=criticality,
+            coefficients=coefficients,
+            note=note,
+            unknowns=tuple(z.tolist()),
+            tangent=tuple(sample.tangent.tolist()),
+        )
+
+    def _told(self, problem: Equilibrium, located: Located, sample: Sample) -> Form:
+        kind, criticality, coefficients, note = self.form(problem, located, sample)
+        if located.vectors.get("turns"):
+            turns = "the parameter turns here as well: a fold that is not told apart"
+            note = f"{note}; {turns}" if note else turns
+        return kind, criticality, coefficients, note

@@ -1,0 +1,82 @@
+"""Folds of orbits (LP): F_u is singular.
+
+In an explosion of cycles the parameter stands still to the errors of the steps, and F_u is singular all
+along to the same errors. A multiplier that passes one tells the fold from its neighbours: the point is then
+the solution of F = 0 and that multiplier = 1, along the branch.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contwalk.problems.orbit import normal_forms
+from contwalk.problems.orbit.augmented import Augmented, along
+from contwalk.problems.orbit.describing import Form
+from contwalk.problems.orbit.null_vectors import bordered, critical_vectors
+from contwalk.problems.orbit.points.point import OrbitPoint
+from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.problem import Located, Sample, Test
+
+# Displacement along the branch, in the metric, for the rate of a multiplier.
+BESIDE = 1e-4
+
+
+class FlatFold(OrbitPoint):
+    """A fold where the parameter stands still."""
+
+    label, test, changes, multiplier = "LP", Test.TURN, (-1, 1), 1.0
+
+    def system(self, problem: Orbit, sample: Sample, which: int) -> Augmented | None:
+        """A real multiplier at one."""
+        return _flat_fold(problem, sample)
+
+    def form(self, problem: Orbit, located: Located, sample: Sample) -> Form:
+        """The coefficients of the return map's normal form."""
+        return None, None, normal_forms.fold(problem.return_map(located.z)), None
+
+
+class Fold(FlatFold):
+    """The branch turns back in the parameter."""
+
+    flat = (FlatFold(),)
+
+    def system(self, problem: Orbit, sample: Sample, which: int) -> Augmented | None:
+        """F_u singular."""
+        return _fold(problem, sample)
+
+
+def _fold(problem: Orbit, sample: Sample) -> Augmented:
+    """F_u singular."""
+    size = problem.size
+    rows, columns = problem.equation_scales, sample.weights[:size]
+    b, c = critical_vectors(problem, problem.jacobian(sample.z)[:, :size] / rows[:, None] * columns)
+
+    def scaled(there: Orbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
+        jacobian = there.linearize(z).jacobian
+        v, psi, g = bordered(there, jacobian[:, :size] / rows[:, None] * columns, b, c)
+        return v * columns, psi / rows, float(g.real), jacobian
+
+    def evaluate(there: Orbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        v, psi, g, jacobian = scaled(there, z)
+        gradient = -psi @ there.derivative_along(z, np.append(v, 0.0))
+        residual = np.append(there.linearize(z).residual, g)
+        return residual, np.vstack([jacobian, gradient])
+
+    def vectors(there: Orbit, z: np.ndarray) -> dict:
+        v, psi, _, _ = scaled(there, z)
+        return {"right": v, "left": psi}
+
+    return Augmented(evaluate, sample.z, sample.weights, vectors)
+
+
+def _flat_fold(problem: Orbit, sample: Sample) -> Augmented | None:
+    """A real multiplier at one, where the parameter stands still."""
+
+    def value(there: Orbit, z: np.ndarray) -> float:
+        found = there.multipliers(z, there.linearize(z).jacobian).values
+        nearest = complex(found[int(np.argmin(np.abs(found - 1.0)))])
+        return float(np.log(nearest.real)) if nearest.imag == 0.0 < nearest.real else float("nan")
+
+    aside = BESIDE * sample.tangent
+    slope = (value(problem, sample.z + aside) - value(problem, sample.z - aside)) / (2.0 * BESIDE)
+    return along(sample, value, slope)

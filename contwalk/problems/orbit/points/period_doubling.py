@@ -1,0 +1,113 @@
+"""Points at which a multiplier is -1: the segments' derivatives, closed by -1, are singular.
+
+The orbit is doubled (PD); of half a symmetric orbit, its whole loses the symmetry (BP).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+from contwalk.problems.orbit import normal_forms
+from contwalk.problems.orbit.augmented import Augmented
+from contwalk.problems.orbit.describing import PAIR, Form, criticality_of, known
+from contwalk.problems.orbit.null_vectors import bordered, critical_vectors
+from contwalk.problems.orbit.points.point import OrbitPoint
+from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.problem import Located, Sample, Seed, Test
+
+
+class _Flip(OrbitPoint):
+    """A multiplier passes -1."""
+
+    test, changes, daughters, multiplier = Test.STABILITY, (-1, 1), 1, -1.0
+
+    def system(self, problem: Orbit, sample: Sample, which: int) -> Augmented | None:
+        """A multiplier at -1."""
+        return _flip(problem, sample)
+
+    def seeds(self, problem: Orbit, point: SpecialPoint) -> Sequence[Seed]:
+        """The orbit that leaves along the critical vector."""
+        return problem.leaving(self, point)
+
+    def critical(self, point: SpecialPoint, sample: Sample) -> complex:
+        """-1."""
+        return -1.0 + 0.0j
+
+
+class PeriodDoubling(_Flip):
+    """The orbit is doubled."""
+
+    label = "PD"
+
+    def tells(self, problem: Orbit, sample: Sample, which: int) -> bool:
+        """A negative multiplier of a whole orbit."""
+        value = sample.eigenvalues[which]
+        return bool(value.imag == 0.0 and value.real <= 0.0 and problem.rounds == 1)
+
+    def form(self, problem: Orbit, located: Located, sample: Sample) -> Form:
+        """The cubic coefficient, and the side to which the doubled orbit leaves."""
+        coefficients = known(problem, located, sample, "c", normal_forms.flip)
+        criticality, vanishes = criticality_of(-coefficients["c"], coefficients.get("c_error"))
+        return None, criticality, coefficients, vanishes
+
+    def branches(self, problem: Orbit, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
+        """The doubled orbit."""
+        return problem.doubled_from(z)
+
+
+class SymmetryBreaking(_Flip):
+    """Half a symmetric orbit is no longer what its other half is the image of."""
+
+    # Its row tells no error, as those of all branch points.
+    label, singular = "BP", True
+
+    def tells(self, problem: Orbit, sample: Sample, which: int) -> bool:
+        """A negative multiplier of half an orbit."""
+        value = sample.eigenvalues[which]
+        return bool(value.imag == 0.0 and value.real <= 0.0 and problem.rounds > 1)
+
+    def form(self, problem: Orbit, located: Located, sample: Sample) -> Form:
+        """As of a doubling; of the whole orbit it is a pitchfork."""
+        coefficients = known(problem, located, sample, "c", normal_forms.flip)
+        criticality, vanishes = criticality_of(-coefficients["c"], coefficients.get("c_error"))
+        note = vanishes or f"the orbits that leave have lost '{problem.whole[0]}'"
+        return "symmetry-breaking", criticality, coefficients, note
+
+    def form_of_pair(self, problem: Orbit, located: Located, sample: Sample) -> Form:
+        """As `form`, without coefficients."""
+        return "symmetry-breaking", None, {}, PAIR
+
+    def branches(self, problem: Orbit, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
+        """The whole orbit without the symmetry."""
+        return problem.unfolded_from(z)
+
+    def has(self, point: SpecialPoint) -> bool:
+        """A branch point of that kind."""
+        return point.label == self.label and point.kind == "symmetry-breaking"
+
+
+def _flip(problem: Orbit, sample: Sample) -> Augmented:
+    """A multiplier at -1."""
+    size, (rows, columns) = problem.size, problem.cycle_scales
+    start = problem.cycle_matrix(problem.jacobian(sample.z), -1.0)
+    b, c = critical_vectors(problem, start / rows[:, None] * columns)
+
+    def scaled(there: Orbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
+        jacobian = there.linearize(z).jacobian
+        matrix = there.cycle_matrix(jacobian, -1.0)
+        v, psi, g = bordered(there, matrix / rows[:, None] * columns, b, c)
+        return v * columns, psi / rows, float(g.real), jacobian
+
+    def evaluate(there: Orbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        v, psi, g, jacobian = scaled(there, z)
+        residual = np.append(there.linearize(z).residual, g)
+        return residual, np.vstack([jacobian, -psi @ there.cycle_derivative(z, v)])
+
+    def vectors(there: Orbit, z: np.ndarray) -> dict:
+        v, psi, _, _ = scaled(there, z[: size + 1])
+        return {"right": v, "left": psi, "multiplier": -1.0}
+
+    return Augmented(evaluate, sample.z, sample.weights, vectors)

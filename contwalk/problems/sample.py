@@ -1,0 +1,157 @@
+"""A solution with all that is stored of it, or watched along a branch."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from contwalk.problems.kinks import Kink
+
+# A relative margin this far below zero is zero still: on the steps of a branch it is not known better.
+NO_MARGIN = 1e-7
+
+
+class Rates:
+    """How fast stability measures change along a branch, each computed when it is first asked for.
+
+    Parameters
+    ----------
+    count : int
+    rate : callable
+        Derivative of the measure of a number 0..count-1 by arclength, NaN where none is known.
+    """
+
+    def __init__(self, count: int, rate: Callable[[int], float], factor: float = 1.0) -> None:
+        self._count, self._rate, self._factor = count, rate, factor
+
+    @classmethod
+    def known(cls, values: np.ndarray) -> Rates:
+        """Rates that are known already."""
+        return cls(len(values), values.tolist().__getitem__)
+
+    def __len__(self) -> int:
+        return self._count
+
+    def __getitem__(self, which: int) -> float:
+        if not 0 <= which < self._count:
+            raise IndexError(which)
+        return self._factor * self._rate(which)
+
+    def scaled(self, factor: float) -> Rates:
+        """Rates by another arclength."""
+        return Rates(self._count, self._rate, self._factor * factor)
+
+
+@dataclass(frozen=True)
+class Sample:
+    """A solution with all that is watched along a branch.
+
+    Parameters
+    ----------
+    z : ndarray, shape (N + 1,)
+    tangent : ndarray, shape (N + 1,)
+        Unit in the metric of `weights`, pointing the way the branch is walked.
+    weights : ndarray, shape (N + 1,)
+        Typical magnitudes; the metric is the Euclidean norm of z / weights.
+    orientation : float
+        Sign of det [DF; tangent]; changes at a simple branch point and nowhere else.
+    eigenvalues, errors : ndarray, shape (m,)
+        Spectrum, and its estimated errors.
+    rates : Rates
+        Of its stability measures along the branch.
+    measures : ndarray, shape (m,)
+        What must be negative for stability, in descending order (real parts; moduli minus one for orbits).
+    unstable : int
+    observables : ndarray, shape (o,)
+    magnitudes : ndarray, shape (N + 1,)
+        Typical magnitudes as z and the equations tell them, NaN where they do not.
+    excess : float
+        Residual in units of its rounding level.
+    critical : float
+        What a real eigenvalue is where it changes stability: 0, of orbits 1.
+    spectrum_error : float, optional
+        Estimated error of the leading eigenvalue, where `errors` are only what blurs its sign along the
+        branch.
+    spectrum_accuracy : float, optional
+        The same for a solution that is known exactly: `spectrum_error` may have what z is not known to.
+    sizes : ndarray, shape (N + 1,), optional
+        What the weights of the metric grow with along the branch; |z| if not given.
+    error : float
+        Estimated error of z in the metric, from the errors of the equations.
+    margins : ndarray
+        What must stay positive for the motion to be the machine's, relative; those of `Problem.limits`.
+    reported : ndarray, shape (n,), optional
+        The state that stands for the solution, where it depends on the steps it was computed on.
+    forbidden : bool
+        Whether an event of the machine would happen on it, which these equations do not have.
+    still : bool
+        Whether the last eigenvalue, out of order, is that of the branch's own direction: zero all along it.
+    kinks : tuple of Kink
+        Where the field is smooth by pieces only along an orbit.
+    period, trivial_error : float
+        Of orbits: duration of the closure in seconds, and |M f - f| / |f|.
+    """
+
+    z: np.ndarray
+    tangent: np.ndarray
+    weights: np.ndarray
+    orientation: float
+    eigenvalues: np.ndarray
+    errors: np.ndarray
+    rates: Rates
+    measures: np.ndarray
+    unstable: int
+    observables: np.ndarray
+    magnitudes: np.ndarray
+    excess: float
+    iterations: int = 0
+    evaluations: int = 0
+    seconds: float = 0.0
+    critical: float = 0.0
+    period: float = float("nan")
+    trivial_error: float = float("nan")
+    spectrum_error: float | None = None
+    spectrum_accuracy: float | None = None
+    sizes: np.ndarray | None = None
+    error: float = float("nan")
+    margins: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    reported: np.ndarray | None = None
+    forbidden: bool = False
+    still: bool = False
+    kinks: tuple[Kink, ...] = ()
+
+    @property
+    def spectrum(self) -> np.ndarray:
+        """The eigenvalues in their order."""
+        if not self.still:
+            return self.eigenvalues
+        return self.eigenvalues[np.lexsort((-self.eigenvalues.imag, -self.eigenvalues.real))]
+
+    @property
+    def leading(self) -> int:
+        """Number of the first of the eigenvalues in their order."""
+        return int(np.argmax(self.eigenvalues.real)) if self.still else 0
+
+    @property
+    def parameter(self) -> float:
+        """Value of the free parameter."""
+        return float(self.z[-1])
+
+    def counted(self, unstable: int) -> Sample:
+        """The same with a count that was told on other steps.
+
+        An eigenvalue that these steps put on the other side is not known to its distance from it.
+        """
+        if unstable == self.unstable:
+            return self
+        other = (np.arange(len(self.measures)) < unstable) != (self.measures > 0.0)
+        doubt = np.where(other, np.abs(self.measures), 0.0)
+        known = max(self.spectrum_error or 0.0, float(np.max(doubt, initial=0.0)))
+        return replace(self, unstable=unstable, errors=np.maximum(self.errors, doubt), spectrum_error=known)
+
+    @property
+    def admissible(self) -> bool:
+        """Whether no margin is negative beyond rounding, and no event is passed over."""
+        return not self.forbidden and bool(np.all(self.margins >= -NO_MARGIN))
