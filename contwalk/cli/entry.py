@@ -53,8 +53,8 @@ def group(context: click.Context) -> None:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and leave the process with its exit code.
 
-    Matrices are small here: threads of the linear algebra would cost more than they gain, and share the
-    processor with nobody's good. Whoever wants them sets the variables.
+    Computations take one thread of the linear algebra whatever is set, see `numerics.threads`: where nobody
+    has set anything, others need not be made at all.
     """
     hold_collector()
     for library in ("OPENBLAS", "MKL", "OMP"):

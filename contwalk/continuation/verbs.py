@@ -22,6 +22,7 @@ from contwalk.continuation.settings import Mark, Settings
 from contwalk.continuation.state import begin, turned
 from contwalk.errors import StartError
 from contwalk.labels import MEANINGS
+from contwalk.numerics.threads import each_on_one_thread, one_thread
 from contwalk.problems.equilibrium.equilibrium import Equilibrium
 from contwalk.problems.problem import Problem
 from contwalk.system.declarations import nearest
@@ -33,6 +34,7 @@ if TYPE_CHECKING:  # compiled flows are imported only where orbits are computed
 _DIRECTIONS = {"both": (1.0, -1.0), "forward": (1.0,), "backward": (-1.0,)}
 
 
+@one_thread()
 def continue_branch(
     problem: Equilibrium | PeriodicOrbit | HybridOrbit,
     state: str | Sequence[float] | Mapping[str, float],
@@ -76,6 +78,7 @@ def continue_branch(
     return _single(start, Plan(chosen, frozenset(), 0, _direction(direction)))
 
 
+@one_thread()
 def switch_branch(
     problem: Equilibrium | PeriodicOrbit | HybridOrbit,
     branch: Branch,
@@ -145,12 +148,14 @@ def points(
     special point or None.
     """
     chosen = _settings(problem, range, None, settings)
-    opening = _opened(problem, state, chosen, period, until)
+    with one_thread():
+        opening = _opened(problem, state, chosen, period, until)
     here = opening.here if forward else turned(opening.here)
     yield Point(here)
     observer = observer_of(problem)
     sign = 1.0 if forward else -1.0
-    for event in walk(opening.problem, here, chosen, observer, sign, chosen.max_points - 1):
+    found = walk(opening.problem, here, chosen, observer, sign, chosen.max_points - 1)
+    for event in each_on_one_thread(found):
         if isinstance(event, Point):
             yield event
 

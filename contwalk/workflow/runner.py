@@ -17,6 +17,7 @@ from contwalk.continuation.branch_in_progress import Start, Stored
 from contwalk.continuation.diagram import Began, Cut, Diagram, Ended, Event, Found, Noted, Plan
 from contwalk.continuation.settings import Mark, Settings
 from contwalk.errors import ContwalkError, DatabaseError
+from contwalk.numerics.threads import one_thread
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.storage.database import Database, RunHeader
 from contwalk.storage.failures import refuse_existing
@@ -62,6 +63,7 @@ class RunResult:
     interrupted: bool = False
 
 
+@one_thread()
 def run(
     run_file: RunFile,
     *,

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.errors import StartError
+from contwalk.numerics.threads import one_thread
 from contwalk.problems.equilibrium.declared import named_equilibria
 from contwalk.storage.failures import failures_of
 from contwalk.system import System
@@ -65,6 +66,7 @@ class SampleResult:
     figures: list[Path]
 
 
+@one_thread()
 def sample(
     run: SampleFile,
     *,

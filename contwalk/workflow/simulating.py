@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contwalk.errors import ContwalkError, NotFinite, StartError
+from contwalk.numerics.threads import one_thread
 from contwalk.problems.equilibrium.declared import named_equilibria
 from contwalk.storage.failures import failures_of
 from contwalk.workflow.made_with import made_with
@@ -51,6 +52,7 @@ class SimulationResult:
     note: str = ""
 
 
+@one_thread()
 def simulate(
     run: SimulationFile,
     *,

@@ -13,6 +13,7 @@ from pathlib import Path
 from contwalk.branch import Branch
 from contwalk.continuation.verification import Comparison
 from contwalk.errors import ContwalkError
+from contwalk.numerics.threads import one_thread
 from contwalk.storage.failures import refuse_existing
 from contwalk.storage.hdf5 import Hdf5Database
 from contwalk.workflow.file_names import beside
@@ -141,6 +142,7 @@ class Tradeoff:
         return text
 
 
+@one_thread()
 def measure(
     run_file: RunFile,
     accuracies: Sequence[float] = ACCURACIES,

@@ -10,6 +10,7 @@ import numpy as np
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.continuation.verification import LOST, Comparison, compared
 from contwalk.errors import ContwalkError
+from contwalk.numerics.threads import one_thread
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.storage import RunHeader
 from contwalk.system import System
@@ -24,6 +25,7 @@ def points_of(branches: Sequence[Branch]) -> list[tuple[Branch, SpecialPoint]]:
     return [(branch, point) for branch in branches for point in branch.special_points if point.label != "EP"]
 
 
+@one_thread()
 def verify(
     system: System,
     header: RunHeader,
