@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Callable
-from typing import Any, Generic, ParamSpec, TypeVar, overload
+from typing import Any, Concatenate, Generic, ParamSpec, TypeVar, overload
 
 Key = TypeVar("Key")
 Value = TypeVar("Value")
 Given = ParamSpec("Given")
+Owner = TypeVar("Owner")
 
 
 class computed_once(Generic[Value]):
@@ -52,5 +53,17 @@ def unowned(method: Callable[Given, Value]) -> Callable[Given, Value]:
         own = weak()
         assert own is not None, "what is remembered of an object is asked for while there is the object"
         return own(*args, **kwargs)
+
+    return called
+
+
+def of_unowned(function: Callable[Concatenate[Owner, Given], Value], owner: Owner) -> Callable[Given, Value]:
+    """A function of an object that does not keep it, as `unowned` of a method."""
+    weak = weakref.ref(owner)
+
+    def called(*args: Given.args, **kwargs: Given.kwargs) -> Value:
+        own = weak()
+        assert own is not None, "what is remembered of an object is asked for while there is the object"
+        return function(own, *args, **kwargs)
 
     return called

@@ -21,6 +21,7 @@ from contwalk.problems.conserving import with_own_values
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.lap import Lap
 from contwalk.problems.hybrid.least import least, unused_symmetries
+from contwalk.problems.hybrid.obstacles import collapsed as collapsed_event
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit, applies, softened
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.hybrid.word import named_word
@@ -258,7 +259,7 @@ def _hybrid(
             here.reason, f"{here.sentence} (word: {word})", "a periodic orbit"
         )
     problem, _ = equations_at(problem, here.sample.z)
-    collapsed = problem.collapsed(here.sample.z)
+    collapsed = collapsed_event(problem, here.sample.z)
     if collapsed:
         return _family(problem, z) or _collapsed(problem, here.sample.z, collapsed, word)
     if is_one_of_a_family(problem, here.sample.z):
@@ -306,7 +307,7 @@ def _one_of_a_family_near(problem: HybridOrbit, z: np.ndarray) -> Outcome | None
             member = member_near(problem, z)
     except (StartError, PluginError, NotFinite, np.linalg.LinAlgError):
         return None
-    if member is None or problem.collapsed(member) or not is_one_of_a_family(problem, member):
+    if member is None or collapsed_event(problem, member) or not is_one_of_a_family(problem, member):
         return None
     return _family(problem, member)
 

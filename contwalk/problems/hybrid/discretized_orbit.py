@@ -16,6 +16,7 @@ from typing import Any, Self, TypeVar
 import numpy as np
 
 from contwalk.problems import neutral as neutrals
+from contwalk.problems.angles import whole_turns
 from contwalk.problems.hybrid.effort import Effort
 from contwalk.problems.hybrid.layout import Layout, Segment, joined
 from contwalk.problems.hybrid.margins import Guarded, Limit, Margins
@@ -288,12 +289,12 @@ class DiscretizedOrbit(Orbit):
         """Periods of the states that are angles, 0 for the others, shape (N + 1,)."""
         result = np.zeros(self.size + 1)
         own = np.array([s.period or 0.0 for s in self.system.states])
-        for place, passage in self._places:
+        for place, passage in self.places:
             result[place] = own[list(passage.states)]
         return result
 
     @property
-    def _places(self) -> list[tuple[slice, Passage]]:
+    def places(self) -> list[tuple[slice, Passage]]:
         """Where the states at the starts of all segments stand, and of which legs they are."""
         return [(segment.states, self.passages[segment.leg]) for segment in self.layout.segments]
 
@@ -320,7 +321,7 @@ class DiscretizedOrbit(Orbit):
     def weighted(self, magnitudes: np.ndarray) -> np.ndarray:
         """Weights of the unknowns for typical magnitudes of all states; 1 for what is no state."""
         weights = np.ones(self.layout.size + 1)
-        for place, passage in self._places:
+        for place, passage in self.places:
             weights[place] = magnitudes[list(passage.states)] * np.sqrt(len(self.layout.segments))
         return weights
 
@@ -424,6 +425,24 @@ class DiscretizedOrbit(Orbit):
         return [
             (course, leg.piece.passage.kinks) for leg in self.view(z) for course in leg.course(parameters)
         ]
+
+    def duration_gradient(self, z: np.ndarray) -> np.ndarray:
+        """Derivative of the closure's duration by unknowns and free parameter, shape (N + 1,)."""
+        gradient = np.zeros(len(z))
+        gradient[self.layout.durations] = 1.0
+        return gradient
+
+    def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
+        """The same solution with its angles turned as near as possible to those of another one.
+
+        Of a forced orbit the instant at which it begins counts modulo its period, as an angle does.
+        """
+        if len(z) != self.size + 1:
+            return self.fitting(z).nearest_turn(z, near)
+        periods = self.periods
+        if self.layout.start is not None:
+            periods[self.layout.start] = self.rounds * self.duration(z)
+        return z + whole_turns(near - z, periods)
 
     # -- what is computed of them, of whichever class they are -------------------------------------------
 

@@ -172,17 +172,21 @@ def _sections(
     """Factors once round from the smallest section on; where each begins, magnitudes, and directions that
     are left out.
 
-    Inside a leg that is the flow's own, which the next event forgets. Right after an event nothing is
+    Inside a leg that is the flow's own, which the next event forgets, or which comes back where there is
+    none; of a forced orbit without events it is a deviation like others. Right after an event nothing is
     left out: it has gone already.
     """
     found, magnitudes, left_out = [], [], []
+    flows = orbit.word.eventful or not orbit.forced
     segments, legs, first = chain(orbit, jacobian), orbit.layout.legs, orbit.smallest
     for i in ((first + k) % legs for k in range(legs)):
         for j, factor in enumerate(segments[i]):
             own = orbit.extended(i)
             found.append(factor)
             magnitudes.append(own)
-            left_out.append(flow_direction(orbit, z, i, j)[:, None] if j else np.zeros((len(own), 0)))
+            left_out.append(
+                flow_direction(orbit, z, i, j)[:, None] if j and flows else np.zeros((len(own), 0))
+            )
     left_out[0] = neutral_directions(orbit, z, first)
     return found, magnitudes, left_out
 

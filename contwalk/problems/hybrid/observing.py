@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from contwalk.errors import measured
@@ -10,10 +12,13 @@ from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.margins import Margins
 from contwalk.problems.hybrid.stretch import Stretch
 from contwalk.problems.hybrid.word import imaged_leg
+from contwalk.problems.images import imaged
 from contwalk.problems.orbit.closure import images_of
 from contwalk.problems.orbit.extrema import extremes_of
+from contwalk.problems.orbit.motion import PLAIN
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.sampling import MOST_BISECTIONS
+from contwalk.problems.orbit.slow_place import AROUND, SlowPlace, slow_place_on
 from contwalk.problems.passing import Place
 from contwalk.system.declarations import ParameterValues
 
@@ -120,11 +125,12 @@ def values(problem: DiscretizedOrbit, z: np.ndarray, found: Multipliers, margins
             result.append(float("nan"))
         else:
             result.append(measured(f"observable '{o.name}'", o.function, place[0], place[1], p))
-    named = [name for name in problem.system.margins if name not in [o.name for o in own]]
-    result += [margins.least(name) for name in named]
+    if problem.system.acting:
+        named = [name for name in problem.system.margins if name not in [o.name for o in own]]
+        result += [*(margins.least(name) for name in named), split(found.values)]
     largest = float(np.abs(found.values[0])) if len(found.values) else float("nan")
     low, high = extremes(problem, z)
-    return [*result, split(found.values), *high.tolist(), *low.tolist(), *visited(problem, z), largest]
+    return [*result, *high.tolist(), *low.tolist(), *visited(problem, z), largest]
 
 
 def split(multipliers: np.ndarray) -> float:
@@ -224,3 +230,30 @@ def _refined(stretch: Stretch, place: Place, turn: float, near: float) -> np.nda
         a, b, here = b, b - after * (b - a) / (after - before), there
         there = at(b)
     return there
+
+
+def slow_place(orbit: DiscretizedOrbit, z: np.ndarray) -> SlowPlace:
+    """Where the orbit is slowest, and the field there."""
+    even, places = np.linspace(0.0, 1.0, AROUND), []
+    for view in orbit.view(z):
+        piece, scalars = view.piece, view.scalars
+        if scalars[0] == 0.0:
+            continue
+        field, times = piece.passage.field(PLAIN), np.union1d(piece.steps, even)
+        path = piece.at(view.nodes, times, scalars)
+        c, scale = field.constants(piece.values(scalars)), orbit.mesh.variation[list(piece.passage.states)]
+        places.append(slow_place_on(field, c, abs(float(scalars[0])), times, path, scale))
+    fastest = max(place.fastest for place in places)
+    return replace(min(places, key=lambda place: place.speed), fastest=fastest)
+
+
+def growth(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
+    """By how much each state is larger after the whole motion: turns of angles, and drifts."""
+    x, values = orbit.first_state(z), orbit.values_of(z)
+    drift = (
+        -orbit.duration(z) * families.directions(orbit.system, orbit.pins, x, values) @ z[orbit.layout.drifts]
+    )
+    if orbit.word.image:
+        symmetry, p = orbit.system.symmetry(orbit.word.image), ParameterValues(**values)
+        drift = drift + imaged(symmetry, x + drift, p) - imaged(symmetry, x, p)
+    return orbit.turns + drift

@@ -24,6 +24,7 @@ import numpy as np
 from contwalk.branch import Outcome
 from contwalk.problems.orbit.protocol import Orbit
 from contwalk.problems.orbit.slow_place import SlowPlace
+from contwalk.problems.orbit.solving import error_holding
 from contwalk.problems.problem import Sample
 
 # An orbit that is this slow somewhere, against its fastest, passes an equilibrium, or where one has been.
@@ -75,7 +76,7 @@ def homoclinic(problem: Orbit, a: Sample, b: Sample) -> Outcome | None:
     limit, obeyed = _limit(after, (a, b), slopes, problem.eventful)
     if limit is None or limit.swing > wanted or not obeyed(problem.slow_place(a.z)):
         return None
-    error = limit.error + problem.parameter_error(b)
+    error = limit.error + error_holding(problem, b.z, b.weights, problem.duration_gradient(b.z))
     return Outcome(
         "stopped",
         "homoclinic",

@@ -15,16 +15,14 @@ from contwalk.memory import unowned
 from contwalk.numerics.linear import EPSILON, Factored
 from contwalk.problems import kinks
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.angles import whole_turns
 from contwalk.problems.event_kinks import Met
-from contwalk.problems.kinks import Kink
 from contwalk.problems.orbit import augmented, branching, describing, ending, monodromy, rates, switching
-from contwalk.problems.orbit.discretization import FINEST
 from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.meeting import distance
 from contwalk.problems.orbit.mirror import OrbitMirror, mirror_of
 from contwalk.problems.orbit.motion import MIXED, TANGENT
 from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers
+from contwalk.problems.orbit.orbit_problem import OrbitProblem
 from contwalk.problems.orbit.period import period_and_slope
 from contwalk.problems.orbit.points.catalogue import POINT_TYPES
 from contwalk.problems.orbit.protocol import OrbitKind
@@ -34,7 +32,6 @@ from contwalk.problems.orbit.section import Reference, better_phase, reference_o
 from contwalk.problems.orbit.segmented_orbit import MOST_KEPT, SAMPLES, SegmentedOrbit
 from contwalk.problems.orbit.shooting import meshed
 from contwalk.problems.orbit.slow_place import SlowPlace
-from contwalk.problems.orbit.solving import error_holding
 from contwalk.problems.orbit.transport import STRETCHED, TOO_MUCH, closed, moved, recut
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.passing import Place
@@ -58,7 +55,7 @@ MISSED = 1e-3
 ALIKE = 1e-6
 
 
-class PeriodicOrbit(SegmentedOrbit):
+class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
     """The problem S phi(x, T, p) = x with a phase condition, by multiple shooting.
 
     The unknowns are u = (x_0, ..., x_m-1, T, a): states at the starts of m segments of equal duration, the
@@ -86,8 +83,6 @@ class PeriodicOrbit(SegmentedOrbit):
 
     kind = "periodic_orbit"
     eventful = False
-    discretized = True
-    blur = 1e-3  # solutions are solved for to a part of the tolerance only
     point_types = POINT_TYPES
     # Stability grows with the square of the amplitude, and drowns in the error of the steps nearer by.
     beside = 1.0
@@ -116,10 +111,6 @@ class PeriodicOrbit(SegmentedOrbit):
     def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factored:
         """A matrix of these equations and unknowns, and of borders that come last, factored."""
         return Factored(matrix, weights)
-
-    def jacobian(self, z: np.ndarray) -> np.ndarray:
-        """DF(z), shape (N, N + 1)."""
-        return self.linearize(z).jacobian
 
     def _equations(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         n, m, k = self.states, self.segments, len(self.motion.columns)
@@ -270,10 +261,6 @@ class PeriodicOrbit(SegmentedOrbit):
             },
         }
 
-    def explain(self, z: np.ndarray) -> str:
-        """Where a residual at z is not finite."""
-        return "the motion from there ends or grows without bound within one period"
-
     def passed_at_events(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
         """There are no events."""
         return ()
@@ -340,10 +327,6 @@ class PeriodicOrbit(SegmentedOrbit):
             forbidden=bool(self.system.acting)
             and passed_over(self.system, *self.motion_of(z), self.values_of(z)),
         )
-
-    def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
-        """Those that the second orbit crosses."""
-        return b.kinks
 
     def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
         """Multipliers of the closure without the flow's own and the pinned ones."""
@@ -420,10 +403,6 @@ class PeriodicOrbit(SegmentedOrbit):
         tangent[: len(own)] += shift * own
         return tangent
 
-    def at_stored(self, z: np.ndarray, weights: np.ndarray) -> PeriodicOrbit:
-        """The problem discretised for a solution that is taken up again."""
-        return self.adapted_to(z, weights)
-
     def adapted_to(
         self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None, segments: int | None = None
     ) -> PeriodicOrbit:
@@ -452,10 +431,6 @@ class PeriodicOrbit(SegmentedOrbit):
         """The same problem, section included, on steps for located points."""
         tolerance = tolerance or self.discretization.marking
         return self.adapted_to(z, weights, tolerance)._with_phase_of(self)
-
-    def finest(self, z: np.ndarray, weights: np.ndarray) -> PeriodicOrbit:
-        """The same problem on the finest steps that rounding allows."""
-        return self.refined(z, weights, FINEST)
 
     # -- second derivatives ------------------------------------------------------------------------------
 
@@ -540,11 +515,6 @@ class PeriodicOrbit(SegmentedOrbit):
             gradient[self.segments * self.states] = 1.0
         return gradient
 
-    def parameter_error(self, sample: Sample) -> float:
-        """What errors of the steps do to the free parameter of an orbit of this period."""
-        held = self.duration_gradient(sample.z)
-        return error_holding(self, sample.z, sample.weights, held)
-
     def errors_at(self, z: np.ndarray) -> np.ndarray:
         """Estimated error of each equation at a solution."""
         return self._errors(self.linearize(z))
@@ -601,10 +571,6 @@ class PeriodicOrbit(SegmentedOrbit):
         """There is no limit."""
         raise ValueError("a smooth problem has no limits")
 
-    def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
-        """The same solution with its angles turned as near as possible to those of another one."""
-        return z + whole_turns(near - z, self.periods)
-
     def mirror(self, sample: Sample) -> OrbitMirror | None:
         """What takes one half of the branch that leaves an orbit to the other, if a symmetry does."""
         return mirror_of(self, sample)
@@ -626,11 +592,10 @@ class PeriodicOrbit(SegmentedOrbit):
 
     def same(self, a: Sample, b: Sample) -> bool:
         """Whether two solutions at the same parameter are one orbit; `b` is on this discretisation."""
-        return abs(a.period - b.period) <= ALIKE * a.period and self.passes(b.z, [a.z[: self.states]])
-
-    def passes(self, z: np.ndarray, points: Sequence[np.ndarray]) -> bool:
-        """Whether the orbit of z passes one of some states."""
-        return self.first_passed(z, points) is not None
+        return (
+            abs(a.period - b.period) <= ALIKE * a.period
+            and self.first_passed(b.z, [a.z[: self.states]]) is not None
+        )
 
     def first_passed(self, z: np.ndarray, points: Sequence[np.ndarray]) -> int | None:
         """Number of the first of some states that the orbit of z passes; None if it passes none."""

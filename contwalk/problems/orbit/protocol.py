@@ -181,10 +181,6 @@ class Orbit(Protocol):
         """Derivative of the closure's duration by unknowns and free parameter, shape (N + 1,)."""
         ...
 
-    def parameter_error(self, sample: Sample) -> float:
-        """Estimated error of the free parameter at an orbit of this period."""
-        ...
-
     def errors_at(self, z: np.ndarray) -> np.ndarray:
         """Estimated error of each equation at a solution."""
         ...

@@ -15,6 +15,7 @@ from typing import Any, Self, TypeVar
 import numpy as np
 
 from contwalk.errors import called
+from contwalk.problems.angles import whole_turns
 from contwalk.problems.kinks import Course, Kink
 from contwalk.problems.orbit.closure import Closure
 from contwalk.problems.orbit.discretization import Discretization
@@ -284,6 +285,10 @@ class SegmentedOrbit(Orbit):
         """The same problem on another mesh, with a section of its own through a state."""
         section = self.section_through(x, values, mesh.magnitudes)
         return self._varied(_mesh=mesh, section=section, _reference=None)
+
+    def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
+        """The same solution with its angles turned as near as possible to those of another one."""
+        return z + whole_turns(near - z, self.periods)
 
     # -- what is computed of them ------------------------------------------------------------------------
 

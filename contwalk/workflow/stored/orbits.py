@@ -210,7 +210,7 @@ def orbit_at(system: System, branch: Branch, point: SpecialPoint | int) -> Orbit
         events=events,
         breaks=breaks,
         closures=fold // problem.rounds if hybrid else 1,
-        turns=problem.growth(sample.z) if hybrid else None,
+        turns=_growth(problem, sample.z) if hybrid else None,
         admissible=admissible,
         parameters=problem.values_of(sample.z),
         there=there,
@@ -317,3 +317,10 @@ def _folded(system: System, orbit: Orbit, names: Sequence[str]) -> list[float]:
     found = _values(system, orbit, names)
     ranges = np.nanmax(found, axis=0, initial=-np.inf) - np.nanmin(found, axis=0, initial=np.inf)
     return [p if 0.0 < p * (1.0 - 1e-9) <= r else 0.0 for p, r in zip(periods, ranges, strict=True)]
+
+
+def _growth(problem: Any, z: np.ndarray) -> np.ndarray:
+    """By how much each state is larger after the whole motion of a hybrid orbit."""
+    from contwalk.problems.hybrid.observing import growth
+
+    return growth(problem, z)

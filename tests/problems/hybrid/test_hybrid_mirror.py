@@ -21,8 +21,8 @@ from contwalk.continuation.opening import Opening
 from contwalk.continuation.opening_orbits import opened_word
 from contwalk.continuation.reopening import reopened
 from contwalk.continuation.settings import Settings
+from contwalk.problems.hybrid.equations import SOLVED
 from contwalk.problems.hybrid.following import follows
-from contwalk.problems.hybrid.hybrid_orbit import SOLVED
 from contwalk.problems.hybrid.switching import rotated
 from contwalk.problems.stored_word import StoredWord
 from contwalk.system import Neutral, Symmetry, System, Transition

@@ -1,0 +1,159 @@
+"""The equations of an orbit through events: what ends where the next one starts, guards, phase, period and
+pins.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from contwalk.numerics.linear import EPSILON
+from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.layout import Segment
+from contwalk.problems.hybrid.metric import cycle_scales
+from contwalk.problems.orbit.motion import PLAIN
+from contwalk.problems.orbit.multipliers import GLOBAL
+from contwalk.problems.orbit.period import period_and_slope
+from contwalk.problems.problem import Linearization
+from contwalk.system import Neutral
+
+# A residual counts as solved at this part of the tolerance.
+SOLVED = 1e-3
+# Evaluations of the field in a step of each method (of the implicit ones, about).
+STAGES = {"dop853": 12, "verner98": 16, "radau5": 24, "radau9": 40}
+
+
+def residual(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
+    """F(z), shape (N,), for far less than with its derivatives."""
+    residual = np.zeros(orbit.size)
+    for segment, piece in zip(orbit.layout.segments, orbit.segments, strict=True):
+        _match(orbit, segment, z, piece.end(PLAIN, *orbit.layout.inputs_of(segment, z)), residual)
+    _closed(orbit, z, residual, np.zeros((orbit.size, orbit.size + 1)))
+    orbit.effort.spend(STAGES[orbit.mesh.method] * sum(len(piece.steps) - 1 for piece in orbit.segments))
+    return residual
+
+
+def with_derivatives(
+    orbit: DiscretizedOrbit, z: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
+    """F(z), DF(z), and the states at the steps of each segment."""
+    layout, nodes = orbit.layout, []
+    residual, jacobian = np.zeros(orbit.size), np.zeros((orbit.size, orbit.size + 1))
+    for segment, piece in zip(layout.segments, orbit.segments, strict=True):
+        x, scalars = layout.inputs_of(segment, z)
+        along, end, moved = piece.passed(x, scalars)
+        nodes.append(along)
+        _match(orbit, segment, z, end, residual)
+        rows, derivative = segment.ends, layout.along(segment, moved)
+        n = rows.stop - rows.start
+        jacobian[rows] += derivative[:n]
+        jacobian[rows, segment.following] -= _identity(n)
+        if len(end) > n:
+            jacobian[layout.guards + segment.leg] = derivative[n]
+    _closed(orbit, z, residual, jacobian)
+    orbit.effort.spend(cost(orbit))
+    return residual, jacobian, nodes
+
+
+def _match(
+    orbit: DiscretizedOrbit, segment: Segment, z: np.ndarray, end: np.ndarray, residual: np.ndarray
+) -> None:
+    """Write the equations of the end of a segment: it is the next one's start, and a leg's guard is zero
+    there.
+    """
+    layout, rows = orbit.layout, segment.ends
+    n = rows.stop - rows.start
+    residual[rows] = end[:n] - z[segment.following]
+    if segment.last and segment.leg == layout.legs - 1:
+        residual[rows] -= orbit.turns[list(orbit.passages[0].states)]
+    if len(end) > n:
+        residual[layout.guards + segment.leg] = end[n]
+
+
+def _closed(orbit: DiscretizedOrbit, z: np.ndarray, residual: np.ndarray, jacobian: np.ndarray) -> None:
+    """Write the equations of the closure, of phase or period and of pins, with their gradients."""
+    layout = orbit.layout
+    if not orbit.word.eventful:
+        last = layout.guards + layout.legs - 1
+        residual[last] = _phase(orbit, z, jacobian[last])
+    if layout.sum is not None:
+        period, slope = period_of(orbit, z)
+        residual[layout.sum] = z[layout.durations].sum() - period
+        jacobian[layout.sum, layout.durations] = 1.0
+        jacobian[layout.sum, -1] = -slope
+    for j, pin in enumerate(orbit.pins):
+        residual[layout.held + j] = _pinned(orbit, pin, z, jacobian[layout.held + j])
+
+
+def _phase(orbit: DiscretizedOrbit, z: np.ndarray, row: np.ndarray) -> float:
+    """What fixes the phase where no event does; its gradient is written into `row`."""
+    if orbit.layout.start is not None:  # forced: it is looked at when the force begins its period
+        row[orbit.layout.start] = 1.0
+        return float(z[orbit.layout.start])
+    assert orbit.section is not None
+    row[orbit.layout.states[0]] = orbit.section.normal
+    return orbit.section.residual(z[orbit.layout.states[0]])
+
+
+def period_of(orbit: DiscretizedOrbit, z: np.ndarray, lift: str = PLAIN, *directions: np.ndarray) -> Any:
+    """Duration of the closure of a forced orbit, and its derivative by the free parameter."""
+    own, direction = orbit.line.own, orbit.line.direction
+    given = np.concatenate([orbit.line.constants, *directions])
+    value, slope = period_and_slope(orbit.system, own, direction, float(z[-1]), given, lift)
+    return orbit.forcings * value, orbit.forcings * slope
+
+
+def _pinned(orbit: DiscretizedOrbit, pin: Neutral, z: np.ndarray, row: np.ndarray) -> float:
+    """Residual of a pinned direction, at the start of the first leg; its gradient is written
+    into `row`.
+    """
+    place = orbit.layout.states[0]
+    normal, apart = orbit.held(pin, orbit.first_state(z), orbit.values_of(z))
+    row[place] = normal[list(orbit.passages[0].states)]
+    if pin.pin is not None and pin.value is not None:
+        row[-1] = -orbit.line.slope(pin.value)
+    return apart
+
+
+def cost(orbit: DiscretizedOrbit) -> int:
+    """Right-hand sides of one pass with derivatives, each column counted as one."""
+    stages = STAGES[orbit.mesh.method]
+    return sum(
+        (len(piece.steps) - 1) * stages * (1 + len(piece.passage.states) + len(piece.passage.columns))
+        for piece in orbit.segments
+    )
+
+
+def levels(orbit: DiscretizedOrbit, z: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
+    """What of each residual is rounding, or error of the steps."""
+    steps = max(len(times) for times in orbit.mesh.steps)
+    terms = np.abs(jacobian) @ np.abs(z)
+    for segment in orbit.layout.segments:  # the identity may have cancelled in the Jacobian
+        terms[segment.ends] += np.abs(z[segment.following])
+    held = slice(orbit.layout.held, orbit.layout.held + len(orbit.pins))
+    # A state that is held at zero is known to the rounding of what it is elsewhere.
+    terms[held] += np.abs(jacobian[held, : orbit.size]) @ cycle_scales(orbit)[1]
+    own = SOLVED * orbit.mesh.tolerance * orbit.equation_scales
+    own[exact(orbit)] = 0.0
+    return own + (8.0 + steps) * EPSILON * terms + 1e-300
+
+
+def errors(orbit: DiscretizedOrbit, linearization: Linearization) -> np.ndarray:
+    """Estimated error of each equation: that of the steps, beside what it is solved to."""
+    errors = linearization.levels[0].copy()
+    steps = GLOBAL * orbit.mesh.growth * orbit.mesh.tolerance * orbit.equation_scales
+    steps[exact(orbit)] = 0.0
+    return errors + steps
+
+
+def exact(orbit: DiscretizedOrbit) -> slice:
+    """The equations that no motion is integrated for."""
+    return slice(orbit.layout.guards + orbit.layout.legs, orbit.layout.rest.stop)
+
+
+@cache
+def _identity(n: int) -> np.ndarray:
+    """The identity; never changed."""
+    return np.eye(n)

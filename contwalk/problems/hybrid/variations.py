@@ -1,0 +1,65 @@
+"""Derivatives of an orbit's Jacobian: for multipliers along a branch, and for special points."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.equations import period_of
+from contwalk.problems.orbit.motion import TANGENT
+
+
+def cycle_matrix(orbit: DiscretizedOrbit, jacobian: np.ndarray, multiplier: complex) -> np.ndarray:
+    """L(mu): F_u, but what closes is mu times what began. Singular where mu is a multiplier."""
+    matrix = jacobian[:, : orbit.size].astype(complex if np.imag(multiplier) else float)
+    rows, place = orbit.layout.matches[-1], orbit.layout.states[0]
+    matrix[rows, place] += (1.0 - multiplier) * np.eye(rows.stop - rows.start)
+    if orbit.layout.sum is not None and orbit.layout.start is not None:
+        matrix[orbit.layout.sum, orbit.layout.start] += 1.0 - multiplier
+    return matrix
+
+
+def cycle_return(orbit: DiscretizedOrbit, psi: np.ndarray, v: np.ndarray) -> complex:
+    """-psi* L' v, where L' is the derivative of `cycle_matrix` by the multiplier."""
+    result = complex(psi[orbit.layout.matches[-1]].conj() @ v[orbit.layout.states[0]])
+    if orbit.layout.sum is not None and orbit.layout.start is not None:
+        result += complex(np.conj(psi[orbit.layout.sum]) * v[orbit.layout.start])
+    return result
+
+
+def cycle_derivative(orbit: DiscretizedOrbit, z: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Derivative by z of L v for a real v, shape (N, N + 1)."""
+    return derivative_along(orbit, z, np.append(v, 0.0))
+
+
+def cycle_rate(orbit: DiscretizedOrbit, z: np.ndarray, v: np.ndarray, tangent: np.ndarray) -> np.ndarray:
+    """Derivative of L v along a direction, for a real v, shape (N,)."""
+    layout, lifted, result = orbit.layout, np.append(v, 0.0), np.zeros(orbit.size)
+    for segment, piece in zip(layout.segments, orbit.segments, strict=True):
+        direction, along = layout.inputs_of(segment, lifted), layout.inputs_of(segment, tangent)
+        moved = piece.changing(*layout.inputs_of(segment, z), direction, along)
+        width, rows = len(moved) // 2, segment.ends
+        n = rows.stop - rows.start
+        result[rows] = moved[width : width + n]
+        if width > n:
+            result[layout.guards + segment.leg] = moved[width + n]
+    return result
+
+
+def derivative_along(orbit: DiscretizedOrbit, z: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Derivative by z of DF(z) v for a real v of length N + 1, shape (N, N + 1)."""
+    layout, result = orbit.layout, np.zeros((orbit.size, orbit.size + 1))
+    for segment, piece in zip(layout.segments, orbit.segments, strict=True):
+        x, scalars = layout.inputs_of(segment, z)
+        direction, along = layout.inputs_of(segment, v)
+        _, moved = piece.differentiated(TANGENT, np.concatenate([x, direction]), scalars, along)
+        width = len(moved) // 2
+        derivative = layout.along(segment, moved[width:])
+        rows = segment.ends
+        n = rows.stop - rows.start
+        result[rows] += derivative[:n]
+        if width > n:
+            result[layout.guards + segment.leg] = derivative[n]
+    if layout.sum is not None and v[-1] != 0.0:
+        result[layout.sum, -1] = -period_of(orbit, z, TANGENT, v[-1:])[1]
+    return result

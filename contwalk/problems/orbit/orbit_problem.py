@@ -1,0 +1,42 @@
+"""What orbits of both kinds offer to the engine in the same words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Self
+
+import numpy as np
+
+from contwalk.problems.kinks import Kink
+from contwalk.problems.orbit.discretization import FINEST
+from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.problem import Sample
+
+
+class OrbitProblem(Orbit):
+    """The part of a problem of orbits that does not depend on how they are discretised."""
+
+    discretized = True
+    blur = 1e-3  # solutions are solved for to a part of the tolerance only
+
+    def jacobian(self, z: np.ndarray) -> np.ndarray:
+        """DF(z), shape (N, N + 1)."""
+        return self.linearize(z).jacobian
+
+    def at_stored(self, z: np.ndarray, weights: np.ndarray) -> Self:
+        """The problem discretised for a solution that is taken up again."""
+        problem: Self = self.adapted_to(z, weights)
+        return problem
+
+    def finest(self, z: np.ndarray, weights: np.ndarray) -> Self:
+        """The same problem on the finest steps that rounding allows."""
+        problem: Self = self.refined(z, weights, FINEST)
+        return problem
+
+    def explain(self, z: np.ndarray) -> str:
+        """Where a residual at z is not finite."""
+        return "the motion from there ends or grows without bound within one period"
+
+    def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
+        """Those that the second orbit crosses, and those that events pass on the step to it."""
+        return b.kinks
