@@ -16,7 +16,7 @@ import numpy as np
 from contwalk.continuation.locating import Disagreement, Found, accepted
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.numerics.bracketing import narrow
-from contwalk.problems.problem import Located, Problem
+from contwalk.problems.problem import Limit, Located, Problem
 
 # A branch that was born at a limit begins with a margin of zero, which is positive; of one that begins next
 # to a limit the sign is known.
@@ -43,10 +43,12 @@ def passed(segment: Segment, begins: bool) -> list[Found]:
     Disagreement, LostBranch
         If one is passed and cannot be located.
     """
-    problem, a, b = segment.problem, segment.a, segment.b
+    limited, a, b = segment.problem.limited, segment.a, segment.b
+    if limited is None:
+        return []
     found: list[Found] = []
     lost: dict[int, LostBranch | Disagreement] = {}
-    for which in sorted(_changed(a.margins, b.margins, begins), key=lambda k: problem.limits[k].rank):
+    for which in sorted(_changed(a.margins, b.margins, begins), key=lambda k: limited.limits[k].rank):
         first, last = float(a.margins[which]), float(b.margins[which])
         if abs(first) <= BORN and last > 0.0:
             continue  # born there, or begun next to it, and gone to the machine's side
@@ -105,11 +107,10 @@ def in_doubt(segment: Segment) -> bool:
         return bool(np.any(np.abs(middle - a - 0.5 * change)[near] < STEADY * np.abs(change[near])))
 
 
-def _alike(problem: Problem, which: int, other: int) -> bool:
+def _alike(a: Limit, b: Limit) -> bool:
     """Whether two limits are one where they coincide: of the same name, or of two events that happen at
     once.
     """
-    a, b = problem.limits[which], problem.limits[other]
     return a.name == b.name or (a.type is b.type and a.type.shared)
 
 
@@ -124,7 +125,8 @@ def _located(
 
     None where there is none.
     """
-    problem, kind = segment.problem, segment.problem.limits[which].type
+    limits = limits_of(segment.problem)
+    kind = limits[which].type
     around = {low: first, 1.0: last}
 
     def value(theta: float) -> float:
@@ -137,7 +139,7 @@ def _located(
             f
             for f in same
             if which in f.located.vectors.get("vanishing", ())
-            or _alike(problem, int(f.located.vectors["limit"]), which)
+            or _alike(limits[int(f.located.vectors["limit"])], limits[which])
         )
         return next(alike, None)
 
@@ -179,7 +181,12 @@ def _located(
     ]
     if any(jumps):
         return None
-    raise Disagreement(kind, f"'{problem.limits[which].name}' passes its limit, but cannot be located.")
+    raise Disagreement(kind, f"'{limits[which].name}' passes its limit, but cannot be located.")
+
+
+def limits_of(problem: Problem) -> Sequence[Limit]:
+    """The limits of a problem; none where it has none."""
+    return () if problem.limited is None else problem.limited.limits
 
 
 def policy(problem: Problem, located: Located, events: Mapping[str, str]) -> str:
@@ -188,7 +195,7 @@ def policy(problem: Problem, located: Located, events: Mapping[str, str]) -> str
     A watched transition does nothing, so there is nothing to switch to. A terminal grazing cannot be ignored:
     beyond it the orbit's own event happens earlier, and no orbit of this word is the machine's.
     """
-    limit = problem.limits[int(located.vectors["limit"])]
+    limit = limits_of(problem)[int(located.vectors["limit"])]
     asked = events.get(limit.type.label, "ignore")
     if limit.type.declared:
         return asked

@@ -126,14 +126,15 @@ def _stop(problem: Problem, found: Found, record: SpecialPoint, settings: Settin
     """The end of the branch at a point: at a limit, where it meets its parent, or where a mark has a value of
     `stop_at`.
     """
-    if found.kind != "unlocated" and isinstance(found.type, LimitType):
+    limited = problem.limited
+    if limited is not None and found.kind != "unlocated" and isinstance(found.type, LimitType):
         asked = limits.policy(problem, found.located, settings.events)
         if asked == "ignore":
             return None
-        words = problem.stopped(found.located, found.sample)
+        words = limited.stopped(found.located, found.sample)
         if asked == "switch":
-            words = f"{words} {problem.neighbours(record)[1]}"
-        kind = problem.limits[int(found.located.vectors["limit"])].kind
+            words = f"{words} {limited.neighbours(record)[1]}"
+        kind = limited.limits[int(found.located.vectors["limit"])].kind
         return outcomes.limit(found.type, kind, asked, words)
     if found.located.vectors.get("fallen_back"):
         return outcomes.fallen_back()

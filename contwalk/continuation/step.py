@@ -107,7 +107,7 @@ def take_step(problem: Problem, here: Here, settings: Settings, observer: Observ
             correction = _corrected(problem, here, prediction, settings)
         reason, sentence = correction.reason, correction.sentence
         # Newton's method may fail because it is asked for a solution beyond a jump.
-        passed = problem.passed_at_events(here.sample.z, correction.z if correction.ok else prediction.guess)
+        passed = _passed_at_events(problem, here, correction.z if correction.ok else prediction.guess)
         jump = _jump(passed)
         if jump is not None:
             reason, sentence = "plugin_error", refusal(jump.kink).sentence
@@ -140,8 +140,13 @@ def take_step(problem: Problem, here: Here, settings: Settings, observer: Observ
             known = problem.obstacle(here.sample.z)
             return outcomes.stuck(reason, sentence, length, observer.line.free, here.sample.parameter, known)
         # A solution beyond has jumped: where it does along the step, the guess tells.
-        ahead = None if jump is None else _jump(problem.passed_at_events(here.sample.z, prediction.guess))
+        ahead = None if jump is None else _jump(_passed_at_events(problem, here, prediction.guess))
         length = control.shrunk(length) if ahead is None else control.beside(length, ahead.share)
+
+
+def _passed_at_events(problem: Problem, here: Here, z: np.ndarray) -> Sequence[Met]:
+    """What jumps at events on the way to another place, of problems that have some."""
+    return () if problem.limited is None else problem.limited.passed_at_events(here.sample.z, z)
 
 
 def _jump(passed: Sequence[Met]) -> Met | None:

@@ -275,8 +275,10 @@ def _found(
         located = problem.locate_mark(name, level, sample)
     else:
         kind = _defining(problem, point, sample)
-        margin = kind.test is Test.MARGIN
-        which = problem.limit_of(point) if margin else _critical(kind, point, sample)
+        if problem.limited is not None and kind.test is Test.MARGIN:
+            which = problem.limited.limit_of(point)
+        else:
+            which = _critical(kind, point, sample)
         located = kind.locate(problem, sample, which)
     return None if located is None else located.settled()
 

@@ -214,9 +214,20 @@ class Limit(Protocol):
     whether something happens there. Of two that pass zero at once for one reason, the lower `rank` tells it.
     """
 
-    kind: str | None
-    name: str
-    acts: bool
+    @property
+    def kind(self) -> str | None:
+        """As of the special point where it passes zero."""
+        ...
+
+    @property
+    def name(self) -> str:
+        """What it is."""
+        ...
+
+    @property
+    def acts(self) -> bool:
+        """Whether something happens there."""
+        ...
 
     @property
     def type(self) -> LimitType:
@@ -226,6 +237,31 @@ class Limit(Protocol):
     @property
     def rank(self) -> int:
         """Which of several that tell the same is told."""
+        ...
+
+
+class Limited(Protocol):
+    """What problems have whose solutions may not be the machine's: limits, and what lies beyond."""
+
+    @property
+    def limits(self) -> Sequence[Limit]:
+        """The limits whose margins samples tell, in their order."""
+        ...
+
+    def limit_of(self, point: SpecialPoint) -> int:
+        """Which of the limits a special point is one of."""
+        ...
+
+    def stopped(self, located: Located, sample: Sample) -> str:
+        """In words, why solutions beyond a limit are not the machine's, and what is nearest to it."""
+        ...
+
+    def neighbours(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
+        """The branches beyond a limit, and in words what was found, or tried."""
+        ...
+
+    def passed_at_events(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
+        """What jumps at the events of orbits on the way from one to another, which need not be one."""
         ...
 
 
@@ -270,20 +306,8 @@ class Problem(Protocol):
         ...
 
     @property
-    def limits(self) -> Sequence[Any]:
-        """The limits whose margins samples tell, each a `Limit`."""
-        ...
-
-    def limit_of(self, point: SpecialPoint) -> int:
-        """Which of the limits a special point is one of."""
-        ...
-
-    def stopped(self, located: Located, sample: Sample) -> str:
-        """In words, why solutions beyond a limit are not the machine's, and what is nearest to it."""
-        ...
-
-    def neighbours(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
-        """The branches beyond a limit, and in words what was found, or tried."""
+    def limited(self) -> Limited | None:
+        """The limits of its solutions, where there are any."""
         ...
 
     def linearize(self, z: np.ndarray) -> Linearization:
@@ -347,10 +371,6 @@ class Problem(Protocol):
 
     def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
         """Where the equations are smooth by pieces only: between two solutions, or on the second one."""
-        ...
-
-    def passed_at_events(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
-        """What jumps at the events of orbits on the way from one to another, which need not be one."""
         ...
 
     def obstacle(self, z: np.ndarray) -> str:

@@ -81,7 +81,7 @@ class Sample:
     error : float
         Estimated error of z in the metric, from the errors of the equations.
     margins : ndarray
-        What must stay positive for the motion to be the machine's, relative; those of `Problem.limits`.
+        What must stay positive for the motion to be the machine's, relative; those of `Limited.limits`.
     reported : ndarray, shape (n,), optional
         The state that stands for the solution, where it depends on the steps it was computed on.
     forbidden : bool

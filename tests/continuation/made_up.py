@@ -75,7 +75,7 @@ class MadeUp:
     error: float = 1e-14
     evaluated: int = 0
 
-    kind, free, line, discretized, beside, blur, limits = "made_up", "lam", LINE, False, 1e-4, 1e-6, ()
+    kind, free, line, discretized, beside, blur, limited = "made_up", "lam", LINE, False, 1e-4, 1e-6, None
     method, evaluations, point_types = "", 0, tuple(KINDS.values())
 
     @property
@@ -147,9 +147,6 @@ class MadeUp:
         return any(np.allclose(p.z, z, atol=1e-12) for p in self.special.get("BP", []))
 
     def kinks_between(self, a, b):
-        return ()
-
-    def passed_at_events(self, a, b):
         return ()
 
     def obstacle(self, z: np.ndarray) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ class Margined(MadeUp):
     """x = 0 for every lam, with a margin that is told, and no equations that locate where it is zero."""
 
     margin: object = None
-    limits = (Limit("GR", "interior", "wall", 0, "dip"),)
+    limited = SimpleNamespace(limits=(Limit("GR", "interior", "wall", 0, "dip"),))
 
     def examine(self, z, *rest):
         return replace(super().examine(z, *rest), margins=np.array([self.margin(float(z[-1]))]))

@@ -33,6 +33,6 @@ COMES_NEAR = Limit("GR", "interior", "middle", 0, "dip", acts=False)
     ],
 )
 def test_what_is_done_at_a_limit(limit, asked, done):
-    problem = SimpleNamespace(limits=(TOUCHES, limit))
+    problem = SimpleNamespace(limited=SimpleNamespace(limits=(TOUCHES, limit)))
     events = {} if asked is None else {limit.label: asked}
     assert policy(problem, at(0.0, 0.0, vectors={"limit": 1}), events) == done

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.branch import Outcome, SpecialPoint
+from contwalk.branch import Outcome
 from contwalk.errors import NotFinite, SystemDefinitionError, called, measured
 from contwalk.fields.blame import first_not_finite, first_switched
 from contwalk.fields.kernel import Kernel
@@ -25,12 +25,11 @@ from contwalk.problems.equilibrium.points.hopf import hopf
 from contwalk.problems.equilibrium.second_direction import second_direction
 from contwalk.problems.equilibrium.spectrum import EPSILON, Spectrum, spectrum
 from contwalk.problems.equilibrium.unbounded import escape
-from contwalk.problems.event_kinks import Met
 from contwalk.problems.kinks import Kink, between
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.parameter_line import Ends, ParameterLine
 from contwalk.problems.passed_over import passed_over
-from contwalk.problems.problem import MAX_RE, Linearization, Located, Sample, Seed
+from contwalk.problems.problem import MAX_RE, Linearization, Located, Sample
 from contwalk.problems.sample import Rates
 from contwalk.python_functions import plain
 from contwalk.system import Neutral, System
@@ -69,6 +68,7 @@ class Equilibrium:
     beside = 1e-4
     blur = 1e-6
     point_types = POINT_TYPES
+    limited = None
     method = ""
 
     def __init__(
@@ -228,10 +228,6 @@ class Equilibrium:
             return first_switched(field, places[0], places[1], self.values_of(a), self.values_of(b))
 
         return between(self._switching, evaluate, (a.z, b.z), b.weights, where)
-
-    def passed_at_events(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
-        """There are no events."""
-        return ()
 
     def obstacle(self, z: np.ndarray) -> str:
         """Nothing is known of that."""
@@ -451,20 +447,6 @@ class Equilibrium:
     def many_branches(self, z: np.ndarray) -> bool:
         """Whether more than one branch passes through a solution, to rounding."""
         return second_direction(self, z) is not None
-
-    limits = ()
-
-    def limit_of(self, point: SpecialPoint) -> int:
-        """There is no limit."""
-        raise ValueError("a smooth problem has no limits")
-
-    def stopped(self, located: Located, sample: Sample) -> str:
-        """There is no limit."""
-        raise ValueError("a smooth problem has no limits")
-
-    def neighbours(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
-        """There is no limit."""
-        raise ValueError("a smooth problem has no limits")
 
     def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
         """The same solution with its angles turned as near as possible to those of another one."""

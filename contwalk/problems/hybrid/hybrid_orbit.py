@@ -106,6 +106,11 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
 
     # -- variants ----------------------------------------------------------------------------------------
 
+    @property
+    def limited(self) -> HybridOrbit:
+        """The orbit itself, which has limits."""
+        return self
+
     @cached_property
     def limits(self) -> tuple[Limit, ...]:
         """All that must stay positive for an orbit to be the machine's."""

@@ -15,7 +15,6 @@ from contwalk.memory import unowned
 from contwalk.numerics.linear import EPSILON, Factored
 from contwalk.problems import kinks
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.event_kinks import Met
 from contwalk.problems.orbit import augmented, branching, describing, ending, monodromy, rates, switching
 from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.meeting import distance
@@ -84,6 +83,7 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
     kind = "periodic_orbit"
     eventful = False
     point_types = POINT_TYPES
+    limited = None
     # Stability grows with the square of the amplitude, and drowns in the error of the steps nearer by.
     beside = 1.0
 
@@ -260,10 +260,6 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
                 "reported": "at a section" if self.discretization.report_at is not None else "",
             },
         }
-
-    def passed_at_events(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
-        """There are no events."""
-        return ()
 
     def obstacle(self, z: np.ndarray) -> str:
         """How much deviations grow over a segment, where that is what Newton's method has to fight with."""
@@ -556,20 +552,6 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
     def special_point(self, kind: OrbitKind, located: Located, sample: Sample, s: float) -> SpecialPoint:
         """The record of a located point of a kind, with its normal form."""
         return describing.described(self, kind, located, sample, s)
-
-    limits = ()
-
-    def limit_of(self, point: SpecialPoint) -> int:
-        """There is no limit."""
-        raise ValueError("a smooth problem has no limits")
-
-    def stopped(self, located: Located, sample: Sample) -> str:
-        """There is no limit."""
-        raise ValueError("a smooth problem has no limits")
-
-    def neighbours(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
-        """There is no limit."""
-        raise ValueError("a smooth problem has no limits")
 
     def mirror(self, sample: Sample) -> OrbitMirror | None:
         """What takes one half of the branch that leaves an orbit to the other, if a symmetry does."""
