@@ -159,6 +159,18 @@ FUNCTIONS: dict[str, Function] = {
 IMAGINARY_PART = "contwalk_imag"
 
 
+def _operator(name: str) -> tuple[Callable[[Any, Any], Any], Callable[[Any, Any], Any]]:
+    """An operator of Python and its reflection, which apply a function to both sides."""
+
+    def left(self: Any, other: Any) -> Any:
+        return self.apply(name, (self, other)) if _is_scalar(other) else NotImplemented
+
+    def right(self: Any, other: Any) -> Any:
+        return self.apply(name, (other, self)) if _is_scalar(other) else NotImplemented
+
+    return left, right
+
+
 class Number:
     """A stand-in for a number. Subclasses say what an operation means: `apply`, `compare`."""
 
@@ -213,35 +225,11 @@ class Number:
         """The determinant of a matrix."""
         raise NotImplementedError
 
-    def __add__(self, other: Any) -> Any:
-        return self.apply("add", (self, other)) if _is_scalar(other) else NotImplemented
-
-    def __radd__(self, other: Any) -> Any:
-        return self.apply("add", (other, self)) if _is_scalar(other) else NotImplemented
-
-    def __sub__(self, other: Any) -> Any:
-        return self.apply("sub", (self, other)) if _is_scalar(other) else NotImplemented
-
-    def __rsub__(self, other: Any) -> Any:
-        return self.apply("sub", (other, self)) if _is_scalar(other) else NotImplemented
-
-    def __mul__(self, other: Any) -> Any:
-        return self.apply("mul", (self, other)) if _is_scalar(other) else NotImplemented
-
-    def __rmul__(self, other: Any) -> Any:
-        return self.apply("mul", (other, self)) if _is_scalar(other) else NotImplemented
-
-    def __truediv__(self, other: Any) -> Any:
-        return self.apply("div", (self, other)) if _is_scalar(other) else NotImplemented
-
-    def __rtruediv__(self, other: Any) -> Any:
-        return self.apply("div", (other, self)) if _is_scalar(other) else NotImplemented
-
-    def __pow__(self, other: Any) -> Any:
-        return self.apply("pow", (self, other)) if _is_scalar(other) else NotImplemented
-
-    def __rpow__(self, other: Any) -> Any:
-        return self.apply("pow", (other, self)) if _is_scalar(other) else NotImplemented
+    __add__, __radd__ = _operator("add")
+    __sub__, __rsub__ = _operator("sub")
+    __mul__, __rmul__ = _operator("mul")
+    __truediv__, __rtruediv__ = _operator("div")
+    __pow__, __rpow__ = _operator("pow")
 
     # NumPy's own functions of arrays ask their entries for `conjugate`, `sqrt` and the like; see below.
 

@@ -10,7 +10,7 @@ import numpy as np
 from contwalk.flow.compiled.compiled_field import CompiledField
 from contwalk.flow.explicit import runge_kutta as explicit
 from contwalk.flow.explicit import stages
-from contwalk.flow.path import Path
+from contwalk.flow.path import ErrorControl, Path, Tangents
 from contwalk.flow.radau import radau_iia as radau
 
 Vector = Sequence[float] | np.ndarray
@@ -66,10 +66,12 @@ def adaptive(
     Raises
     ------
     ValueError
-        If the method is unknown or shapes do not fit.
+        If the method is unknown, shapes do not fit, or the tolerance is not positive.
     """
-    options = {"far_out": True} if far_out and not method.startswith("radau") else {}
-    return _family(method).adaptive(field, c, t0, x0, t1, tolerance, weights, method, max_steps, **options)
+    if not tolerance > 0.0:
+        raise ValueError("the tolerance is positive")
+    bound = ErrorControl(tolerance, np.ascontiguousarray(weights, dtype=float), max_steps, far_out)
+    return _family(method).adaptive(field, c, t0, x0, t1, bound, method)
 
 
 def along(
@@ -108,7 +110,7 @@ def tangents(
     states : ndarray, shape (n,), or (s + 1, n)
     tangents : ndarray, shape (n, q), or (s + 1, n, q)
     """
-    return _family(method).tangents(field, c, times, x0, X0, sources, method, every)
+    return _family(method).tangents(field, c, times, x0, Tangents(X0, sources), method, every)
 
 
 def along_with_tangents(
@@ -139,7 +141,7 @@ def along_with_tangents(
     states : ndarray, shape (s, n)
     tangents : ndarray, shape (m, n, q)
     """
-    return _family(method).along_with_tangents(field, c, times, x0, X0, sources, method)
+    return _family(method).along_with_tangents(field, c, times, x0, Tangents(X0, sources), method)
 
 
 def errors_on(

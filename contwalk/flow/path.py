@@ -2,13 +2,50 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 # From this share of stability-limited steps on, steps that are taken again from elsewhere are made so many
 # times finer.
 STEADY, FINER = 0.1, 1.25
+
+
+class ErrorControl(NamedTuple):
+    """How long steps may be.
+
+    Parameters
+    ----------
+    tolerance : float
+        Bound of each step's estimated error: root mean square over the states, in units of `weights`.
+    weights : ndarray, shape (n,)
+        Typical magnitudes of the states.
+    max_steps : int
+    far_out : bool
+        Whether a path goes on where roundings of its state are larger than the tolerance, with errors as
+        small as they allow. Explicit methods only: where a motion runs towards a pole.
+    """
+
+    tolerance: float
+    weights: np.ndarray
+    max_steps: int
+    far_out: bool
+
+
+class Tangents(NamedTuple):
+    """Derivatives of a start that are carried along its path.
+
+    Parameters
+    ----------
+    start : ndarray, shape (n, q)
+    sources : sequence of int, length q
+        For each column the parameter column of the field that drives it, or -1.
+    """
+
+    start: np.ndarray
+    sources: Sequence[int] | np.ndarray
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ from contwalk.plotting.segments import position, runs
 from contwalk.plotting.smooth_spectra import Loci
 from contwalk.plotting.special_points import marker
 from contwalk.plotting.spectrum import SHADE, choose, loci_of
-from contwalk.plotting.style import INK, PALETTE, dark, dress, light, new_axes
+from contwalk.plotting.style import INK, PALETTE, dark, dress, legend_above, light, new_axes
 
 OTHER = "for equilibria use the figure `eigenvalues`"
 # What a multiplier can be, in the order of the palette.
@@ -213,14 +213,4 @@ def _legend(ax: Axes, drawn: set[tuple[int, bool]], besides: str = "") -> None:
         handles.append(Line2D([], [], color=light(INK, WHITE), linewidth=1.6, label="light: not admissible"))
     if besides:
         handles.append(Line2D([], [], linestyle="none", label=besides))
-    ax.legend(
-        handles=handles,
-        loc="lower left",
-        bbox_to_anchor=(0.0, 1.01),
-        borderaxespad=0.0,
-        ncols=2,
-        frameon=False,
-        fontsize=8.5,
-        labelcolor=INK,
-        handlelength=1.6,
-    )
+    legend_above(ax, handles, handlelength=1.6)

@@ -68,18 +68,17 @@ def plot_multipliers(
 ) -> Axes:
     """Draw the multipliers of branches of orbits, coloured by the free parameter.
 
-    A cross marks the start of each branch and a ring its end; on a branch walked both ways from its start
-    these are its ends in the order of growing `s`. The unit circle is drawn strong, the unstable outside
-    shaded. What lies beyond modulus 3 is left out and told in words, so that the circle stays visible.
+    The unit circle is drawn strong, the unstable outside shaded. What lies beyond modulus 3 is left out and
+    told in words, so that the circle stays visible. Starts and ends are marked as by `plot_eigenvalues`.
 
     Parameters
     ----------
-    branches : sequence of Branch
-        Branches of equilibria are left out: they have eigenvalues.
-    ax : Axes, optional
-        Where to draw; new axes by default.
-    units : mapping, optional
-        Units by name, as from `units_of(system)`, for the colour bar.
+    branches, ax, units
+        As for `plot_eigenvalues`; branches of equilibria are left out.
+
+    Returns
+    -------
+    Axes
 
     Raises
     ------

@@ -17,7 +17,7 @@ from contwalk.plotting.quantities import axis_label, default_x, values, with_nam
 from contwalk.plotting.segments import admissible_segments
 from contwalk.plotting.smooth_curves import slope_of
 from contwalk.plotting.smooth_spectra import Loci, smooth_loci
-from contwalk.plotting.style import INK
+from contwalk.plotting.style import INK, legend_above
 
 _MARK: dict[str, Any] = {"linestyle": "none", "color": INK, "markerfacecolor": "none", "zorder": 4}
 _START = {**_MARK, "marker": "x", "markersize": 6.5, "markeredgewidth": 1.3, "label": "start"}
@@ -178,17 +178,7 @@ def _legend(ax: Axes, parameter: str, branches: Sequence[Branch], colors: Sequen
         handles.append(Line2D([], [], **{**mark, "label": f"{mark['label']}{at}"}))
     if any(not admissible_segments(branch).all() for branch in branches):
         handles.insert(1, Line2D([], [], color=INK, linewidth=THIN, label="thin: not admissible"))
-    ax.legend(
-        handles=handles,
-        loc="lower left",
-        bbox_to_anchor=(0.0, 1.01),
-        borderaxespad=0.0,
-        ncols=2,
-        frameon=False,
-        fontsize=8.5,
-        labelcolor=INK,
-        handletextpad=0.3,
-    )
+    legend_above(ax, handles, handletextpad=0.3)
 
 
 def with_margin(numbers: np.ndarray, include: Sequence[float], share: float = 0.07) -> tuple[float, float]:

@@ -124,6 +124,21 @@ def dress(ax: Axes, xlabel: str, ylabel: str) -> None:
         ax.spines[side].set(linewidth=0.7, color=INK)
 
 
+def legend_above(ax: Axes, handles: list[Any], **options: Any) -> None:
+    """A legend in two columns above the axes, on the left; `options` are those of `Axes.legend`."""
+    ax.legend(
+        handles=handles,
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.01),
+        borderaxespad=0.0,
+        ncols=2,
+        frameon=False,
+        fontsize=8.5,
+        labelcolor=INK,
+        **options,
+    )
+
+
 def title(ax: Axes, text: str, above: float = 0.0) -> None:
     """A title at the left, in the size of an axis label; so many points above what stands on the axes."""
     ax.set_title(text, loc="left", fontsize=9.5, color=INK, pad=8 + above)

@@ -12,7 +12,6 @@ import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from types import TracebackType
 
 import h5py
 import numpy as np
@@ -32,6 +31,7 @@ from contwalk.storage.hdf5_branch import StoredBranch
 from contwalk.storage.hdf5_file import CATALOGUE, NOTES, catalogued, create_file, dataset_in, read_header
 from contwalk.storage.locking import Lock, is_locked
 from contwalk.storage.locking import lock as acquire
+from contwalk.storage.named_branches import NamedBranches
 from contwalk.storage.records import RecordLog
 from contwalk.storage.schema import TEXT_DTYPE, decode, encode, joined, pieces
 from contwalk.storage.seal import append_seal
@@ -43,7 +43,7 @@ from contwalk.system import System
 OUTCOME = 8  # rows of text that an outcome takes, and more than any has taken
 
 
-class Hdf5Database:
+class Hdf5Database(NamedBranches):
     """A `Database` in a file. Make one with `create` or `open`; use it as a context manager."""
 
     def __init__(self, path: Path, file: h5py.File, lock: Lock | None = None) -> None:
@@ -123,14 +123,6 @@ class Hdf5Database:
 
     def _repr_html_(self) -> str:
         return html_of(self)
-
-    def __enter__(self) -> Hdf5Database:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     @property
     def header(self) -> RunHeader:
@@ -243,25 +235,6 @@ class Hdf5Database:
         with failures_of(self._path, "read"):
             running = stored.end() is None and self._lock is None and is_locked(self._path)
             return assemble(stored.info, stored.rows(), stored.specials(), stored.end(), running)
-
-    def __getitem__(self, name: str) -> Branch:
-        return self.branch(name)
-
-    def __iter__(self) -> Iterator[Branch]:
-        """The branches in the order of creation."""
-        return iter(self.branches())
-
-    def __len__(self) -> int:
-        """The number of branches."""
-        return len(self.branch_names())
-
-    def __contains__(self, name: object) -> bool:
-        """Whether there is a branch of this name."""
-        return name in self.branch_names()
-
-    def branches(self) -> list[Branch]:
-        """All branches."""
-        return [self.branch(name) for name in self.branch_names()]
 
     def write_note(self, key: str, text: str) -> None:
         """Keep a text under a key; the last one counts."""

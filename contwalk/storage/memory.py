@@ -5,9 +5,8 @@ It keeps the same texts and bytes as the file would, so that both give back the 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from types import TracebackType
 
 import numpy as np
 
@@ -21,6 +20,7 @@ from contwalk.storage.database import (
     finished,
     unknown_branch,
 )
+from contwalk.storage.named_branches import NamedBranches
 from contwalk.storage.schema import (
     decode,
     encode,
@@ -44,7 +44,7 @@ class _Stored:
     end: str | None = None
 
 
-class MemoryDatabase:
+class MemoryDatabase(NamedBranches):
     """A `Database` without a file."""
 
     path = None
@@ -60,14 +60,6 @@ class MemoryDatabase:
 
     def _repr_html_(self) -> str:
         return html_of(self)
-
-    def __enter__(self) -> MemoryDatabase:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """Refuse further use, as a closed file does."""
@@ -126,22 +118,6 @@ class MemoryDatabase:
         """One branch, sorted and named."""
         stored = self._stored(name)
         return assemble(stored.info, self.rows(name), self.specials(name), outcome_from_text(stored.end))
-
-    def __getitem__(self, name: str) -> Branch:
-        return self.branch(name)
-
-    def __iter__(self) -> Iterator[Branch]:
-        return iter(self.branches())
-
-    def __len__(self) -> int:
-        return len(self.branch_names())
-
-    def __contains__(self, name: object) -> bool:
-        return name in self.branch_names()
-
-    def branches(self) -> list[Branch]:
-        """All branches."""
-        return [self.branch(name) for name in self.branch_names()]
 
     def write_note(self, key: str, text: str) -> None:
         """Keep a text under a key."""

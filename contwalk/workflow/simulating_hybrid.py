@@ -10,6 +10,7 @@ import numpy as np
 from contwalk.flow import dense
 from contwalk.flow.events.crossings import Event
 from contwalk.flow.events.settling import Settling
+from contwalk.flow.hybrid.arc import Control
 from contwalk.flow.hybrid.going_through import going_through
 from contwalk.flow.hybrid.motions import Arc, HybridMachine, applied, hybrid_machine, parts
 from contwalk.flow.hybrid.on_guard import check_on_guard
@@ -95,7 +96,8 @@ def simulated(
     settling, settled = Settling([s.period for s in system.states]), False
     steps = 0
     note = "" if last else past_zero(machine, start, state, mode, weights)
-    for part in parts(machine, start, state, mode, end, tolerance, weights, method, last):
+    control = Control(tolerance, weights, method)
+    for part in parts(machine, start, state, mode, end, control, last):
         found.append(part)
         progress(float(part.times[-1]))
         own = len(part.times) - 1

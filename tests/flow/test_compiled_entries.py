@@ -13,14 +13,14 @@ from contwalk.flow.compiled.compiled_field import EACH
 from contwalk.flow.compiled.entry_points import Entry, modules_behind
 from contwalk.flow.ensemble.sampling import _BATCH
 from contwalk.flow.explicit.explicit_call import ExplicitCall, StepControl
-from contwalk.flow.explicit.runge_kutta import ADAPTIVE
+from contwalk.flow.explicit.runge_kutta import ADAPTIVE, INTERPOLATE
 from contwalk.flow.hybrid.event_integrator import INTEGRATE
 from contwalk.flow.hybrid.event_records import ModeRecord
 from contwalk.flow.radau.radau_call import RadauCall
 from contwalk.flow.radau.radau_iia import _ADAPTIVE, _TANGENTS
 from contwalk.problems.hybrid.condensed import ELIMINATE
 
-ENTRIES = (INTEGRATE, ADAPTIVE, _ADAPTIVE, _TANGENTS, _BATCH, EACH, ELIMINATE)
+ENTRIES = (INTEGRATE, ADAPTIVE, INTERPOLATE, _ADAPTIVE, _TANGENTS, _BATCH, EACH, ELIMINATE)
 
 
 def called(function):

@@ -140,7 +140,8 @@ def crossings(
             zero = _held(leaving[number], at, sampled)
         suspects = _suspects(sampled)
         for step in np.flatnonzero(suspects.any(axis=1)):
-            locator = _Locator(field, c, p, times, states, guard, method, int(step), zero)
+            ends = (float(times[step]), float(times[step + 1])), (states[step], states[step + 1])
+            locator = _Locator(_Step(field, c, p, method, *ends), guard, zero)
             found += [
                 Crossing(number, int(step), trial.time, trial.state, rising, trial.rate)
                 for trial, rising in locator.found(at[step], suspects[step])
@@ -189,39 +190,36 @@ def _suspects(sampled: np.ndarray) -> np.ndarray:
     return found
 
 
+@dataclass(frozen=True, eq=False)
+class _Step:
+    """One step of a path: of which field at which parameters, by which method, and its ends."""
+
+    field: CompiledField
+    c: np.ndarray
+    p: np.ndarray
+    method: str
+    times: tuple[float, float]
+    states: tuple[np.ndarray, np.ndarray]
+
+    def state(self, t: float) -> np.ndarray:
+        """The state at an instant: the step is taken anew with the length that ends there."""
+        for end, state in zip(self.times, self.states, strict=True):
+            if t == end:
+                return state
+        return along(self.field, self.c, np.array([self.times[0], t]), self.states[0], self.method)[-1]
+
+
 class _Locator:
     """Looks for the zeros of one guard within one step, by taking that step anew."""
 
-    def __init__(
-        self,
-        field: CompiledField,
-        c: np.ndarray,
-        p: np.ndarray,
-        times: np.ndarray,
-        states: np.ndarray,
-        guard: Guard,
-        method: str,
-        step: int,
-        zero: _Zero,
-    ) -> None:
-        self._field, self._c, self._p = field, c, p
-        self._guard, self._method = guard, method
-        self._start, self._end = float(times[step]), float(times[step + 1])
-        self._first, self._last = states[step], states[step + 1]
-        self._held = zero
+    def __init__(self, step: _Step, guard: Guard, zero: _Zero) -> None:
+        self._step, self._guard, self._held = step, guard, zero
 
     def _trial(self, t: float) -> _Trial:
-        if t == self._start:
-            state = self._first
-        elif t == self._end:
-            state = self._last
-        else:
-            state = along(self._field, self._c, np.array([self._start, t]), self._first, self._method)[-1]
-        here = np.array([t]), state[None]
-        velocity = self._field.along(*here, self._c)
-        if t == self._start:
-            here = np.array([just_after(t)]), state[None]
-        value, rate, noise = self._guard.along(*here, self._p, velocity)[0].tolist()
+        step, state = self._step, self._step.state(t)
+        velocity = step.field.along(np.array([t]), state[None], step.c)
+        instant = just_after(t) if t == step.times[0] else t
+        value, rate, noise = self._guard.along(np.array([instant]), state[None], step.p, velocity)[0].tolist()
         if self._held.holds(t, value):
             value, rate = 0.0, float(self._held.side)
         return _Trial(t, state, value, rate, noise)

@@ -18,6 +18,7 @@ from contwalk.flow.explicit.explicit_call import (
     TOO_MANY_STEPS,
     Counts,
     ExplicitCall,
+    PolynomialCall,
     StepControl,
 )
 from contwalk.flow.explicit.stages import FIRST, NEXT, STAGE, Y
@@ -33,6 +34,7 @@ SHRINKAGE_WHERE_UNDEFINED = 0.1
 LEAST_SHRINKAGE, ROUNDINGS = 0.9, 16.0
 
 explicit_call, step_control, counts_at = record(ExplicitCall), record(StepControl), record(Counts)
+polynomial_call = record(PolynomialCall)
 _call_step = caller("v", "ddqqqq")
 _call_error = caller("d", "ddqqqqq")
 _evaluate = caller("v", "qdqq")
@@ -334,23 +336,19 @@ def _coefficients(p: Any, h: float, start: int, out: int) -> None:
             own[i] *= h
 
 
-def interpolate(
-    times: int,
-    nodes: int,
-    coefficients: int,
-    which: int,
-    steps: int,
-    n: int,
-    rows: int,
-    at: int,
-    count: int,
-    out: int,
-) -> int:
-    """The polynomials of steps at some times; `which` tells that of each step. At a node it is the node.
+def interpolate(address: int) -> int:
+    """The polynomials of a `PolynomialCall` at its times. At a node it is the node.
 
     start + s (c0 + (1 - s) (c1 + s (c2 + ...))), where s is the part of the step that has passed.
     """
-    grid, wanted, own = doubles(times, steps + 1), doubles(at, count), integers(which, steps)
+    call = polynomial_call(address)
+    n, rows, count = call.n, call.rows, call.count
+    nodes, coefficients, out = call.nodes, call.coefficients, call.out
+    grid, wanted, own = (
+        doubles(call.times, call.steps + 1),
+        doubles(call.wanted, count),
+        integers(call.which, call.steps),
+    )
     k = 0
     for j in range(count):
         t = wanted[j]

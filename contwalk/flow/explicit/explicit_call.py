@@ -52,6 +52,25 @@ class ExplicitCall(CallRecord):
 
 
 @call_record
+class PolynomialCall(CallRecord):
+    """The interpolating polynomials of a path of n states, asked at some times."""
+
+    # Addresses of the times (steps + 1), the nodes and the polynomials' coefficients (rows for each), and of
+    # the number of each step's polynomial.
+    times: int
+    nodes: int
+    coefficients: int
+    which: int
+    steps: int
+    n: int
+    rows: int
+    # Address of the times that are asked for, and their number; of the states there.
+    wanted: int
+    count: int
+    out: int
+
+
+@call_record
 class StepControl(CallRecord):
     """What error control remembers between steps."""
 

@@ -16,19 +16,19 @@ from contwalk.flow.compiled.call_record import CallRecord
 from contwalk.flow.compiled.compiled_field import EACH, CompiledField
 from contwalk.flow.compiled.entry_points import Entry
 from contwalk.flow.explicit import stages
-from contwalk.flow.explicit.explicit_call import FIRST_ROWS, FULL, STATUS, Counts, ExplicitCall, StepControl
-from contwalk.flow.path import Path
+from contwalk.flow.explicit.explicit_call import (
+    FIRST_ROWS,
+    FULL,
+    STATUS,
+    Counts,
+    ExplicitCall,
+    PolynomialCall,
+    StepControl,
+)
+from contwalk.flow.path import ErrorControl, Path, Tangents
 from contwalk.flow.tableaus.runge_kutta import RungeKutta
 
 Vector = Sequence[float] | np.ndarray
-
-_DRIVERS = "contwalk.flow.explicit.drivers"
-ADAPTIVE = Entry(_DRIVERS, "adaptive", "q", "qdddd")
-MARCH = Entry(_DRIVERS, "march", "q", "q")
-MARCH_EACH = Entry(_DRIVERS, "march_each", "q", "q")
-LEAP = Entry(_DRIVERS, "leap", "q", "qq")
-POLYNOMIALS = Entry(_DRIVERS, "polynomials", "q", "q")
-INTERPOLATE = Entry(_DRIVERS, "interpolate", "q", "qqqqqqqqqq")
 
 # Steps that there is room for at first.
 _ROOM = 512
@@ -38,6 +38,14 @@ _LINE = 8
 
 # Most numbers that interpolation keeps at once.
 _MOST_KEPT = 4_000_000
+
+_DRIVERS = "contwalk.flow.explicit.drivers"
+ADAPTIVE = Entry(_DRIVERS, "adaptive", "q", "qdddd")
+MARCH = Entry(_DRIVERS, "march", "q", "q")
+MARCH_EACH = Entry(_DRIVERS, "march_each", "q", "q")
+LEAP = Entry(_DRIVERS, "leap", "q", "qq")
+POLYNOMIALS = Entry(_DRIVERS, "polynomials", "q", "q")
+INTERPOLATE = Entry(_DRIVERS, "interpolate", "q", "q")
 
 
 def warmup() -> None:
@@ -158,53 +166,22 @@ class Call:
 
 
 def adaptive(
-    field: CompiledField,
-    c: np.ndarray,
-    t0: float,
-    x0: Vector,
-    t1: float,
-    tolerance: float,
-    weights: Vector,
-    method: str = "dop853",
-    max_steps: int = 100_000,
-    far_out: bool = False,
+    field: CompiledField, c: np.ndarray, t0: float, x0: Vector, t1: float, bound: ErrorControl, method: str
 ) -> Path:
-    """The path from (t0, x0) to t1, forwards or backwards, in steps whose estimated errors are allowed.
-
-    Parameters
-    ----------
-    tolerance : float
-        Bound of each step's estimated error: root mean square over the states, in units of `weights`.
-    weights : array of float, shape (n,)
-        Typical magnitudes of the states.
-    method : {"dop853", "verner98"}
-    max_steps : int
-    far_out : bool
-        Go on where roundings of the state are larger than the tolerance, with errors as small as they allow.
-
-    Returns
-    -------
-    Path
-        Where the status is not "ok", it ends where it could not go on.
-
-    Raises
-    ------
-    ValueError
-        If shapes do not fit, or if tolerance or weights are not positive.
-    """
-    if not tolerance > 0.0:
-        raise ValueError("the tolerance is positive")
+    """As `integrate.adaptive`."""
     call = Call(field, c, method, x0)
-    call.weigh(weights)
+    call.weigh(bound.weights)
     control, counts = StepControl(time=t0), Counts()
     call.controlled(control, counts)
-    call.record.most_steps, call.record.far_out = max_steps, far_out
+    call.record.most_steps, call.record.far_out = bound.max_steps, bound.far_out
     times, nodes = np.empty(_ROOM + 1), np.empty((_ROOM + 1, call.length))
     times[0], nodes[0] = t0, call.vectors[stages.Y]
     while True:
         call.record.times, call.record.nodes = address(times), address(nodes)
         call.record.room = len(times) - 1
-        answer = ADAPTIVE(call.record.address, t1, tolerance, call.method.error_order, call.method.stable)
+        answer = ADAPTIVE(
+            call.record.address, t1, bound.tolerance, call.method.error_order, call.method.stable
+        )
         if answer != FULL:
             break
         times = np.concatenate([times, np.empty(len(times))])
@@ -220,10 +197,8 @@ def adaptive(
     )
 
 
-def along(
-    field: CompiledField, c: np.ndarray, times: Vector, x0: Vector, method: str = "dop853"
-) -> np.ndarray:
-    """The states at given times, shape (s + 1, n), a step from each to the next; NaN after one that fails."""
+def along(field: CompiledField, c: np.ndarray, times: Vector, x0: Vector, method: str) -> np.ndarray:
+    """As `integrate.along`."""
     call = Call(field, c, method, x0)
     return call.march(times, True)[:, : field.n].copy()
 
@@ -233,69 +208,32 @@ def tangents(
     c: np.ndarray,
     times: Vector,
     x0: Vector,
-    X0: np.ndarray,
-    sources: Sequence[int] | np.ndarray,
-    method: str = "dop853",
-    every: bool = False,
+    given: Tangents,
+    method: str,
+    every: bool,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The steps of `along` and their exact derivatives.
-
-    Parameters
-    ----------
-    X0 : array of float, shape (n, q)
-        Derivatives of x0.
-    sources : sequence of int, length q
-        For each column the parameter column of the field that drives it, or -1.
-    every : bool
-        All nodes and not only the last.
-
-    Returns
-    -------
-    states : ndarray, shape (n,), or (s + 1, n)
-    tangents : ndarray, shape (n, q), or (s + 1, n, q)
-    """
-    start = _tangents(field, X0)
+    """As `integrate.tangents`."""
+    start = _tangents(field, given.start)
     q = start.shape[1]
     if q == 0:
         states = along(field, c, times, x0, method)
         return (states, np.empty((len(states), field.n, 0))) if every else (states[-1], start.copy())
     call = Call(field, c, method, x0, q)
-    call.tangents(start, sources)
+    call.tangents(start, given.sources)
     x, derivatives = call.split(call.march(times, every))
     x, derivatives = x.copy(), derivatives[..., :q].copy()
     return (x, derivatives) if every else (x[0], derivatives[0])
 
 
 def along_with_tangents(
-    field: CompiledField,
-    c: np.ndarray,
-    times: Vector,
-    x0: np.ndarray,
-    X0: np.ndarray,
-    sources: Sequence[int] | np.ndarray,
-    method: str = "dop853",
+    field: CompiledField, c: np.ndarray, times: Vector, x0: np.ndarray, given: Tangents, method: str
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Several paths, one after the other: the states at all times, and the derivatives of their ends.
-
-    Parameters
-    ----------
-    times : array of float, shape (s,)
-        Where one is repeated the next path begins.
-    x0 : ndarray, shape (m, n)
-        Their starts.
-    X0 : ndarray, shape (n, q)
-        Derivatives of each start.
-
-    Returns
-    -------
-    states : ndarray, shape (s, n)
-    tangents : ndarray, shape (m, n, q)
-    """
-    start, grid = _tangents(field, X0), _grid(times)
+    """As `integrate.along_with_tangents`."""
+    start, grid = _tangents(field, given.start), _grid(times)
     q, paths = start.shape[1], 1 + int(np.count_nonzero(grid[1:] == grid[:-1]))
     call = Call(field, c, method, None, q)
     if q:
-        call.drive(q, sources)
+        call.drive(q, given.sources)
     vectors = call.give("starts", _aligned(paths, call.length))
     x, derivatives = call.split(vectors)
     x[:], derivatives[..., :q] = _checked(x0, (paths, field.n), "starts"), start
@@ -316,7 +254,7 @@ def _tangents(field: CompiledField, given: np.ndarray) -> np.ndarray:
 def errors_on(
     field: CompiledField, c: np.ndarray, times: Vector, x0: Vector, method: str, weights: Vector
 ) -> np.ndarray:
-    """Embedded error estimates of the steps of a grid, shape (s,): RMS in units of the weights."""
+    """As `integrate.errors_on`."""
     call = Call(field, c, method, x0)
     call.weigh(weights)
     errors = call.give("errors", np.empty(max(len(times) - 1, 1)))
@@ -325,14 +263,9 @@ def errors_on(
 
 
 def dense(
-    field: CompiledField,
-    c: np.ndarray,
-    times: Vector,
-    states: np.ndarray,
-    t_values: Vector,
-    method: str = "dop853",
+    field: CompiledField, c: np.ndarray, times: Vector, states: np.ndarray, t_values: Vector, method: str
 ) -> np.ndarray:
-    """States between the nodes of a path, shape (len(t_values), n); NaN at times outside it.
+    """As `integrate.dense`.
 
     DOP853 interpolates by polynomials of degree 7. Verner's pair takes a shorter step from the node before.
     """
@@ -403,8 +336,19 @@ def _polynomial(
 ) -> np.ndarray:
     """States at times within a growing grid; `own` tells which of the polynomials is whose step's."""
     (_, rows, n), out = coefficients.shape, np.empty((len(at), nodes.shape[1]))
-    path = address(grid), address(nodes), address(coefficients), address(own)
-    INTERPOLATE(*path, len(grid) - 1, n, rows, address(at), len(at), address(out))
+    call = PolynomialCall(
+        times=address(grid),
+        nodes=address(nodes),
+        coefficients=address(coefficients),
+        which=address(own),
+        steps=len(grid) - 1,
+        n=n,
+        rows=rows,
+        wanted=address(at),
+        count=len(at),
+        out=address(out),
+    )
+    INTERPOLATE(call.address)
     return out
 
 

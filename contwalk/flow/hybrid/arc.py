@@ -77,7 +77,7 @@ class Control:
 
     tolerance: float
     weights: np.ndarray
-    method: str
+    method: str = "dop853"
     watched: bool = True
 
 

@@ -82,7 +82,8 @@ def arcs(
         The last one has no transition, or a status that is not `ok`.
     """
     collected: list[Arc] = []
-    for part in parts(machine, t0, x0, mode, t1, tolerance, weights, method, just_after, watched):
+    control = Control(tolerance, np.asarray(weights, dtype=float), method, watched)
+    for part in parts(machine, t0, x0, mode, t1, control, just_after):
         collected.append(part)
         steps = sum(len(each.times) - 1 for each in collected)
         ends = part.transition is not None or part.status != "ok" or not part.times[-1] < t1
@@ -114,19 +115,15 @@ def parts(
     x0: np.ndarray,
     mode: str,
     t1: float,
-    tolerance: float,
-    weights: np.ndarray,
-    method: str = "dop853",
-    just_after: str | None = None,
-    watched: bool = True,
+    control: Control,
+    last: str | None = None,
 ) -> Iterator[Arc]:
     """As `arcs`, but a long arc comes in parts of some steps: all but its last have no transition."""
-    control = Control(tolerance, np.asarray(weights, dtype=float), method, watched)
-    walk = ByEventIntegrator(machine, control) if method == METHOD else None
+    integrator = ByEventIntegrator(machine, control) if control.method == METHOD else None
     t, x, pace = float(t0), machine.existing(mode, x0), Pace(float(t0), t1)
     flow = machine.mode(mode)
-    last, noise, clocks = just_after, EPSILON * np.abs(x), Clocks(t)
-    standing, verdict = _stands(flow, t, x, noise, control.weights, just_after, clocks)
+    noise, clocks = EPSILON * np.abs(x), Clocks(t)
+    standing, verdict = _stands(flow, t, x, noise, control.weights, last, clocks)
     if verdict.status != "ok":
         reason = verdict.reason + _blame(verdict, machine, flow, t, x)
         yield replace(_instant(flow, t, x), status=verdict.status, reason=reason)
@@ -134,10 +131,10 @@ def parts(
     while t < t1:
         number = _at_once(flow, standing)
         if number is None:
-            if walk is None:
+            if integrator is None:
                 found = by_paths(machine, flow, t, x, t1, control, standing)
             else:
-                found = walk.parts(flow, t, x, t1, standing, last, noise)
+                found = integrator.parts(flow, t, x, t1, standing, last, noise)
             arc: Arc | None = None
             for part in found:
                 arc = _told(machine, flow, _at_edge(flow, part, control.weights), control.weights)

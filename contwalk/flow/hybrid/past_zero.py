@@ -6,6 +6,7 @@ import numpy as np
 
 from contwalk.errors import StartError
 from contwalk.flow.events.guard import EPSILON
+from contwalk.flow.hybrid.arc import Control
 from contwalk.flow.hybrid.guard_status import BEYOND, GuardStatus, guard_statuses
 from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow
 from contwalk.flow.hybrid.motions import parts
@@ -70,7 +71,7 @@ def _past(flow: ModeFlow, t: float, x: np.ndarray, weights: np.ndarray) -> dict[
 def _come_back(machine: HybridMachine, t: float, x: np.ndarray, flow: ModeFlow, weights: np.ndarray) -> bool:
     """Whether one of the guards that are past zero is not so any more a little later."""
     steps, count = 0, len(_past(flow, t, x, weights))
-    for part in parts(machine, t, x, flow.name, np.inf, TOLERANCE, weights):
+    for part in parts(machine, t, x, flow.name, np.inf, Control(TOLERANCE, weights)):
         steps += len(part.times) - 1
         here = float(part.times[-1]), part.states[-1]
         if part.transition is not None or len(_past(flow, *here, weights)) < count:

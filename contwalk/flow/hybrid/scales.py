@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from contwalk.flow.hybrid.arc import Control
 from contwalk.flow.hybrid.machine import HybridMachine
 from contwalk.flow.hybrid.motions import parts
 
@@ -36,7 +37,8 @@ def magnitudes(
     first = np.where(np.isnan(known), np.where(x0 == 0.0, 1.0, np.abs(x0)), known)
     sums, spans, largest = (np.zeros(len(known)) for _ in range(3))
     steps = 0
-    for part in parts(machine, t0, x0, mode, t1, PILOT_TOLERANCE, first, method, just_after):
+    pilot = Control(PILOT_TOLERANCE, first, method)
+    for part in parts(machine, t0, x0, mode, t1, pilot, just_after):
         if part.status in ("not_finite", "step_too_small"):
             return first  # what it came to on its way out of the numbers is not typical
         existing, sizes = machine.mode(part.mode).states, np.abs(part.states)

@@ -17,9 +17,11 @@ import numpy as np
 from contwalk.flow.compiled.addresses import address
 from contwalk.flow.compiled.compiled_field import CompiledField
 from contwalk.flow.compiled.entry_points import Entry
-from contwalk.flow.path import Path
+from contwalk.flow.path import ErrorControl, Path, Tangents
 from contwalk.flow.radau.radau_call import RadauCall, RadauControl, RadauCounts
 from contwalk.flow.tableaus.radau import RADAU5, RADAU9, Collocation
+
+Vector = Sequence[float] | np.ndarray
 
 TABLEAUS = {"radau5": RADAU5, "radau9": RADAU9}
 
@@ -105,41 +107,17 @@ def _packed(tableau: Collocation) -> np.ndarray:
 
 
 def adaptive(
-    field: CompiledField,
-    c: np.ndarray,
-    t0: float,
-    x0: Sequence[float] | np.ndarray,
-    t1: float,
-    tolerance: float,
-    weights: Sequence[float] | np.ndarray,
-    method: str = "radau9",
-    max_steps: int = 100_000,
+    field: CompiledField, c: np.ndarray, t0: float, x0: Vector, t1: float, bound: ErrorControl, method: str
 ) -> Path:
-    """The path from (t0, x0) to t1, with steps whose estimated error is below the tolerance.
-
-    Parameters
-    ----------
-    tolerance : float
-        Bound of each step's estimated error: root mean square over the states, in units of `weights`.
-    weights : array of float, shape (n,)
-        Typical magnitudes of the states.
-    method : {"radau5", "radau9"}
-
-    Returns
-    -------
-    Path
-        `evaluations` counts right-hand sides and Jacobians alike. Where the status is not "ok", the nodes end
-        where the path did.
-    """
+    """As `integrate.adaptive`; `evaluations` counts right-hand sides and Jacobians alike."""
     call = _Call(field, c, TABLEAUS[method])
-    scales = np.ascontiguousarray(weights, dtype=float)
     times, states = np.empty(_ROOM + 1), np.empty((_ROOM + 1, field.n))
     times[0], states[0] = t0, x0
     control, counts, record = RadauControl(), RadauCounts(), call.record
-    record.t1, record.tolerance, record.most = t1, tolerance, max_steps
-    record.allowed = _measured(tolerance, TABLEAUS[method].stages)
+    record.t1, record.tolerance, record.most = t1, bound.tolerance, bound.max_steps
+    record.allowed = _measured(bound.tolerance, TABLEAUS[method].stages)
     record.control, record.counts = control.address, counts.address
-    call.give(weights=scales)
+    call.give(weights=bound.weights)
     while True:
         call.give(times=times, states=states)
         record.steps = len(times) - 1
@@ -162,8 +140,8 @@ def adaptive(
 def _march(
     field: CompiledField,
     c: np.ndarray,
-    times: np.ndarray,
-    x0: Sequence[float] | np.ndarray,
+    times: Vector,
+    x0: Vector,
     method: str,
     weights: np.ndarray | None = None,
     errors: np.ndarray | None = None,
@@ -179,26 +157,15 @@ def _march(
     return states
 
 
-def along(
-    field: CompiledField,
-    c: np.ndarray,
-    times: np.ndarray,
-    x0: Sequence[float] | np.ndarray,
-    method: str = "radau9",
-) -> np.ndarray:
-    """The states at given times, shape (s + 1, n), a step from each to the next; NaN after one that fails."""
+def along(field: CompiledField, c: np.ndarray, times: Vector, x0: Vector, method: str) -> np.ndarray:
+    """As `integrate.along`."""
     return _march(field, c, times, x0, method)
 
 
 def errors_on(
-    field: CompiledField,
-    c: np.ndarray,
-    times: np.ndarray,
-    x0: Sequence[float] | np.ndarray,
-    method: str,
-    weights: Sequence[float] | np.ndarray,
+    field: CompiledField, c: np.ndarray, times: Vector, x0: Vector, method: str, weights: Vector
 ) -> np.ndarray:
-    """Embedded error estimates of the steps of a grid, shape (s,), in units of the weights."""
+    """As `integrate.errors_on`."""
     errors = np.full((len(times) - 1, 2), np.nan)
     _march(field, c, times, x0, method, np.ascontiguousarray(weights, dtype=float), errors)
     return np.maximum(_errors(errors[:, 0], TABLEAUS[method].stages), errors[:, 1])
@@ -207,90 +174,53 @@ def errors_on(
 def tangents(
     field: CompiledField,
     c: np.ndarray,
-    times: np.ndarray,
-    x0: Sequence[float] | np.ndarray,
-    X0: np.ndarray,
-    sources: Sequence[int],
-    method: str = "radau9",
-    every: bool = False,
+    times: Vector,
+    x0: Vector,
+    given: Tangents,
+    method: str,
+    every: bool,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The steps of `along` and their exact derivatives.
-
-    Parameters
-    ----------
-    X0 : array of float, shape (n, q)
-        Derivatives of x0.
-    sources : sequence of int, length q
-        For each column the parameter column that drives it, or -1.
-    every : bool
-        All nodes and not only the last.
-
-    Returns
-    -------
-    states : ndarray, shape (n,), or (s + 1, n)
-    tangents : ndarray, shape (n, q), or (s + 1, n, q)
-    """
-    x, X = np.array(x0, dtype=float), np.array(X0, dtype=float, order="C")
+    """As `integrate.tangents`."""
+    x, X = np.array(x0, dtype=float), np.array(given.start, dtype=float, order="C")
     count = len(times) if every else 0
     states, nodes = np.full((count, *x.shape), np.nan), np.full((count, *X.shape), np.nan)
-    _march_tangents(field, c, times, x, X, sources, method, states, nodes)
+    _march_tangents(field, c, times, x, Tangents(X, given.sources), method, (states, nodes))
     return (states, nodes) if every else (x, X)
 
 
 def along_with_tangents(
-    field: CompiledField,
-    c: np.ndarray,
-    times: np.ndarray,
-    x0: np.ndarray,
-    X0: np.ndarray,
-    sources: Sequence[int],
-    method: str = "radau9",
+    field: CompiledField, c: np.ndarray, times: Vector, x0: np.ndarray, given: Tangents, method: str
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Several paths, one after the other: the states at all times, and the derivatives of their ends.
-
-    Parameters
-    ----------
-    times : array of float, shape (s,)
-        Where one is repeated the next path begins.
-    x0 : ndarray, shape (m, n)
-        Their starts.
-    X0 : ndarray, shape (n, q)
-        Derivatives of each start.
-
-    Returns
-    -------
-    states : ndarray, shape (s, n)
-    tangents : ndarray, shape (m, n, q)
-    """
+    """As `integrate.along_with_tangents`."""
     grid, starts = np.asarray(times, dtype=float), np.asarray(x0, dtype=float)
     states = np.full((len(grid), field.n), np.nan)
-    ends = np.array([X0] * len(starts), dtype=float)
+    ends = np.array([given.start] * len(starts), dtype=float)
     for part, x, X in zip(_paths(grid), starts, ends, strict=True):
-        _march_tangents(field, c, grid[part], x.copy(), X, sources, method, states[part], np.empty(0))
+        own = Tangents(X, given.sources)
+        _march_tangents(field, c, grid[part], x.copy(), own, method, (states[part], np.empty(0)))
     return states, ends
 
 
 def _march_tangents(
     field: CompiledField,
     c: np.ndarray,
-    times: np.ndarray,
+    times: Vector,
     x: np.ndarray,
-    X: np.ndarray,
-    sources: Sequence[int],
+    given: Tangents,
     method: str,
-    states: np.ndarray,
-    nodes: np.ndarray,
+    nodes: tuple[np.ndarray, np.ndarray],
 ) -> None:
-    """Carry x, shape (n,), and X, shape (n, q), over a grid; NaN where a step fails.
+    """Carry x, shape (n,), and tangents, shape (n, q), over a grid, in place; NaN where a step fails.
 
-    What they are at all its times is written to `states` and `nodes`, where these are not empty.
+    What they are at all its times is written to `nodes`, where these are not empty.
     """
+    X = given.start
     n, stages, q, entries = field.n, TABLEAUS[method].stages, X.shape[1], len(field.col)
     sn = stages * n
     more = sn * sn + sn + n + entries + sn * q
     call = _Call(field, c, TABLEAUS[method], more, sn)
-    grid, driving = np.ascontiguousarray(times, dtype=float), np.asarray(sources, dtype=np.int64)
-    call.give(times=grid, x=x, tangents=X, sources=driving, states=states, nodes=nodes)
+    grid, driving = np.ascontiguousarray(times, dtype=float), np.asarray(given.sources, dtype=np.int64)
+    call.give(times=grid, x=x, tangents=X, sources=driving, states=nodes[0], nodes=nodes[1])
     call.record.steps, call.record.q = len(grid) - 1, q
     if _TANGENTS(call.record.address) < len(grid) - 1:
         x[:], X[:] = np.nan, np.nan
@@ -306,7 +236,7 @@ class Interpolation:
         self,
         field: CompiledField,
         c: np.ndarray,
-        times: Sequence[float] | np.ndarray,
+        times: Vector,
         states: np.ndarray,
         method: str = "radau9",
     ) -> None:
@@ -358,16 +288,11 @@ def _steps(grid: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 def dense(
-    field: CompiledField,
-    c: np.ndarray,
-    times: Sequence[float] | np.ndarray,
-    states: np.ndarray,
-    t_values: Sequence[float] | np.ndarray,
-    method: str = "radau9",
+    field: CompiledField, c: np.ndarray, times: Vector, states: np.ndarray, t_values: Vector, method: str
 ) -> np.ndarray:
-    """States between the nodes of a path, shape (len(t_values), n), by the collocation polynomials.
+    """As `integrate.dense`, by the collocation polynomials.
 
-    Their error is of order s + 1 in a method of order 2 s - 1. Times outside the path give NaN.
+    Their error is of order s + 1 in a method of order 2 s - 1.
     """
     grid, at = np.asarray(times, dtype=float), np.asarray(t_values, dtype=float)
     if len(grid) > 1 and len(at):

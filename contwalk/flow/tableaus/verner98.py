@@ -130,12 +130,5 @@ _ERRORS = (
 )
 
 VERNER98 = RungeKutta(
-    name="verner98",
-    order=9,
-    nodes=_NODES,
-    rows=_ROWS,
-    weights=_WEIGHTS,
-    errors=_ERRORS,
-    error_order=9,
-    stable=3.7,
+    "verner98", 9, _NODES, _ROWS, weights=_WEIGHTS, errors=_ERRORS, error_order=9, stable=3.7
 )

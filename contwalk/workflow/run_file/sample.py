@@ -9,8 +9,8 @@ from pathlib import Path
 
 from contwalk.errors import RunFileError, StartError
 from contwalk.system import System
-from contwalk.workflow.file_names import beside
 from contwalk.workflow.run_file import settings
+from contwalk.workflow.run_file.motion_file import MotionFile
 from contwalk.workflow.run_file.motions import Sampling
 from contwalk.workflow.run_file.parameters import check_bounds, given_values
 from contwalk.workflow.run_file.problems import Problems, allowed
@@ -24,37 +24,17 @@ from contwalk.workflow.run_file.values import SAMPLE_FIGURES
 from contwalk.workflow.run_file.yaml_lines import Key
 
 
-@dataclass(frozen=True, eq=False)
-class SampleFile:
-    """A checked run file, for many motions.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SampleFile(MotionFile):
+    """A checked run file, for many motions: a `MotionFile` whose start gives what is not drawn.
 
     Parameters
     ----------
-    path, text, overrides
-        The file as the user gave it, its content, and the `--set` values.
-    system_reference, system : str, System
-    start : StartSpec
-        Gives what is not drawn; its `parameters` are those of the run.
     sampling : Sampling
         The section itself.
-    output : Path
-        The base of the names of all files written.
-    figures : tuple of FigureSpec
     """
 
-    path: Path
-    text: str
-    overrides: tuple[str, ...]
-    system_reference: str
-    system: System
-    start: StartSpec
     sampling: Sampling
-    output: Path
-    figures: tuple[FigureSpec, ...]
-
-    def file(self, what: str) -> Path:
-        """The file of this ending, as `samples.h5`."""
-        return beside(self.output, what)
 
 
 def read_sampling(path: str | Path, overrides: Sequence[str] = (), output: str | None = None) -> SampleFile:

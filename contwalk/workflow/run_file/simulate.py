@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from contwalk.system import System
-from contwalk.workflow.file_names import beside
 from contwalk.workflow.run_file import settings
 from contwalk.workflow.run_file.model import RunModel
+from contwalk.workflow.run_file.motion_file import MotionFile
 from contwalk.workflow.run_file.motions import Simulation
 from contwalk.workflow.run_file.parameters import given_values
 from contwalk.workflow.run_file.problems import Problems, allowed
@@ -23,48 +23,28 @@ from contwalk.workflow.run_file.values import MOTION_FIGURES
 from contwalk.workflow.run_file.yaml_lines import Key
 
 
-@dataclass(frozen=True, eq=False)
-class SimulationFile:
-    """A checked run file, for one motion.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SimulationFile(MotionFile):
+    """A checked run file, for one motion: a `MotionFile` with these besides.
 
     Parameters
     ----------
-    path, text, overrides
-        The file as the user gave it, its content, and the `--set` values.
-    system_reference, system : str, System
-    start : StartSpec
-        Where the motion begins; its `parameters` are those of the motion.
     perturbation : ndarray, shape (n,)
         What is added to the state at the start.
     simulation : Simulation
         The section itself.
     report_at : ReportAt, optional
         A section whose crossings are events too.
-    output : Path
-        The base of the names of all files written: `X.h5` stands for `X_trajectory.h5` and so on.
-    figures : tuple of FigureSpec
     """
 
-    path: Path
-    text: str
-    overrides: tuple[str, ...]
-    system_reference: str
-    system: System
-    start: StartSpec
     perturbation: np.ndarray
     simulation: Simulation
     report_at: ReportAt | None
-    output: Path
-    figures: tuple[FigureSpec, ...]
 
     @property
     def smooth(self) -> bool:
         """Whether there is one mode, and nothing acts on it but its field."""
         return len(self.system.modes) == 1 and not self.system.acting
-
-    def file(self, what: str) -> Path:
-        """The file of this ending, as `trajectory.h5`."""
-        return beside(self.output, what)
 
 
 def read_simulation(
