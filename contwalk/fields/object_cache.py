@@ -15,7 +15,12 @@ from contextlib import suppress
 from pathlib import Path
 
 MOST_BYTES = 256 * 1024 * 1024
+# A folder of many files takes long to list. It is listed before more than this part of `MOST_BYTES` has been
+# written since, and where room is made, this part is left free.
+SPARE = 1.0 / 16.0
 _DIGEST = hashlib.sha256().digest_size
+# How many bytes this process may write into a folder before it lists it again.
+_room: dict[Path, float] = {}
 
 
 def directory() -> Path:
@@ -65,23 +70,28 @@ def store(name: str, content: bytes) -> None:
         except OSError:
             os.unlink(temporary)
             raise
-        _keep_within(target.parent, MOST_BYTES)
+        _room[target.parent] = _room.get(target.parent, 0.0) - _DIGEST - len(content)
+        if _room[target.parent] < 0.0:
+            _room[target.parent] = _made_room(target.parent, MOST_BYTES)
 
 
 def _file(name: str) -> Path:
     return directory() / "objects" / f"{name}.o"
 
 
-def _keep_within(folder: Path, limit: int) -> None:
-    """Delete the oldest files until the rest fit into `limit` bytes."""
-    files = []
-    for path in folder.iterdir():
-        with suppress(FileNotFoundError):  # another process may have moved it meanwhile
-            status = path.stat()
-            files.append((status.st_mtime, status.st_size, path))
-    excess = sum(size for _, size, _ in files) - limit
-    for _, size, path in sorted(files):
-        if excess <= 0:
-            return
-        path.unlink(missing_ok=True)
-        excess -= size
+def _made_room(folder: Path, limit: int) -> float:
+    """Delete the oldest files where all do not fit into `limit` bytes; how many may be written then."""
+    files, spare = [], SPARE * limit
+    with os.scandir(folder) as entries:
+        for entry in entries:
+            with suppress(FileNotFoundError):  # another process may have moved it meanwhile
+                status = entry.stat()
+                files.append((status.st_mtime, status.st_size, entry.path))
+    total = sum(size for _, size, _ in files)
+    if total > limit:
+        for _, size, path in sorted(files):
+            if total <= limit - spare:
+                break
+            Path(path).unlink(missing_ok=True)
+            total -= size
+    return min(limit - total, spare)

@@ -99,6 +99,16 @@ def test_the_oldest_files_make_room(folder, monkeypatch):
     assert sorted(file.name for file in folder.iterdir()) == ["object2.o", "object3.o", "object4.o"]
 
 
+def test_the_folder_is_not_listed_at_each_write(folder, monkeypatch):
+    """With many files that takes longer than compiling does: 400 functions of a machine are 1800 files."""
+    listed, scandir = [], os.scandir
+    monkeypatch.setattr(os, "scandir", lambda path: (listed.append(path), scandir(path))[1])
+    for i in range(50):
+        object_cache.store(f"object{i}", bytes(1000))
+    assert len(listed) <= 1
+    assert len(list(folder.iterdir())) == 50
+
+
 def test_where_it_is(monkeypatch):
     monkeypatch.delenv("CONTWALK_CACHE_DIR", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", "/somewhere")
