@@ -11,13 +11,14 @@ from functools import cached_property
 
 import numpy as np
 
-from contwalk.errors import NotFinite, StartError, called
+from contwalk.errors import NotFinite, StartError
 from contwalk.flow.hybrid.event_integrator import METHOD
 from contwalk.flow.hybrid.motions import Arc, HybridMachine, applied, arcs, hybrid_machine
 from contwalk.flow.hybrid.on_guard import check_on_guard
 from contwalk.flow.hybrid.past_zero import past_zero
 from contwalk.flow.hybrid.scales import magnitudes
 from contwalk.problems.angles import whole_turns
+from contwalk.problems.forcing import period_at
 from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.lap import Lap
 from contwalk.problems.hybrid.mirrors import Span, carries
@@ -173,12 +174,7 @@ class _Search:
         self.system, self.parameters, self.until, self.least = system, dict(parameters), until, least
         self.period = 0.0
         if system.period is not None:
-            self.period = float(called("period", system.period, ParameterValues(**parameters)))
-            if not (np.isfinite(self.period) and self.period > 0.0):
-                raise StartError(
-                    f"The period of '{system.name}' is {system.lasting(self.period)} there.",
-                    "It must be positive.",
-                )
+            self.period = period_at(system, parameters)
         self.turns = np.array([s.period or 0.0 for s in system.states])
         self.stretches: list[Span] = []
         self.low = np.full(len(system.states), np.inf)

@@ -7,9 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from contwalk.errors import StartError, called
+from contwalk.errors import StartError
 from contwalk.flow.hybrid.motions import HybridMachine, hybrid_machine
 from contwalk.problems.angles import whole_turns
+from contwalk.problems.forcing import period_at
 from contwalk.problems.hybrid import cutting, families
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.lap import Lap
@@ -18,7 +19,6 @@ from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.parameter_line import ParameterLine
 from contwalk.python_functions import line_of
 from contwalk.system import Neutral, System
-from contwalk.system.declarations import ParameterValues
 
 # A guard that is more than this part of its typical changes where its event has found it has jumped.
 JUMPED = 1e-3
@@ -51,7 +51,7 @@ def orbit_of(
     drifts, states = _drifting(problem, lap, values)
     z = problem.assembled(states, lasting, drifts, value)
     if layout.start is not None and system.period is not None:
-        period = float(called("period", system.period, ParameterValues(**problem.values_of(z))))
+        period = period_at(system, problem.values_of(z))
         whole = problem.rounds * float(lasting.sum())
         problem = problem.of_word(lap.word, max(round(whole / period), 1))
         z[layout.start] = lap.stretches[0].start % period if problem.word.eventful else 0.0

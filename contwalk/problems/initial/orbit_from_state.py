@@ -6,10 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from contwalk.errors import StartError, called
+from contwalk.errors import StartError
 from contwalk.flow.hybrid.machine import hybrid_machine
 from contwalk.flow.method import choose
 from contwalk.problems.conserving import with_own_values
+from contwalk.problems.forcing import period_at
 from contwalk.problems.hybrid import families
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.discretization import Discretization
@@ -68,9 +69,9 @@ def orbit_at(
     x = np.asarray(state, dtype=float)
     line = started(system, line, at, x, system.modes[0].name)
     value = line.place(at)
-    if system.period is not None and period is not None:
-        own = float(called("period", system.period, ParameterValues(**line.parameters)))
-        subharmonic = max(round(period / own), 1)
+    if system.period is not None:
+        own = period_at(system, line.at(value))
+        subharmonic = subharmonic if period is None else max(round(period / own), 1)
     if pins is None:
         pins = _neutral(system, line, value, x)
     problem = PeriodicOrbit(

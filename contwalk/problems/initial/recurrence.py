@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from contwalk import flow
-from contwalk.errors import NotFinite, StartError, called
+from contwalk.errors import NotFinite, StartError
 from contwalk.flow.method import Choice, choose
 from contwalk.problems.angles import whole_turns
+from contwalk.problems.forcing import period_at
 from contwalk.problems.orbit.motion import PLAIN, Motion, motion_of
 from contwalk.problems.orbit.shooting import roughness
 from contwalk.system import System
-from contwalk.system.declarations import ParameterValues
 
 TOLERANCE = 1e-9
 # A return this near, in units of the motion's range, is one; Newton's method does the rest.
@@ -114,7 +114,7 @@ def recurrent(
     forced = system.period is not None
     unit = 1.0
     if system.period is not None:
-        unit = float(called("period", system.period, ParameterValues(**parameters)))
+        unit = period_at(system, parameters)
     t, x = 0.0, np.array(state, dtype=float)
     reached = np.abs(x)
     weights = np.maximum(reached, 1e-3)

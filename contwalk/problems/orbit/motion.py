@@ -34,6 +34,7 @@ from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow import Field
 from contwalk.memory import remembered
 from contwalk.problems import conserving
+from contwalk.problems.forcing import period_at
 from contwalk.problems.kinks import Course, Kink, inputs
 from contwalk.problems.tracing import (
     parameter_symbols,
@@ -172,8 +173,8 @@ class Motion:
         known = {n: given["b", k] + lam * given["d", k] for k, n in enumerate(names)}
         if self._free is not None:
             known[self._free] = lam
-        period = self.system.period
-        lasting = given["T", 0] if period is None else period(ParameterValues(**known)) * self._periods
+        forced = self.system.period is not None
+        lasting = period_at(self.system, known) * self._periods if forced else given["T", 0]
 
         def where(before: tuple[float, np.ndarray], after: tuple[float, np.ndarray]) -> str:
             places = [(lasting * t, x.tolist()) for t, x in (before, after)]

@@ -9,6 +9,7 @@ import numpy as np
 from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import Tracer, trace
 from contwalk.flow import Field
+from contwalk.problems.forcing import positive
 from contwalk.problems.orbit.motion import DIRECTIONS, lifted
 from contwalk.problems.tracing import parameter_symbols
 from contwalk.system import System
@@ -65,8 +66,14 @@ def period_and_slope(
         Of the free parameter.
     given : ndarray
         Parameters at zero, their change along a path, and directions of the lift.
+
+    Raises
+    ------
+    PluginError
+        If it is no positive number there.
     """
     map_ = period_map(system, free, change, lift)
     c = map_.constants(np.concatenate([[value], given]))
     values, slopes = map_(0.0, np.zeros(0), c), map_.jacobian(0.0, np.zeros(0), c)
+    positive(system, float(values[0]))
     return float(values[-1]), float(slopes[-1, 0])

@@ -104,6 +104,7 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         return self.known.at("linearization", z, MOST_KEPT, lambda: self._linearized(z))
 
     def _linearized(self, z: np.ndarray) -> Linearization:
+        self._forcing(z)
         residual, jacobian = self._equations(z)
         levels, magnitudes = unowned(self._levels), unowned(self.magnitudes_near)
         return Linearization(residual, jacobian, lambda: (levels(z, jacobian), None), lambda: magnitudes(z))
@@ -504,12 +505,17 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         """Derivative of the closure's duration by unknowns and free parameter, shape (N + 1,)."""
         gradient = np.zeros(len(z))
         if self.forced:
-            line = self.line
-            _, slope = period_and_slope(self.system, line.own, line.direction, float(z[-1]), line.constants)
-            gradient[-1] = self.subharmonic / self.closure.fold * slope
+            gradient[-1] = self.subharmonic / self.closure.fold * self._forcing(z)[1]
         else:
             gradient[self.segments * self.states] = 1.0
         return gradient
+
+    def _forcing(self, z: np.ndarray) -> tuple[float, float]:
+        """The period of what forces it, and its derivative by the free parameter; else zeros."""
+        if not self.forced:
+            return 0.0, 0.0
+        line = self.line
+        return period_and_slope(self.system, line.own, line.direction, float(z[-1]), line.constants)
 
     def errors_at(self, z: np.ndarray) -> np.ndarray:
         """Estimated error of each equation at a solution."""

@@ -14,8 +14,8 @@ from typing import Any, Self, TypeVar
 
 import numpy as np
 
-from contwalk.errors import called
 from contwalk.problems.angles import whole_turns
+from contwalk.problems.forcing import period_at
 from contwalk.problems.kinks import Course, Kink
 from contwalk.problems.orbit.closure import Closure
 from contwalk.problems.orbit.discretization import Discretization
@@ -147,10 +147,7 @@ class SegmentedOrbit(Orbit):
         """Duration of the closure, seconds."""
         if not self.forced:
             return float(self.scalars(z)[0])
-        period = self.system.period
-        assert period is not None
-        p = ParameterValues(**self.values_of(z))
-        return self.subharmonic / self.closure.fold * float(called("period", period, p))
+        return self.subharmonic / self.closure.fold * period_at(self.system, self.values_of(z))
 
     @property
     def periods(self) -> np.ndarray:

@@ -1,0 +1,40 @@
+"""The period of what forces a system, at given parameters: a positive number, or a sentence with its line."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from contwalk.errors import PluginError, called
+from contwalk.python_functions import line_of
+from contwalk.system import System
+from contwalk.system.declarations import ParameterValues
+
+
+def period_at(system: System, parameters: Mapping[str, float]) -> float:
+    """Seconds after which the equations of a forced system repeat themselves.
+
+    Raises
+    ------
+    PluginError
+        If there is no such time at these parameters.
+    """
+    assert system.period is not None
+    return positive(system, float(called("period", system.period, ParameterValues(**parameters))))
+
+
+def positive(system: System, period: float) -> float:
+    """A period that has been computed, if it is one.
+
+    Raises
+    ------
+    PluginError
+    """
+    if 0.0 < period < np.inf:
+        return period
+    assert system.period is not None
+    raise PluginError(
+        f"{line_of(system.period)}period(p) is {period:.6g} at the parameters there. It must be a positive "
+        "number."
+    )
