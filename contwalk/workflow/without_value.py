@@ -8,6 +8,7 @@ import numpy as np
 
 from contwalk.branch import Branch
 from contwalk.problems.hybrid.word import named_word
+from contwalk.python_functions import line_of
 from contwalk.system import System
 from contwalk.workflow.run_file.settings import ReportAt
 
@@ -39,6 +40,17 @@ def notes_of(branch: Branch, system: System, place: ReportAt | None) -> Iterator
                 f"observable {branch.name} {name}",
                 f"{branch.name}: observable '{name}' is not a number {_where(branch, lacking)}; marks of it "
                 "cannot be found there.",
+            )
+    for condition in system.conditions:
+        if events is None or condition.at not in events:
+            continue
+        lacking = ~np.isfinite(branch[condition.name])
+        if np.any(lacking):
+            yield (
+                f"condition {branch.name} {condition.name}",
+                f"{branch.name}: {line_of(condition.function)}condition '{condition.name}' is not a number "
+                f"{_where(branch, lacking)}: orbits there are told to be not admissible, whatever they are. "
+                "Return a number there, negative where the motion is not the machine's.",
             )
     if place is not None and place.section is not None and events is not None:
         state, value = place.section

@@ -133,6 +133,19 @@ def test_observable_without_value_at_an_event_that_happens(tmp_path, monkeypatch
     assert f"observable 'root' is not a number at {len(branch)} of {len(branch)} points" in note
 
 
+def test_condition_without_value_at_an_event_that_happens(tmp_path, monkeypatch, capsys):
+    """Orbits were told to be not admissible, and nothing said why."""
+    wrong = (
+        "    conditions=(Condition('root', lambda t, x, p: math.sqrt(x[0] - 9.0), at='wall'),),\n    period="
+    )
+    cart = CART.replace("    period=", wrong).replace("import Mode", "import Condition, Mode")
+    printed, (note,), (branch,) = told(tmp_path, monkeypatch, capsys, cart=cart)
+    line = 1 + cart[: cart.index("conditions=")].count("\n")
+    assert f"cart.py, line {line}: condition 'root' is not a number at {len(branch)} of" in note
+    assert not branch["admissible"].any()
+    assert " ".join(note.split()) in printed
+
+
 def test_section_that_no_orbit_passes(tmp_path, monkeypatch, capsys):
     report = "report_at: {section: {s: 9.0}, direction: rising}\n"
     printed, (note,), (branch,) = told(tmp_path, monkeypatch, capsys, HIT, report)
