@@ -302,7 +302,7 @@ def along(rows: np.ndarray) -> np.ndarray:
 
 def named(special_points: list[SpecialPoint], points: np.ndarray) -> list[SpecialPoint]:
     """Special points in their order along the branch, with names counted along it and their rows."""
-    counts: dict[str, int] = dict.fromkeys(LABELS, 0)
+    counts: dict[str, int] = dict.fromkeys(MEANINGS, 0)
     taken: set[int] = set()
     result = []
     for point in sorted(special_points, key=lambda q: q.s):

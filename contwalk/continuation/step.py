@@ -16,6 +16,7 @@ from contwalk.continuation.newton import Correction, correct
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import Here
+from contwalk.continuation.told_by_value import told_by_value
 from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.event_kinks import Met
 from contwalk.problems.kinks import refusal
@@ -315,8 +316,8 @@ def _ends_at_a_limit(segment: Segment, found: list[Found], settings: Settings) -
 
 
 def _smooth(segment: Segment, settings: Settings, observer: Observer, born: bool) -> list[Found]:
-    """Bifurcations and marks on a segment; `born`: the branch leaves another one at its beginning."""
-    found = bifurcations(segment)
+    """All that tests tell on a segment, and marks; `born`: the branch leaves another one at its beginning."""
+    found = [*bifurcations(segment), *told_by_value(segment)]
     turns = [*([0.0] if born else []), *(f.theta for f in found if f.type.test in TURNS)]
     for mark in marked(segment, settings.sought, observer, turns):
         at = [f.theta for f in found if f.type.test is not Test.MARK and abs(f.theta - mark.theta) < COINCIDE]
@@ -328,7 +329,7 @@ def _with_counts(found: list[Found], count: int) -> list[Found]:
     """Marks take their unstable counts from the bifurcations before them, or at the same place."""
     result = []
     for point in found:
-        uncounted = point.type.test in (Test.MARK, Test.MARGIN)
+        uncounted = point.type.test in (Test.MARK, Test.MARGIN, Test.VALUE)
         result.append(replace(point, before=count, after=count) if uncounted else point)
         count = result[-1].after
     return result

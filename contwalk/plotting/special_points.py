@@ -7,7 +7,7 @@ from typing import Any
 
 from matplotlib.lines import Line2D
 
-from contwalk.branch import LABELS, SpecialPoint
+from contwalk.branch import SpecialPoint
 from contwalk.labels import MEANINGS
 from contwalk.plotting.style import GREY, INK
 
@@ -45,7 +45,7 @@ def marker(label: str, color: str, *, located: bool = True, size: float | None =
 def legend_entries(points: Sequence[SpecialPoint]) -> list[Line2D]:
     """One entry for each label that occurs, with its meaning, and one for hollow markers if there are any."""
     entries = []
-    for label in LABELS:
+    for label in MEANINGS:
         alike = [point for point in points if point.label == label]
         if alike:
             located = any(point.status == "located" for point in alike)

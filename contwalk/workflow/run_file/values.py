@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, PlainValidator, Tag
 from pydantic_core import PydanticCustomError
 
 from contwalk.branch import LABELS
+from contwalk.labels import END, MARK
 from contwalk.workflow.run_file.yaml_lines import shown
 
-FOLLOWED = tuple(label for label in LABELS if label not in ("EP", "UZ"))
+FOLLOWED = tuple(label for label in LABELS if label not in (END, MARK))
 DIAGRAM_FIGURES = (
     "bifurcation_diagram",
     "eigenvalues",
@@ -159,4 +160,7 @@ End = Annotated[
     Annotated[str, Tag("(preset)")] | Annotated[Values, Tag("(values)")], Discriminator(_text_or_values)
 ]
 Action = Literal["stop", "ignore", "switch"]
-FollowedLabel = Literal["LP", "BP", "HB", "PD", "NS", "GR", "OC", "AZ"]
+if TYPE_CHECKING:
+    FollowedLabel = str
+else:
+    FollowedLabel = Literal[FOLLOWED]
