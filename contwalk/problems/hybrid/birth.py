@@ -21,16 +21,17 @@ from contwalk.problems.problem import Seed
 def eventful(born: Seed) -> Seed:
     """The seed of a smooth cycle as one of the machine's orbits, of the whole cycle.
 
-    It is left as it is where an orbit with legs cannot be one: a leg is not cut into segments, and a drift
-    along a pinned direction is none of a point.
+    It is left as it is where an orbit with legs cannot be one: those with soft transitions, or of which only
+    a part was integrated, are not cut into segments, and a drift along a pinned direction is none of a point.
     """
     smooth = born.problem
     assert isinstance(smooth, PeriodicOrbit)
     assert smooth.section is not None
-    if smooth.segments > 1 or smooth.pins:
-        return born
-    system, x = smooth.system, born.z[: smooth.states]
+    m, n = smooth.segments, smooth.states
+    system, x = smooth.system, born.z[:n]
     word = Word((Leg(system.modes[0].name),))
+    if smooth.pins or (m > 1 and (smooth.whole[1] > 1 or applies(system, word))):
+        return born
     kind = SoftOrbit if applies(system, word) else HybridOrbit
     problem = kind(
         system,
@@ -41,14 +42,19 @@ def eventful(born: Seed) -> Seed:
         reference=x,
         discretization=smooth.discretization,
     )
-    place, own = problem.layout.states[0], list(problem.passages[0].states)
+    problem = problem.cut_into(m)
+    places, own = [each.states for each in problem.layout.segments], list(problem.passages[0].states)
     section = Section(smooth.section.point[own], smooth.section.normal[own])
     z = problem.assembled([x], [smooth.whole[1] * smooth.duration(born.z)], np.zeros(0), float(born.z[-1]))
+    for place in places:
+        z[place] = x[own]
     there = problem.adapted_to(z, problem.weighted(smooth.mesh.magnitudes), section=section)
 
     def on_leg(of_smooth: np.ndarray) -> np.ndarray:
         result = np.zeros(len(z))
-        result[place], result[-1] = of_smooth[own], of_smooth[-1]
+        for place, states in zip(places, of_smooth[: m * n].reshape(m, n), strict=True):
+            result[place] = states[own]
+        result[-1] = of_smooth[-1]
         return result
 
     return replace(

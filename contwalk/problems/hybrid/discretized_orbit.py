@@ -123,8 +123,10 @@ class DiscretizedOrbit(Orbit):
 
     @property
     def cuttable(self) -> bool:
-        """Whether legs may be cut into segments: those of words that end with an event."""
-        return self.word.eventful
+        """Whether legs may be cut into segments: those of words that end with an event, and a single leg that
+        ends where it began.
+        """
+        return self.word.eventful or len(self.word) == 1
 
     def fitting(self, z: np.ndarray) -> Self:
         """The same problem with the segments of a solution, which its length tells."""

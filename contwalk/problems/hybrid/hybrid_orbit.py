@@ -55,6 +55,7 @@ from contwalk.problems.orbit.orbit_problem import OrbitProblem
 from contwalk.problems.orbit.points.catalogue import LIMIT_TYPES, POINT_TYPES
 from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.orbit.section import Section, section_at
+from contwalk.problems.orbit.segmented_orbit import PARTS
 from contwalk.problems.orbit.slow_place import SlowPlace
 from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.orbit.unbounded import unbounded
@@ -463,6 +464,7 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
                 self.discretization.method,
                 self.word.has_halves(self.system),
                 most,
+                1 if self.word.eventful or len(self.word) > 1 else PARTS,
             )
         except NotFinite:
             self.effort.spend(STAGES["radau9"] * most)

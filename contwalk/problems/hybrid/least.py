@@ -88,7 +88,7 @@ def divided(problem: Kind, z: np.ndarray, times: int) -> tuple[Kind, np.ndarray]
     """The problem of the first part of a word that repeats itself, and the same part of the orbit."""
     if problem.word.eventful:
         return _beginning(problem, z, problem.layout.legs // times, times, problem.word.image)
-    layout = problem.layout
+    layout, whole, z = problem.layout, z, cutting.bare(problem, z)
     ends = np.cumsum(z[layout.durations])
     at = float(ends[-1]) / times
     last = min(int(np.searchsorted(ends, at)), layout.legs - 1)
@@ -98,6 +98,8 @@ def divided(problem: Kind, z: np.ndarray, times: int) -> tuple[Kind, np.ndarray]
     other.subharmonic = max(problem.subharmonic // times, 1)
     states = z[: layout.states[last].stop]
     start = np.concatenate([states, lasting, z[layout.durations.stop :]])
+    if problem.cuts > 1:
+        start = cutting.copied(other, start, float(problem.starting_times(whole)[0]), problem, whole)
     return discretized(other, start), start
 
 

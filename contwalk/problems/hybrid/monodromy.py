@@ -17,6 +17,8 @@ from contwalk.problems.orbit.multipliers import Multipliers, multipliers, of_sec
 
 # A guard that changes by less than this part of itself in a closure, at its rate at the event, has no rate.
 NO_RATE = 1e-7
+# An orbit that goes a smaller part of its variation in one closure, at its present speed, is a point.
+POINT = 1e-9
 
 
 def factors(orbit: DiscretizedOrbit, jacobian: np.ndarray) -> list[np.ndarray]:
@@ -132,8 +134,11 @@ def neutral_directions(orbit: DiscretizedOrbit, z: np.ndarray, i: int) -> np.nda
     """The flow's own direction, if there is one, pinned ones, and gradients of what is conserved at the
     start of leg i, as columns.
     """
-    still = orbit.forced and not orbit.timed(i)
-    directions = [] if still else [flow_direction(orbit, z, i)]
+    held = orbit.forced and not orbit.timed(i)
+    directions = [] if held else [flow_direction(orbit, z, i)]
+    becoming = _becoming(orbit, z)
+    if becoming is not None:
+        directions = [becoming]
     directions += pinned_directions(orbit, z, i)
     if orbit.system.conserved:
         passage = orbit.passages[i]
@@ -142,6 +147,18 @@ def neutral_directions(orbit: DiscretizedOrbit, z: np.ndarray, i: int) -> np.nda
         own = gradients[:, list(passage.states)]
         directions += list(conserving.raised(own, orbit.extended(i)).T)
     return np.array(directions).reshape(len(directions), len(orbit.extended(i))).T
+
+
+def _becoming(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray | None:
+    """Of an orbit without events that is a point still, the way that it is about to move: across its section.
+
+    None of an orbit that moves, or that an event or the force begins.
+    """
+    if orbit.word.eventful or orbit.forced or orbit.section is None:
+        return None
+    units = orbit.extended(0)
+    moved = flow_direction(orbit, z, 0) * orbit.duration(z)
+    return None if np.linalg.norm(moved / units) > POINT else orbit.section.normal * units**2
 
 
 def spectrum(orbit: DiscretizedOrbit, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
@@ -179,14 +196,15 @@ def _sections(
     found, magnitudes, left_out = [], [], []
     flows = orbit.word.eventful or not orbit.forced
     segments, legs, first = chain(orbit, jacobian), orbit.layout.legs, orbit.smallest
+    becoming = _becoming(orbit, z)
     for i in ((first + k) % legs for k in range(legs)):
         for j, factor in enumerate(segments[i]):
             own = orbit.extended(i)
             found.append(factor)
             magnitudes.append(own)
-            left_out.append(
-                flow_direction(orbit, z, i, j)[:, None] if j and flows else np.zeros((len(own), 0))
-            )
+            flow = flow_direction(orbit, z, i, j) if becoming is None else becoming
+            left_out.append(flow[:, None] if j and flows else np.zeros((len(own), 0)))
+            becoming = None if becoming is None else factor @ becoming
     left_out[0] = neutral_directions(orbit, z, first)
     return found, magnitudes, left_out
 
@@ -197,7 +215,7 @@ def trivial_error(orbit: DiscretizedOrbit, z: np.ndarray, jacobian: np.ndarray) 
     A start a little later on the same orbit leads to the same event: P f = 0. Where an event has no rate
     its map has no derivative: NaN.
     """
-    if orbit.forced or _arrives_without_rate(orbit, jacobian):
+    if orbit.forced or _arrives_without_rate(orbit, jacobian) or _becoming(orbit, z) is not None:
         return float("nan")
     worst, legs = 0.0, orbit.layout.legs
     for i, factors in enumerate(chain(orbit, jacobian)):

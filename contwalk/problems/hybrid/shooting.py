@@ -20,6 +20,7 @@ from contwalk.flow.method import Carried, choose
 from contwalk.problems.hybrid.passage import Passage
 from contwalk.problems.orbit.discretization import TIGHTEST
 from contwalk.problems.orbit.motion import MIXED, PLAIN, TANGENT
+from contwalk.problems.orbit.repeating import repeating
 from contwalk.problems.orbit.shooting import CONSTANT, LEAST_SHARE, Mesh, arrived, growth_of
 
 # An orbit that moves less than this part of typical magnitudes is at rest: solutions are known to 1e-10.
@@ -208,6 +209,7 @@ def meshed(
     method: str,
     alike: bool,
     most: int = MOST_STEPS,
+    parts: int = 1,
 ) -> LegMesh:
     """Steps on which each segment, and a generic neighbour of it, are integrated to a tolerance.
 
@@ -221,6 +223,8 @@ def meshed(
         The second half of the legs repeats the first, or its image: steps are made the same in both.
     most : int
         Steps that a leg may take.
+    parts : int
+        Of a closure that is one leg: its steps are made alike in so many parts.
 
     Raises
     ------
@@ -246,8 +250,17 @@ def meshed(
         for i in range(half):
             longer = max(steps[i], steps[i + half], key=len)
             steps[i] = steps[i + half] = longer
+    if parts > 1:
+        steps = _alike(steps, parts)
     grown = tuple(_growth([p], [path], variation) for p, path in zip(passages, paths, strict=True))
     return LegMesh(tuple(steps), chosen, tolerance, variation, magnitudes, amplified, reason, grown)
+
+
+def _alike(steps: Sequence[np.ndarray], parts: int) -> list[np.ndarray]:
+    """Steps of a closure's segments, each in its own time, made alike in so many parts of it."""
+    m = len(steps)
+    whole = repeating([(i + own) / m for i, own in enumerate(steps)], parts)
+    return [np.concatenate([[0.0], m * own[1:-1] - i, [1.0]]) for i, own in enumerate(whole)]
 
 
 def _growth(passages: Sequence[Passage], paths: Sequence[flow.Path], variation: np.ndarray) -> float:

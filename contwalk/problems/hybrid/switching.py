@@ -162,6 +162,11 @@ def _alternating(
     inner, moved = cutting.blocks(problem, z), cutting.blocks(problem, v)
     again = [np.array([image(i, x) for x in own]) for i, own in enumerate(inner)]
     back = [np.array([-image(i, x) for x in own]) for i, own in enumerate(moved)]
+    if problem.cuts > 1 and not problem.word.eventful:  # where both rounds meet another segment begins
+        first = layout.states[0]
+        inner = [np.vstack([inner[0], image(0, z[first])[None], again[0]])]
+        moved = [np.vstack([moved[0], -image(0, v[first])[None], back[0]])]
+        again, back = [], []
     start, tangent = cutting.completed(start, inner + again), cutting.completed(tangent, moved + back)
     there = discretized(other, start, problem)
     weights = np.concatenate([there.cycle_scales[1], [1.0]])
