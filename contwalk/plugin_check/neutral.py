@@ -97,12 +97,13 @@ def check_somewhere(
             place,
         )
         return False
-    broken = [
-        (mode.name, _always_changes(fields[mode.name], direction, samples)) for mode in generator.system.modes
-    ]
-    if any(entry is None for _, entry in broken):
-        return True
-    mode, entry = broken[0]
+    entries = list[str]()
+    for each in generator.system.modes:  # of many modes only the first is traced, as a rule
+        entry = _always_changes(fields[each.name], direction, samples)
+        if entry is None:
+            return True
+        entries.append(entry)
+    mode, entry = generator.system.modes[0].name, entries[0]
     report.error(
         what,
         f"It is neutral nowhere: moved along it, {entry} changes in mode '{mode}', whatever the state and "
