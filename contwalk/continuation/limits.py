@@ -207,8 +207,24 @@ def policy(problem: Problem, located: Located, events: Mapping[str, str]) -> str
 
 
 def stopping(problem: Problem, found: list[Found], events: Mapping[str, str]) -> Found | None:
-    """The first of the limits passed at which the branch ends."""
-    for point in found:
-        if policy(problem, point.located, events) != "ignore":
-            return point
-    return None
+    """The first of the limits passed at which the branch ends; of those at one place that of lowest rank."""
+    ends = [point for point in found if policy(problem, point.located, events) != "ignore"]
+    if not ends:
+        return None
+    first = min(point.theta for point in ends)
+    together = [point for point in ends if point.theta <= first + SAME_PLACE]
+    return min(together, key=lambda point: limits_of(problem)[int(point.located.vectors["limit"])].rank)
+
+
+def up_to(problem: Problem, found: list[Found], end: Found, events: Mapping[str, str]) -> list[Found]:
+    """The limits passed before the one at which the branch ends, or with it, and that one.
+
+    Where a leg vanishes a watched guard may be at its limit as well: on which side of the end it is found is
+    rounding, and it is told there.
+    """
+    before = [
+        replace(point, theta=min(point.theta, end.theta))
+        for point in found
+        if point.theta <= end.theta + SAME_PLACE and policy(problem, point.located, events) == "ignore"
+    ]
+    return [*before, end]

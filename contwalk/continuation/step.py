@@ -275,7 +275,7 @@ def _special(
             found = [*_smooth(segment, settings, observer, born), *reached]
         else:  # what lies beyond is not the machine's motion, and its tests tell nothing
             found = _smooth_before(segment, end, settings, observer, born)
-            found += [f for f in reached if f.theta <= end.theta]
+            found += limits.up_to(segment.problem, reached, end, settings.events)
     except Disagreement as disagreement:
         if not smallest:
             raise
