@@ -14,8 +14,9 @@ from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import Here, begin
 from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.equilibrium.equilibrium import Equilibrium, solution_at
+from contwalk.problems.equilibrium.held_by_force import forced
 from contwalk.problems.equilibrium.second_direction import second_direction
-from contwalk.problems.neutral import active, constant, forced
+from contwalk.problems.neutral import active, constant
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.parameter_line import Ends
 from contwalk.problems.problem import Problem, Sample

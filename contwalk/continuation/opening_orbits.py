@@ -132,7 +132,7 @@ def _eventful(
     """The branch of orbits through events that a simulation from a state comes back on."""
     values = line.at(line.place(at))
     lap = lap_from(system, values, state, mode, event, until)
-    explicit = orbit_of(system, line, at, lap, discretization)
+    explicit = orbit_of(HybridOrbit, system, line, at, lap, discretization)
     opening = _hybrid(*softened(*explicit), settings, until == "settled")
     return _with_pushes(opening, hybrid_machine(system, values), lap)
 

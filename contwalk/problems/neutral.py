@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -12,17 +12,10 @@ from contwalk.problems.parameter_line import ParameterLine
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 
-if TYPE_CHECKING:
-    from contwalk.problems.equilibrium.equilibrium import Equilibrium
-    from contwalk.problems.problem import Sample
-
 # A generator counts as neutral where A g is this far below the size of its terms.
 NEUTRAL = 1e-12
 # A generator this small against its size nearby is rounding noise of zero.
 VANISHED = 1e-9
-# A drift this many times above what rounding makes of zero is one: a direction is neutral to 1e-12 of its
-# terms.
-FORCED = 1e4
 # Name of a direction that nobody declared, found at a start.
 UNDECLARED = "undeclared"
 
@@ -70,30 +63,6 @@ def active(
         basis = np.column_stack([basis, rest / np.linalg.norm(rest)])
         chosen.append(neutral)
     return chosen
-
-
-def forced(problem: Equilibrium, sample: Sample) -> str | None:
-    """Name of the pinned direction whose drift is not zero at a solution; None where all of them are.
-
-    The drift of a family of equilibria is what rounding of the equations makes of zero. Any other stands in
-    for a residual of the machine's own equations, which are not solved then.
-    """
-    if not problem.pins:
-        return None
-    z, weights = sample.z, sample.weights
-    linearization = problem.linearize(z)
-    level = linearization.levels[0]
-    try:
-        bordered = linearization.bordered(sample.tangent / weights**2, weights)
-        for j, pin in enumerate(problem.pins):
-            unit = np.zeros(len(z))
-            unit[problem.states + j] = 1.0
-            noise = np.abs(bordered.solve_adjoint(unit)[: len(level)]) @ level
-            if abs(z[problem.states + j]) > FORCED * noise:
-                return pin.name
-    except np.linalg.LinAlgError:  # a branch point of the pinned equations: its neighbours tell
-        return None
-    return None
 
 
 def constant(direction: np.ndarray) -> Neutral:

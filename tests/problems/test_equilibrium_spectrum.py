@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from small_systems import small_system
 
+from contwalk.numerics.spectrum import complement, spectrum
 from contwalk.problems.equilibrium.equilibrium import Equilibrium
-from contwalk.problems.equilibrium.spectrum import complement, spectrum
 
 NO_ROUNDING = np.zeros((3, 3))
 

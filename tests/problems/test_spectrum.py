@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from contwalk.problems.equilibrium.spectrum import EPSILON, spectrum
+from contwalk.numerics.spectrum import EPSILON, spectrum
 
 
 def test_rates_of_a_triangular_matrix_are_those_of_its_diagonal():

@@ -14,16 +14,17 @@ from contwalk.fields.blame import first_not_finite, first_switched
 from contwalk.fields.kernel import Kernel
 from contwalk.fields.switching import Inputs, Switching, choices_of
 from contwalk.numerics.linear import Factored
+from contwalk.numerics.spectrum import EPSILON, Spectrum, spectrum
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.equilibrium import defining_systems as defining
 from contwalk.problems.equilibrium import vertical
 from contwalk.problems.equilibrium.equations import GROUPS, equations_of
+from contwalk.problems.equilibrium.held_by_force import forced
 from contwalk.problems.equilibrium.mirror import Mirror, mirror_of
 from contwalk.problems.equilibrium.points.catalogue import POINT_TYPES
 from contwalk.problems.equilibrium.points.hopf import hopf
 from contwalk.problems.equilibrium.second_direction import second_direction
-from contwalk.problems.equilibrium.spectrum import EPSILON, Spectrum, spectrum
 from contwalk.problems.equilibrium.unbounded import escape
 from contwalk.problems.kinks import Kink, between
 from contwalk.problems.orbit.discretization import Discretization
@@ -386,7 +387,7 @@ class Equilibrium:
 
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
         """Where a pinned direction takes a force to hold, or the branch runs off to infinity."""
-        name = neutrals.forced(self, b)
+        name = forced(self, b)
         if name is not None:
             return Outcome(
                 "failed",

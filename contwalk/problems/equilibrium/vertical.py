@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contwalk.numerics.linear import balanced
-from contwalk.problems.equilibrium.spectrum import EPSILON, Spectrum, complement, spectrum
+from contwalk.numerics.spectrum import EPSILON, Spectrum, complement, spectrum
 
 if TYPE_CHECKING:
     from contwalk.problems.equilibrium.equilibrium import Equilibrium

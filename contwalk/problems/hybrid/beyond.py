@@ -22,6 +22,8 @@ from contwalk.problems.hybrid.least import least
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.hybrid.telling import first_sentence, told_once
 from contwalk.problems.hybrid.word import Word
+from contwalk.problems.initial.event_recurrence import lap_from
+from contwalk.problems.initial.orbit_from_recurrence import orbit_of
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.problem import Seed
@@ -64,9 +66,6 @@ def _simulated(problem: DiscretizedOrbit, guess: np.ndarray, outward: np.ndarray
     ContwalkError
         If it does not come back, or its orbit is not the machine's.
     """
-    from contwalk.problems.initial.event_recurrence import lap_from
-    from contwalk.problems.initial.orbit_from_recurrence import orbit_of
-
     values = problem.values_of(guess)
     x = problem.passages[0].full(problem.layout.inputs(0, guess)[0])
     x = np.where(np.abs(x) < ROUNDED * problem.mesh.variation, 0.0, x)  # no magnitude of a state
@@ -89,7 +88,9 @@ def _simulated(problem: DiscretizedOrbit, guess: np.ndarray, outward: np.ndarray
     if _alike(word, lap.word, round(lasted / problem.duration(guess))):
         raise ContwalkError("the motion has the same signature still")
     line = replace(problem.line, parameters=values)
-    rough, start = orbit_of(problem.system, line, float(guess[-1]), lap, problem.discretization)
+    rough, start = orbit_of(
+        type(problem), problem.system, line, float(guess[-1]), lap, problem.discretization
+    )
     weights = filled_magnitudes(rough, start)
     normal = np.zeros(len(start))
     normal[-1] = 1.0 / weights[-1]

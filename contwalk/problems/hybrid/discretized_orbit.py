@@ -459,6 +459,10 @@ class DiscretizedOrbit(Orbit):
         """The sampled guards that `limits` are of."""
 
     @abstractmethod
+    def residual(self, z: np.ndarray) -> np.ndarray:
+        """F(z), shape (N,), for far less than with its derivatives."""
+
+    @abstractmethod
     def margins(self, z: np.ndarray) -> Margins:
         """Values of all limits at a solution."""
 

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import Generic
 
 import numpy as np
 
+from contwalk.problems.hybrid.discretized_orbit import Kind
 from contwalk.problems.hybrid.grouping import Grouping
-
-if TYPE_CHECKING:
-    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 
 # Corrections of what is eliminated, and a residual of it that is solved, in units of its level: what is left
 # of it enters the other equations, to first order.
@@ -26,10 +24,10 @@ NEARLY = 1e-7
 SETTLED = 1e-4
 
 
-class Eliminated:
+class Eliminated(Generic[Kind]):
     """An explicit orbit's equations with what is eliminated from them, at the unknowns z that are left."""
 
-    def __init__(self, explicit: HybridOrbit, grouping: Grouping, z: np.ndarray, soft: np.ndarray) -> None:
+    def __init__(self, explicit: Kind, grouping: Grouping, z: np.ndarray, soft: np.ndarray) -> None:
         self.explicit, self.grouping, self.z, self.soft = explicit, grouping, z, soft
         self.unknowns = grouping.joined(z, soft)
 
@@ -229,12 +227,12 @@ def reached(near: Eliminated, z: np.ndarray, roughly: bool = False) -> Eliminate
 
 
 def corrected(
-    explicit: HybridOrbit,
+    explicit: Kind,
     grouping: Grouping,
     z: np.ndarray,
     soft: np.ndarray,
     roughly: bool = False,
-) -> Eliminated | None:
+) -> Eliminated[Kind] | None:
     """The explicit orbit over z; None where Newton's method finds none, or one that runs backwards.
 
     Residuals are solved to their level, or roughly: to where they are negligible beside those that are left.

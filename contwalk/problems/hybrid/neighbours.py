@@ -20,7 +20,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.errors import ContwalkError, NotFinite, StartError
 from contwalk.numerics.linear import kernel_direction
-from contwalk.problems.equilibrium.spectrum import complement
+from contwalk.numerics.spectrum import complement
 from contwalk.problems.hybrid import beyond, cutting, limits, monodromy
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.following import follows

@@ -306,7 +306,7 @@ class Passage:
             time=("t", 0),
             outputs=2 * len(copies),
         )
-        return Watched(self, map_)
+        return Watched(lambda: self.field(PLAIN), len(self.columns), map_)
 
     @cached_property
     def leaving(self) -> tuple[Transition, ...]:

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from contwalk import flow
-from contwalk.problems.equilibrium.spectrum import complement
+from contwalk.numerics.spectrum import complement
 from contwalk.problems.hybrid import families, monodromy
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.orbit.motion import JET, PLAIN, TANGENT

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from contwalk.flow.hybrid.machine import HybridMachine
 from contwalk.flow.hybrid.motions import arcs, hybrid_machine
 from contwalk.memory import remembered
 from contwalk.problems.hybrid import families
+from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind
 from contwalk.problems.hybrid.grouping import NO_TIME
 from contwalk.problems.hybrid.limits import ZERO, Limit, largest, limits_of_leg
 from contwalk.problems.hybrid.switching import discretized, rotated, shifted
@@ -19,10 +19,6 @@ from contwalk.problems.hybrid.word import Leg, Word, modes_around
 from contwalk.problems.orbit.closure import imaged
 from contwalk.system import System
 from contwalk.system.declarations import ParameterValues
-
-if TYPE_CHECKING:
-    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
-    from contwalk.problems.hybrid.soft_orbit import SoftOrbit
 
 TOLERANCE = 1e-9
 # A field that switches and switches back within `NO_TIME` has not switched: what it does shrinks with the
@@ -57,7 +53,7 @@ def hard_word(word: Word) -> Word:
     return Word(tuple(legs), word.image)
 
 
-def begun(problem: HybridOrbit, z: np.ndarray) -> tuple[HybridOrbit, np.ndarray]:
+def begun(problem: Kind, z: np.ndarray) -> tuple[Kind, np.ndarray]:
     """The same orbit, not beginning with a soft transition: right after a hard one, or between events."""
     hard = [i for i, leg in enumerate(problem.word.legs) if not leg.soft]
     if not hard:
@@ -66,7 +62,7 @@ def begun(problem: HybridOrbit, z: np.ndarray) -> tuple[HybridOrbit, np.ndarray]
     return (problem, z) if first == 0 else rotated(problem, z, first)
 
 
-def _between(problem: HybridOrbit, z: np.ndarray) -> tuple[HybridOrbit, np.ndarray]:
+def _between(problem: Kind, z: np.ndarray) -> tuple[Kind, np.ndarray]:
     """An orbit of soft transitions, beginning in its longest leg; a forced one where the force does."""
     times, at = problem.starting_times(z), 0.0
     if problem.forced:
@@ -82,7 +78,7 @@ def _between(problem: HybridOrbit, z: np.ndarray) -> tuple[HybridOrbit, np.ndarr
     return _cut(*(rotated(problem, z, first) if first else (discretized(problem, z), z)), share)
 
 
-def _cut(problem: HybridOrbit, z: np.ndarray, share: float) -> tuple[HybridOrbit, np.ndarray]:
+def _cut(problem: Kind, z: np.ndarray, share: float) -> tuple[Kind, np.ndarray]:
     """The same orbit, beginning at an instant of its first leg: what came before is the last one."""
     layout, word, system = problem.layout, problem.word, problem.system
     states = [passage.full(z[place]) for passage, place in zip(problem.passages, layout.states, strict=True)]
@@ -103,7 +99,7 @@ def _cut(problem: HybridOrbit, z: np.ndarray, share: float) -> tuple[HybridOrbit
 
 
 def passed(
-    problem: SoftOrbit, z: np.ndarray, magnitudes: np.ndarray
+    problem: DiscretizedOrbit, z: np.ndarray, magnitudes: np.ndarray
 ) -> tuple[Word, list[np.ndarray], list[float]]:
     """The explicit word over z, with full states at the starts of its legs and their durations.
 
@@ -135,7 +131,7 @@ def passed(
     return Word(tuple(found), problem.word.image), states, lasting
 
 
-def _held(problem: SoftOrbit, z: np.ndarray, states: np.ndarray, since: np.ndarray) -> np.ndarray:
+def _held(problem: DiscretizedOrbit, z: np.ndarray, states: np.ndarray, since: np.ndarray) -> np.ndarray:
     """States of a motion, so long after its leg began, moved along pinned directions as the drifts say."""
     shares = np.outer(since, z[problem.layout.drifts])
     return families.shifted(problem.system, problem.pins, states, problem.values_of(z), shares)
@@ -166,7 +162,7 @@ def _switched(system: System, name: str, pieces: list[Piece], last: np.ndarray, 
     raise NotFinite(f"'{name}' does not lead out of mode '{leg.mode}', in which the leg before it ends.", "")
 
 
-def holds(explicit: HybridOrbit, unknowns: np.ndarray) -> bool:
+def holds(explicit: DiscretizedOrbit, unknowns: np.ndarray) -> bool:
     """Whether the soft transitions of an orbit are those that the machine meets: no guard is past zero."""
     for view in explicit.view(unknowns):
         for k, transition in enumerate(view.piece.passage.leaving):

@@ -6,15 +6,11 @@ guard is the guard alone, however much there is to its field.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import numpy as np
 
-from contwalk.flow import Field
-from contwalk.problems.orbit.motion import PLAIN
-
-if TYPE_CHECKING:
-    from contwalk.problems.hybrid.passage import Passage
+from contwalk.flow import CompiledField, Field
 
 
 class Watched:
@@ -22,13 +18,16 @@ class Watched:
 
     Parameters
     ----------
-    passage : Passage
+    field : callable
+        What makes the leg's field.
+    columns : int
+        Number of the leg's own scalars.
     map_ : Field
         Of the states and their rates, these after those.
     """
 
-    def __init__(self, passage: Passage, map_: Field) -> None:
-        self._passage, self._map = passage, map_
+    def __init__(self, field: Callable[[], CompiledField], columns: int, map_: Field) -> None:
+        self._field, self._columns, self._map = field, columns, map_
 
     def along(
         self, times: np.ndarray, states: np.ndarray, values: np.ndarray, rates: np.ndarray | None = None
@@ -38,7 +37,7 @@ class Watched:
         `values` are what the leg's functions depend on, as `Piece.values` gives it.
         """
         if rates is None:
-            field = self._passage.field(PLAIN)
+            field = self._field()
             rates = field.along(times, states, field.constants(values))
         return self._map.along(times, np.hstack([states, rates]), self._map.constants(values))
 
@@ -53,7 +52,7 @@ class Watched:
 
         The last of the q columns are the leg's own.
         """
-        field, k = self._passage.field(PLAIN), len(self._passage.columns)
+        field, k = self._field(), self._columns
         c, n = field.constants(values), len(x)
         rates, by = field.linearized(time, x, c)
         changed = by[:, :n] @ moved

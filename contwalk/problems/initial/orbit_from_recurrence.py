@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +12,7 @@ from contwalk.flow.hybrid.motions import HybridMachine, hybrid_machine
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.forcing import period_at
 from contwalk.problems.hybrid import cutting, families
-from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
+from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind
 from contwalk.problems.hybrid.lap import Lap
 from contwalk.problems.initial.orbit_from_state import started
 from contwalk.problems.orbit.discretization import Discretization
@@ -27,15 +27,17 @@ BEFORE = 1e-3
 
 
 def orbit_of(
+    kind: Callable[..., Kind],
     system: System,
     line: ParameterLine,
     at: float | None,
     lap: Lap,
     discretization: Discretization | None = None,
-) -> tuple[HybridOrbit, np.ndarray]:
+) -> tuple[Kind, np.ndarray]:
     """The problem of a lap's word, discretised for it, and the lap as its unknowns.
 
-    `at` is the lap's place on the line; by default that of the point that the line was made from.
+    `kind` makes it, as a class of orbits does; `at` is the lap's place on the line, by default that of the
+    point that the line was made from.
     """
     first = lap.stretches[0]
     line = started(system, line, at, first.state, first.leg.mode)
@@ -45,7 +47,7 @@ def orbit_of(
     pins = _neutral(system, line, values, lap) if system.neutral else []
     lap = _placed(system, pins, lap, values)
     given = line.parameters, line.free, line.ends, pins, lap.stretches[0].state
-    problem = HybridOrbit(system, lap.word, *given, discretization=discretization)
+    problem = kind(system, lap.word, *given, discretization=discretization)
     layout = problem.layout
     lasting = np.array([stretch.duration for stretch in lap.stretches])
     drifts, states = _drifting(problem, lap, values)
@@ -131,7 +133,7 @@ def _placed(system: System, pins: Sequence[Neutral], lap: Lap, parameters: dict[
 
 
 def _drifting(
-    problem: HybridOrbit, lap: Lap, parameters: dict[str, float]
+    problem: DiscretizedOrbit, lap: Lap, parameters: dict[str, float]
 ) -> tuple[np.ndarray, list[np.ndarray]]:
     """The drifts with which a lap closes, and its legs' first states as one sees them who drifts along."""
     first, states = lap.stretches[0], [stretch.state for stretch in lap.stretches]

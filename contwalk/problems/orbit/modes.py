@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contwalk.errors import ContwalkError
-from contwalk.problems.equilibrium.spectrum import complement
+from contwalk.numerics.spectrum import complement
 
 # A multiplier this small is zero but for errors: what starts so is forgotten within the closure.
 NOTHING = 1e-6

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contwalk.numerics.periodic_schur import product_eigenvalues
-from contwalk.problems.equilibrium.spectrum import complement
+from contwalk.numerics.spectrum import complement
 
 # Relative rounding error of a derivative of the flow: some hundred steps of one rounding each.
 ROUNDING = 1e-14

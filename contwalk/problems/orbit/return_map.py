@@ -7,8 +7,8 @@ from functools import cached_property
 import numpy as np
 
 from contwalk import flow
+from contwalk.numerics.spectrum import complement
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.equilibrium.spectrum import complement
 from contwalk.problems.orbit.motion import JET, PLAIN, TANGENT
 from contwalk.problems.orbit.normal_forms import SectionMap, units
 from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit

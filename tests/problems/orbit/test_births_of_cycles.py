@@ -7,7 +7,7 @@ from small_systems import labelled, small_problem
 
 import contwalk as cw
 from contwalk.numerics.linear import nearest_eigenpair
-from contwalk.problems.orbit.birth import CycleSizes
+from contwalk.problems.equilibrium.points.cycle_sizes import CycleSizes
 
 RANGE = (0.5, 1.5)
 

@@ -44,7 +44,9 @@ class Hopf(EquilibriumPoint):
 
     def seeds(self, problem: Equilibrium, point: SpecialPoint) -> Sequence[Seed]:
         """The cycle that is born."""
-        from contwalk.problems.orbit.from_hopf import from_hopf  # compiled flows, where they are wanted
+        from contwalk.problems.equilibrium.points.hopf_to_orbit import (
+            from_hopf,  # compiled flows, where they are wanted
+        )
 
         seeds = from_hopf(problem, point)
         if not problem.system.acting:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contwalk.branch import SpecialPoint
+from contwalk.problems.equilibrium.points.cycle_sizes import CycleSizes
 from contwalk.problems.neutral import generator_at
-from contwalk.problems.orbit.birth import CycleSizes
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.problems.orbit.section import section_at

@@ -1,0 +1,40 @@
+"""Pinned directions along which equilibria are held by a force, and do not come in families."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contwalk.problems.problem import Sample
+
+if TYPE_CHECKING:
+    from contwalk.problems.equilibrium.equilibrium import Equilibrium
+
+# A drift this many times above what rounding makes of zero is one: a direction is neutral to 1e-12 of its
+# terms.
+FORCED = 1e4
+
+
+def forced(problem: Equilibrium, sample: Sample) -> str | None:
+    """Name of the pinned direction whose drift is not zero at a solution; None where all of them are.
+
+    The drift of a family of equilibria is what rounding of the equations makes of zero. Any other stands in
+    for a residual of the machine's own equations, which are not solved then.
+    """
+    if not problem.pins:
+        return None
+    z, weights = sample.z, sample.weights
+    linearization = problem.linearize(z)
+    level = linearization.levels[0]
+    try:
+        bordered = linearization.bordered(sample.tangent / weights**2, weights)
+        for j, pin in enumerate(problem.pins):
+            unit = np.zeros(len(z))
+            unit[problem.states + j] = 1.0
+            noise = np.abs(bordered.solve_adjoint(unit)[: len(level)]) @ level
+            if abs(z[problem.states + j]) > FORCED * noise:
+                return pin.name
+    except np.linalg.LinAlgError:  # a branch point of the pinned equations: its neighbours tell
+        return None
+    return None
