@@ -11,7 +11,7 @@ from small_systems import small_system
 
 import contwalk as cw
 from contwalk.problems.initial.orbit_from_state import orbit_at
-from contwalk.problems.orbit.describing import _criticality
+from contwalk.problems.orbit.describing import criticality_of
 from contwalk.problems.orbit.normal_forms import units
 from contwalk.problems.orbit.return_map import ReturnMap
 from contwalk.problems.parameter_line import ParameterLine
@@ -169,6 +169,6 @@ def test_deviations_are_measured_in_what_the_orbit_moves_by_or_in_what_it_moves_
 def test_a_negative_cubic_coefficient_is_supercritical_where_it_is_known_not_to_vanish(
     coefficient, error, expected
 ):
-    criticality, note = _criticality(coefficient, error)
+    criticality, note = criticality_of(coefficient, error)
     assert criticality == expected
     assert (note is None) == (expected is not None)
