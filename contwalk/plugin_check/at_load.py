@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from contwalk.errors import SystemDefinitionError
+from contwalk.plugin_check.angles import check_angles_of_fields
 from contwalk.plugin_check.at_events import traced_at_event
 from contwalk.plugin_check.conserved import check_conserved
 from contwalk.plugin_check.declarations import check_period, check_repeats
@@ -101,6 +102,7 @@ def _findings(system: System) -> list[Finding]:
     check_twins(report, system, guards)
     for entry in system.conditions:
         traced_at_event(report, entry, system)
+    check_angles_of_fields(report, system, fields, samples)
     for neutral in system.neutral:
         generator = traced_generator(report, neutral, system)
         if generator is not None and fields.complete and _small(fields):

@@ -9,6 +9,7 @@ import numpy as np
 
 from contwalk.errors import ContwalkError, PluginError
 from contwalk.fields.derivative import jacobian
+from contwalk.plugin_check.angles import check_angles_at_event
 from contwalk.plugin_check.declarations import check_repeats
 from contwalk.plugin_check.findings import Report, place_of
 from contwalk.plugin_check.functions import EPSILON, check_guard, check_map
@@ -60,6 +61,7 @@ def check_transition(
             check_repeats(report, named, function, samples, period)
         if function is not None and system.period is None:
             check_timeless(report, named, function)
+    check_angles_at_event(report, transition.name, guard, reset, samples)
     before = states_at_event(transition, guard, fields[transition.source], samples)
     happening = Happening(transition, guard, before)
     if transition.role == "soft" and reset is not None:

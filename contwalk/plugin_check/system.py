@@ -14,6 +14,7 @@ from typing import Any
 from contwalk.errors import ContwalkError
 from contwalk.plugin_check import declarations
 from contwalk.plugin_check.absent import check_absent
+from contwalk.plugin_check.angles import check_angles_of_fields
 from contwalk.plugin_check.at_events import check_at_event
 from contwalk.plugin_check.conserved import check_conserved
 from contwalk.plugin_check.event_kinks import check_event_kinks
@@ -119,6 +120,7 @@ def check_system(system: System, sources: Sequence[Path] = (), model: str = "") 
         check_symmetry(report, symmetry, system, fields, samples, period)
         if symmetry.role == "spatial" and fields.complete and len(happenings) == len(distinct):
             _check_mirrored(report, symmetry, system, samples, period)
+    check_angles_of_fields(report, system, fields, samples)
     for neutral in system.neutral:
         check_neutral(report, neutral, system, fields, samples)
     for quantity in system.conserved:

@@ -290,6 +290,31 @@ SYSTEM = System(
 )
 """
 
+# A rotor that is pushed once a turn: its angle is one.
+ROTOR = """\
+import math
+from contwalk.system import Mode, Parameter, State, System, Transition
+
+def turn(t, x, p, dx):
+    dx[0] = x[1]
+    dx[1] = p.r - 0.1 * x[1] - math.sin(2.0 * x[0])
+
+def top(t, x, p):
+    return math.sin(x[0] - 1.0)
+
+def push(t, x, p, after):
+    after[0] = x[0]
+    after[1] = 1.1 * x[1]
+
+SYSTEM = System(
+    name="rotor",
+    states=(State("angle", period=2.0 * math.pi), State("rate")),
+    parameters=(Parameter("r", 1.5),),
+    modes=(Mode("turning", turn),),
+    transitions=(Transition("push", "turning", "turning", top, "rising", reset=push),),
+)
+"""
+
 SOUND = {
     "wheel": WHEEL,
     "contact": CONTACT,
@@ -299,7 +324,7 @@ SOUND = {
     "hop": HOP,
     "held": HELD,
 }
-SOUND |= {"hop_in_one": HOP_IN_ONE, "clock": CLOCK_PUSH}
+SOUND |= {"rotor": ROTOR, "hop_in_one": HOP_IN_ONE, "clock": CLOCK_PUSH}
 
 
 @dataclass(frozen=True)
@@ -911,5 +936,38 @@ WRONG: dict[str, Wrong] = {
     ),
     "neutral direction of time": _refused(
         WHEEL, "It depends on t", "def along", ("0.0, 0.0, 1.0", "0.0, 0.0, math.cos(t)")
+    ),
+    # -- periods of angles -------------------------------------------------------------------------------
+    "angle of a period that the field does not have": _refused(
+        ROTOR,
+        "The field of mode 'turning' is another one a period of 6.283185307 later: dx[1] (state rate)",
+        "def turn",
+        ("math.sin(2.0 * x[0])", "math.sin(0.5 * x[0])"),
+    ),
+    "angle with a spring": _refused(
+        ROTOR,
+        "The field of mode 'turning' is another one a period",
+        "def turn",
+        ("math.sin(2.0 * x[0])", "2.0 * x[0]"),
+    ),
+    "angle whose period is in degrees": _refused(
+        ROTOR,
+        "The field of mode 'turning' is another one a period of 360 later",
+        "def turn",
+        ("period=2.0 * math.pi", "period=360.0"),
+    ),
+    "angle of a guard that happens once": _found(
+        ROTOR,
+        "warning",
+        "It is another one a period of 'angle' (6.283185307) later: its value",
+        "def top",
+        ("math.sin(x[0] - 1.0)", "x[0] - 1.0"),
+    ),
+    "angle of a reset that takes a part of it": _found(
+        ROTOR,
+        "warning",
+        "It is another one a period of 'angle' (6.283185307) later: x_plus[0] (state angle)",
+        "def push",
+        ("after[0] = x[0]", "after[0] = 0.5 * x[0]"),
     ),
 }

@@ -1,0 +1,118 @@
+"""Declared periods of angles: are fields, guards and resets the same a period later?"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+from contwalk.fields.derivative import ancestors
+from contwalk.fields.trace import roots
+from contwalk.plugin_check.findings import Report, place_of
+from contwalk.plugin_check.functions import EPSILON
+from contwalk.plugin_check.modes import CheckedFields
+from contwalk.plugin_check.samples import Samples
+from contwalk.plugin_check.traced import Traced
+from contwalk.system import State, System
+
+# Bounds of rounding errors are of first order and of single operations.
+FACTOR = 1e3
+
+
+def check_angles_of_fields(report: Report, system: System, fields: CheckedFields, samples: Samples) -> None:
+    """Check f(x + T e) = f(x) for each angle with a declared period T; a multiple of its own is one too."""
+    for index, state in _angles(system):
+        what, compared, told = f"period of state '{state.name}'", 0, False
+        for mode, field in fields.items():
+            found = _compared(field, index, samples, lambda change: np.abs(change))
+            compared += found[0]
+            if found[1]:
+                report.error(
+                    what,
+                    f"The field of mode '{mode}' is another one a period of {state.period:.10g} later: "
+                    f"{found[1]}. States that differ by a period count as the same motion. Correct the "
+                    "period or the field, or leave the period out.",
+                    place_of(field.function),
+                )
+                told = True
+                break
+        if compared and not told:
+            report.ok(what, f"fields are the same a period later, at {compared} states.")
+
+
+def check_angles_at_event(
+    report: Report, name: str, guard: Traced | None, reset: Traced | None, samples: Samples
+) -> None:
+    """Warn of a guard that is another one a period later, and of a reset that goes on by a part of one.
+
+    Motions that stay on one side of the event are right all the same, as of a pendulum between stops.
+    """
+    for kind, function in (("guard", guard), ("reset", reset)):
+        if function is None:
+            continue
+        for index, state in _angles(function.system):
+            changes = np.abs if kind == "guard" else _beyond_turns(function.system)
+            _, differs = _compared(function, index, samples, changes)
+            if not differs:
+                continue
+            later = f"It is another one a period of '{state.name}' ({state.period:.10g}) later: {differs}."
+            report.warning(
+                f"{kind} of transition '{name}'",
+                f"{later} States that differ by a period count as the same motion: an orbit that goes round "
+                "would be closed, though the event does not happen again as it did. Write it with sine and "
+                "cosine of the angle, or leave the period out; for motions that never go round it is right.",
+                place_of(function.function),
+            )
+
+
+def _angles(system: System) -> Iterator[tuple[int, State]]:
+    return ((i, state) for i, state in enumerate(system.states) if state.period)
+
+
+def _beyond_turns(system: System) -> Callable[[np.ndarray], np.ndarray]:
+    """Changes of a state without whole periods of its angles."""
+    periods = np.array([state.period or 0.0 for state in system.states])
+
+    def rest(change: np.ndarray) -> np.ndarray:
+        turns = np.round(np.divide(change, periods, out=np.zeros_like(change), where=periods > 0.0))
+        return np.abs(change - turns * periods)
+
+    return rest
+
+
+def _reads(function: Traced, index: int) -> bool:
+    """Whether a state is among what a function is computed from."""
+    graph = function.program.graph
+    return graph.input("x", index) in ancestors(graph, roots(function.program.tree))
+
+
+def _compared(
+    function: Traced, index: int, samples: Samples, size: Callable[[np.ndarray], Any]
+) -> tuple[int, str]:
+    """At how many states a function was compared with itself a period later, and what differs at one."""
+    if index not in function.existing or not _reads(function, index):
+        return 0, ""
+    compared, period = 0, function.system.states[index].period or 0.0
+    for t, x in zip(samples.times, samples.states, strict=True):
+        x = function.given(x)
+        later = x.copy()
+        later[index] += period
+        now, then = (function.values(t, y, samples.values) for y in (x, later))
+        if not (np.isfinite(now).all() and np.isfinite(then).all()):
+            continue
+        compared += 1
+        apart = size(then - now)
+        if (apart <= EPSILON * (np.abs(now) + np.abs(then))).all():
+            continue  # by how much rounding may let them differ need not be asked for
+        allowed = FACTOR * EPSILON * (np.abs(now) + np.abs(then))
+        for y in (x, later):
+            slope = np.abs(function.slopes(t, y, samples.values)[:, 1:])
+            allowed += FACTOR * EPSILON * (function.roundings(t, y, samples.values) + slope @ np.abs(y))
+        if (apart > allowed).any():
+            i = int(np.argmax(apart - allowed))
+            entry = function.form.entry(i) if function.form.argument else "its value"
+            return compared, f"{entry} is {now[i]:.6g} at {function.system.state_names[index]} = " + (
+                f"{x[index]:.4g} and {then[i]:.6g} a period later"
+            )
+    return compared, ""
