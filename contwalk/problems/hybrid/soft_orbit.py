@@ -167,7 +167,7 @@ class SoftOrbit(HybridOrbit):
         return found if found is not None and _holds(found) else None
 
     def mirror(self, sample: Sample) -> None:
-        """Both halves are walked: which soft transitions happen is told by the orbits looked at before."""
+        """Both halves are walked: that soft transitions are images of each other is not looked for."""
         return
 
     def adapted_to(
