@@ -51,7 +51,7 @@ from contwalk.flow.explicit.runge_kutta import Call
 from contwalk.flow.hybrid.event_integrator import EventIntegrator
 from contwalk.flow.hybrid.event_map import StepMap
 from contwalk.flow.hybrid.event_records import ARRIVED
-from contwalk.flow.hybrid.motions import Arc, HybridMachine, arcs, hybrid_machine
+from contwalk.flow.hybrid.motions import HybridMachine, MotionSegment, hybrid_machine, motion_segments
 from contwalk.system import load_system
 from contwalk.workflow.run_file.reading import read_run_file
 from contwalk.workflow.runner import Reporter, RunResult, run
@@ -137,7 +137,7 @@ class Stride:
     mode, last : str
         The mode that it begins in, and the event that has led into it.
     x : ndarray, shape (28,)
-    arcs : list of Arc
+    arcs : list of MotionSegment
         Of a whole stride.
     """
 
@@ -146,7 +146,7 @@ class Stride:
     mode: str
     last: str
     x: np.ndarray
-    arcs: list[Arc]
+    arcs: list[MotionSegment]
 
     @property
     def columns(self) -> list[int]:
@@ -179,9 +179,9 @@ def _stride() -> Stride:
     machine = hybrid_machine(system, system.defaults() | dict(system.presets["overlap"]))
     weights = np.array([state.scale for state in system.states])
     control, x, longest = (EXACT, weights, OTHER_METHOD), np.array(GAIT["x"]), 2.0 * GAIT["T"]
-    first = next(arcs(machine, 0.0, x, MODE, longest, *control))
+    first = next(motion_segments(machine, 0.0, x, MODE, longest, *control))
     mode, last, x = system.transition(first.transition, MODE).target, str(first.transition), first.after
-    found = arcs(machine, 0.0, x, mode, longest, *control, last)
+    found = motion_segments(machine, 0.0, x, mode, longest, *control, last)
     return Stride(machine, weights, mode, last, x, list(itertools.islice(found, len(GAIT["events"]))))
 
 
@@ -435,7 +435,7 @@ def _simulated(stride: Stride, events: int) -> Prepare:
 
     def prepare(tolerance: float) -> Callable[[], Result]:
         def call() -> Result:
-            found = arcs(*given, tolerance, stride.weights, METHOD, stride.last)
+            found = motion_segments(*given, tolerance, stride.weights, METHOD, stride.last)
             *_, last = itertools.islice(found, events)
             return float(last.times[-1]), last.after, np.empty(0)
 

@@ -43,11 +43,11 @@ class _Graph:
 
     def __init__(self, program: Program) -> None:
         self.graph, self.nodes, self.value = program.graph, program.graph.nodes, program.graph.value
-        self.quiet: frozenset[int] = frozenset()
+        self.total: frozenset[int] = frozenset()
         if any(key[0] == "select" for key in self.nodes):
             needed = ancestors(program.graph, roots(program.tree))
             chosen_by = [self.nodes[node][1] for node in needed if self.nodes[node][0] == "select"]
-            self.quiet = frozenset(ancestors(program.graph, chosen_by))
+            self.total = frozenset(ancestors(program.graph, chosen_by))
 
 
 def _emit(graph: _Graph, tree: Tree, lines: list[str], indent: str, names: dict[int, str]) -> None:
@@ -119,8 +119,8 @@ def _expression(graph: _Graph, node: int, names: dict[int, str]) -> str:
         return _CONDITIONS[key[0]].format(*arguments)
     if key[0] in _INFIX and all(graph.value(argument) is not None for argument in key[1:]):
         arguments[0] = f"number_({arguments[0]})"  # not in floats where more digits are asked for
-    if node in graph.quiet and key[0] not in _NEVER_RAISE:
-        return f"quiet_{key[0]}_({', '.join(arguments)})"
+    if node in graph.total and key[0] not in _NEVER_RAISE:
+        return f"total_{key[0]}_({', '.join(arguments)})"
     if key[0] in _INFIX:
         return f"{arguments[0]} {_INFIX[key[0]]} {arguments[1]}"
     if key[0] == "neg":

@@ -24,7 +24,7 @@ class PluginRaised(Exception):
     """The plugin's function raised on the path that was taken."""
 
 
-def _quiet(function: Callable[..., Any]) -> Callable[..., Any]:
+def _total(function: Callable[..., Any]) -> Callable[..., Any]:
     """A function that is NaN where it has no value."""
 
     def call(*arguments: Any) -> Any:
@@ -38,16 +38,16 @@ def _quiet(function: Callable[..., Any]) -> Callable[..., Any]:
     return call
 
 
-def _with_quiet(names: dict[str, Callable[..., Any]]) -> dict[str, Any]:
-    """Names of the functions, each with its quiet twin, as `codegen` writes them."""
+def _with_total(names: dict[str, Callable[..., Any]]) -> dict[str, Any]:
+    """Names of the functions, each with its total twin, as `codegen` writes them."""
     own = {f"{name}_": function for name, function in names.items()}
-    quiet = {f"quiet_{name}_": _quiet(function) for name, function in names.items()}
-    return {**own, **quiet, "quiet_div_": _quiet(operator.truediv), "NAN_": math.nan}
+    total = {f"total_{name}_": _total(function) for name, function in names.items()}
+    return {**own, **total, "total_div_": _total(operator.truediv), "NAN_": math.nan}
 
 
 def _float_names() -> dict[str, Any]:
     functions = {name: function.of_float for name, function in FUNCTIONS.items()}
-    return {**_with_quiet(functions | elimination.names()), "number_": float}
+    return {**_with_total(functions | elimination.names()), "number_": float}
 
 
 def _real(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -81,7 +81,7 @@ def _mp_names() -> dict[str, Any]:
         "lgamma": lambda a: mpmath.mp.log(abs(mpmath.mp.gamma(a))),
         "polygamma": lambda n, a: mpmath.mp.psi(int(n), a),
     }
-    return {**_with_quiet(functions | elimination.names(lambda: mpmath.mp.eps)), "number_": mpmath.mpf}
+    return {**_with_total(functions | elimination.names(lambda: mpmath.mp.eps)), "number_": mpmath.mpf}
 
 
 def _of_tables(tables: Sequence[tuple[float, ...]]) -> dict[str, Callable[..., Any]]:
@@ -140,7 +140,7 @@ class Kernel:
     def _function(self, arithmetic: str) -> Callable[..., list[Any]]:
         if arithmetic not in self._functions:
             names = _float_names() if arithmetic == "float" else _mp_names()
-            names |= {"PluginRaised": PluginRaised, **_with_quiet(_of_tables(self._tables))}
+            names |= {"PluginRaised": PluginRaised, **_with_total(_of_tables(self._tables))}
             exec(_compiled(self.text), names)
             self._functions[arithmetic] = names["evaluate"]
         return self._functions[arithmetic]

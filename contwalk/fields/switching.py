@@ -207,10 +207,10 @@ def _operation(graph: Graph, name: str) -> Callable[..., Any]:
     if name == "entry":
         return lambda place, table: _looked_up(np.asarray(graph.tables[int(table)]), place)
     own = getattr(np, name, None)
-    return own if own is not None else np.vectorize(_quiet(FUNCTIONS[name].of_float), otypes=[float])
+    return own if own is not None else np.vectorize(_total(FUNCTIONS[name].of_float), otypes=[float])
 
 
-def _quiet(function: Callable[..., float]) -> Callable[..., float]:
+def _total(function: Callable[..., float]) -> Callable[..., float]:
     def call(*arguments: float) -> float:
         try:
             return function(*arguments)

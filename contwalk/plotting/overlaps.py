@@ -1,4 +1,4 @@
-"""Which stretches of a curve lie on what is drawn already.
+"""Which parts of a curve lie on what is drawn already.
 
 Mirror images of a motion lie over one another in most diagrams. Dashes drawn twice fill each other's gaps,
 and what is unstable then looks stable; so what would be drawn again is left out. Pure geometry, on a grid
@@ -18,7 +18,7 @@ CELL = 0.35  # points: a curve lies on another one in the same cell or the next 
 SPACING = 0.25  # points between samples of a curve
 DIRECTIONS = 12  # that are told apart, half a turn around
 CHUNK = 16  # samples; a curve may lie on itself, but not on what it has only just left
-SHORTEST = 12.0  # points: shorter stretches are crossings
+SHORTEST = 12.0  # points: shorter parts are crossings
 FARTHEST = 8  # widths of the plane beyond which nothing is looked at
 
 
@@ -120,22 +120,22 @@ def _parts(
 def _without_gaps(found: np.ndarray) -> np.ndarray:
     """The flags, with short interruptions filled."""
     filled = found.copy()
-    for start, end in _stretches(~found):
+    for start, end in _runs(~found):
         if start > 0 and end < len(found) and (end - start) * SPACING < 0.5 * SHORTEST:
             filled[start:end] = True
     return filled
 
 
 def _without_short(found: np.ndarray, shortest: float) -> np.ndarray:
-    """The flags, without stretches that are shorter than this."""
+    """The flags, without parts that are shorter than this."""
     kept = found.copy()
-    for start, end in _stretches(found):
+    for start, end in _runs(found):
         if (end - start) * SPACING < shortest:
             kept[start:end] = False
     return kept
 
 
-def _stretches(flags: np.ndarray) -> list[tuple[int, int]]:
+def _runs(flags: np.ndarray) -> list[tuple[int, int]]:
     """Where flags are set without interruption."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]])))
     return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))

@@ -21,7 +21,7 @@ from contwalk.system import System
 
 Events = Sequence[tuple[float, str]]
 
-# Instants of each arc between events, on average; of a motion without events.
+# Instants of each segment between events, on average; of a motion without events.
 OF_AN_ARC, OF_A_MOTION = 4, 8
 # How light an instant is that is not one of events, and how thin both kinds are.
 SHADE, THIN, STRONG = 0.4, 0.5, 0.8

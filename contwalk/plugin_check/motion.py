@@ -8,7 +8,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from contwalk.errors import PluginError, StartError
-from contwalk.flow.hybrid.motions import Arc, HybridMachine, applied, arcs, hybrid_machine
+from contwalk.flow.hybrid.motions import (
+    HybridMachine,
+    MotionSegment,
+    applied,
+    hybrid_machine,
+    motion_segments,
+)
 from contwalk.flow.hybrid.past_zero import past_zero
 from contwalk.plugin_check.events import Happening
 from contwalk.plugin_check.findings import Report, place_of
@@ -16,7 +22,7 @@ from contwalk.plugin_check.samples import Samples
 from contwalk.system import System, Transition
 
 TOLERANCE = 1e-8
-MOST_ARCS, MOST_STEPS, MOST_STARTS = 8, 300, 6
+MOST_SEGMENTS, MOST_STEPS, MOST_STARTS = 8, 300, 6
 
 # A guard that passes zero with less than this part of the largest rate on its way there only touches it.
 TRANSVERSAL = 1e-7
@@ -26,7 +32,7 @@ JUMPED = 1e-3
 OFTEN = 0.5
 # How a motion ends that comes to a circle of transitions without any time.
 CHAIN = "chain"
-# Arcs of so many motions are kept for each mode.
+# Segments of so many motions are kept for each mode.
 MOST_KEPT = 40
 
 
@@ -49,7 +55,7 @@ class Seen:
         and the mode.
     lost : dict
         For each transition what is said of motions after which no guard can be met; empty of others.
-    arcs : dict
+    segments : dict
         For each mode times and states of some motions.
     """
 
@@ -60,27 +66,29 @@ class Seen:
     events: dict[str, list[tuple[float, np.ndarray]]] = field(default_factory=dict)
     ends: dict[str, list[tuple[str, str | None, str]]] = field(default_factory=dict)
     lost: dict[str, list[str]] = field(default_factory=dict)
-    arcs: dict[str, list[tuple[np.ndarray, np.ndarray]]] = field(default_factory=dict)
+    segments: dict[str, list[tuple[np.ndarray, np.ndarray]]] = field(default_factory=dict)
 
     def end(self, status: str, reason: str, transition: str | None, mode: str) -> None:
         """Note how a motion ends."""
         self.ends.setdefault(status, []).append((reason, transition, mode))
 
-    def add(self, machine: HybridMachine, arc: Arc) -> None:
-        """Take an arc in."""
-        kept = self.arcs.setdefault(arc.mode, [])
-        if len(kept) < MOST_KEPT and len(arc.times) > 1:
-            kept.append((arc.times, arc.states))
-        if arc.transition is None or len(arc.times) == 1:  # none, or at once: a sampled state made it so
+    def add(self, machine: HybridMachine, segment: MotionSegment) -> None:
+        """Take a segment in."""
+        kept = self.segments.setdefault(segment.mode, [])
+        if len(kept) < MOST_KEPT and len(segment.times) > 1:
+            kept.append((segment.times, segment.states))
+        if (
+            segment.transition is None or len(segment.times) == 1
+        ):  # none, or at once: a sampled state made it so
             return
-        self.events.setdefault(arc.transition, []).append((float(arc.times[-1]), arc.states[-1]))
-        flow = machine.mode(arc.mode)
-        number = [t.name for t in flow.transitions].index(arc.transition)
-        measured = flow.guards[number].along(arc.times, arc.states[:, flow.states], flow.p)
+        self.events.setdefault(segment.transition, []).append((float(segment.times[-1]), segment.states[-1]))
+        flow = machine.mode(segment.mode)
+        number = [t.name for t in flow.transitions].index(segment.transition)
+        measured = flow.guards[number].along(segment.times, segment.states[:, flow.states], flow.p)
         for found, column in ((self.values, 0), (self.rates, 1)):
             sizes = np.abs(measured[:, column])
             part = sizes[-1] / max(np.nanmax(sizes, initial=0.0), 1e-300)
-            found.setdefault(arc.transition, []).append(float(part))
+            found.setdefault(segment.transition, []).append(float(part))
 
 
 def check_motions(
@@ -112,18 +120,20 @@ def _follow(
             past_zero(machine, t, x, mode, samples.scales)
     except (StartError, PluginError):  # a sampled state on the wrong side of a guard
         return
-    motion = arcs(
+    motion = motion_segments(
         machine, t, x, mode, np.inf, TOLERANCE, samples.scales, just_after=last, most_steps=MOST_STEPS
     )
     met = False
     try:
-        for count, arc in enumerate(motion, start=1):
-            seen.add(machine, arc)
-            if arc.status not in ("ok", "too_many_steps"):
-                status = CHAIN if arc.status == "sticking" and count > MOST_ARCS else arc.status
-                seen.end(status, arc.reason, arc.transition, arc.mode)
-            met = met or arc.transition is not None
-            if count >= MOST_ARCS and len(arc.times) > 1:  # those that take no time are followed to their end
+        for count, segment in enumerate(motion, start=1):
+            seen.add(machine, segment)
+            if segment.status not in ("ok", "too_many_steps"):
+                status = CHAIN if segment.status == "sticking" and count > MOST_SEGMENTS else segment.status
+                seen.end(status, segment.reason, segment.transition, segment.mode)
+            met = met or segment.transition is not None
+            if (
+                count >= MOST_SEGMENTS and len(segment.times) > 1
+            ):  # those that take no time are followed to their end
                 break
     except PluginError as error:
         seen.end("plugin_error", str(error), None, mode)

@@ -141,16 +141,17 @@ def _smoothly(
 ) -> Simulated:
     """The motion of a machine of one mode, on which nothing acts but its field."""
     from contwalk.flow import dense
-    from contwalk.flow.events.motion import magnitudes, pieces
+    from contwalk.flow.events.motion import magnitudes, segment_parts
     from contwalk.flow.events.settling import Settling
-    from contwalk.flow.hybrid.blaming import told
+    from contwalk.flow.hybrid.blaming import line_without_value
     from contwalk.workflow.simulated import LONGEST, PARTS, Simulated, drawn_at
 
     system, settings = run.system, run.simulation
     machine = _machine(run, parameters)
     if not np.isfinite(machine.field(0.0, state, machine.c)).all():
         mode = system.modes[0]
-        blame = told(system, mode.name, {f"field of mode '{mode.name}'": mode.field}, 0.0, state, parameters)
+        functions = {f"field of mode '{mode.name}'": mode.field}
+        blame = line_without_value(system, mode.name, functions, 0.0, state, parameters)
         raise NotFinite(
             f"The field is not finite at the start.{blame}", "Start elsewhere, or mend the plugin."
         )
@@ -159,14 +160,14 @@ def _smoothly(
     weights = magnitudes(machine, 0.0, state, end, [s.scale for s in system.states], settings.method)
     settling = Settling([s.period for s in system.states])
     parts, settled, status = [], False, "ok"
-    for piece in pieces(machine, 0.0, state, end, settings.tolerance, weights, settings.method):
-        parts.append(piece)
-        progress(float(piece.times[-1]))
-        status = piece.status
-        if settles and len(piece.times) > 1:
-            even = np.linspace(piece.times[0], piece.times[-1], PARTS * (len(piece.times) - 1) + 1)
-            samples = dense(machine.field, machine.c, piece.times, piece.states, even, settings.method)
-            settled = settling.add(samples, len(piece.times) - 1)
+    for part in segment_parts(machine, 0.0, state, end, settings.tolerance, weights, settings.method):
+        parts.append(part)
+        progress(float(part.times[-1]))
+        status = part.status
+        if settles and len(part.times) > 1:
+            even = np.linspace(part.times[0], part.times[-1], PARTS * (len(part.times) - 1) + 1)
+            samples = dense(machine.field, machine.c, part.times, part.states, even, settings.method)
+            settled = settling.add(samples, len(part.times) - 1)
             if settled or sum(len(part.times) - 1 for part in parts) >= LONGEST:
                 break
     times = np.concatenate([parts[0].times, *(part.times[1:] for part in parts[1:])])

@@ -10,9 +10,9 @@ import numpy as np
 from contwalk.flow import dense
 from contwalk.flow.events.crossings import Event
 from contwalk.flow.events.settling import Settling
-from contwalk.flow.hybrid.arc import Control
 from contwalk.flow.hybrid.going_through import going_through
-from contwalk.flow.hybrid.motions import Arc, HybridMachine, applied, hybrid_machine, parts
+from contwalk.flow.hybrid.motion_segment import Control
+from contwalk.flow.hybrid.motions import HybridMachine, MotionSegment, applied, hybrid_machine, parts
 from contwalk.flow.hybrid.on_guard import check_on_guard
 from contwalk.flow.hybrid.past_zero import past_zero
 from contwalk.flow.hybrid.scales import magnitudes
@@ -80,12 +80,14 @@ def simulated(
     machine = hybrid_machine(watching, parameters)
     settles, start = until == "settled", beginning.time
     end = np.inf if settles else start + float(until)
-    found: list[Arc] = []
+    found: list[MotionSegment] = []
     state, mode = machine.existing(beginning.mode, beginning.state), beginning.mode
     if beginning.at is not None:
         happening = machine.transition(beginning.at, mode)
         after = applied(machine, happening, start, state)
-        found.append(Arc(mode, np.array([start]), state[None], transition=beginning.at, after=after))
+        found.append(
+            MotionSegment(mode, np.array([start]), state[None], transition=beginning.at, after=after)
+        )
         state, mode = after, happening.target
     last = beginning.at or beginning.last
     scales = [s.scale for s in system.states]
@@ -151,7 +153,7 @@ def _with_sections(system: System, place: ReportAt | None) -> tuple[System, dict
     return watching, {transition.name: f"{name} = {level:g}" for transition in added}
 
 
-def _between(machine: HybridMachine, part: Arc, at: np.ndarray, method: str) -> np.ndarray:
+def _between(machine: HybridMachine, part: MotionSegment, at: np.ndarray, method: str) -> np.ndarray:
     """Full-length states at instants of a part."""
     flow = machine.mode(part.mode)
     if len(part.times) == 1:
@@ -160,7 +162,7 @@ def _between(machine: HybridMachine, part: Arc, at: np.ndarray, method: str) -> 
     return machine.full(part.mode, states)
 
 
-def _events(machine: HybridMachine, found: list[Arc]) -> list[Event]:
+def _events(machine: HybridMachine, found: list[MotionSegment]) -> list[Event]:
     """Everything that happened, with the mode after it."""
     events = []
     for part in found:
@@ -173,7 +175,7 @@ def _events(machine: HybridMachine, found: list[Arc]) -> list[Event]:
 
 
 def _stored(
-    machine: HybridMachine, found: list[Arc], grid: np.ndarray, method: str
+    machine: HybridMachine, found: list[MotionSegment], grid: np.ndarray, method: str
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Given instants and both sides of each transition: times, states, numbers of modes."""
     numbers = [mode.name for mode in machine.system.modes]

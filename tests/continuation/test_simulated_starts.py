@@ -9,7 +9,7 @@ from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.diagram import Diagram, Plan
 from contwalk.continuation.opening_orbits import opened_orbit
 from contwalk.continuation.settings import Settings
-from contwalk.flow.hybrid.motions import Arc, hybrid_machine
+from contwalk.flow.hybrid.motions import MotionSegment, hybrid_machine
 from contwalk.problems.equilibrium.equilibrium import Equilibrium
 from contwalk.problems.initial.coming_to_rest import check_moves
 from contwalk.problems.initial.recurrence import AtRest
@@ -103,7 +103,7 @@ def test_a_motion_that_creeps_past_a_saddle_has_not_come_to_rest():
         dx[1] = -20.0 * x[1]
 
     system, creeps = machine(Mode("flow", saddle)), np.array([[1e-12, 1e-13], [3e-12, 0.0], [9e-12, 0.0]])
-    arc, reached = Arc("flow", np.array([0.0, 1.1, 2.2]), creeps), np.ones(2)
+    arc, reached = MotionSegment("flow", np.array([0.0, 1.1, 2.2]), creeps), np.ones(2)
     check_moves(system, hybrid_machine(system, {"B": 2.0}).mode("flow"), arc, reached)
     with pytest.raises(AtRest):  # the same at a node
         check_moves(system, hybrid_machine(system, {"B": 0.0}).mode("flow"), arc, reached)

@@ -12,7 +12,7 @@ from hybrid_systems import BALL, CHANGING, COUNTERS, DAMPER, KICKS, STOP, SWAP
 
 from contwalk.errors import NotFinite, StartError
 from contwalk.flow.hybrid.event_map import StepMap
-from contwalk.flow.hybrid.motions import arcs, hybrid_machine
+from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments
 from contwalk.flow.hybrid.saltation import saltation
 from contwalk.system import Mode, Parameter, State, System, Transition, load_system
 
@@ -74,7 +74,7 @@ def test_impacts_on_a_table_whose_guard_and_reset_depend_on_time(method, events)
     exact = exact_map(legs, parabola, 0.3, [1.0, 0.1])
     found, _ = mapped(machine(BALL, e=e, a=a, omega=omega), [1.0, 0.1], events, t0=0.3, method=method)
     agrees(found, exact, [0, 1])
-    assert found.word == ("impact",) * events
+    assert found.itinerary == ("impact",) * events
 
 
 def test_an_impact_on_a_fixed_floor():
@@ -163,7 +163,7 @@ def test_a_soft_transition_changes_no_deviation():
     mover = machine(DAMPER)
     found, _ = mapped(mover, [-1.0, 0.1], 2, mode="extending")
     agrees(found, exact, [0, 1])
-    assert found.word == ("turns_in", "turns_out")
+    assert found.itinerary == ("turns_in", "turns_out")
     matrix, _ = saltation(mover, mover.transition("turns_in"), 0.0, np.array([1.0, 0.0]))
     np.testing.assert_array_equal(matrix, np.eye(2))
 
@@ -186,7 +186,7 @@ def test_modes_with_other_states(method):
     exact = exact_map([landed, empty], fly, 0.0, [0.5, 1.5])
     found, _ = mapped(mover, [0.5, 0.0, 1.5], 2, mode="flying", method=method)
     agrees(found, exact, [0, 2])
-    assert (found.mode, found.word) == ("flying", ("landed", "empty"))
+    assert (found.mode, found.itinerary) == ("flying", ("landed", "empty"))
 
 
 def test_names_that_are_swapped():
@@ -245,13 +245,13 @@ def test_a_field_that_depends_on_time():
 # -- the two ways --------------------------------------------------------------------------------------------
 
 
-def careful(step):
+def by_reference(step):
     step._integrator = None
     return step
 
 
 @pytest.mark.parametrize("at", [True, False])
-def test_the_compiled_way_and_the_careful_one_agree_on_a_walker(at):
+def test_the_compiled_way_and_the_reference_integrator_agree_on_a_walker(at):
     walker = machine(load_system("planar_walker"), alpha=0.09)
     before = np.array([-0.5196, 0.1474227645, 0.0, 0.0, -1.933, -2.037, 0.0])
     weights = np.array([0.5, 0.5, 1.0, 1.0, 2.0, 4.0, 10.0])
@@ -263,10 +263,10 @@ def test_the_compiled_way_and_the_careful_one_agree_on_a_walker(at):
         x0 = StepMap(walker, "two_link", 1, weights, at="heel_strike").mapped(0.0, before, 1e-10).state
         mode, events = "three_link", 2
     fast = StepMap(walker, mode, events, weights, **begins)
-    slow = careful(StepMap(walker, mode, events, weights, **begins))
+    slow = by_reference(StepMap(walker, mode, events, weights, **begins))
     one, other = fast.mapped(0.0, x0, 1e-13), slow.mapped(0.0, x0, 1e-13)
     assert fast._integrated(fast._integrator, 0.0, x0, 1e-13)
-    assert one.word == other.word == ("heel_strike",) * at + ("knee_strike", "heel_strike")
+    assert one.itinerary == other.itinerary == ("heel_strike",) * at + ("knee_strike", "heel_strike")
     assert one.time == pytest.approx(other.time, rel=1e-12)
     scale = np.abs(other.monodromy).max()
     np.testing.assert_allclose(one.monodromy, other.monodromy, rtol=0, atol=1e-10 * scale)
@@ -278,17 +278,17 @@ def test_the_compiled_way_and_the_careful_one_agree_on_a_walker(at):
     np.testing.assert_array_equal(monodromy, one.monodromy)
 
 
-def test_transitions_at_once_are_left_to_the_careful_way():
+def test_transitions_at_once_are_left_to_the_reference_integrator():
     found, step = mapped(machine(COUNTERS), [0.5, 0.5, 0.0], 3)
     assert not step._integrated(step._integrator, 0.0, np.array([0.5, 0.5, 0.0]), 1e-10)
-    assert found.word == ("a", "b", "a")
+    assert found.itinerary == ("a", "b", "a")
     np.testing.assert_allclose(found.state, [1.0, 1.0, 2.0], atol=1e-14)
 
 
 def test_the_map_is_the_motion():
     mover = machine(STOP, e=0.9)
     found, _ = mapped(mover, [-1.0, 0.0], 4, tolerance=1e-10)
-    motion = arcs(mover, 0.0, np.array([-1.0, 0.0]), "free", 100.0, 1e-10, np.ones(2))
+    motion = motion_segments(mover, 0.0, np.array([-1.0, 0.0]), "free", 100.0, 1e-10, np.ones(2))
     ends = [next(motion) for _ in range(4)]
     assert found.time == ends[-1].times[-1]
     np.testing.assert_array_equal(found.state, ends[-1].after)

@@ -10,7 +10,7 @@ from contwalk_systems.walker3d.observables import strides, way
 from matplotlib.figure import Figure
 from walker3d_motion import ENDS, GAITS, gait, mode_named, random_state, values, walker
 
-from contwalk.flow.hybrid.motions import arcs, hybrid_machine
+from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments
 from contwalk.plugin_check.traced import Traced, number_form, vector_form
 
 STANDING = mode_named(walker(), "21 22", "2", "1")
@@ -254,6 +254,6 @@ def test_a_damper_that_switches_does_not_switch_back_at_once(preset, mode):
             weights = np.maximum(np.abs(x), 0.05)
             ends = [
                 arc.times[-1]
-                for arc in arcs(machine, 0.0, start, mode, 0.45 * known["T"], tolerance, weights)
+                for arc in motion_segments(machine, 0.0, start, mode, 0.45 * known["T"], tolerance, weights)
             ]
             assert np.diff(ends).min() > 1e-6

@@ -20,7 +20,7 @@ from scipy.optimize import linear_sum_assignment
 
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.flow.hybrid.event_map import Mapped, StepMap
-from contwalk.flow.hybrid.motions import Arc, HybridMachine, arcs, hybrid_machine
+from contwalk.flow.hybrid.motions import HybridMachine, MotionSegment, hybrid_machine, motion_segments
 from contwalk.workflow.run_file.reading import RunFile, read_run_file
 
 pytestmark = pytest.mark.thesis
@@ -91,10 +91,12 @@ def state_of(name: str, point: SpecialPoint) -> np.ndarray:
 
 
 @cache
-def stride(name: str) -> tuple[Arc, ...]:
+def stride(name: str) -> tuple[MotionSegment, ...]:
     """The reference's gait, for a stride."""
     begins, lasts = known_state(name), GAITS[name]["period"]
-    return tuple(arcs(machine(name), 0.0, begins, printed(name)[1], lasts, TOLERANCE, np.ones(len(begins))))
+    return tuple(
+        motion_segments(machine(name), 0.0, begins, printed(name)[1], lasts, TOLERANCE, np.ones(len(begins)))
+    )
 
 
 def sizes(name: str) -> np.ndarray:
@@ -172,7 +174,7 @@ def test_stride_from_the_printed_state():
     The tests of the system have the same by an integrator that is not contwalk's.
     """
     begins, mode = printed("overlap")
-    motion = arcs(machine("overlap"), 0.0, begins, mode, 1.43, TOLERANCE, sizes("overlap"))
+    motion = motion_segments(machine("overlap"), 0.0, begins, mode, 1.43, TOLERANCE, sizes("overlap"))
     hard = [arc for arc in motion if arc.transition and not arc.transition.endswith("loads")]
     first = ["knee1_locks", "toe11_on", "toe12_on", "toe21_off", "toe22_off", "knee2_unlocks"]
     (mirror,) = machine("overlap").system.symmetries
@@ -189,11 +191,11 @@ def test_multipliers_of_a_stride_are_squares(name):
     """The derivative over all events of a stride, one after another, from right after one of them on."""
     _, point = gait(name, "engine.method=dop853")
     begins, units = state_of(name, point), sizes(name)
-    (arc,) = islice(arcs(machine(name), 0.0, begins, printed(name)[1], 1.0, TOLERANCE, units), 1)
+    (arc,) = islice(motion_segments(machine(name), 0.0, begins, printed(name)[1], 1.0, TOLERANCE, units), 1)
     first, mode = arc.transition, machine(name).transition(arc.transition, arc.mode).target
     whole = stepped(name, mode=mode, events=2 * EVENTS[name], just_after=first)
     after = whole.mapped(float(arc.times[-1]), arc.after, TOLERANCE)
-    assert (after.mode, after.word[-1]) == (mode, first)
+    assert (after.mode, after.itinerary[-1]) == (mode, first)
     assert after.time - arc.times[-1] == pytest.approx(point.period_full, rel=NEAR)
     exists = list(machine(name).system.states_of(mode))
     matrix = (after.monodromy * units / units[:, None])[np.ix_(exists, exists)]
@@ -238,7 +240,7 @@ def apart(found: np.ndarray, expected: np.ndarray) -> float:
 
 def simulated(name: str, x: np.ndarray, word: tuple[str, ...]) -> np.ndarray:
     """State and time after half a stride that has these events."""
-    motion = arcs(machine(name), 0.0, x, printed(name)[1], 1.0, TOLERANCE, sizes(name))
+    motion = motion_segments(machine(name), 0.0, x, printed(name)[1], 1.0, TOLERANCE, sizes(name))
     passed = list(islice(motion, EVENTS[name]))
     assert tuple(arc.transition for arc in passed) == word
     return np.append(passed[-1].after, passed[-1].times[-1])
@@ -261,7 +263,7 @@ def differences(name: str, word: tuple[str, ...]) -> np.ndarray:
 @pytest.mark.parametrize("name", GAITS)
 def test_derivative_is_that_of_simulated_motions(name):
     mapped = stepped(name).mapped(0.0, known_state(name), TOLERANCE)
-    expected = in_units(name, differences(name, mapped.word), mapped.mode)
+    expected = in_units(name, differences(name, mapped.itinerary), mapped.mode)
     assert apart(derivative(name, mapped), expected) < 1e-6
 
 
@@ -270,6 +272,6 @@ def test_derivative_is_that_of_the_implicit_method(name):
     explicit, implicit = (
         stepped(name, method=method).mapped(0.0, known_state(name), TOLERANCE) for method in METHODS
     )
-    assert implicit.word == explicit.word
+    assert implicit.itinerary == explicit.itinerary
     assert implicit.steps < explicit.steps / 5  # the ground is stiff
     assert apart(derivative(name, implicit), derivative(name, explicit)) < 1e-7

@@ -121,7 +121,7 @@ class Restricted(CompiledField):
     ) -> Code:
         """`name(t, x, c, out)`, which calls the whole and keeps some of its outputs.
 
-        With statements `numbers` the whole is told %numbers instead of `c`.
+        With statements `numbers` the whole is given %numbers instead of `c`.
         """
         symbol = f"contwalk_{hashlib.sha256(text.encode()).hexdigest()[:32]}"
         known_to_the_linker(symbol, address)
@@ -142,8 +142,8 @@ class Restricted(CompiledField):
             lines.append(f"  %all{i}_at = getelementptr double, ptr %all, i64 {i}")
             lines.append(f"  store double {value}, ptr %all{i}_at")
         lines += numbers
-        told = "numbers" if numbers else "c"
-        lines.append(f"  call void @{symbol}(double %t, ptr %all, ptr %{told}, ptr %found)")
+        given = "numbers" if numbers else "c"
+        lines.append(f"  call void @{symbol}(double %t, ptr %all, ptr %{given}, ptr %found)")
         for i, position in enumerate(kept):
             lines.append(f"  %f{i}_at = getelementptr double, ptr %found, i64 {position}")
             lines.append(f"  %f{i} = load double, ptr %f{i}_at")

@@ -183,10 +183,10 @@ def _suspects(sampled: np.ndarray) -> np.ndarray:
     with np.errstate(all="ignore"):  # of a guard that is infinite somewhere
         changes = side[:, :-1] * side[:, 1:] <= 0.0
         turns = (value[:, :-1] * rate[:, :-1] < 0.0) & (value[:, 1:] * rate[:, 1:] > 0.0)
-    here = changes | turns
-    found = here.copy()
-    found[:, 1:] |= here[:, :-1]
-    found[:, :-1] |= here[:, 1:]
+    suspect = changes | turns
+    found = suspect.copy()
+    found[:, 1:] |= suspect[:, :-1]
+    found[:, :-1] |= suspect[:, 1:]
     return found
 
 

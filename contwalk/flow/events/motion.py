@@ -37,7 +37,7 @@ class Machine:
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class SegmentPart:
     """Some steps of a motion.
 
     Parameters
@@ -57,7 +57,7 @@ class Piece:
     status: str
 
 
-def pieces(
+def segment_parts(
     machine: Machine,
     t0: float,
     x0: np.ndarray,
@@ -65,7 +65,7 @@ def pieces(
     tolerance: float,
     weights: np.ndarray,
     method: str = "dop853",
-) -> Iterator[Piece]:
+) -> Iterator[SegmentPart]:
     """A motion from t0 until t1, which may be infinite if the caller stops asking.
 
     Parameters
@@ -95,7 +95,7 @@ def pieces(
             for at in found
         ]
         status = "ok" if path.status in ("ok", "too_many_steps") else path.status
-        yield Piece(path.times, path.states, events, path.evaluations, status)
+        yield SegmentPart(path.times, path.states, events, path.evaluations, status)
         if status != "ok":
             return
         t, x = float(path.times[-1]), path.states[-1]

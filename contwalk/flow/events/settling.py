@@ -17,7 +17,7 @@ GROWTH = 1.5
 
 
 class Settling:
-    """Told of a motion piece by piece, says when two windows in succession have the same extremes.
+    """Told of a motion part by part, says when two windows in succession have the same extremes.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""Motions of hybrid machines: arcs, guards, transitions, and the derivative through all of them."""
+"""Motions of hybrid machines: segments, guards, transitions, and the derivative through all of them."""

@@ -19,7 +19,7 @@ from contwalk.system import System, Transition
 SHARES = tuple(10.0**k for k in range(-12, -2))
 
 
-def told(
+def line_without_value(
     system: System,
     mode: str,
     functions: Mapping[str, Callable[..., Any]],
@@ -56,7 +56,7 @@ def why_not_finite(
     x: np.ndarray,
     landing: tuple[Transition, np.ndarray] | None = None,
 ) -> str:
-    """As `told`, of what moves the machine at a state: its field, and guards that act.
+    """As `line_without_value`, of what moves the machine at a state: its field, and guards that act.
 
     Where a transition has just led there, from the state that comes with it, its reset is asked first.
     """
@@ -64,17 +64,19 @@ def why_not_finite(
     if landing is not None and landing[0].reset is not None:
         transition, before = landing
         reset: Mapping[str, Any] = {f"reset of transition '{transition.name}'": transition.reset}
-        found = told(system, transition.source, reset, t, before, machine.parameters)
+        found = line_without_value(system, transition.source, reset, t, before, machine.parameters)
         if found:
             return found
     functions: dict[str, Callable[..., Any]] = {f"field of mode '{mode}'": system.mode(mode).field}
     for each in system.leaving(mode):
         functions[f"guard of transition '{each.name}'"] = _AsField(each.guard)
-    return told(system, mode, functions, t, x, machine.parameters) if np.isfinite(x).all() else ""
+    return (
+        line_without_value(system, mode, functions, t, x, machine.parameters) if np.isfinite(x).all() else ""
+    )
 
 
 def nearly_singular(machine: HybridMachine, mode: str, t: float, x: np.ndarray) -> str:
-    """As `told`, of a matrix of the field that is about to become singular: steps become ever smaller."""
+    """As `line_without_value`, of a matrix of the field that is about to become singular."""
     known = {**machine.parameters, **machine.system.mode(mode).constants}
     function = machine.system.mode(mode).field
     found = first_nearly_singular(function, t, np.asarray(x, dtype=float).tolist(), known)

@@ -25,7 +25,7 @@ MOST_AT_ONCE = 100
 
 @dataclass(frozen=True)
 class Verdict:
-    """Whether a motion can go on after a transition; arguments as in `Arc`."""
+    """Whether a motion can go on after a transition; arguments as in `MotionSegment`."""
 
     status: str = "ok"
     reason: str = ""

@@ -23,7 +23,7 @@ class Clocks:
         self._instant = t
         self._passed: list[Code] = []
 
-    def told(self, t: float, flow: ModeFlow, name: str) -> None:
+    def record(self, t: float, flow: ModeFlow, name: str) -> None:
         """A transition out of a mode happens."""
         if t != self._instant:
             self._instant, self._passed = t, []

@@ -1,4 +1,4 @@
-"""Arcs of a hybrid machine and their derivatives in one compiled walk, for numba.
+"""Segments of a hybrid machine and their derivatives in one compiled walk, for numba.
 
 The steps are those of `explicit.drivers`. With columns of derivatives each step moves them too; at a
 transition they are multiplied by its saltation matrix (P. C. Mueller, Calculation of Lyapunov exponents for
@@ -82,7 +82,7 @@ def _transition(w: EventCall, number: int) -> Any:
     return _transition_at(w.transitions + number * _TRANSITION_LENGTH)
 
 
-# -- where an arc begins ------------------------------------------------------------------------------------
+# -- where a segment begins ---------------------------------------------------------------------------------
 
 
 @inlined
@@ -112,7 +112,7 @@ def _has(bits: int, guard: int) -> bool:
 
 @inlined
 def _begin(m: ModeRecord, own: int, passed: int, t: float) -> int:
-    """The first stage of an arc, and its guards; `ARRIVED`, or why it cannot begin.
+    """The first stage of a segment, and its guards; `ARRIVED`, or why it cannot begin.
 
     `own` has a bit for each guard that what has just happened leaves at zero, `passed` for each of these
     that it has passed in its own direction.
@@ -188,7 +188,7 @@ def _go_on(m: ModeRecord) -> bool:
 
 
 @inlined
-def _arc(w: EventCall, m: ModeRecord, t1: float, tolerance: float, order: float, stable: float) -> int:
+def _segment(w: EventCall, m: ModeRecord, t1: float, tolerance: float, order: float, stable: float) -> int:
     """Steps until an event, whose guard's number is added to `_EVENT`, or until they end otherwise."""
     p, clock = explicit_call(m.moving), doubles(w.clock, 1)
     control, times = step_control(p.control), doubles(w.times, w.room + 1)
@@ -332,7 +332,7 @@ def _happens(w: EventCall, number: int) -> int:
 
 
 def integrate(address: int, t1: float, tolerance: float, order: float, stable: float) -> int:
-    """Arcs from the state in `Y` of its mode until there were `EVENTS` events, or time is up."""
+    """Segments from the state in `Y` of its mode until there were `EVENTS` events, or time is up."""
     w = _event_call(address)
     happened = happened_at(w.happened)
     first, happened.first_of_all = happened.first_of_all, -1
@@ -342,7 +342,7 @@ def integrate(address: int, t1: float, tolerance: float, order: float, stable: f
             return status
     while happened.count < w.events:
         m = _mode(w, happened.mode)
-        status = _arc(w, m, t1, tolerance, order, stable)
+        status = _segment(w, m, t1, tolerance, order, stable)
         if status < _EVENT:
             return status
         status = _happens(w, integers(m.leads, m.guards)[status - _EVENT])

@@ -1,8 +1,8 @@
 """The map of a hybrid machine from a state to the one after some events, with its derivative.
 
 For the explicit pair of order 8 it is one call of compiled code. Where that is not sure of itself, as with
-transitions that happen at once, and for the other methods, the arcs are found one by one and differentiated
-on their steps.
+transitions that happen at once, and for the other methods, the segments are found one by one and
+differentiated on their steps.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from contwalk.errors import NotFinite
-from contwalk.flow.hybrid.arc import Arc, far
 from contwalk.flow.hybrid.event_integrator import METHOD, EventIntegrator
 from contwalk.flow.hybrid.event_records import ARRIVED
 from contwalk.flow.hybrid.machine import HybridMachine, applied
-from contwalk.flow.hybrid.motions import arcs
+from contwalk.flow.hybrid.motion_segment import MotionSegment, far
+from contwalk.flow.hybrid.motions import motion_segments
 from contwalk.flow.hybrid.past_zero import past_zero
 from contwalk.flow.hybrid.saltation import saltation
 from contwalk.flow.integrate import tangents
@@ -41,7 +41,7 @@ class Mapped:
         changes by ``monodromy + outer(velocity, shift)``.
     velocity : ndarray, shape (n,)
         The field right after the last event.
-    word : tuple of str
+    itinerary : tuple of str
         The transitions that have happened.
     steps : int
     """
@@ -52,7 +52,7 @@ class Mapped:
     monodromy: np.ndarray
     shift: np.ndarray
     velocity: np.ndarray
-    word: tuple[str, ...]
+    itinerary: tuple[str, ...]
     steps: int
 
 
@@ -139,10 +139,10 @@ class StepMap:
             return self._step_by_step(float(t0), np.asarray(x0, dtype=float), tolerance)
         mode, state, monodromy = self._arrived(integrator)
         happened = [integrator.transitions[number] for number in integrator.itinerary]
-        word = tuple(transition.name for transition in happened)
+        itinerary = tuple(transition.name for transition in happened)
         shift, velocity = self.machine.full(self.mode, integrator.shift), integrator.velocity(happened[-1])
         velocity, steps = self.machine.full(mode, velocity), integrator.happened.steps
-        return Mapped(float(integrator.clock[0]), state, mode, monodromy, shift, velocity, word, steps)
+        return Mapped(float(integrator.clock[0]), state, mode, monodromy, shift, velocity, itinerary, steps)
 
     def _integrated(self, integrator: EventIntegrator, t: float, x: np.ndarray, tolerance: float) -> bool:
         """Whether compiled code, which leaves its results in the integrator, is sure of them."""
@@ -167,46 +167,46 @@ class StepMap:
         return matrix
 
     def _step_by_step(self, t: float, x: np.ndarray, tolerance: float) -> Mapped:
-        """Arc by arc, each differentiated on its steps."""
-        mode, last, word, steps = self.mode, self.just_after, [], 0
+        """Segment by segment, each differentiated on its steps."""
+        mode, last, itinerary, steps = self.mode, self.just_after, [], 0
         columns, shift = np.eye(len(self._columns)), np.zeros(len(self._columns))
         if self.at is not None:
             matrix, own = saltation(self.machine, self.at, t, x)
             columns, shift, x = matrix, own, applied(self.machine, self.at, t, x)
-            mode, last, word = self.at.target, self.at.name, [self.at.name]
-        if len(word) < self.events:
-            motion = arcs(
+            mode, last, itinerary = self.at.target, self.at.name, [self.at.name]
+        if len(itinerary) < self.events:
+            motion = motion_segments(
                 self.machine, t, x, mode, t + self.longest, tolerance, self.weights, self.method, last
             )
-            for arc in motion:
-                columns = self._along(arc, columns)
-                if arc.transition is None or arc.after is None:
-                    if not word:  # nothing has happened: perhaps the start is past its guard
+            for segment in motion:
+                columns = self._along(segment, columns)
+                if segment.transition is None or segment.after is None:
+                    if not itinerary:  # nothing has happened: perhaps the start is past its guard
                         past_zero(self.machine, t, x, mode, self.weights)
-                    raise NotFinite(_ended(arc, len(word), self.events), "Start elsewhere.")
-                happening = self.machine.transition(arc.transition, arc.mode)
-                matrix, own = saltation(self.machine, happening, float(arc.times[-1]), arc.states[-1])
+                    raise NotFinite(_ended(segment, len(itinerary), self.events), "Start elsewhere.")
+                happening = self.machine.transition(segment.transition, segment.mode)
+                matrix, own = saltation(self.machine, happening, float(segment.times[-1]), segment.states[-1])
                 columns, shift = matrix @ columns, own @ columns
-                t, x, mode = float(arc.times[-1]), arc.after, happening.target
-                word.append(arc.transition)
-                steps += len(arc.times) - 1
-                if len(word) == self.events:
+                t, x, mode = float(segment.times[-1]), segment.after, happening.target
+                itinerary.append(segment.transition)
+                steps += len(segment.times) - 1
+                if len(itinerary) == self.events:
                     break
-                if arc.status != "ok":
-                    raise NotFinite(_ended(arc, len(word), self.events), "Start elsewhere.")
+                if segment.status != "ok":
+                    raise NotFinite(_ended(segment, len(itinerary), self.events), "Start elsewhere.")
         flow = self.machine.mode(mode)
         velocity = self.machine.full(mode, flow.field(t, x[flow.states], flow.c))
         shifts, matrix = self.machine.full(self.mode, shift), self._full(mode, columns)
-        return Mapped(t, x, mode, matrix, shifts, velocity, tuple(word), steps)
+        return Mapped(t, x, mode, matrix, shifts, velocity, tuple(itinerary), steps)
 
-    def _along(self, arc: Arc, columns: np.ndarray) -> np.ndarray:
-        if len(arc.times) == 1:
+    def _along(self, segment: MotionSegment, columns: np.ndarray) -> np.ndarray:
+        if len(segment.times) == 1:
             return columns
-        flow = self.machine.mode(arc.mode)
-        start, sources = arc.states[0][flow.states], [-1] * columns.shape[1]
-        return tangents(flow.field, flow.c, arc.times, start, columns, sources, self.method)[1]
+        flow = self.machine.mode(segment.mode)
+        start, sources = segment.states[0][flow.states], [-1] * columns.shape[1]
+        return tangents(flow.field, flow.c, segment.times, start, columns, sources, self.method)[1]
 
 
-def _ended(arc: Arc, count: int, events: int) -> str:
-    why = arc.reason or f"No transition happens until t = {arc.times[-1]:.10g}."
+def _ended(segment: MotionSegment, count: int, events: int) -> str:
+    why = segment.reason or f"No transition happens until t = {segment.times[-1]:.10g}."
     return f"The motion ends after {count} of {events} events. {why}"

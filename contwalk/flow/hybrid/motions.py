@@ -1,9 +1,10 @@
-"""Motions of hybrid machines: arcs between transitions.
+"""Motions of hybrid machines: segments between transitions.
 
-A transition happens where its guard passes zero in its direction. What acts ends an arc, at the instant that
-re-stepping finds to rounding; its reset and its relabelling give the state that the next arc begins with. Of
-transitions that coincide to rounding the one declared first happens. Those whose guards pass zero just then
-follow in arcs without length; so do those whose guards are past zero, if they are declared to act at entry.
+A transition happens where its guard passes zero in its direction. What acts ends a segment, at the instant
+that re-stepping finds to rounding; its reset and its relabelling give the state that the next segment begins
+with. Of transitions that coincide to rounding the one declared first happens. Those whose guards pass zero
+just then follow in segments without length; so do those whose guards are past zero, if they are declared to
+act at entry.
 """
 
 from __future__ import annotations
@@ -14,9 +15,6 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.flow.events.guard import EPSILON
-from contwalk.flow.hybrid.arc import FAR, Arc, Control, far
-from contwalk.flow.hybrid.arc_events import ByEventIntegrator
-from contwalk.flow.hybrid.arc_paths import by_paths
 from contwalk.flow.hybrid.blaming import just_beyond, nearly_singular, why_not_finite
 from contwalk.flow.hybrid.chatter import Pace, Verdict
 from contwalk.flow.hybrid.clocks import Clocks
@@ -31,10 +29,13 @@ from contwalk.flow.hybrid.guard_status import (
     happens_at_once,
 )
 from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow, applied, hybrid_machine, landed
+from contwalk.flow.hybrid.motion_segment import FAR, Control, MotionSegment, far
+from contwalk.flow.hybrid.segment_events import ByEventIntegrator
+from contwalk.flow.hybrid.segment_paths import by_paths
 from contwalk.python_functions import line_of
 from contwalk.system import Transition
 
-__all__ = ["Arc", "HybridMachine", "applied", "arcs", "hybrid_machine", "parts"]
+__all__ = ["HybridMachine", "MotionSegment", "applied", "hybrid_machine", "motion_segments", "parts"]
 
 MOST_STEPS = 100_000
 
@@ -42,7 +43,7 @@ MOST_STEPS = 100_000
 EDGE = 1e-12
 
 
-def arcs(
+def motion_segments(
     machine: HybridMachine,
     t0: float,
     x0: np.ndarray,
@@ -54,8 +55,8 @@ def arcs(
     just_after: str | None = None,
     most_steps: int = MOST_STEPS,
     watched: bool = True,
-) -> Iterator[Arc]:
-    """The arcs of a motion from t0 until t1, which may be infinite if the caller stops asking.
+) -> Iterator[MotionSegment]:
+    """The segments of a motion from t0 until t1, which may be infinite if the caller stops asking.
 
     Parameters
     ----------
@@ -72,23 +73,23 @@ def arcs(
     just_after : str, optional
         The transition that has just led to the start.
     most_steps : int
-        Of one arc.
+        Of one segment.
     watched : bool
         Whether crossings of watched transitions are located, which costs as much as events do.
 
     Yields
     ------
-    Arc
+    MotionSegment
         The last one has no transition, or a status that is not `ok`.
     """
-    collected: list[Arc] = []
+    collected: list[MotionSegment] = []
     control = Control(tolerance, np.asarray(weights, dtype=float), method, watched)
     for part in parts(machine, t0, x0, mode, t1, control, just_after):
         collected.append(part)
         steps = sum(len(each.times) - 1 for each in collected)
         ends = part.transition is not None or part.status != "ok" or not part.times[-1] < t1
         if not ends and steps >= most_steps:
-            reason = f"An arc in mode '{part.mode}' has taken {steps} steps and met no transition."
+            reason = f"A segment in mode '{part.mode}' has taken {steps} steps and met no transition."
             reason += nearly_singular(machine, part.mode, float(part.times[-1]), part.states[-1])
             yield replace(_joined(collected), status="too_many_steps", reason=reason)
             return
@@ -97,7 +98,7 @@ def arcs(
             collected = []
 
 
-def _joined(collected: list[Arc]) -> Arc:
+def _joined(collected: list[MotionSegment]) -> MotionSegment:
     if len(collected) == 1:
         return collected[0]
     return replace(
@@ -117,8 +118,8 @@ def parts(
     t1: float,
     control: Control,
     last: str | None = None,
-) -> Iterator[Arc]:
-    """As `arcs`, but a long arc comes in parts of some steps: all but its last have no transition."""
+) -> Iterator[MotionSegment]:
+    """As `motion_segments`, but a long one comes in parts of some steps: all but its last end in no event."""
     integrator = ByEventIntegrator(machine, control) if control.method == METHOD else None
     t, x, pace = float(t0), machine.existing(mode, x0), Pace(float(t0), t1)
     flow = machine.mode(mode)
@@ -135,25 +136,25 @@ def parts(
                 found = by_paths(machine, flow, t, x, t1, control, standing)
             else:
                 found = integrator.parts(flow, t, x, t1, standing, last, noise)
-            arc: Arc | None = None
+            segment: MotionSegment | None = None
             for part in found:
-                arc = _told(machine, flow, _at_edge(flow, part, control.weights), control.weights)
-                if arc.transition is None:
-                    yield arc
-            if arc is None or arc.transition is None:
+                segment = _explained(machine, flow, _at_edge(flow, part, control.weights), control.weights)
+                if segment.transition is None:
+                    yield segment
+            if segment is None or segment.transition is None:
                 return
         else:
             stands = standing[number]
-            arc = replace(
+            segment = replace(
                 _instant(flow, t, x),
                 transition=flow.transitions[number].name,
                 rising=stands.side > 0,
                 collapsed=stands.kind == BEYOND,
             )
-        last = name = str(arc.transition)
-        t, happening = float(arc.times[-1]), machine.transition(name, flow.name)
-        clocks.told(t, flow, name)
-        before, earlier = arc.states[-1], noise
+        last = name = str(segment.transition)
+        t, happening = float(segment.times[-1]), machine.transition(name, flow.name)
+        clocks.record(t, flow, name)
+        before, earlier = segment.states[-1], noise
         x, noise = landed(machine, happening, t, before)
         noise = np.where(_kept(flow, name, t, before, x), np.maximum(noise, earlier), noise)
         flow = machine.mode(happening.target)
@@ -161,7 +162,7 @@ def parts(
         if verdict.status == "ok":
             verdict = pace.verdict(t, name, [d for i, d in enumerate(standing) if flow.acting(i)])
         yield replace(
-            arc,
+            segment,
             after=x,
             status=verdict.status,
             reason=verdict.reason + _blame(verdict, machine, flow, t, x, (happening, before)),
@@ -180,9 +181,9 @@ def _kept(flow: ModeFlow, name: str, t: float, before: np.ndarray, after: np.nda
     return kept
 
 
-def _instant(flow: ModeFlow, t: float, x: np.ndarray) -> Arc:
-    """An arc without length."""
-    return Arc(flow.name, np.array([t]), x[None])
+def _instant(flow: ModeFlow, t: float, x: np.ndarray) -> MotionSegment:
+    """A segment without length."""
+    return MotionSegment(flow.name, np.array([t]), x[None])
 
 
 # -- where a motion begins or goes on ------------------------------------------------------------------------
@@ -245,7 +246,7 @@ def _sticks(name: str, t: float, guard: GuardStatus) -> str:
     )
 
 
-def _at_edge(flow: ModeFlow, part: Arc, weights: np.ndarray) -> Arc:
+def _at_edge(flow: ModeFlow, part: MotionSegment, weights: np.ndarray) -> MotionSegment:
     """The part, ended by the transition on whose guard the field ceases to exist."""
     if part.status not in ("not_finite", "step_too_small"):
         return part
@@ -260,7 +261,9 @@ def _at_edge(flow: ModeFlow, part: Arc, weights: np.ndarray) -> Arc:
     return part
 
 
-def _told(machine: HybridMachine, flow: ModeFlow, part: Arc, weights: np.ndarray) -> Arc:
+def _explained(
+    machine: HybridMachine, flow: ModeFlow, part: MotionSegment, weights: np.ndarray
+) -> MotionSegment:
     """The part that cannot go on, with the guard and the plugin's line that have no value just beyond."""
     if part.status not in ("not_finite", "step_too_small"):
         return part

@@ -6,9 +6,9 @@ import numpy as np
 
 from contwalk.errors import StartError
 from contwalk.flow.events.guard import EPSILON
-from contwalk.flow.hybrid.arc import Control
 from contwalk.flow.hybrid.guard_status import BEYOND, GuardStatus, guard_statuses
 from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow
+from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import parts
 
 # So many steps are looked ahead for a guard to come back.
@@ -73,8 +73,8 @@ def _come_back(machine: HybridMachine, t: float, x: np.ndarray, flow: ModeFlow, 
     steps, count = 0, len(_past(flow, t, x, weights))
     for part in parts(machine, t, x, flow.name, np.inf, Control(TOLERANCE, weights)):
         steps += len(part.times) - 1
-        here = float(part.times[-1]), part.states[-1]
-        if part.transition is not None or len(_past(flow, *here, weights)) < count:
+        reached = float(part.times[-1]), part.states[-1]
+        if part.transition is not None or len(_past(flow, *reached, weights)) < count:
             return True
         if steps >= LOOK_AHEAD or part.status != "ok":
             return False

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from contwalk.flow.hybrid.arc import Control
 from contwalk.flow.hybrid.machine import HybridMachine
+from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import parts
 
 PILOT_STEPS, PILOT_TOLERANCE = 200, 1e-6
@@ -28,7 +28,7 @@ def magnitudes(
     Parameters
     ----------
     given : sequence of float or None
-        Declared scales; the other arguments are those of `arcs`.
+        Declared scales; the other arguments are those of `motion_segments`.
     """
     known = np.array([np.nan if scale is None else scale for scale in given])
     if np.isfinite(known).all():

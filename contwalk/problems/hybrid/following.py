@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from contwalk.flow.hybrid.arc import Arc
 from contwalk.flow.hybrid.machine import HybridMachine
-from contwalk.flow.hybrid.motions import arcs, hybrid_machine
+from contwalk.flow.hybrid.motion_segment import MotionSegment
+from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments
 from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.layout import Segment
@@ -38,7 +38,7 @@ def _round(problem: DiscretizedOrbit, machine: HybridMachine, z: np.ndarray) -> 
     x = problem.passages[0].full(problem.layout.inputs(0, z)[0])
     last = problem.word.leading_in(problem.system, 0) or None
     end = float(times[-1]) + _room(problem, z) if problem.word.eventful else float(times[-1])
-    run = arcs(
+    run = motion_segments(
         machine, float(times[0]), x, legs[0].mode, end, TOLERANCE, problem.mesh.variation, just_after=last
     )
     for i, leg in enumerate(legs):
@@ -60,7 +60,7 @@ def _along(problem: DiscretizedOrbit, machine: HybridMachine, z: np.ndarray, seg
     last = (problem.word.leading_in(problem.system, i) or None) if segment.begin == 0.0 else None
     until = end + _room(problem, z) if ends_here else end
     x, weights = passage.full(z[segment.states]), problem.mesh.variation
-    arc = next(arcs(machine, start, x, leg.mode, until, TOLERANCE, weights, just_after=last), None)
+    arc = next(motion_segments(machine, start, x, leg.mode, until, TOLERANCE, weights, just_after=last), None)
     if arc is None:
         return f"it ends before '{leg.name}'"
     if ends_here:
@@ -74,7 +74,7 @@ def _room(problem: DiscretizedOrbit, z: np.ndarray) -> float:
     return SAME_TIME * abs(problem.duration(z))
 
 
-def _ends_alike(problem: DiscretizedOrbit, z: np.ndarray, i: int, arc: Arc) -> str | None:
+def _ends_alike(problem: DiscretizedOrbit, z: np.ndarray, i: int, arc: MotionSegment) -> str | None:
     """None if an arc ends as leg i does; else how it does."""
     times, legs = problem.starting_times(z), problem.word.legs
     leg = legs[i]

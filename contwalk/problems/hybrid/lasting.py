@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.flow.hybrid.machine import HybridMachine
-from contwalk.flow.hybrid.motions import arcs, hybrid_machine
+from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.layout import Segment
 from contwalk.problems.hybrid.shooting import Piece
@@ -71,7 +71,7 @@ def _until_met(
         return None
     last = (problem.word.leading_in(problem.system, i) or None) if segment.begin == 0.0 else None
     start, given = problem.passages[i].full(x), (mesh.tolerance, mesh.variation, mesh.method, last)
-    arc = next(arcs(machine, 0.0, start, leg.mode, longest, *given, watched=False), None)
+    arc = next(motion_segments(machine, 0.0, start, leg.mode, longest, *given, watched=False), None)
     if arc is None or arc.status != "ok" or arc.transition != leg.name or arc.collapsed:
         return None
     return float(arc.times[-1])

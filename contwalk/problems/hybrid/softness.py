@@ -8,7 +8,7 @@ import numpy as np
 
 from contwalk.errors import NotFinite
 from contwalk.flow.hybrid.machine import HybridMachine
-from contwalk.flow.hybrid.motions import arcs, hybrid_machine
+from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments
 from contwalk.memory import remembered
 from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind
@@ -202,7 +202,7 @@ def _pieces(
     found: list[Piece] = []
     if end <= begin:
         return [(Leg(mode), x, end - begin)], x
-    for arc in arcs(machine, begin, x, mode, end, TOLERANCE, magnitudes):
+    for arc in motion_segments(machine, begin, x, mode, end, TOLERANCE, magnitudes):
         if arc.status != "ok":
             raise NotFinite(f"The motion ends at t = {arc.times[-1]:.6g} s: {arc.reason or arc.status}", "")
         transition = None

@@ -6,7 +6,7 @@ import numpy as np
 
 from contwalk.errors import StartError
 from contwalk.flow.hybrid.machine import ModeFlow
-from contwalk.flow.hybrid.motions import Arc
+from contwalk.flow.hybrid.motions import MotionSegment
 from contwalk.problems.initial.recurrence import AtRest
 from contwalk.system import System
 
@@ -17,7 +17,7 @@ STILL = 1e-7
 NEUTRAL = 1e-7
 
 
-def check_moves(system: System, flow: ModeFlow, arc: Arc, reached: np.ndarray) -> None:
+def check_moves(system: System, flow: ModeFlow, arc: MotionSegment, reached: np.ndarray) -> None:
     """Whether a motion still moves at the end of an arc without an event.
 
     Parameters

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from contwalk import flow
-from contwalk.flow.hybrid.motions import Arc, hybrid_machine
+from contwalk.flow.hybrid.motions import MotionSegment, hybrid_machine
 from contwalk.problems.hybrid.lap import Lap
 from contwalk.problems.hybrid.mirrors import Span
 from contwalk.problems.hybrid.word import Leg
@@ -17,7 +17,12 @@ RETURNED, NEARLY = 1e-5, 0.2
 
 
 def strobes(
-    system: System, parameters: Mapping[str, float], arc: Arc, period: float, scale: np.ndarray, first: bool
+    system: System,
+    parameters: Mapping[str, float],
+    arc: MotionSegment,
+    period: float,
+    scale: np.ndarray,
+    first: bool,
 ) -> Lap | None:
     """The lap that a quiet motion repeats, seen at whole periods of the force; None if it does not yet.
 

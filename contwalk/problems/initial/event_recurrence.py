@@ -13,7 +13,13 @@ import numpy as np
 
 from contwalk.errors import NotFinite, StartError
 from contwalk.flow.hybrid.event_integrator import METHOD
-from contwalk.flow.hybrid.motions import Arc, HybridMachine, applied, arcs, hybrid_machine
+from contwalk.flow.hybrid.motions import (
+    HybridMachine,
+    MotionSegment,
+    applied,
+    hybrid_machine,
+    motion_segments,
+)
 from contwalk.flow.hybrid.on_guard import check_on_guard
 from contwalk.flow.hybrid.past_zero import past_zero
 from contwalk.flow.hybrid.scales import magnitudes
@@ -138,7 +144,7 @@ def _motion(
     last: str | None,
     search: _Search,
     end: float,
-) -> Iterator[Arc]:
+) -> Iterator[MotionSegment]:
     """Arcs of the motion until `end`, in stretches short enough to notice that nothing happens.
 
     A stretch ends between events: right after one, a new start would not know what of a guard is rounding.
@@ -148,7 +154,7 @@ def _motion(
         weights = search.weights(x)
         length = min(search.stretch(machine, t, x, mode, weights), end - t)
         given = machine, t, x, mode, t + length, TOLERANCE, weights
-        for arc in arcs(*given, just_after=last, watched=False):
+        for arc in motion_segments(*given, just_after=last, watched=False):
             yield arc
             search.check_moves(machine, arc)
             if arc.status != "ok" or search.exhausted:
@@ -192,7 +198,7 @@ class _Search:
         self.first = True
         self.origin: np.ndarray | None = None
         self.note = ""  # on the start
-        self.ended: Arc | None = None
+        self.ended: MotionSegment | None = None
         self.last_state: tuple[float, np.ndarray, str] | None = None
 
     def weights(self, x: np.ndarray) -> np.ndarray:
@@ -215,7 +221,7 @@ class _Search:
         fastest = float(np.max(rates, initial=0.0))
         return STRETCH / fastest if fastest > 0.0 else STRETCH
 
-    def check_moves(self, machine: HybridMachine, arc: Arc) -> None:
+    def check_moves(self, machine: HybridMachine, arc: MotionSegment) -> None:
         """Raise where the motion of an autonomous system has come to rest without an event."""
         if not self.period and arc.transition is None and arc.status in ("ok", "too_many_steps"):
             reached = np.maximum(np.abs(self.low), np.abs(self.high))
@@ -231,7 +237,7 @@ class _Search:
         most = FIRST_STEPS if self.until is None else MOST_STEPS
         return self.work > most * (1 if self.looking else BEFORE)
 
-    def _spend(self, arc: Arc) -> None:
+    def _spend(self, arc: MotionSegment) -> None:
         """Count an arc's work; anew, once the time has passed that was asked for."""
         if not self.looking and float(arc.times[-1]) >= float(self.until or 0.0):
             self.looking, self.work, self.events = True, 0, 0
@@ -239,7 +245,7 @@ class _Search:
         self.events += happens
         self.work += len(arc.times) + EVENT * happens
 
-    def add(self, arc: Arc) -> Lap | None:
+    def add(self, arc: MotionSegment) -> Lap | None:
         """Take an arc in; the lap that it closes, if it does."""
         self._spend(arc)
         self.low = np.minimum(self.low, arc.states.min(axis=0))
@@ -263,7 +269,7 @@ class _Search:
         hard = any(s.leg.transition is not None and s.leg.transition.role == "hard" for s in self.stretches)
         return self._closed(arc) if self.stretches and not (transition.role == "soft" and hard) else None
 
-    def _closed(self, arc: Arc) -> Lap | None:
+    def _closed(self, arc: MotionSegment) -> Lap | None:
         """The shortest lap that ends with this arc's event."""
         if not self.looking:
             return None
@@ -338,7 +344,7 @@ class _Search:
         p, x = ParameterValues(**self.parameters), np.zeros(len(self.system.states))
         return ("", *(s.name for s in mirrors if order_of(s, x, p) == 2))
 
-    def _arrival(self, arc: Arc, image: str) -> _Arrival:
+    def _arrival(self, arc: MotionSegment, image: str) -> _Arrival:
         """The event that ends an arc, or its image."""
         assert arc.after is not None
         event, after = str(arc.transition), arc.after
@@ -433,7 +439,7 @@ class _Search:
         """The transition that leads into stretch k; None where it is not known."""
         return self.stretches[k - 1].leg.name if k > 0 else None
 
-    def _strobed(self, arc: Arc) -> Lap | None:
+    def _strobed(self, arc: MotionSegment) -> Lap | None:
         """An orbit without events: of a forced system, the motion is the same again after some periods."""
         if not (self.period and self.looking):
             return None
@@ -453,7 +459,7 @@ class _Search:
             return self._smooth()
         raise StartError(f"{self._found_nothing()}{self._nearest()}{self._noted()}", self._remedy())
 
-    def _cut_short(self, arc: Arc) -> Lap:
+    def _cut_short(self, arc: MotionSegment) -> Lap:
         """The best return of a motion that has ended, if it was not to settle, or to last for longer."""
         if self.best is not None and self.until is None:
             return self.best

@@ -186,7 +186,7 @@ def orbit_at(system: System, branch: Branch, point: SpecialPoint | int) -> Orbit
             given, sample = reopened(system, branch, point, PICTURE)
             problem: Any = given
             if hybrid:
-                times, states, breaks, there = _arcs(problem, sample.z)
+                times, states, breaks, there = _segments(problem, sample.z)
             else:
                 times, states, breaks, there = *_motion(problem, sample.z), (), None
     except (ArithmeticError, ValueError) as error:  # numpy.linalg.LinAlgError is a ValueError
@@ -239,15 +239,15 @@ def _motion(problem: Any, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return times[kept], states[kept]
 
 
-def _arcs(problem: Any, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[int, ...], np.ndarray]:
-    """Times and states of a hybrid orbit, the rows with which an arc begins, without the first, and which
+def _segments(problem: Any, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, tuple[int, ...], np.ndarray]:
+    """Times and states of a hybrid orbit, the rows with which a segment begins, without the first, and which
     states exist."""
     times, states, there = [], [], []
-    for stretch in problem.stretches(z):
-        own_times, own_states = stretch.at(np.union1d(stretch.view.times, np.linspace(0.0, 1.0, SMOOTH + 1)))
+    for segment in problem.stretches(z):
+        own_times, own_states = segment.at(np.union1d(segment.view.times, np.linspace(0.0, 1.0, SMOOTH + 1)))
         times.append(own_times)
         states.append(own_states)
-        there.append(np.tile(np.isin(np.arange(own_states.shape[1]), stretch.exists), (len(own_times), 1)))
+        there.append(np.tile(np.isin(np.arange(own_states.shape[1]), segment.exists), (len(own_times), 1)))
     for before, after in pairwise(times):  # both sides of an event have one time, to the last bit
         after[0] = before[-1]
     breaks = np.cumsum([len(t) for t in times])[:-1]

@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 
 from contwalk.branch import Outcome
 from contwalk.continuation.opening import Opening
-from contwalk.flow.hybrid.motions import arcs, hybrid_machine
+from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments
 from contwalk.system import Symmetry, System, Transition
 
 # A walk's solutions are known to a hundred times the accuracy.
@@ -78,7 +78,7 @@ def test_each_instant_has_one_event(clock):
     begin, weights = 1000.0 + 1.0 / 3.0, np.ones(2)
     times = [
         float(arc.times[-1])
-        for arc in arcs(given, begin, np.array([0.3, 0.3]), "field", begin + 5.0, 1e-9, weights)
+        for arc in motion_segments(given, begin, np.array([0.3, 0.3]), "field", begin + 5.0, 1e-9, weights)
         if arc.transition
     ]
     assert len(times) == 50
@@ -270,7 +270,7 @@ def test_what_follows_a_clock_at_once_does_not_bring_it_back():
         period=lambda p: p.T,
     )
     given, events = hybrid_machine(system, system.defaults()), []
-    for arc in arcs(given, 0.3, np.array([0.5]), "open", 5.5, 1e-9, np.ones(1)):
+    for arc in motion_segments(given, 0.3, np.array([0.5]), "open", 5.5, 1e-9, np.ones(1)):
         assert arc.status == "ok", arc.reason
         events += [arc.transition] if arc.transition else []
     assert events == ["close", *["cut", "close"] * 5]

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from small_systems import small_system
 
-from contwalk.flow.hybrid.arc import Arc
 from contwalk.flow.hybrid.machine import hybrid_machine
+from contwalk.flow.hybrid.motion_segment import MotionSegment
 from contwalk.problems.initial.coming_to_rest import check_moves
 from contwalk.problems.initial.recurrence import AtRest
 
 
 def arc_of(x):
     times = np.linspace(0.0, 1.0, 5)
-    return Arc("only", times, np.tile(x, (5, 1)))
+    return MotionSegment("only", times, np.tile(x, (5, 1)))
 
 
 @pytest.mark.parametrize("rate", [1e-3, 1.0, 1e3])

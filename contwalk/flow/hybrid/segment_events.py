@@ -1,4 +1,4 @@
-"""An arc by the compiled event integrator, with what is watched located where it has marked a step."""
+"""A segment by the compiled event integrator, with what is watched located where it has marked a step."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ import numpy as np
 
 from contwalk.flow.events.crossings import Event, crossings
 from contwalk.flow.hybrid import event_records as answers
-from contwalk.flow.hybrid.arc import Arc, Control, far, part_of, why
-from contwalk.flow.hybrid.arc_paths import by_paths, event_of
 from contwalk.flow.hybrid.event_integrator import METHOD, EventIntegrator
 from contwalk.flow.hybrid.guard_status import GuardStatus, leaving_zero
 from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow
+from contwalk.flow.hybrid.motion_segment import Control, MotionSegment, far, part_of, why
+from contwalk.flow.hybrid.segment_paths import by_paths, event_of
 
 ROOM = 100
 _STATUS = {answers.NOT_FINITE: "not_finite", answers.STEP_TOO_SMALL: "step_too_small"}
 
 
 class ByEventIntegrator:
-    """Arcs of one motion.
+    """Segments of one motion.
 
     Parameters
     ----------
@@ -42,10 +42,10 @@ class ByEventIntegrator:
         standing: Sequence[GuardStatus],
         last: str | None,
         noise: np.ndarray,
-    ) -> Iterator[Arc]:
+    ) -> Iterator[MotionSegment]:
         """As `by_paths`, which takes over where the integrator is not sure.
 
-        The arc begins after the transition `last`, with these uncertainties of the states.
+        The segment begins after the transition `last`, with these uncertainties of the states.
         """
         if flow.name not in self._integrators:
             self._integrators[flow.name] = EventIntegrator(
@@ -72,7 +72,7 @@ class ByEventIntegrator:
                 yield replace(part, transition=name, rising=self._rises(flow, name, t, states[-1]))
                 return
             if answer in _STATUS:
-                part = part if steps else Arc(flow.name, np.array([t]), x[None])
+                part = part if steps else MotionSegment(flow.name, np.array([t]), x[None])
                 yield replace(part, status=_STATUS[answer], reason=why(flow, _STATUS[answer], t))
                 return
             if steps:

@@ -1,4 +1,4 @@
-"""An arc by any method, with everything watched: a path, then the crossings on it.
+"""A segment by any method, with everything watched: a path, then the crossings on it.
 
 The guards are integrated beside the states, so that control of their errors resolves them too: the field
 alone may allow steps through many of their turns.
@@ -13,9 +13,9 @@ import numpy as np
 
 from contwalk.flow.events.crossings import Crossing, Event, crossings
 from contwalk.flow.events.guard import EPSILON
-from contwalk.flow.hybrid.arc import FAR, Arc, Control, far, part_of, why
 from contwalk.flow.hybrid.guard_status import GuardStatus, leaving_zero
 from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow
+from contwalk.flow.hybrid.motion_segment import FAR, Control, MotionSegment, far, part_of, why
 from contwalk.flow.integrate import adaptive, along
 
 FIRST_STEPS, STEPS_AT_ONCE = 12, 50
@@ -36,8 +36,8 @@ def by_paths(
     t1: float,
     control: Control,
     standing: Sequence[GuardStatus],
-) -> Iterator[Arc]:
-    """Parts of an arc; the last one has the transition that ended it, or a status."""
+) -> Iterator[MotionSegment]:
+    """Parts of a segment; the last one has the transition that ended it, or a status."""
     y, weights, method = x[flow.states], control.weights[flow.states], control.method
     leaving = leaving_zero(standing)
     resolving = flow.code.resolving
@@ -47,8 +47,8 @@ def by_paths(
     sizes, most = np.concatenate([weights, scales]), FIRST_STEPS
     while t < t1:
         end = t1 if np.isfinite(t1) else t + far(flow, t, y, weights)
-        here, still = (np.array([t]), y[None], flow.p), np.zeros((1, n))
-        values = [guard.along(*here, still)[0, 0] for guard in flow.guards]
+        instant, still = (np.array([t]), y[None], flow.p), np.zeros((1, n))
+        values = [guard.along(*instant, still)[0, 0] for guard in flow.guards]
         start = np.concatenate([y, values])
         path = adaptive(resolving, c, t, start, end, control.tolerance, sizes, method, max_steps=most)
         times = path.times
@@ -84,7 +84,7 @@ def _first(acting: Sequence[Crossing]) -> Crossing | None:
 
 
 def _seen(flow: ModeFlow, found: Sequence[Crossing], first: Crossing | None) -> list[Crossing]:
-    """Crossings of watched transitions, up to the one that ends the arc."""
+    """Crossings of watched transitions, up to the one that ends the segment."""
     end = np.inf if first is None else first.time
     return [at for at in found if not flow.acting(at.guard) and at.time <= end]
 

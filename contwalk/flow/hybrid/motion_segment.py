@@ -1,4 +1,4 @@
-"""A smooth piece of a hybrid motion."""
+"""A smooth segment of a hybrid motion."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ FAR = 1e4
 
 
 @dataclass(frozen=True, eq=False)
-class Arc:
-    """A smooth piece of a motion, in one mode, between two events.
+class MotionSegment:
+    """What is smooth of a motion, in one mode, between two events.
 
     Parameters
     ----------
     mode : str
     times : ndarray, shape (s + 1,)
-        Ends of the integrator's steps: `along` on them gives the states again, bitwise. An arc without
+        Ends of the integrator's steps: `along` on them gives the states again, bitwise. A segment without
         length, between transitions that happen at once, has one instant.
     states : ndarray, shape (s + 1, n)
         Of full length; states that do not exist in the mode are 0.
     transition : str, optional
         The one that ended it; None where the time was up, or where `status` says why it ended.
     after : ndarray, shape (n,), optional
-        The state after the transition, with which the next arc begins.
+        The state after the transition, with which the next segment begins.
     watched : list of Event
         Crossings of watched transitions inside.
     evaluations : int
@@ -88,9 +88,11 @@ def part_of(
     states: np.ndarray,
     watched: list[Event],
     evaluations: int,
-) -> Arc:
+) -> MotionSegment:
     """Some steps of a mode, in states that exist in it."""
-    return Arc(flow.name, times, machine.full(flow.name, states), watched=watched, evaluations=evaluations)
+    return MotionSegment(
+        flow.name, times, machine.full(flow.name, states), watched=watched, evaluations=evaluations
+    )
 
 
 def far(flow: ModeFlow, t: float, x: np.ndarray, weights: np.ndarray) -> float:

@@ -11,7 +11,7 @@ from moving_systems import DECAY, EXPLOSION, OSCILLATOR
 
 from contwalk.flow.compiled.traced import field_of
 from contwalk.flow.events.guard import Guard
-from contwalk.flow.events.motion import Machine, magnitudes, pieces
+from contwalk.flow.events.motion import Machine, magnitudes, segment_parts
 from contwalk.flow.events.settling import Settling
 
 
@@ -22,7 +22,7 @@ def machine(system, *values, guards=()):
 
 def test_pieces_follow_each_other_and_end_on_time():
     mover = machine(OSCILLATOR, 1.0, 0.0, 0.5)
-    parts = list(pieces(mover, 0.0, np.array([1.0, 0.0]), 100.0, 1e-12, np.ones(2)))
+    parts = list(segment_parts(mover, 0.0, np.array([1.0, 0.0]), 100.0, 1e-12, np.ones(2)))
     assert len(parts) > 2
     for a, b in itertools.pairwise(parts):
         assert a.times[-1] == b.times[0]
@@ -36,7 +36,9 @@ def test_events_carry_the_state_on_both_sides_and_the_mode():
     guard = Guard(OSCILLATOR, "middle", lambda t, x, p: x[0], "falling")
     mover = machine(OSCILLATOR, 1.0, 0.0, 0.5, guards=[guard])
     (event,) = [
-        e for part in pieces(mover, 0.0, np.array([1.0, 0.0]), 6.0, 1e-12, np.ones(2)) for e in part.events
+        e
+        for part in segment_parts(mover, 0.0, np.array([1.0, 0.0]), 6.0, 1e-12, np.ones(2))
+        for e in part.events
     ]
     assert (event.name, event.mode, event.rising) == ("middle", "swinging", False)
     np.testing.assert_array_equal(event.before, event.after)
@@ -44,7 +46,7 @@ def test_events_carry_the_state_on_both_sides_and_the_mode():
 
 
 def test_a_motion_that_cannot_go_on_says_so():
-    parts = list(pieces(machine(EXPLOSION), 0.0, np.array([1.0]), 2.0, 1e-8, np.ones(1)))
+    parts = list(segment_parts(machine(EXPLOSION), 0.0, np.array([1.0]), 2.0, 1e-8, np.ones(1)))
     assert parts[-1].status in ("not_finite", "step_too_small")
     assert parts[-1].times[-1] <= 1.0 + 1e-6  # x = 1 / (1 - t)
 
@@ -91,7 +93,7 @@ def test_an_angle_that_turns_round_is_not_looked_at():
 
 def test_decay_settles_at_rest():
     mover, settling = machine(DECAY, 1.0, 0.0), Settling((None, None))
-    for part in pieces(mover, 0.0, np.array([1.0, 0.5]), np.inf, 1e-8, np.ones(2)):
+    for part in segment_parts(mover, 0.0, np.array([1.0, 0.5]), np.inf, 1e-8, np.ones(2)):
         if settling.add(part.states, len(part.times) - 1):
             break
     assert abs(part.states[-1][0]) < 1e-6
