@@ -20,7 +20,7 @@ MOST_PRODUCTS = 1024
 
 
 def solve(a: Any, b: Any) -> np.ndarray:
-    """`numpy.linalg.solve` of square matrices, each with a vector or the columns of a matrix."""
+    """`numpy.linalg.solve` of matrices, shape (.., n, n), with a vector, shape (n,), or columns (n, k)."""
     if not symbolic(a, b):
         return np.linalg.solve(np.asarray(a, dtype=float), np.asarray(b, dtype=float))
     if np.ndim(a) > 2:
@@ -44,7 +44,7 @@ def _of_stack(a: Any, function: Callable[[np.ndarray, int], Any]) -> np.ndarray:
 
 
 def solve_by_scipy(a: Any, b: Any, *, transposed: bool = False, **_: Any) -> np.ndarray:
-    """`scipy.linalg.solve`, whatever it is told of the matrix."""
+    """`scipy.linalg.solve`, whatever it is told of the matrix, shape (n, n)."""
     return solve(np.asarray(a, dtype=object).T if transposed else a, b)
 
 
@@ -101,7 +101,7 @@ class Inverse(np.lib.mixins.NDArrayOperatorsMixin):
         self._formed: np.ndarray | None = None
 
     def formed(self) -> np.ndarray:
-        """The array."""
+        """The array, shape (n, n)."""
         if self._formed is None:
             self._formed = solve(self._matrix, np.eye(len(self._matrix)))
         return self._formed
@@ -181,7 +181,7 @@ def _minors(matrix: np.ndarray) -> Any:
 
 
 def square(name: str, a: Any) -> np.ndarray:
-    """One square matrix of numbers and stand-ins.
+    """One square matrix, shape (n, n), of numbers and stand-ins.
 
     Raises
     ------

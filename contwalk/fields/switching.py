@@ -66,7 +66,7 @@ class Switching:
         self.unknowns, self._time = list(moving), time
 
     def sides(self, inputs: Inputs) -> np.ndarray:
-        """What each choice is at some inputs, a column each; NaN where it is undefined."""
+        """What each choice is at some inputs, shape (.., choices); NaN where it is undefined."""
         nodes = ancestors(self.graph, self.choices)
         chosen: dict[int, Any] = {}
         _values(self.graph, nodes, inputs, {}, chosen)
@@ -77,7 +77,7 @@ class Switching:
         return any(self.graph.nodes[self.choices[k]][0] not in CONTINUOUS for k in changed)
 
     def values(self, inputs: Inputs) -> np.ndarray:
-        """The outputs, the last axis."""
+        """The outputs at some inputs, shape (.., outputs)."""
         return self._outputs(self.program.tree, inputs, {}, {})
 
     def beside(

@@ -21,7 +21,10 @@ _Row = Sequence[float] | np.ndarray
 
 
 def piecewise(x: Number, breaks: _Row, origins: _Row, coefficients: Sequence[_Row] | np.ndarray) -> Any:
-    """Piece k, from `breaks[k - 1]` on: the sum of `coefficients[i][k] (x - origins[k])^(m - i)`, i <= m."""
+    """Piece k, from `breaks[k - 1]` on: the sum of `coefficients[i][k] (x - origins[k])^(m - i)`, i <= m.
+
+    Of n pieces: n - 1 breaks, n origins, and coefficients of shape (m + 1, n).
+    """
     piece = x.piece(tuple(map(float, breaks)))
 
     def entry(values: _Row) -> Any:

@@ -77,7 +77,9 @@ class Path:
 
     @property
     def steady(self) -> np.ndarray:
-        """Ends of steps that may be taken again from other starts: shorter ones where stability limits them.
+        """Ends of steps that may be taken again from other starts, shape (s + 1,) or longer.
+
+        They are shorter where stability limits them.
 
         There the control of the error holds an explicit method on the brink, and where the field is a little
         stiffer a deviation would grow from step to step.

@@ -11,7 +11,7 @@ EPSILON = float(np.finfo(float).eps)
 
 
 def equilibration(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Row and column factors after which the largest entry of each row and column is about one.
+    """Row and column factors, shapes (m,) and (n,), after which the largest entry of each is about one.
 
     Factors are powers of two, so that scaling is free of rounding; the work is done on exponents.
     """
@@ -45,7 +45,7 @@ class Factorization(ABC):
 
     @abstractmethod
     def solve(self, right: np.ndarray) -> np.ndarray:
-        """x with matrix @ x = right, of one right-hand side or of columns of them.
+        """x with matrix @ x = right, of one right-hand side, shape (n,), or columns of them, (n, k).
 
         Raises
         ------
@@ -54,7 +54,7 @@ class Factorization(ABC):
 
     @abstractmethod
     def solve_adjoint(self, right: np.ndarray) -> np.ndarray:
-        """y with matrix* @ y = right, of one right-hand side or of columns of them.
+        """y with matrix* @ y = right, of one right-hand side, shape (n,), or columns of them, (n, k).
 
         Raises
         ------
@@ -67,7 +67,7 @@ class Factorization(ABC):
 
     @abstractmethod
     def error(self, levels: np.ndarray, weights: np.ndarray) -> float:
-        """What errors `levels` of the first equations do to the solution in the metric, at most."""
+        """What errors `levels` (m,) of the first equations do to the solution in the metric (n,), at most."""
 
 
 class Factored(Factorization):
@@ -88,11 +88,11 @@ class Factored(Factorization):
             self._scaled = scaled * self.rows[:, None]
 
     def solve(self, right: np.ndarray) -> np.ndarray:
-        """x with matrix @ x = right, of one right-hand side or of columns of them."""
+        """x with matrix @ x = right, of one right-hand side, shape (n,), or columns of them, (n, k)."""
         return (self.columns * np.linalg.solve(self._scaled, (self.rows * right.T).T).T).T
 
     def solve_adjoint(self, right: np.ndarray) -> np.ndarray:
-        """y with matrix* @ y = right, of one right-hand side or of columns of them."""
+        """y with matrix* @ y = right, of one right-hand side, shape (n,), or columns of them, (n, k)."""
         return (self.rows * np.linalg.solve(self._scaled.conj().T, (self.columns * right.T).T).T).T
 
     def orientation(self) -> float:
@@ -104,7 +104,7 @@ class Factored(Factorization):
         return float(np.linalg.cond(self._scaled))
 
     def error(self, levels: np.ndarray, weights: np.ndarray) -> float:
-        """What errors `levels` of the first equations do to the solution in the metric, at most."""
+        """What errors `levels` (m,) of the first equations do to the solution in the metric (n,), at most."""
         count = len(levels)
         inverse = np.linalg.inv(self._scaled)[:, :count]
         return float(np.max((np.abs(inverse) @ (self.rows[:count] * levels)) * (self.columns / weights)))
@@ -118,12 +118,12 @@ class LeastSquares:
         self._inverse = np.linalg.pinv(matrix * self.rows[:, None] * self.columns, rcond=1e-9)
 
     def solve(self, right: np.ndarray) -> np.ndarray:
-        """x nearest to matrix @ x = right."""
+        """x, shape (n,), nearest to matrix @ x = right."""
         return self.columns * (self._inverse @ (self.rows * right))
 
 
 def kernel_direction(matrix: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """The vector that a matrix with one column more than rows takes to zero, a unit in the metric.
+    """The vector, shape (n + 1,), that an (n, n + 1) matrix takes to zero, a unit in the metric.
 
     It is asked for where a branch begins and no neighbour gives a border: that is what the SVD is for.
     """
@@ -133,7 +133,9 @@ def kernel_direction(matrix: np.ndarray, weights: np.ndarray) -> np.ndarray:
 
 
 def balanced(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """D^-1 A D with rows and columns of like norm, and the diagonal of D (powers of two).
+    """D^-1 A D, shape (n, n), with rows and columns of like norm, and the diagonal of D, shape (n,).
+
+    Its entries are powers of two.
 
     Eigenvalues of a matrix whose states have very different units are accurate only after this
     (E. E. Osborne, J. ACM 7, 338, 1960).
@@ -168,7 +170,7 @@ class EigenPair:
 
 
 def nearest_eigenpair(matrix: np.ndarray, value: complex) -> EigenPair:
-    """The eigenvalue nearest to `value`, with |right| = 1 and left . right = 1."""
+    """The eigenvalue of an (n, n) matrix nearest to `value`, with |right| = 1 and left . right = 1."""
     scaled, d = balanced(matrix)
     values, right = np.linalg.eig(scaled)
     transposed, left = np.linalg.eig(scaled.T)
@@ -183,7 +185,7 @@ def nearest_eigenpair(matrix: np.ndarray, value: complex) -> EigenPair:
 
 
 def critical_pair(matrix: np.ndarray) -> EigenPair:
-    """Null vectors q and p of a real matrix that is nearly singular: |q| = 1 and p.q = 1.
+    """Null vectors q and p of a real (n, n) matrix that is nearly singular: |q| = 1 and p.q = 1.
 
     They are singular vectors of the balanced matrix. Balancing does not change eigenvalues, so a small one
     cannot hide behind units as it can behind a scaling of rows and columns; and singular vectors are
@@ -219,7 +221,7 @@ def solution_plane(jacobian: np.ndarray, pair: EigenPair) -> np.ndarray:
 
 
 def bordered_by(matrix: np.ndarray, pair: EigenPair) -> Factored:
-    """A singular matrix bordered by its critical vectors, regular if it has no others."""
+    """A singular (n, n) matrix bordered by its critical vectors, regular if it has no others."""
     q, p = pair.right.real, pair.left.real
     return Factored(np.block([[matrix, p[:, None]], [q[None, :], np.zeros((1, 1))]]))
 
@@ -239,7 +241,7 @@ class Deficiency:
 
 
 def deficiency(jacobian: np.ndarray, weights: np.ndarray) -> Deficiency:
-    """The nearest loss of rank of DF, balanced as for critical vectors, the parameter in units of its weight.
+    """The nearest loss of rank of DF, shape (n, n + 1), balanced, the parameter in units of its weight.
 
     Rows are not scaled each by itself: one that is zero but for rounding would count like any other.
     """

@@ -37,7 +37,7 @@ class DefiningSystem:
     deficient: bool = False
 
     def factored(self, u: np.ndarray) -> Factored | LeastSquares:
-        """The Jacobian at U, ready to be solved with; where it is `deficient`, in the least-squares sense."""
+        """The Jacobian at U, shape (n,), ready to be solved with; where `deficient`, by least squares."""
         return (LeastSquares if self.deficient else Factored)(self.jacobian(u))
 
 
@@ -64,7 +64,7 @@ class Solution:
 
 
 def newton(system: DefiningSystem, start: np.ndarray, iterations: int = 25) -> np.ndarray | None:
-    """Solution of G(U) = 0 to the rounding of G, or None where Newton's method does not get there."""
+    """Solution of G(U) = 0, shape (n,), to the rounding of G; None where Newton's method gets nowhere."""
     u = start.copy()
     best, stalled = np.inf, 0
     for _ in range(iterations):
@@ -92,7 +92,7 @@ def newton(system: DefiningSystem, start: np.ndarray, iterations: int = 25) -> n
 
 
 def refine(system: DefiningSystem, u: np.ndarray, passes: int = 12) -> Solution:
-    """Refine a float solution with residuals in extended precision."""
+    """Refine a float solution, shape (n,), with residuals in extended precision."""
     import mpmath
 
     with mpmath.workdps(DIGITS):

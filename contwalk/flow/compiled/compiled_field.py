@@ -114,7 +114,7 @@ class CompiledField(ABC):
     def linearized(
         self, t: float, x: Sequence[float] | np.ndarray, c: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """f and `jacobian`, from one evaluation."""
+        """f, shape (m,), and `jacobian`, shape (m, n + k), from one evaluation."""
         out = self._called(self._rhs_jac_function, t, x, c, self.m + len(self.col))
         f, width = out[: self.m], self.n + self.k
         if not np.isfinite(out).all():

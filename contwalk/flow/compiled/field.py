@@ -142,7 +142,7 @@ class Field(CompiledField):
 
     @cached_property
     def col(self) -> np.ndarray:  # type: ignore[override]
-        """Columns of the entries."""
+        """Columns of the entries, one after the other: shape (number of entries,)."""
         return np.array([k for row in self._derived.rows for k in row], dtype=np.int64)
 
     @cached_property

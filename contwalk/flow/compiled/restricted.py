@@ -71,7 +71,7 @@ class Restricted(CompiledField):
 
     @cached_property
     def col(self) -> np.ndarray:  # type: ignore[override]
-        """Columns of the entries."""
+        """Columns of the entries, one after the other: shape (number of entries,)."""
         return np.array([j for _, j, _ in self._entries], dtype=np.int64)
 
     @cached_property

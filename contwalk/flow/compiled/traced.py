@@ -108,7 +108,7 @@ def field_program(system: System, mode: str | None = None) -> Program:
 
 
 def arguments(tracer: Tracer, system: System, mode: str) -> tuple[Any, np.ndarray, ParameterValues]:
-    """Symbols for t, x and p; states that do not exist in the mode are zero, its constants are numbers."""
+    """Symbols for t, x, shape (n,), and p; states that are not in the mode are zero, constants numbers."""
     x = np.full(len(system.states), 0.0, dtype=object)
     for i in system.states_of(mode):
         x[i] = tracer.symbol(STATE, i)

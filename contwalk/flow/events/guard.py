@@ -139,7 +139,7 @@ class Guard:
         return out
 
     def slopes(self, t: float, x: np.ndarray, p: np.ndarray, velocity: np.ndarray) -> Slopes:
-        """It with its derivatives, at a state that moves with this velocity."""
+        """It with its derivatives, at a state, shape (n,), that moves with this velocity, shape (n,)."""
         arrays = [np.ascontiguousarray(array, dtype=float) for array in (x, velocity, p)]
         if [array.shape for array in arrays] != [(self.n,), (self.n,), (self.m,)]:
             shapes = ", ".join(str(array.shape) for array in arrays)

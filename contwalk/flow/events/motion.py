@@ -114,8 +114,13 @@ def magnitudes(
 
     Parameters
     ----------
-    given : sequence of float or None
+    x0 : ndarray, shape (n,)
+    given : sequence of float or None, length n
         Declared scales.
+
+    Returns
+    -------
+    ndarray, shape (n,)
     """
     known = np.array([np.nan if scale is None else scale for scale in given])
     if np.isfinite(known).all():

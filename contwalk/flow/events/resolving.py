@@ -61,7 +61,7 @@ class Resolving(CompiledField):
 
     @cached_property
     def col(self) -> np.ndarray:  # type: ignore[override]
-        """Columns of the entries."""
+        """Columns of the entries, one after the other: shape (number of entries,)."""
         return np.array([j for row in self._rows for j in row], dtype=np.int64)
 
     # -- machine code ------------------------------------------------------------------------------------

@@ -48,6 +48,7 @@ def place(p: ExplicitCall, number: int) -> int:
 
 @inlined
 def copy(source: int, target: int, length: int) -> None:
+    """Doubles from one address to another."""
     given, written = doubles(source, length), doubles(target, length)
     for i in range(length):
         written[i] = given[i]
@@ -55,11 +56,13 @@ def copy(source: int, target: int, length: int) -> None:
 
 @inlined
 def first_stage(p: ExplicitCall, t: float, vector: int) -> None:
+    """The field at a vector becomes the first stage."""
     _evaluate(p.evaluate, p.problem, t, place(p, vector), place(p, FIRST))
 
 
 @inlined
 def step(p: ExplicitCall, t: float, h: float) -> None:
+    """A step of length h from `Y`, whose first stage is there; its end is in `NEXT`."""
     _call_step(p.step, t, h, p.length, p.work, p.evaluate, p.problem)
 
 
@@ -72,6 +75,7 @@ def _error(p: ExplicitCall, t: float, h: float) -> float:
 
 @inlined
 def finite(vector: Any) -> bool:
+    """Whether all entries are: NaN and infinity times zero are not zero."""
     total = 0.0
     for i in range(len(vector)):
         total += 0.0 * vector[i]

@@ -106,7 +106,7 @@ class Call:
             self.give("problem", np.array([field.rhs_address, address(self._c)], dtype=np.int64))
 
     def give(self, name: str, array: np.ndarray) -> np.ndarray:
-        """Put an array where the driver finds it: its address into a field of the record."""
+        """Put an array of any shape where the driver finds it: its address into a field of the record."""
         self._kept.append(array)
         setattr(self.record, name, address(array))
         return array
@@ -117,7 +117,7 @@ class Call:
         self.record.control, self.record.counts = control.address, counts.address
 
     def weigh(self, weights: Vector) -> None:
-        """Tell the driver by which magnitudes errors are measured."""
+        """Tell the driver by which magnitudes, shape (n,), errors are measured."""
         n = self.field.n
         given = _checked(weights, (n,), "weights")
         if not (given > 0.0).all():
@@ -127,12 +127,12 @@ class Call:
         self.give("inverse_weights", inverse)
 
     def tangents(self, x: np.ndarray, sources: Sequence[int] | np.ndarray) -> None:
-        """Begin with these tangents, each driven by its parameter column."""
+        """Begin with these tangents, shape (n, q), each driven by its parameter column."""
         self.drive(x.shape[1], sources)
         self.split(self.vectors[stages.Y])[1][:, : x.shape[1]] = x
 
     def drive(self, q: int, sources: Sequence[int] | np.ndarray) -> None:
-        """Tell the driver of so many tangents, each driven by its parameter column."""
+        """Tell the driver of q tangents, each driven by its parameter column: `sources`, shape (q,)."""
         field = self.field
         if len(sources) != q:
             raise ValueError(f"{q} tangents of a field with {field.k} columns are driven by {list(sources)}")
@@ -150,12 +150,12 @@ class Call:
         self.give("problem", np.array(addresses, dtype=np.int64))
 
     def split(self, vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """States and (padded) tangents of vectors, as views."""
+        """States (.., n) and padded tangents (.., n, width) of vectors, shape (.., length), as views."""
         n, shape = self.field.n, (*vectors.shape[:-1], self.field.n, self.width)
         return vectors[..., :n], vectors[..., self.start :].reshape(shape)
 
     def march(self, times: Vector, every: bool) -> np.ndarray:
-        """Vectors at the given times, or at the last one."""
+        """Vectors at the s given times, or at the last one: shape (s, length), or (1, length)."""
         grid = self.give("times", _grid(times))
         nodes = np.empty((len(grid) if every else 1, self.length))
         nodes[0] = self.vectors[stages.Y]

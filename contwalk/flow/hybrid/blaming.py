@@ -58,7 +58,8 @@ def why_not_finite(
 ) -> str:
     """As `line_without_value`, of what moves the machine at a state: its field, and guards that act.
 
-    Where a transition has just led there, from the state that comes with it, its reset is asked first.
+    The state has shape (n,), of full length. Where a transition has just led there, from the
+    state that comes with it, its reset is asked first.
     """
     system = machine.system
     if landing is not None and landing[0].reset is not None:
@@ -76,7 +77,7 @@ def why_not_finite(
 
 
 def nearly_singular(machine: HybridMachine, mode: str, t: float, x: np.ndarray) -> str:
-    """As `line_without_value`, of a matrix of the field that is about to become singular."""
+    """As `line_without_value`, of a matrix of the field that becomes singular at x, shape (n,)."""
     known = {**machine.parameters, **machine.system.mode(mode).constants}
     function = machine.system.mode(mode).field
     found = first_nearly_singular(function, t, np.asarray(x, dtype=float).tolist(), known)
@@ -104,7 +105,8 @@ def just_beyond(
 ) -> Beyond | None:
     """What has no value right after an instant at which a motion ends; None if all have.
 
-    The field alone goes on, by small shares of `span`, the time in which states change by their magnitudes.
+    The field alone goes on from x, shape (n,), by small shares of `span`, the time in which states change by
+    their magnitudes.
     """
     for share in SHARES:
         times = np.array([t, t + share * span])

@@ -258,7 +258,7 @@ class EventIntegrator:
         return sum(1 << k for k, name in enumerate(names[:MOST_BITS]) if name in which)
 
     def velocity(self, transition: Transition) -> np.ndarray:
-        """The field right after a transition that has happened last."""
+        """The field right after a transition that has happened last, shape (m,) of the target's states."""
         jump = self.machine.jump(transition)[0]
         return self._speeds[transition.name, transition.source][jump.n - 1 :]
 

@@ -127,7 +127,7 @@ class StepMap:
         return found.time, found.state, found.monodromy
 
     def mapped(self, t0: float, x0: np.ndarray, tolerance: float) -> Mapped:
-        """Everything that is known after the events.
+        """Everything that is known after the events; x0 has shape (n,), of full length.
 
         Raises
         ------

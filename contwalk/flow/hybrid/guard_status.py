@@ -99,10 +99,10 @@ def guard_statuses(
     ----------
     flow : ModeFlow
     t, x
-        Time, and the states of the mode.
-    noise : ndarray
+        Time, and the m states of the mode.
+    noise : ndarray, shape (m,)
         Uncertainties of these states by rounding.
-    weights : ndarray
+    weights : ndarray, shape (m,)
         Their magnitudes on the way here: each step has rounded them.
     own : collection of str
         Transitions whose guards are zero because of what has just happened.

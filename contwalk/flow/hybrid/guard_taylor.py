@@ -65,7 +65,7 @@ class GuardTaylor:
         )
 
     def at(self, t: float, x: np.ndarray, noise: np.ndarray, weights: np.ndarray) -> None:
-        """Put an instant in place: states, their uncertainties and their magnitudes."""
+        """Put an instant in place: states, their uncertainties and their magnitudes, each of shape (n,)."""
         self._t = t
         self._state[:], self._weights[:] = x, weights
         self._velocity[:] = self._field.along(np.array([t]), self._state[None], self._c)[0]
@@ -74,7 +74,7 @@ class GuardTaylor:
 
     @property
     def velocity(self) -> np.ndarray:
-        """The rates of the states at the instant."""
+        """The rates of the states at the instant, shape (n,)."""
         return self._velocity
 
     def standing(self, guard: Guard, factor: float, beside: float) -> tuple[int, GuardTaylorCoefficients]:

@@ -45,7 +45,7 @@ class ModeFlow:
         return GuardTaylor(self.field, self.c, self.p)
 
     def constants(self, field: CompiledField) -> np.ndarray:
-        """The constants of another field of the same parameters."""
+        """The constants, shape (k,), of another field of the same parameters."""
         if id(field) not in self._constants:
             self._constants[id(field)] = field.constants(self.p)
         return self._constants[id(field)]
@@ -116,7 +116,7 @@ class HybridMachine:
         return self.system.transition(name, source)
 
     def jump(self, transition: Transition) -> tuple[Field, np.ndarray]:
-        """Reset and relabelling of a transition as a map, and its constants.
+        """Reset and relabelling of a transition as a map, and its constants, shape (k,).
 
         The map's inputs are the time and the states of the source, its outputs the states of the target and,
         last, the guard.
@@ -127,7 +127,7 @@ class HybridMachine:
         return jump, self._constants[key]
 
     def full(self, mode: str, x: np.ndarray) -> np.ndarray:
-        """States of a mode among all states; those that do not exist are 0."""
+        """States of a mode, shape (.., m), among all states, shape (.., n); those that do not exist are 0."""
         result = np.zeros((*np.shape(x)[:-1], len(self.system.states)))
         result[..., self.mode(mode).states] = x
         return result
@@ -160,7 +160,7 @@ def displaced(flow: ModeFlow, t: float, x: np.ndarray) -> np.ndarray:
 def landed(
     machine: HybridMachine, transition: Transition, t: float, x: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """As `applied`, with how far rounding carries each state after it."""
+    """As `applied`, with how far rounding carries each state after it: both of shape (n,)."""
     jump, c = machine.jump(transition)
     source = machine.mode(transition.source)
     before = np.asarray(x, dtype=float)[source.states]

@@ -89,14 +89,17 @@ def part_of(
     watched: list[Event],
     evaluations: int,
 ) -> MotionSegment:
-    """Some steps of a mode, in states that exist in it."""
+    """Some steps of a mode: times, shape (s + 1,), and the states that exist in it, shape (s + 1, m)."""
     return MotionSegment(
         flow.name, times, machine.full(flow.name, states), watched=watched, evaluations=evaluations
     )
 
 
 def far(flow: ModeFlow, t: float, x: np.ndarray, weights: np.ndarray) -> float:
-    """A long time: at its present speed the motion would pass through its magnitudes many times."""
+    """A long time: at its present speed the motion would pass through its magnitudes many times.
+
+    `x` and `weights`, of shape (m,), are those of the states that exist in the mode.
+    """
     speed = float(np.max(np.abs(flow.field(t, x, flow.c)) / weights, initial=0.0))
     return FAR / speed if np.isfinite(speed) and speed > 1e-4 else FAR
 

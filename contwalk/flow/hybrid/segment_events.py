@@ -45,7 +45,7 @@ class ByEventIntegrator:
     ) -> Iterator[MotionSegment]:
         """As `by_paths`, which takes over where the integrator is not sure.
 
-        The segment begins after the transition `last`, with these uncertainties of the states.
+        The segment begins after the transition `last`, with these uncertainties of the states, shape (m,).
         """
         if flow.name not in self._integrators:
             self._integrators[flow.name] = EventIntegrator(

@@ -37,7 +37,7 @@ def by_paths(
     control: Control,
     standing: Sequence[GuardStatus],
 ) -> Iterator[MotionSegment]:
-    """Parts of a segment; the last one has the transition that ended it, or a status."""
+    """Parts of a segment from a full-length state (n,) on; the last one has its transition, or a status."""
     y, weights, method = x[flow.states], control.weights[flow.states], control.method
     leaving = leaving_zero(standing)
     resolving = flow.code.resolving

@@ -66,7 +66,10 @@ class Collocation:
         return self.stages / (self.stages + 1)
 
     def packed(self) -> np.ndarray:
-        """All numbers in one array, in the order in which `radau_parts.method` takes them apart."""
+        """All numbers in one array of one axis, in the order in which `radau.parts.method` takes them apart.
+
+        Its shape is (2 + s (2 s + 4) + pairs (2 + 4 s),) for s stages.
+        """
         parts = [*self.nodes, *np.ravel(self.matrix), *np.ravel(self.inverse), *self.error]
         parts += [self.linear, self.real.eigenvalue.real, *np.real(self.real.right), *np.real(self.real.left)]
         for mode in self.pairs:
