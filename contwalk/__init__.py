@@ -14,9 +14,6 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from contwalk.branch import Branch as Branch
     from contwalk.branch import SpecialPoint as SpecialPoint
-    from contwalk.continuation.verbs import continue_branch as continue_branch
-    from contwalk.continuation.verbs import points as points
-    from contwalk.continuation.verbs import switch_branch as switch_branch
     from contwalk.errors import ContwalkError as ContwalkError
     from contwalk.plotting import plot_bifurcation_diagram as plot_bifurcation_diagram
     from contwalk.plotting import plot_eigenvalues as plot_eigenvalues
@@ -27,6 +24,9 @@ if TYPE_CHECKING:
     from contwalk.problems.orbit.discretization import Discretization as Discretization
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit as PeriodicOrbit
     from contwalk.storage import open_database as open_database
+    from contwalk.studies.verbs import continue_branch as continue_branch
+    from contwalk.studies.verbs import points as points
+    from contwalk.studies.verbs import switch_branch as switch_branch
     from contwalk.workflow.run_file.reading import read_run_file as read_run_file
     from contwalk.workflow.runner import run as run
 
@@ -37,17 +37,17 @@ _HOMES = {
     "Equilibrium": "contwalk.problems.equilibrium.equilibrium",
     "PeriodicOrbit": "contwalk.problems.orbit.periodic_orbit",
     "SpecialPoint": "contwalk.branch",
-    "continue_branch": "contwalk.continuation.verbs",
+    "continue_branch": "contwalk.studies.verbs",
     "load_system": "contwalk.plugin_check.at_load",
     "open_database": "contwalk.storage",
     "plot_bifurcation_diagram": "contwalk.plotting",
     "plot_eigenvalues": "contwalk.plotting",
     "plot_stability_map": "contwalk.plotting",
-    "points": "contwalk.continuation.verbs",
+    "points": "contwalk.studies.verbs",
     "read_run_file": "contwalk.workflow.run_file.reading",
     "run": "contwalk.workflow.runner",
     "save": "contwalk.plotting",
-    "switch_branch": "contwalk.continuation.verbs",
+    "switch_branch": "contwalk.studies.verbs",
 }
 
 __all__ = sorted(_HOMES)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, cast
+from typing import Any, Protocol, cast
 
 import numpy as np
 
@@ -13,14 +13,56 @@ from contwalk.branch import Branch
 from contwalk.continuation.arc import Arc
 from contwalk.continuation.newton import correct
 from contwalk.errors import NotFinite
-from contwalk.problems.equilibrium.equilibrium import Equilibrium
-from contwalk.problems.images import MOST_IMAGES, Product, in_words
+from contwalk.problems.images import MOST_IMAGES, Product, imaged, in_words
 from contwalk.problems.problem import Problem, Sample, equations_at
+from contwalk.problems.restoring import problem_of
+from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 
-if TYPE_CHECKING:  # compiled flows are imported only where orbits are computed
-    from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
-    from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
+
+class _Comparable(Problem, Protocol):
+    """A problem whose branches are recognised: of a system, held along neutral directions."""
+
+    system: System
+    pins: Sequence[Neutral]
+
+    def values_of(self, z: np.ndarray) -> dict[str, float]:
+        """All parameters at z, by name."""
+        ...
+
+
+class _Imaged(_Comparable, Protocol):
+    """One whose solutions are compared as they are."""
+
+    def image(self, symmetry: str, z: np.ndarray) -> np.ndarray:
+        """Image of a solution under a declared symmetry."""
+        ...
+
+
+class _Closed(_Comparable, Protocol):
+    """One whose solutions are closed curves, which begin anywhere on themselves."""
+
+    subharmonic: int
+    states: int
+    discretization: Any
+
+    @property
+    def whole(self) -> tuple[str, int]:
+        """How the orbit closes, and how many closures its period has."""
+        ...
+
+    def duration(self, z: np.ndarray) -> float:
+        """Duration of the closure, seconds."""
+        ...
+
+    def first_state(self, z: np.ndarray) -> np.ndarray:
+        """The state at the start, shape (n,)."""
+        ...
+
+    def first_passed(self, z: np.ndarray, points: Sequence[np.ndarray]) -> int | None:
+        """Number of the first of some states that the orbit of z passes; None if it passes none."""
+        ...
+
 
 # Solutions nearer than this, in the metric, are the same one: far above the corrector's error, far below a
 # step.
@@ -55,7 +97,7 @@ class Known:
         )
 
 
-def images(problem: Equilibrium, z: np.ndarray, beyond: np.ndarray) -> Iterator[tuple[Product, Pair]]:
+def images(problem: _Imaged, z: np.ndarray, beyond: np.ndarray) -> Iterator[tuple[Product, Pair]]:
     """z and a point beside it on its branch, and their images under products of the declared symmetries."""
     found = [(Product(), (z, beyond))]
     for product, current in found:
@@ -70,8 +112,8 @@ def images(problem: Equilibrium, z: np.ndarray, beyond: np.ndarray) -> Iterator[
 def known_branch(problem: Problem, sample: Sample, branches: list[Branch]) -> Known | None:
     """The branch that a solution and its tangent lie on, or their images; None if it is new."""
     if problem.discretized:
-        return known_orbit(cast("PeriodicOrbit | HybridOrbit", problem), sample, branches)
-    assert isinstance(problem, Equilibrium)
+        return known_orbit(cast(_Closed, problem), sample, branches)
+    problem = cast(_Imaged, problem)
     candidates = [b for b in branches if _comparable(problem, b)]
     beyond = sample.z + BESIDE * sample.tangent
     for product, pair in images(problem, sample.z, beyond):
@@ -81,7 +123,7 @@ def known_branch(problem: Problem, sample: Sample, branches: list[Branch]) -> Kn
     return None
 
 
-def _comparable(problem: Equilibrium | PeriodicOrbit | HybridOrbit, branch: Branch) -> bool:
+def _comparable(problem: _Comparable, branch: Branch) -> bool:
     """Whether a branch belongs to the same equations at the same fixed parameters."""
     if branch.info.problem != problem.kind or branch.info.free != (problem.free,) or len(branch.points) < 2:
         return False
@@ -93,7 +135,7 @@ def _comparable(problem: Equilibrium | PeriodicOrbit | HybridOrbit, branch: Bran
     return all(branch.info.parameters.get(name) == v for name, v in fixed.items())
 
 
-def _on(problem: Equilibrium, pair: Pair, weights: np.ndarray, branch: Branch) -> bool:
+def _on(problem: _Imaged, pair: Pair, weights: np.ndarray, branch: Branch) -> bool:
     """Whether z lies on the curve through a branch's points, each piece recomputed where it passes z.
 
     Arcs are measured in the metric that the branch was walked in: in another one they may not be short. At
@@ -125,7 +167,7 @@ def _on(problem: Equilibrium, pair: Pair, weights: np.ndarray, branch: Branch) -
     )
 
 
-def _passes(problem: Equilibrium, arc: Arc, z: np.ndarray, along: np.ndarray, weights: np.ndarray) -> bool:
+def _passes(problem: _Imaged, arc: Arc, z: np.ndarray, along: np.ndarray, weights: np.ndarray) -> bool:
     """Whether an arc of a branch passes a solution, of whatever metric, in its direction.
 
     Near a point where branches cross, the corrector may find the other one, and a place alone tells nothing.
@@ -155,7 +197,7 @@ def _passes(problem: Equilibrium, arc: Arc, z: np.ndarray, along: np.ndarray, we
     return correction.ok and met and float(np.max(apart / weights)) < MET
 
 
-def _middle(problem: Equilibrium, arc: Arc) -> tuple[np.ndarray, np.ndarray] | None:
+def _middle(problem: _Imaged, arc: Arc) -> tuple[np.ndarray, np.ndarray] | None:
     """The branch's own solution half way along an arc and its tangent; None where that is not to be had."""
     guess = arc.guess(0.5)
     correction = correct(problem, guess, arc.normal, arc.weights)
@@ -177,7 +219,7 @@ NEAR_PERIOD = 0.05
 AT_PARAMETER, PARAMETER_STEPS = 1e-10, 8
 
 
-def known_orbit(problem: PeriodicOrbit | HybridOrbit, sample: Sample, branches: list[Branch]) -> Known | None:
+def known_orbit(problem: _Closed, sample: Sample, branches: list[Branch]) -> Known | None:
     """The branch that an orbit, or an image of it under a declared symmetry, lies on.
 
     An orbit begins anywhere on itself: candidates are recomputed at the same parameter, and compared as
@@ -201,7 +243,7 @@ def known_orbit(problem: PeriodicOrbit | HybridOrbit, sample: Sample, branches: 
     return None
 
 
-def _kinds(problem: PeriodicOrbit | HybridOrbit, signature: Sequence[str] | None) -> list[str]:
+def _kinds(problem: _Closed, signature: Sequence[str] | None) -> list[str]:
     """The events of an orbit in no order, those that are images of each other under one name.
 
     What closes up to a mirror may begin in either half.
@@ -217,9 +259,7 @@ def _kinds(problem: PeriodicOrbit | HybridOrbit, signature: Sequence[str] | None
     return sorted(kind(name) for name in signature or ())
 
 
-def _orbit_on(
-    problem: PeriodicOrbit | HybridOrbit, sample: Sample, branch: Branch, closures: int = 1
-) -> tuple[str, ...] | None:
+def _orbit_on(problem: _Closed, sample: Sample, branch: Branch, closures: int = 1) -> tuple[str, ...] | None:
     """The symmetries whose image of an orbit a branch passes, none of them first; None if it passes none."""
     value, period = sample.z[-1], sample.period / closures
     for k, (ta, tb) in enumerate(pairwise(branch.points["period"])):
@@ -243,8 +283,6 @@ def _orbit_on(
         there, z = found
         if abs(there.duration(z) - period) > SAME * period:
             continue
-        from contwalk.problems.orbit.closure import imaged
-
         x, p = problem.first_state(sample.z), ParameterValues(**problem.values_of(sample.z))
         spatial = [s for s in problem.system.symmetries if s.role == "spatial"]
         passed = there.first_passed(z, [x, *[imaged(symmetry, x, p) for symmetry in spatial]])
@@ -254,8 +292,8 @@ def _orbit_on(
 
 
 def _at_parameter(
-    problem: PeriodicOrbit | HybridOrbit, branch: Branch, arc: Arc, value: float
-) -> tuple[PeriodicOrbit | HybridOrbit, np.ndarray] | None:
+    problem: _Closed, branch: Branch, arc: Arc, value: float
+) -> tuple[_Closed, np.ndarray] | None:
     """The orbit on an arc of a stored branch at a value of the parameter, with its problem.
 
     It is corrected across the arc: at the parameter itself the equations are singular at a fold, and nearly
@@ -282,15 +320,11 @@ def _at_parameter(
     return None
 
 
-def _stored_like(
-    problem: PeriodicOrbit | HybridOrbit, branch: Branch, guess: np.ndarray
-) -> PeriodicOrbit | HybridOrbit:
+def _stored_like(problem: _Closed, branch: Branch, guess: np.ndarray) -> _Closed:
     """The problem whose unknowns a branch stores: of a hybrid orbit, they may begin with another leg."""
     if problem.kind != "hybrid_orbit":
         return problem
-    from contwalk.continuation.reopening import problem_of
-
     first = branch.info.settings["legs"][0][0]
     state, own = np.zeros(problem.states), list(problem.system.states_of(first))
     state[own] = guess[: len(own)]
-    return problem_of(problem.system, branch.info, state, problem.discretization)  # type: ignore[return-value]
+    return problem_of(problem.system, branch.info, state, problem.discretization)

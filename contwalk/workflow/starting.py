@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.opening import opened
 from contwalk.continuation.settings import Settings
 from contwalk.errors import StartError
 from contwalk.problems.orbit.discretization import Discretization
+from contwalk.studies.opening import opened
 from contwalk.workflow.run_file.reading import RunFile, StartSpec
 from contwalk.workflow.stored.points import StoredWord, stored_point
 
@@ -136,7 +136,7 @@ def starts(
     for place in found:
         given = system, place.parameters, free, place.state, settings, path, at, discretization
         if place.orbit or system.period is not None:
-            from contwalk.continuation.opening_orbits import opened_orbit, opened_word  # compiled flows
+            from contwalk.studies.opening_orbits import opened_orbit, opened_word  # compiled flows
 
             if place.word is not None:
                 opening = opened_word(*given, place.word)

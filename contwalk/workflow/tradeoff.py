@@ -11,11 +11,11 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from contwalk.branch import Branch
-from contwalk.continuation.verification import Comparison
 from contwalk.errors import ContwalkError
 from contwalk.numerics.threads import one_thread
 from contwalk.storage.failures import refuse_existing
 from contwalk.storage.hdf5 import Hdf5Database
+from contwalk.studies.verification import Comparison
 from contwalk.workflow.file_names import beside
 from contwalk.workflow.pairing import counted, paired, value_of
 from contwalk.workflow.run_file.reading import RunFile

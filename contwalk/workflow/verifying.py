@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import Branch, SpecialPoint
-from contwalk.continuation.verification import LOST, Comparison, compared
 from contwalk.errors import ContwalkError
 from contwalk.numerics.threads import one_thread
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.storage import RunHeader
+from contwalk.studies.verification import LOST, Comparison, compared
 from contwalk.system import System
 from contwalk.workflow.run_file.yaml_lines import parse_yaml
 

@@ -16,9 +16,9 @@ import contwalk as cw
 from contwalk.branch import Branch
 from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.diagram import Diagram, Plan
-from contwalk.continuation.opening import opened
 from contwalk.continuation.settings import Settings
 from contwalk.problems.orbit.discretization import Discretization
+from contwalk.studies.opening import opened
 from contwalk.system import System, Transition
 
 A, STIFFNESS = 0.5, 5.0

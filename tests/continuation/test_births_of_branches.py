@@ -8,8 +8,8 @@ from small_systems import labelled, small_system
 
 from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.diagram import Diagram, Plan
-from contwalk.continuation.opening import opened
 from contwalk.continuation.settings import Settings
+from contwalk.studies.opening import opened
 from contwalk.system import State
 
 

@@ -7,10 +7,10 @@ from small_systems import labelled, small_problem, small_system
 import contwalk as cw
 from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.diagram import Diagram, Plan
-from contwalk.continuation.opening import opened
 from contwalk.continuation.settings import Settings
 from contwalk.errors import NotFinite
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
+from contwalk.studies.opening import opened
 
 
 def beside_growth(t, x, p, dx):

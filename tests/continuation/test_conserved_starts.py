@@ -11,10 +11,10 @@ from conserved_machines import BALL, PENDULUM
 
 import contwalk as cw
 from contwalk.branch import Outcome
-from contwalk.continuation.opening import opened
-from contwalk.continuation.opening_orbits import opened_orbit
 from contwalk.continuation.settings import Settings
 from contwalk.errors import StartError
+from contwalk.studies.opening import opened
+from contwalk.studies.opening_orbits import opened_orbit
 from contwalk.system import Conserved, Mode, Parameter, State, System
 
 

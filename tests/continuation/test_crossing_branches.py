@@ -7,9 +7,9 @@ from small_systems import labelled, small_problem, small_system
 import contwalk as cw
 from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.diagram import Diagram, Noted, Plan
-from contwalk.continuation.opening import opened
 from contwalk.continuation.recognition import Known, known_branch
 from contwalk.continuation.settings import Settings
+from contwalk.studies.opening import opened
 
 
 def diagram(field, states, parameters, free, start, span, depth=5):

@@ -9,8 +9,8 @@ import pytest
 from hybrid_runs import machine
 
 from contwalk.branch import Outcome
-from contwalk.continuation.opening_orbits import opened_orbit
 from contwalk.continuation.settings import Settings
+from contwalk.studies.opening_orbits import opened_orbit
 from contwalk.system import Mode, Neutral, Parameter, State, System, Transition
 
 # A shaken mass on a spring (x, v), and a ball in a cage on it (y, w) that nothing moves between impacts.

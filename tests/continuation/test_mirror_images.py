@@ -11,9 +11,9 @@ from small_systems import labelled, small_problem, small_system
 import contwalk as cw
 from contwalk.continuation.branch_in_progress import Start, Stored
 from contwalk.continuation.diagram import Diagram, Found, Noted, Plan
-from contwalk.continuation.opening import opened
 from contwalk.continuation.settings import Mark, Settings
 from contwalk.problems.equilibrium import mirror as mirrors
+from contwalk.studies.opening import opened
 from contwalk.system import Observable, State, Symmetry
 from contwalk.system.declarations import ParameterValues
 

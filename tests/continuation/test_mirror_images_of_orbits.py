@@ -11,10 +11,10 @@ from small_systems import small_system
 
 from contwalk.continuation.branch_in_progress import Start, Stored
 from contwalk.continuation.diagram import Diagram, Found, Noted, Plan
-from contwalk.continuation.opening import opened
-from contwalk.continuation.opening_orbits import opened_orbit
 from contwalk.continuation.settings import Mark, Settings
 from contwalk.problems.orbit import mirror as mirrors
+from contwalk.studies.opening import opened
+from contwalk.studies.opening_orbits import opened_orbit
 from contwalk.system import Observable, Symmetry
 from contwalk.system.declarations import ParameterValues
 

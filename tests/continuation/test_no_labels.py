@@ -10,9 +10,11 @@ from pathlib import Path
 import pytest
 
 import contwalk.continuation
+import contwalk.studies
 from contwalk.labels import MEANINGS
 
-FILES = sorted(Path(contwalk.continuation.__file__).parent.glob("*.py"))
+PACKAGES = (contwalk.continuation, contwalk.studies)
+FILES = [path for package in PACKAGES for path in sorted(Path(package.__file__).parent.glob("*.py"))]
 # Those that are stored, and what equations of two kinds of points were once called.
 LABELS = re.compile(rf"\b({'|'.join([*MEANINGS, 'SB', 'FLAT', 'MULTIPLE'])})\b")
 
@@ -31,7 +33,7 @@ def strings(tree: ast.Module) -> Iterator[ast.Constant]:
             yield node
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+@pytest.mark.parametrize("path", FILES, ids=lambda path: f"{path.parent.name}/{path.name}")
 def test_no_label_is_written_in_the_engine(path):
     found = strings(ast.parse(path.read_text(encoding="utf-8")))
     named = [(node.lineno, node.value) for node in found if LABELS.search(node.value)]

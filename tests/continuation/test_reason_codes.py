@@ -9,10 +9,10 @@ from contwalk.branch import BranchInfo, Outcome, SpecialPoint
 from contwalk.continuation import outcomes
 from contwalk.continuation.branch_in_progress import Start, Stored, Work, spent
 from contwalk.continuation.diagram import Diagram, Found, Plan
-from contwalk.continuation.opening_orbits import opened_orbit
 from contwalk.continuation.settings import Settings
 from contwalk.problems.orbit.points.catalogue import LIMIT_TYPES
 from contwalk.storage.schema import outcome_from_text, outcome_text, special_from_text, special_text
+from contwalk.studies.opening_orbits import opened_orbit
 
 
 def born_above(t, x, p, dx):

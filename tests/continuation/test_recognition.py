@@ -13,12 +13,13 @@ import contwalk as cw
 from contwalk.continuation import diagram
 from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.diagram import Diagram, Noted, Plan
-from contwalk.continuation.opening import Opening, opened
+from contwalk.continuation.opening import Opening
 from contwalk.continuation.recognition import Known, images, known_branch
 from contwalk.continuation.reopening import reopened
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import begin
 from contwalk.problems.equilibrium.points.hopf import Hopf
+from contwalk.studies.opening import opened
 from contwalk.system import State, Symmetry
 
 SETTINGS = Settings(range=(-1.0, 1.0))

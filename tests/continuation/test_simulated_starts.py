@@ -7,12 +7,12 @@ from small_systems import labelled, small_system
 from contwalk.branch import Outcome
 from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.diagram import Diagram, Plan
-from contwalk.continuation.opening_orbits import opened_orbit
 from contwalk.continuation.settings import Settings
 from contwalk.flow.hybrid.motions import MotionSegment, hybrid_machine
 from contwalk.problems.equilibrium.equilibrium import Equilibrium
 from contwalk.problems.initial.coming_to_rest import check_moves
 from contwalk.problems.initial.recurrence import AtRest
+from contwalk.studies.opening_orbits import opened_orbit
 from contwalk.system import Mode, Parameter, State, System, Transition
 
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from contwalk.branch import Outcome
-from contwalk.continuation.opening_orbits import opened_orbit
 from contwalk.continuation.settings import Settings
+from contwalk.studies.opening_orbits import opened_orbit
 from contwalk.system import Mode, Parameter, State, System, Transition
 
 

@@ -11,8 +11,11 @@ from small_systems import labelled, small_system
 
 import contwalk as cw
 from contwalk.branch import Branch, SpecialPoint
-from contwalk.continuation.reopening import problem_of, reopened
-from contwalk.continuation.verification import (
+from contwalk.continuation.reopening import reopened
+from contwalk.errors import DatabaseError
+from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.restoring import problem_of
+from contwalk.studies.verification import (
     AGREES,
     DIFFERS,
     LOST,
@@ -22,8 +25,6 @@ from contwalk.continuation.verification import (
     _extremum,
     compared,
 )
-from contwalk.errors import DatabaseError
-from contwalk.problems.orbit.discretization import Discretization
 from contwalk.system import Neutral, Observable, State, Symmetry, System
 
 STEPS = Discretization(accuracy=1e-7)

@@ -10,9 +10,9 @@ from small_systems import labelled, small_problem, small_system
 
 from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.diagram import Diagram, Plan
-from contwalk.continuation.opening import opened
 from contwalk.continuation.settings import Settings
 from contwalk.problems.equilibrium.vertical import spectrum_beside
+from contwalk.studies.opening import opened
 
 POINTS = 80
 

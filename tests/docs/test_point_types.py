@@ -9,11 +9,11 @@ from code_blocks import blocks
 from small_systems import labelled, small_problem
 
 import contwalk as cw
-from contwalk.continuation.verification import AGREES, compared
 from contwalk.labels import MEANINGS
 from contwalk.plotting import special_points
 from contwalk.problems.equilibrium.equilibrium import Equilibrium
 from contwalk.problems.orbit.discretization import Discretization
+from contwalk.studies.verification import AGREES, compared
 
 PAGE = "docs/howto/point_types.md"
 

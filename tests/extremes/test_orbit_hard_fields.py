@@ -8,9 +8,9 @@ from small_orbits import WALKING, orbits
 from small_systems import labelled, small_system
 
 import contwalk as cw
-from contwalk.continuation.opening_orbits import opened_orbit
 from contwalk.continuation.settings import Settings
 from contwalk.errors import StartError
+from contwalk.studies.opening_orbits import opened_orbit
 from contwalk.system import State, load_system
 
 ACCURACY = 1e-8

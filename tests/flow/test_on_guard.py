@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from hybrid_runs import machine
 
-from contwalk.continuation.opening_orbits import opened_orbit
 from contwalk.continuation.settings import Settings
 from contwalk.errors import StartError
 from contwalk.flow.hybrid.machine import hybrid_machine
 from contwalk.flow.hybrid.on_guard import check_on_guard
+from contwalk.studies.opening_orbits import opened_orbit
 from contwalk.system import Transition
 
 

@@ -9,8 +9,8 @@ import pytest
 from checked_plugins import broken, checked, line_of, troubles
 from hybrid_runs import machine
 
-from contwalk.continuation.opening_orbits import opened_orbit
 from contwalk.continuation.settings import Settings
+from contwalk.studies.opening_orbits import opened_orbit
 from contwalk.system import Symmetry, Transition
 
 # A shaken mass between two stops.

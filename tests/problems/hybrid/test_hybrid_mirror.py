@@ -18,13 +18,13 @@ from hybrid_runs import ACCURACY, assert_met, diagram, machine, solution
 
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.continuation.opening import Opening
-from contwalk.continuation.opening_orbits import opened_word
 from contwalk.continuation.reopening import reopened
 from contwalk.continuation.settings import Settings
 from contwalk.problems.hybrid.equations import SOLVED
 from contwalk.problems.hybrid.following import follows
 from contwalk.problems.hybrid.switching import rotated
 from contwalk.problems.stored_word import StoredWord
+from contwalk.studies.opening_orbits import opened_word
 from contwalk.system import Neutral, Symmetry, System, Transition
 from contwalk.workflow.stored.orbits import orbit_at
 

@@ -13,10 +13,11 @@ import contwalk as cw
 from contwalk.branch import Branch
 from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.diagram import Diagram, Plan
-from contwalk.continuation.opening import Opening, opened
-from contwalk.continuation.opening_orbits import opened_orbit
+from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
+from contwalk.studies.opening import opened
+from contwalk.studies.opening_orbits import opened_orbit
 from contwalk.system import System, Transition
 
 # The double-well Duffing oscillator, as in test_orbit_duffing: a pitchfork of its symmetric orbit, and the

@@ -5,8 +5,8 @@ import pytest
 from small_systems import labelled, small_problem
 
 import contwalk as cw
-from contwalk.continuation.verification import compared
 from contwalk.problems.orbit.discretization import Discretization
+from contwalk.studies.verification import compared
 
 # The fold of cycles of AUTO's demo `ab` at p2 = 16, as single shooting finds it.
 FOLD = 0.1306373152262

@@ -19,11 +19,12 @@ from contwalk.continuation import outcomes
 from contwalk.continuation.detection import NO_SHARE
 from contwalk.continuation.kinds import kind_of
 from contwalk.continuation.newton import correct
-from contwalk.continuation.reopening import problem_of, reopened, stored_place
+from contwalk.continuation.reopening import reopened, stored_place
 from contwalk.errors import ContwalkError
 from contwalk.labels import END, MARK
 from contwalk.problems.orbit.discretization import TIGHTEST, Discretization
 from contwalk.problems.problem import Linearization, Located, PointType, Problem, Sample, Test
+from contwalk.problems.restoring import problem_of
 from contwalk.system import System
 
 # A point may differ by so many times what the two error estimates together allow: estimates are estimates.

@@ -9,9 +9,8 @@ import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.continuation import outcomes
-from contwalk.continuation.families import ONE_OF_A_FAMILY, Places, family_at, is_one_of_a_family, member_near
 from contwalk.continuation.newton import Correction
-from contwalk.continuation.opening import Opening, opened
+from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import Here, begin
 from contwalk.errors import NotFinite, PluginError, StartError
@@ -39,6 +38,8 @@ from contwalk.problems.problem import equations_at
 from contwalk.problems.sample import NO_MARGIN
 from contwalk.problems.stored_word import StoredWord
 from contwalk.signatures import folded
+from contwalk.studies.families import ONE_OF_A_FAMILY, Places, family_at, is_one_of_a_family, member_near
+from contwalk.studies.opening import opened
 from contwalk.system import Neutral, System
 
 # Values of a conserved quantity that differ by more than this part are two.

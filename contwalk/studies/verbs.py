@@ -15,9 +15,8 @@ from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.diagram import Diagram, Plan
 from contwalk.continuation.kinds import kind_of
 from contwalk.continuation.marks import observer_of
-from contwalk.continuation.opening import Opening, opened
+from contwalk.continuation.opening import Opening
 from contwalk.continuation.pseudo_arclength import Point, walk
-from contwalk.continuation.reopening import problem_of
 from contwalk.continuation.settings import Mark, Settings
 from contwalk.continuation.state import begin, turned
 from contwalk.errors import StartError
@@ -25,6 +24,8 @@ from contwalk.labels import MEANINGS
 from contwalk.numerics.threads import each_on_one_thread, one_thread
 from contwalk.problems.equilibrium.equilibrium import Equilibrium
 from contwalk.problems.problem import Problem
+from contwalk.problems.restoring import problem_of
+from contwalk.studies.opening import opened
 from contwalk.system.declarations import nearest
 
 if TYPE_CHECKING:  # compiled flows are imported only where orbits are computed
@@ -179,7 +180,7 @@ def _opened(
     if isinstance(problem, Equilibrium):
         opening = opened(*given, discretization=problem.discretization)
     else:
-        from contwalk.continuation.opening_orbits import opened_orbit
+        from contwalk.studies.opening_orbits import opened_orbit
 
         if period is None and until is None and problem.system.period is None:
             raise StartError(

@@ -1,0 +1,39 @@
+"""Smooth orbits from what is stored of their branch."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contwalk.branch import BranchInfo
+from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
+from contwalk.problems.restoring import Facts, declared
+from contwalk.system import Symmetry, System
+
+
+def restored(facts: Facts) -> PeriodicOrbit:
+    """The problem of a stored branch of smooth orbits, not yet discretised."""
+    info, stored = facts.info, facts.info.settings
+    orbit = PeriodicOrbit(
+        facts.system,
+        facts.parameters,
+        facts.free,
+        facts.ends,
+        facts.pins,
+        facts.state,
+        info.subharmonic,
+        facts.discretization or Discretization(),
+    )
+    symmetry = _symmetry(facts.system, info)
+    turns = np.array(stored.get("turns") or np.zeros(len(info.states)), dtype=float)
+    if symmetry is None and not np.any(turns):
+        return orbit
+    closed = orbit.closing(turns, symmetry, int(stored.get("power", 1)), int(stored.get("fold", 1)))
+    return closed.alike(int(stored.get("parts", 1)))
+
+
+def _symmetry(system: System, info: BranchInfo) -> Symmetry | None:
+    """The symmetry up to which the orbits of a branch close."""
+    if info.closure in (None, "full"):
+        return None
+    return declared("symmetry", str(info.closure), {s.name: s for s in system.symmetries})
