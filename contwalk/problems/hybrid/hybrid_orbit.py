@@ -262,9 +262,9 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         """Whether a solution is one that the machine can move on."""
         return self.margins(z).admissible
 
-    def slow_place(self, z: np.ndarray) -> SlowPlace:
-        """Where the orbit is slowest, and the field there."""
-        return observing.slow_place(self, z)
+    def slow_places(self, z: np.ndarray) -> list[SlowPlace]:
+        """Where the orbit is slower than beside, and the field there; the slowest place first."""
+        return observing.slow_places(self, z)
 
     def first_passed(self, z: np.ndarray, points: Sequence[np.ndarray]) -> int | None:
         """Number of the first of some states that the orbit of z passes, or begins a leg at."""

@@ -18,7 +18,7 @@ from contwalk.problems.orbit.extrema import extremes_of
 from contwalk.problems.orbit.motion import PLAIN
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.sampling import MOST_BISECTIONS
-from contwalk.problems.orbit.slow_place import AROUND, SlowPlace, slow_place_on
+from contwalk.problems.orbit.slow_place import AROUND, SlowPlace, slow_places_on
 from contwalk.problems.passing import Place
 from contwalk.system.declarations import ParameterValues
 
@@ -232,19 +232,21 @@ def _refined(stretch: Stretch, place: Place, turn: float, near: float) -> np.nda
     return there
 
 
-def slow_place(orbit: DiscretizedOrbit, z: np.ndarray) -> SlowPlace:
-    """Where the orbit is slowest, and the field there."""
-    even, places = np.linspace(0.0, 1.0, AROUND), []
+def slow_places(orbit: DiscretizedOrbit, z: np.ndarray) -> list[SlowPlace]:
+    """Where the orbit is slower than beside, and the field there; the slowest place first."""
+    even, places = np.linspace(0.0, 1.0, AROUND), list[SlowPlace]()
     for view in orbit.view(z):
         piece, scalars = view.piece, view.scalars
         if scalars[0] == 0.0:
             continue
         field, times = piece.passage.field(PLAIN), np.union1d(piece.steps, even)
         path = piece.at(view.nodes, times, scalars)
-        c, scale = field.constants(piece.values(scalars)), orbit.mesh.variation[list(piece.passage.states)]
-        places.append(slow_place_on(field, c, abs(float(scalars[0])), times, path, scale))
+        own = list(piece.passage.states)
+        c, scale = field.constants(piece.values(scalars)), orbit.mesh.variation[own]
+        names = tuple(orbit.system.state_names[k] for k in own)
+        places += slow_places_on(field, c, abs(float(scalars[0])), times, path, scale, names)
     fastest = max(place.fastest for place in places)
-    return replace(min(places, key=lambda place: place.speed), fastest=fastest)
+    return sorted((replace(place, fastest=fastest) for place in places), key=lambda place: place.speed)
 
 
 def growth(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:

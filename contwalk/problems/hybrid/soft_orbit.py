@@ -356,10 +356,10 @@ class SoftOrbit(HybridOrbit):
         there = self._at(z)
         return there.explicit.flow_direction(there.unknowns, there.grouping.groups[i][0], j)
 
-    def slow_place(self, z: np.ndarray) -> SlowPlace:
-        """Where the orbit is slowest, and the field there."""
+    def slow_places(self, z: np.ndarray) -> list[SlowPlace]:
+        """Where the orbit is slower than beside, and the field there; the slowest place first."""
         explicit, unknowns = self.explicit(z)
-        return explicit.slow_place(unknowns)
+        return explicit.slow_places(unknowns)
 
     # -- limits ------------------------------------------------------------------------------------------
 

@@ -14,7 +14,7 @@ from contwalk.problems.orbit.conservation import not_conserved
 from contwalk.problems.orbit.homoclinic import homoclinic
 from contwalk.problems.orbit.motion import PLAIN
 from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
-from contwalk.problems.orbit.slow_place import AROUND, SlowPlace, slow_place_on
+from contwalk.problems.orbit.slow_place import AROUND, SlowPlace, slow_places_on
 from contwalk.problems.orbit.transport import carried_to
 from contwalk.problems.orbit.unbounded import unbounded
 from contwalk.problems.orbit.vanishing import at_a_point
@@ -92,12 +92,13 @@ def _extent(problem: SegmentedOrbit, sample: Sample) -> float:
     return float(np.linalg.norm(problem.velocity(sample.z) / sample.weights[:n])) * np.sqrt(problem.segments)
 
 
-def slow_place(problem: SegmentedOrbit, z: np.ndarray) -> SlowPlace:
-    """Where the orbit is slowest, and the field there."""
+def slow_places(problem: SegmentedOrbit, z: np.ndarray) -> list[SlowPlace]:
+    """Where the orbit is slower than beside, and the field there; the slowest place first."""
     field = problem.motion.field(PLAIN)
     c = field.constants(np.concatenate([problem.scalars(z), problem.line.constants]))
     times, path = problem.curve(z).sampled(AROUND)
-    return slow_place_on(field, c, problem.duration(z), times, path, problem.mesh.variation)
+    names = problem.system.state_names
+    return slow_places_on(field, c, problem.duration(z), times, path, problem.mesh.variation, names)
 
 
 def speeds_of(problem: SegmentedOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -11,7 +11,13 @@ chapters 6 and 7):
 | saddle-focus whose pair leads | Re(c exp((-rho + i omega) T)): folds without end |
 | saddle-node, just gone | falls like 1 / (T - T_0)^2, while the least speed does |
 
-All of it follows from two neighbouring orbits, so that a walk that is taken up again sees the same.
+Far from its limit an orbit that comes to a saddle slowly and leaves it fast is still on its way: it follows
+the saddle's stable manifold along what repels it, as a canard, and its rate is not yet the saddle's own. Then
+how its least distance falls tells that it comes, and the rate that is seen is the later one but for a factor.
+
+All of it follows from two neighbouring orbits, so that a walk that is taken up again sees the same. The last
+of them is solved once more on the finest steps, its period held: what the walk's own steps do to the
+parameter is mostly more than what is left of its way.
 """
 
 from __future__ import annotations
@@ -22,15 +28,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from contwalk.branch import Outcome
+from contwalk.errors import NotFinite, PluginError, StartError
 from contwalk.problems.orbit.protocol import Orbit
 from contwalk.problems.orbit.slow_place import SlowPlace
-from contwalk.problems.orbit.solving import error_holding
+from contwalk.problems.orbit.solving import error_holding, newton_on
 from contwalk.problems.problem import Sample
 
 # An orbit that is this slow somewhere, against its fastest, passes an equilibrium, or where one has been.
 CREEPING = 1e-2
 # An equilibrium this near to the orbit, in units of its range, is passed by it; so near that it is hidden.
 PASSED, AT_REST = 2e-2, 1e-3
+# One this near, in the same units, may be what the orbit is on its way to.
+NEARING = 0.2
 # A parameter this near to its limit, relative to itself, is at it.
 LEAST_REST = 1e-10
 # A parameter below this part of its magnitude tends to zero.
@@ -52,8 +61,17 @@ class Limit:
     swing: float
 
 
-# Whether the orbit before, by its slowest place, obeys the law by which a limit was found.
-Obeyed = Callable[[SlowPlace], bool]
+# Whether the orbit before, by its slow places, obeys the law by which a limit was found.
+Obeyed = Callable[[list[SlowPlace]], bool]
+
+
+@dataclass(frozen=True)
+class _Law:
+    """A limit by a law, what else is true of the orbit before if the law holds, and what is passed there."""
+
+    limit: Limit
+    obeyed: Obeyed
+    where: str
 
 
 def homoclinic(problem: Orbit, a: Sample, b: Sample) -> Outcome | None:
@@ -70,21 +88,39 @@ def homoclinic(problem: Orbit, a: Sample, b: Sample) -> Outcome | None:
     wanted = max(REST * problem.discretization.accuracy, LEAST_REST) * size
     if not np.all(np.isfinite(slopes)) or abs(slopes[1]) * b.period > MOST_TURNS * wanted:
         return None
-    after = problem.slow_place(b.z)
-    if after.slowness > CREEPING:
+    places = [place for place in problem.slow_places(b.z) if place.slowness <= CREEPING]
+    laws = [law for law in _laws(places, (a, b), slopes, problem.eventful) if law.limit.swing <= wanted]
+    before = problem.slow_places(a.z) if laws else []
+    law = next((law for law in laws if law.obeyed(before)), None)
+    if law is None:
         return None
-    limit, obeyed = _limit(after, (a, b), slopes, problem.eventful)
-    if limit is None or limit.swing > wanted or not obeyed(problem.slow_place(a.z)):
-        return None
-    error = limit.error + error_holding(problem, b.z, b.weights, problem.duration_gradient(b.z))
+    held, known = _held(problem, b)
+    error = law.limit.error + known
     return Outcome(
         "stopped",
         "homoclinic",
         f"The period runs off ({problem.system.lasting(b.period, '.4g')} here) while the orbit creeps past "
-        f"an equilibrium: {_of_what(problem.eventful)} at "
-        f"{problem.free} = {value + limit.rest:.12g} +- {error:.1e}, by "
+        f"{law.where}: {_of_what(problem.eventful)} at "
+        f"{problem.free} = {held + law.limit.rest:.12g} +- {error:.1e}, by "
         f"extrapolation from {value:.12g}.{_doubt(b)} Nothing to do; a finer accuracy follows it further.",
     )
+
+
+def _held(problem: Orbit, b: Sample) -> tuple[float, float]:
+    """The parameter of the orbit of this period on the finest steps, and its error; that of the walk's own
+    steps where it is not found there.
+    """
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):  # what overflows is no orbit
+            fine = problem.finest(b.z, b.weights)
+            held = fine.duration_gradient(b.z)
+            z = newton_on(fine, b.z, b.weights, held)
+            known = error_holding(fine, z, b.weights, held)
+        if np.isfinite(known):
+            return float(z[-1]), known
+    except (NotFinite, PluginError, StartError, np.linalg.LinAlgError):
+        pass
+    return float(b.z[-1]), error_holding(problem, b.z, b.weights, problem.duration_gradient(b.z))
 
 
 def _of_what(eventful: bool) -> str:
@@ -102,22 +138,74 @@ def _doubt(sample: Sample) -> str:
     return " Its last multipliers are not known to their size, and are not counted as unstable."
 
 
-def _limit(
-    after: SlowPlace, samples: tuple[Sample, Sample], slopes: np.ndarray, eventful: bool
-) -> tuple[Limit | None, Obeyed]:
-    """The limit by the law of the equilibrium that is passed, None where it is not obeyed; what else has
-    to be true of the orbit before, at which nobody needs to look until then.
+def _laws(
+    places: list[SlowPlace], samples: tuple[Sample, Sample], slopes: np.ndarray, eventful: bool
+) -> list[_Law]:
+    """The laws that the parameter obeys: of the equilibria that are passed, or of one that has gone."""
+    found, passes = [], False
+    for place in places:
+        rest = place.equilibrium()
+        if rest is None:
+            continue
+        passes |= place.distance(rest) <= PASSED
+        found += _laws_of(place, rest, samples, slopes, eventful)
+    if places and not passes:
+        limit, obeyed = _gone(places[0], samples, slopes)
+        found += [_Law(limit, obeyed, "where an equilibrium has gone")] if limit is not None else []
+    return found
+
+
+def _laws_of(
+    place: SlowPlace, rest: np.ndarray, samples: tuple[Sample, Sample], slopes: np.ndarray, eventful: bool
+) -> list[_Law]:
+    """The law of one equilibrium, if the parameter obeys it."""
+    distance, jacobian = place.distance(rest), place.jacobian(rest)
+    lasting = samples[1].period - samples[0].period
+
+    def distances(before: list[SlowPlace]) -> list[float]:
+        known = (p for p in before if p.names == place.names)
+        found = ((p, p.equilibrium(rest)) for p in known)
+        return [p.distance(old) for p, old in found if old is not None]
+
+    where = ", ".join(f"{name} = {x:.5g}" for name, x in zip(place.names, rest, strict=True))
+    where = f"the equilibrium {where}"
+    limit = _passing(jacobian, distance, samples, slopes, eventful) if distance <= PASSED else None
+    if limit is not None:
+        return [_Law(limit, lambda before: min(distances(before), default=0.0) > distance, where)]
+    # Without events a homoclinic orbit comes back to the saddle, which tells by the slower of both rates.
+    coming = _coming(jacobian, samples, slopes) if eventful and distance <= NEARING else None
+    if coming is None:
+        return []
+    limit, rate = coming
+
+    def comes(before: list[SlowPlace]) -> bool:
+        nearest = min(distances(before), default=distance)
+        return abs(float(np.log(nearest / distance)) / (rate * lasting) - 1.0) < LAWFUL
+
+    return [_Law(limit, comes, where)]
+
+
+def _coming(
+    jacobian: np.ndarray, samples: tuple[Sample, Sample], slopes: np.ndarray
+) -> tuple[Limit, float] | None:
+    """The limit of orbits on their way to a saddle that they leave fast, and the rate at which they come.
+
+    What repels them on the way does so less than the saddle itself: the parameter falls at a rate that grows
+    to the saddle's own.
     """
-    rest = after.equilibrium()
-    if rest is None or after.distance(rest) > PASSED:
-        return _gone(after, samples, slopes)
-    distance = after.distance(rest)
-
-    def nearer(before: SlowPlace) -> bool:
-        old = before.equilibrium()
-        return old is not None and distance < before.distance(old)
-
-    return _passing(after.jacobian(rest), distance, samples, slopes, eventful), nearer
+    values = np.linalg.eigvals(jacobian)
+    growing, falling = values[values.real > 0.0], values[values.real < 0.0]
+    if not len(growing) or not len(falling) or slopes[0] * slopes[1] <= 0.0:
+        return None
+    out, into = growing[np.argmin(growing.real)], falling[np.argmax(falling.real)]
+    if out.imag or into.imag or -into.real >= out.real:
+        return None
+    measured = float(np.log(slopes[0] / slopes[1])) / (samples[1].period - samples[0].period)
+    if not 1.0 / ABOUT < measured / float(out.real) < 1.0 + LAWFUL:
+        return None
+    rest = float(slopes[1]) / measured
+    off = abs(measured / float(out.real) - 1.0)
+    return Limit(rest, (off + LAWFUL) * abs(rest), abs(rest)), -float(into.real)
 
 
 def _passing(
@@ -130,17 +218,20 @@ def _passing(
     """The limit of orbits that pass an equilibrium, by its leading eigenvalue.
 
     A reset may put the state beside the equilibrium, or an event take it away from there, and forget how it
-    came: then either of the leading ones may tell, and there may be one only.
+    came: then either of the leading ones may tell, and there may be one only. A pair swings about a
+    saddle-focus only: what is drawn in by a focus on all sides does not leave it, and what a reset puts
+    beside one that repels all leaves it the faster, the further away it begins.
     """
     values = np.linalg.eigvals(jacobian)
     growing, falling = values[values.real > 0.0], values[values.real < 0.0]
     leading = [growing[np.argmin(growing.real)]] if len(growing) else []
     leading += [falling[np.argmax(falling.real)]] if len(falling) else []
     leading.sort(key=lambda v: abs(v.real))
+    saddle = len(leading) == 2
     if not eventful:
-        leading = leading[:1] if len(leading) == 2 else []
+        leading = leading[:1] if saddle else []
     for value in leading:
-        if abs(value.imag) > 1e-9 * abs(value):
+        if saddle and abs(value.imag) > 1e-9 * abs(value):
             found = _swinging(complex(-abs(value.real), abs(value.imag)), samples, slopes)
         else:
             found = _falling(float(abs(value.real)), samples, slopes, distance < AT_REST)
@@ -190,9 +281,14 @@ def _gone(
     longer = ratio ** (1.0 / 3.0)  # (b - T_0) / (a - T_0)
     since = (b - a) * longer / (longer - 1.0)  # b - T_0
 
-    def slower(before: SlowPlace) -> bool:
-        times = before.speed / max(after.speed, 1e-300)
+    def slower(before: list[SlowPlace]) -> bool:
+        times = before[0].speed / max(after.speed, 1e-300)
         return times > 1.0 and bool(abs(np.log(times) / np.log(longer) - 2.0) <= 0.5)
 
     rest = 0.5 * float(slopes[1]) * since
-    return (None if since > 2.0 * b else Limit(rest, 0.5 * abs(rest), abs(rest))), slower
+    # From the slopes at both ends the law predicts the way in between. What it misses of that, as a part of
+    # it, is as the square of how much longer one lasts against what is missed of the rest.
+    way = 0.5 * float(slopes[0]) * since / longer - rest
+    missed = abs(float(samples[1].z[-1] - samples[0].z[-1]) / way - 1.0)
+    part = min(REST * missed / (longer - 1.0) ** 2, 0.5)
+    return (None if since > 2.0 * b else Limit(rest, part * abs(rest), abs(rest))), slower

@@ -525,9 +525,9 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         """Whether a solution is one that the machine can move on: without events, all are."""
         return True
 
-    def slow_place(self, z: np.ndarray) -> SlowPlace:
-        """Where the orbit is slowest, and the field there."""
-        return ending.slow_place(self, z)
+    def slow_places(self, z: np.ndarray) -> list[SlowPlace]:
+        """Where the orbit is slower than beside, and the field there; the slowest place first."""
+        return ending.slow_places(self, z)
 
     def fallen_back(self, z: np.ndarray, tangent: np.ndarray) -> bool:
         """Whether the orbit of a branch with this tangent has become its parent again."""

@@ -124,6 +124,10 @@ class Orbit(Protocol):
         """The same problem on steps for located points."""
         ...
 
+    def finest(self, z: np.ndarray, weights: np.ndarray) -> Any:
+        """The same problem on the finest steps that rounding allows."""
+        ...
+
     def magnitudes_near(self, z: np.ndarray) -> np.ndarray:
         """Typical magnitudes of z, NaN where nothing tells."""
         ...
@@ -217,8 +221,8 @@ class Orbit(Protocol):
         """Whether a solution is one that the machine can move on."""
         ...
 
-    def slow_place(self, z: np.ndarray) -> SlowPlace:
-        """Where the orbit is slowest, and the field there."""
+    def slow_places(self, z: np.ndarray) -> list[SlowPlace]:
+        """Where the orbit is slower than beside, and the field there; the slowest place first."""
         ...
 
     def values_of(self, z: np.ndarray) -> dict[str, float]:

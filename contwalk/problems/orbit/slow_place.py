@@ -1,4 +1,4 @@
-"""Where an orbit is slowest, and the equilibrium that it may pass there."""
+"""Where an orbit is slow, and the equilibria that it may pass there."""
 
 from __future__ import annotations
 
@@ -17,12 +17,14 @@ ITERATIONS, CONVERGED = 20, 1e-9
 
 @dataclass(frozen=True)
 class SlowPlace:
-    """Where an orbit is slowest, and the field around.
+    """A place where an orbit is slower than beside it, and the field around.
 
     Parameters
     ----------
+    names : tuple of str
+        Of the states that exist there.
     speed, fastest : float
-        Speed there and where it is fastest, in ranges of the states per second.
+        Speed there and where the orbit is fastest, in ranges of the states per second.
     state, scale : ndarray, shape (k,)
         The state there, and half the range of each.
     path : ndarray, shape (p, k)
@@ -31,6 +33,7 @@ class SlowPlace:
         The field in seconds, shape (k,), and its derivative, shape (k, k).
     """
 
+    names: tuple[str, ...]
     speed: float
     fastest: float
     state: np.ndarray
@@ -44,9 +47,9 @@ class SlowPlace:
         """Speed there against the largest."""
         return self.speed / max(self.fastest, 1e-300)
 
-    def equilibrium(self) -> np.ndarray | None:
-        """The equilibrium nearby, by Newton's method; None where there is none."""
-        x = self.state.copy()
+    def equilibrium(self, near: np.ndarray | None = None) -> np.ndarray | None:
+        """The equilibrium nearby, or near another state, by Newton's method; None where there is none."""
+        x = (self.state if near is None else near).copy()
         for _ in range(ITERATIONS):
             f, j = self.velocity(x), self.jacobian(x)
             if not (np.all(np.isfinite(f)) and np.all(np.isfinite(j))):
@@ -66,24 +69,33 @@ class SlowPlace:
         return float(np.linalg.norm((self.path - x) / self.scale, axis=1).min())
 
 
-def slow_place_on(
+def slow_places_on(
     field: CompiledField,
     c: np.ndarray,
     duration: float,
     times: np.ndarray,
     path: np.ndarray,
     scale: np.ndarray,
-) -> SlowPlace:
-    """The slowest place on a path whose field is in units of a duration, at times in 0..1."""
+    names: tuple[str, ...],
+) -> list[SlowPlace]:
+    """The places on a path where its speed is least, the slowest first.
+
+    The path's field is in units of a duration, at times in 0..1.
+    """
     n = len(scale)
     speeds = np.linalg.norm(field.along(times, path, c) / scale, axis=1) / duration
-    slowest = int(np.argmin(speeds))
-    return SlowPlace(
-        float(speeds[slowest]),
-        float(speeds.max()),
-        path[slowest],
-        scale,
-        path,
-        lambda x: field(0.0, x, c) / duration,
-        lambda x: field.jacobian(0.0, x, c)[:, :n] / duration,
-    )
+    around = np.concatenate([[np.inf], speeds, [np.inf]])
+    least = np.flatnonzero((speeds <= around[:-2]) & (speeds < around[2:]))
+    return [
+        SlowPlace(
+            names,
+            float(speeds[k]),
+            float(speeds.max()),
+            path[k],
+            scale,
+            path,
+            lambda x: field(0.0, x, c) / duration,
+            lambda x: field.jacobian(0.0, x, c)[:, :n] / duration,
+        )
+        for k in least[np.argsort(speeds[least], kind="stable")]
+    ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -143,19 +144,64 @@ def test_multipliers_of_canards_are_right(bursts):
         assert found.real == pytest.approx(multiplier, rel=3e-4)
 
 
-def test_tonic_spiking_ends_at_the_homoclinic_orbit():
-    """At I = 0.655625 the parabola u = v^2 / 25 + 5.01 v + 141.219375 is invariant; on it
-    v' = -(v + 56.375) / 100.
+def canard_current(b: float) -> float:
+    """The current at which a parabola u = v^2 / 25 + alpha v + beta is invariant: then v' is linear on it.
 
-    It is the stable manifold of the saddle, and the slow motion that attracts all that comes back from a
-    spike: orbits tend to the homoclinic one at that current.
+    Coefficients of v^2, v and 1 in u' = a (b v - u) with v' = (5 - alpha) v + rest on it, as fractions.
     """
+    a, quadratic = Fraction(1, 50), Fraction(1, 25)
+    slope = Fraction(b).limit_denominator(100)
+    alpha = 5 + a / 2
+    rest = (a * (slope - alpha) - alpha * (5 - alpha)) / (2 * quadratic)
+    beta = -alpha * rest / a
+    return float(rest + beta - 140)
+
+
+@pytest.mark.parametrize(
+    ("b", "d", "saddle"), [(0.25, 6.0, -56.375), (0.2, 8.0, -57.625)], ids=["class 1", "regular spiking"]
+)
+def test_tonic_spiking_ends_at_the_homoclinic_orbit(b, d, saddle):
+    """Where the parabola is invariant it is the stable manifold of the saddle, and the slow motion that
+    attracts all that comes back from a spike: orbits tend to the homoclinic one at that current.
+
+    Of regular spiking the slow motion passes a stable focus before, at 1 % of the orbit's range, and is a
+    canard from there on: it is repelled all the way to the saddle.
+    """
+    limit = canard_current(b)
+    given = {"I": 4.0, "b": b, "d": d}
     branch = branch_of(
-        PEER_SYSTEM, "I", (-20.0, 5.0), [-65.0, -10.0], {"I": 4.0}, mode="membrane", until="settled"
+        PEER_SYSTEM, "I", (-20.0, 5.0), [-65.0, -10.0], given, mode="membrane", until="settled"
     )
     outcome = next(p for p in branch.special_points if p.kind == "homoclinic")
     assert branch.outcome.reason == "homoclinic", branch.outcome.message
-    assert outcome.parameters["I"] == pytest.approx(0.655625, abs=1e-7)
+    assert outcome.parameters["I"] == pytest.approx(limit, abs=1e-6)
     told = re.search(r"at I = ([\d.]+) \+- ([\d.e-]+)", branch.outcome.message)
     assert told is not None
-    assert abs(float(told[1]) - 0.655625) < float(told[2]) < 3e-5
+    assert abs(float(told[1]) - limit) < float(told[2]) < 1e-6
+    assert f"the equilibrium v = {saddle}, u = {b * saddle:.5g}:" in branch.outcome.message
+    assert branch["I"].min() > limit
+
+
+def test_regular_spiking_ceases_at_the_current_of_the_parabola():
+    """By simulation: above it a motion fires ten times, below it comes to rest at the focus."""
+
+    def fires(current: float) -> bool:
+        def field(_: float, y: np.ndarray) -> list[float]:
+            v, u = y
+            return [0.04 * v * v + 5.0 * v + 140.0 - u + current, A * (B * v - u)]
+
+        def peak(_: float, y: np.ndarray) -> float:
+            return float(y[0] - 30.0)
+
+        peak.terminal = True
+        u = -10.0
+        for _ in range(10):
+            found = solve_ivp(field, (0.0, 2e3), (-65.0, u), "DOP853", rtol=1e-11, atol=1e-11, events=peak)
+            if not len(found.y_events[0]):
+                return False
+            u = float(found.y_events[0][0][1]) + 8.0
+        return True
+
+    limit = canard_current(0.2)
+    assert fires(limit + 1e-7)
+    assert not fires(limit - 1e-7)

@@ -8,7 +8,15 @@ import pytest
 from small_systems import labelled, small_problem
 
 import contwalk as cw
-from contwalk.problems.orbit.homoclinic import _falling, _gone, _passing, _swinging, homoclinic
+from contwalk.problems.orbit.homoclinic import (
+    _coming,
+    _falling,
+    _gone,
+    _laws,
+    _passing,
+    _swinging,
+    homoclinic,
+)
 from contwalk.problems.orbit.slow_place import SlowPlace
 
 # Of the Morris-Lecar model below, from collocation on 400 intervals followed to periods of 3e4.
@@ -114,7 +122,9 @@ AT = {"z": np.array([2.0]), "weights": np.array([2.0])}
 
 def place(speed):
     """A slow place with a speed, and nothing else."""
-    return SlowPlace(speed, 1.0, np.zeros(1), np.ones(1), np.zeros((1, 1)), lambda x: x, lambda x: np.eye(1))
+    return SlowPlace(
+        ("x",), speed, 1.0, np.zeros(1), np.ones(1), np.zeros((1, 1)), lambda x: x, lambda x: np.eye(1)
+    )
 
 
 def test_the_law_of_a_saddle_node_that_has_gone():
@@ -123,8 +133,8 @@ def test_the_law_of_a_saddle_node_that_has_gone():
     limit, obeyed = _gone(place(1.0 / 307.0**2), pair, slopes)
     assert limit.rest == pytest.approx(2.0 - law(310.0), rel=1e-2)
     assert abs(limit.rest - (2.0 - law(310.0))) <= limit.error
-    assert obeyed(place(1.0 / 297.0**2))
-    assert not obeyed(place(1.01 / 307.0**2))  # the least speed stays: no equilibrium has gone
+    assert obeyed([place(1.0 / 297.0**2)])
+    assert not obeyed([place(1.01 / 307.0**2)])  # the least speed stays: no equilibrium has gone
 
 
 def test_only_an_orbit_that_creeps_is_compared_with_the_one_before():
@@ -136,7 +146,7 @@ def test_only_an_orbit_that_creeps_is_compared_with_the_one_before():
         eventful=False,
         discretization=SimpleNamespace(accuracy=1e-8),
         duration_gradient=lambda z: np.array([1.0, 0.0]),
-        slow_place=lambda z: asked.append(z) or place(0.5),
+        slow_places=lambda z: asked.append(z) or [place(0.5)],
     )
     assert homoclinic(problem, *orbits) is None
     assert len(asked) == 1
@@ -154,7 +164,7 @@ def test_the_orbit_before_is_not_looked_at_while_the_limit_is_far():
         eventful=False,
         discretization=SimpleNamespace(accuracy=1e-8),
         duration_gradient=lambda z: np.array([1.0, 0.0]),
-        slow_place=lambda z: asked.append(z) or place(1e-3),
+        slow_places=lambda z: asked.append(z) or [place(1e-3)],
     )
     assert homoclinic(problem, *orbits) is None
     assert [z is orbits[1].z for z in asked] == [True]
@@ -169,3 +179,44 @@ def test_the_rate_is_that_of_the_slowest_direction_of_a_saddle(growing, falling)
     limit = _passing(jacobian, 1e-2, pair, slopes)
     assert limit.rest == pytest.approx(2.0 - law(10.5), rel=1e-4)  # slopes by differences of 1e-6
     assert _passing(np.diag([-0.7, -3.0]), 1e-2, pair, slopes) is None  # nothing leaves a sink
+
+
+def test_a_focus_that_draws_in_is_no_limit_of_orbits_with_events():
+    """Two slopes always fit a swing; what a sink has drawn in does not leave it again."""
+    pair, slopes = samples(lambda t: 2.0 + 3.0 * np.exp(-0.3 * t), 20.0, 24.0)
+    focus = np.array([[-0.005, 0.06], [-0.06, -0.005]])
+    assert _passing(focus, 1e-2, pair, slopes, eventful=True) is None
+
+
+def test_on_the_way_to_a_saddle_the_rate_is_not_yet_the_saddles():
+    """Along a canard: the slope falls at the rate 0.38 - 0.3 exp(-T / 100), which grows to 0.38."""
+    slope = lambda t: -np.exp(-0.38 * t - 30.0 * np.exp(-0.01 * t))  # noqa: E731
+    times = np.linspace(60.0, 200.0, 400001)
+    way = float(np.trapezoid(slope(times), times))
+    pair = tuple(SimpleNamespace(period=t, z=np.array([0.0])) for t in (55.0, 60.0))
+    slopes = np.array([slope(55.0), slope(60.0)])
+    limit, rate = _coming(np.diag([0.38, -0.01]), pair, slopes)
+    assert rate == pytest.approx(0.01)
+    assert abs(limit.rest - way) <= limit.error < abs(way)
+    assert _coming(np.diag([-0.38, -0.01]), pair, slopes) is None  # a sink is not left
+    assert _coming(np.diag([0.38, -0.5]), pair, slopes) is None  # the way to it would be the faster one
+    assert _coming(np.diag([0.1, -0.01]), pair, slopes) is None  # nothing repels more than the saddle
+
+
+def test_an_orbit_that_does_not_come_nearer_is_on_no_way_to_a_saddle():
+    """The rates are right and the saddle is near, but the least distance stays: a canard that will turn."""
+    pair, slopes = samples(lambda t: 2.0 + 3.0 * np.exp(-0.3 * t), 20.0, 24.0)
+    saddle = np.diag([0.38, -0.01])
+
+    def at(distance):
+        state = np.array([0.0, distance])
+        return SlowPlace(
+            ("x", "y"), 1e-4, 1.0, state, np.ones(2), state[None], lambda x: saddle @ x, lambda x: saddle
+        )
+
+    laws = {law.where: law for law in _laws([at(0.1)], pair, slopes, eventful=True)}
+    law = laws["the equilibrium x = 0, y = 0"]
+    assert law.obeyed([at(0.1 * np.exp(0.04))])
+    assert not law.obeyed([at(0.1)])
+    assert not law.obeyed([at(0.1 * np.exp(0.4))])
+    assert not law.obeyed([])
