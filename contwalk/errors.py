@@ -8,9 +8,9 @@ the class's exit code; a library user catches one class.
 from __future__ import annotations
 
 import sys
-import sysconfig
 import traceback
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -87,7 +87,7 @@ def plugin_line(error: BaseException) -> str:
     One of a library, Python's own included, counts only where there is no other: a plugin may be installed.
     """
     frames = [f for f in traceback.extract_tb(error.__traceback__) if not _is_library(f.filename)]
-    own = [f for f in frames if not str(Path(f.filename).resolve()).startswith(_LIBRARIES)]
+    own = [f for f in frames if not str(Path(f.filename).resolve()).startswith(_libraries())]
     if not frames:
         return NO_LINE
     innermost = (own or frames)[-1]
@@ -105,7 +105,14 @@ def calling_line() -> str:
 # What stands for a line that is not known.
 NO_LINE = "the plugin"
 _OWN = str(Path(__file__).resolve().parent)
-_LIBRARIES = tuple(str(Path(sysconfig.get_path(kind)).resolve()) for kind in ("stdlib", "purelib", "platlib"))
+
+
+@cache
+def _libraries() -> tuple[str, ...]:
+    """Where Python and installed packages are."""
+    import sysconfig  # every command imports this module, and few have a plugin's line to tell
+
+    return tuple(str(Path(sysconfig.get_path(kind)).resolve()) for kind in ("stdlib", "purelib", "platlib"))
 
 
 def _is_library(filename: str) -> bool:

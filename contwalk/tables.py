@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html as escaping
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -94,6 +93,8 @@ def of_branches(branches: Sequence[Branch]) -> Table:
 
 def html(caption: str, rows: Table) -> str:
     """A table of HTML; what is written in it is text, whatever it holds."""
+    import html as escaping  # for notebooks alone
+
     head, *body = [[escaping.escape(cell) for cell in row] for row in rows]
     lines = ["<table>"]
     lines += [f"<caption>{escaping.escape(caption)}</caption>"] if caption else []

@@ -134,6 +134,7 @@ class Kernel:
         self.text = source(program, groups)
         self.shape = shape
         self.where = None if where is None else np.asarray(where, dtype=int)
+        self._size = math.prod(shape or ())
         self._tables = program.graph.tables
         self._functions: dict[str, Callable[..., list[Any]]] = {}
 
@@ -162,7 +163,7 @@ class Kernel:
             return np.full(self.shape if self.shape is not None else 1, np.nan)
         result = np.array(values)
         if self.where is not None:
-            full = np.zeros(math.prod(self.shape or ()), dtype=result.dtype)
+            full = np.zeros(self._size, dtype=result.dtype)
             full[self.where] = result
             result = full
         return result if self.shape is None else result.reshape(self.shape)

@@ -8,8 +8,6 @@ series holds (Abramowitz & Stegun, Handbook of Mathematical Functions, 6.3.18, 6
 
 from __future__ import annotations
 
-import ctypes
-import ctypes.util
 import math
 from collections.abc import Callable
 from functools import cache
@@ -101,6 +99,8 @@ def _finite(value: float, x: float) -> float:
 @cache
 def _library(name: str, otherwise: Callable[[float], float]) -> Callable[[float], float]:
     """A function of the C library; Python's own where that cannot be had."""
+    import ctypes.util  # few systems need it, and it imports much
+
     path = ctypes.util.find_library("m") or ctypes.util.find_library("msvcrt")
     function = getattr(ctypes.CDLL(path), name, None) if path else None
     if function is None:

@@ -199,6 +199,8 @@ class Equilibrium:
         zeroed = np.where(noise, 0.0, z)
         inputs = self.inputs(zeroed)
         rounding = self.kernels.rounding(*inputs)
+        if (rounding > 0.0).all():  # each has terms still
+            return terms
         sizes = np.abs(self.kernels.linearization(*inputs)[:, 1:]) @ np.abs(zeroed)
         if np.any((rounding == 0.0) & (sizes > 0.0)):  # of slopes that are no noise themselves?
             sizes = np.abs(self.jacobian(zeroed)) @ np.abs(zeroed)
