@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import sys
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import cache
 from pathlib import Path
 from typing import Any, NoReturn
@@ -155,18 +155,27 @@ def measured(what: str, function: Callable[..., Any], t: Any, x: Any, p: Any) ->
     It gets copies of times and states: whatever it changes in them is its own. Where it has no value it is
     NaN, which a run tells once a branch and not, as NumPy would, in the midst of what it prints.
     """
+    return all_measured([(what, function)], t, x, p)[0]
+
+
+def all_measured(functions: Iterable[tuple[str, Callable[..., Any]]], t: Any, x: Any, p: Any) -> list[float]:
+    """As `measured`, of several functions of one motion."""
     import numpy as np  # here, since every command imports this module, and not all of them need it
 
-    times = t.copy() if hasattr(t, "copy") else t
     with np.errstate(all="ignore"):
-        try:
-            value = plain(function)(times, x.copy(), p)
-        except (Exception, SystemExit) as error:
-            _raise_told(what, error)
-        try:
-            return float(value)
-        except (TypeError, ValueError) as error:
-            raise PluginError(
-                f"The {what} gives no number: {line_of(function)}{type(error).__name__}: {error}.",
-                "Mend the plugin.",
-            ) from error
+        return [_number(what, function, t, x, p) for what, function in functions]
+
+
+def _number(what: str, function: Callable[..., Any], t: Any, x: Any, p: Any) -> float:
+    times = t.copy() if hasattr(t, "copy") else t
+    try:
+        value = plain(function)(times, x.copy(), p)
+    except (Exception, SystemExit) as error:
+        _raise_told(what, error)
+    try:
+        return float(value)
+    except (TypeError, ValueError) as error:
+        raise PluginError(
+            f"The {what} gives no number: {line_of(function)}{type(error).__name__}: {error}.",
+            "Mend the plugin.",
+        ) from error

@@ -13,20 +13,14 @@ from typing import Any
 
 from contwalk.errors import SystemDefinitionError
 from contwalk.plugin_check.angles import check_angles_of_fields
-from contwalk.plugin_check.at_events import traced_at_event
-from contwalk.plugin_check.conserved import check_conserved
 from contwalk.plugin_check.declarations import check_period, check_repeats
-from contwalk.plugin_check.event_kinks import check_on_a_jump, chooses
-from contwalk.plugin_check.events import check_soft, check_states, happening, traced_reset
 from contwalk.plugin_check.findings import Finding, Report
 from contwalk.plugin_check.functions import check_clock, check_never_finite
-from contwalk.plugin_check.guards import check_twins, traced_guard
-from contwalk.plugin_check.keeping import check_keeping
-from contwalk.plugin_check.modes import CheckedFields, distinct_transitions
+from contwalk.plugin_check.modes import CheckedFields
 from contwalk.plugin_check.neutral import check_somewhere, traced_generator, words
 from contwalk.plugin_check.samples import samples_of
 from contwalk.plugin_check.symmetry import compare_symmetry
-from contwalk.plugin_check.traced import Traced, traced, vector_form
+from contwalk.plugin_check.traced import traced, vector_form
 from contwalk.system import System
 from contwalk.system import load_system as load_declared
 
@@ -77,37 +71,18 @@ def _findings(system: System) -> list[Finding]:
     samples = samples_of(system, period)
     fields = CheckedFields(system)
     fields.check(report)
-    guards = dict[str, Traced]()
-    for transition in distinct_transitions(system):
-        what = f"guard of transition '{transition.name}'"
-        guard, reset = (
-            traced_guard(report, what, transition, system),
-            traced_reset(report, transition, system),
-        )
-        for name, function in ((what, guard), (f"reset of transition '{transition.name}'", reset)):
-            if function is None or not check_never_finite(report, name, function, samples):
-                continue
-            if period is not None:
-                check_repeats(report, name, function, samples, period)
-        if guard is not None:
-            guards[transition.name] = guard
-        apart = not check_states(report, transition, system)
-        if transition.role == "soft" and not apart and guard is not None:
-            check_soft(report, transition, guard, reset, system, fields, samples)
-        if guard is not None and transition.source in fields and chooses(guard, reset):
-            met = happening(transition, guard, fields[transition.source], samples)
-            check_on_a_jump(report, met, reset, system, samples)
-        if guard is not None and reset is not None and transition.source in fields:
-            check_keeping(report, transition, guard, reset, fields[transition.source], samples)
-    check_twins(report, system, guards)
-    for entry in system.conditions:
-        traced_at_event(report, entry, system)
+    if system.transitions or system.conditions:
+        from contwalk.plugin_check.events_at_load import check_events  # much that smooth systems do without
+
+        check_events(report, system, fields, samples, period)
     check_angles_of_fields(report, system, fields, samples)
     for neutral in system.neutral:
         generator = traced_generator(report, neutral, system)
         if generator is not None and fields.complete and _small(fields):
             check_somewhere(report, words(neutral), generator, fields, samples)
     for quantity in system.conserved:
+        from contwalk.plugin_check.conserved import check_conserved  # few systems declare any
+
         check_conserved(report, quantity, system, fields, samples)
     for name, field in fields.items():
         what = f"field of mode '{name}'"

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from contwalk.branch import Branch
-from contwalk.problems.hybrid.word import named_word
 from contwalk.python_functions import line_of
 from contwalk.system import System
 from contwalk.workflow.run_file.settings import ReportAt
@@ -78,6 +77,8 @@ def _events(branch: Branch, system: System, place: ReportAt | None) -> tuple[str
     settings = branch.info.settings
     if "legs" not in settings:
         return ()
+    from contwalk.problems.hybrid.word import named_word  # of machines with events alone
+
     word = named_word(system, settings["legs"], settings["image"]).unfolded(system)
     asked = {observable.at: branch[observable.name] for observable in system.observables}
     asked |= {} if place is None else {place.event: branch.points["state"]}

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.errors import NotFinite, SystemDefinitionError, called, measured
+from contwalk.errors import NotFinite, SystemDefinitionError, all_measured, called
 from contwalk.fields.blame import first_not_finite, first_switched
 from contwalk.fields.kernel import Kernel
 from contwalk.fields.switching import Inputs, Switching, choices_of
@@ -39,6 +39,7 @@ from contwalk.system.declarations import ParameterValues
 # A magnitude of the parameter this many times its value is looked at again; slopes this many times their
 # rounding tell something.
 FAR, NOISY = 1e6, 16.0
+TINY = float(np.finfo(float).tiny)
 # A limit of the parameter this small against its magnitude is zero.
 VANISHING = 1e-10
 
@@ -176,25 +177,28 @@ class Equilibrium:
         self, z: np.ndarray, inputs: tuple[list[float], ...], jacobian: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """Rounding levels of the equations and typical magnitudes of z."""
-        derivatives = np.abs(jacobian)
+        derivatives, sizes = np.abs(jacobian), np.abs(z)
         # Beside the rounding of the evaluation: z itself is only known to half an ulp ...
-        level = EPSILON * (self.kernels.rounding(*inputs) + derivatives @ np.abs(z)) + np.finfo(float).tiny
-        magnitudes = self._magnitudes(z, derivatives, self._telling(z, derivatives, level / EPSILON))
+        level = EPSILON * (self.kernels.rounding(*inputs) + derivatives @ sizes) + TINY
+        shares = derivatives * sizes
+        telling = self._telling(z, derivatives, shares, level / EPSILON)
+        magnitudes = self._magnitudes(z, derivatives, shares, telling)
         # ... and an unknown that is zero only to half an ulp of what would matter.
         level = level + EPSILON * (derivatives @ np.where(magnitudes > 0, magnitudes, 0.0))
         return level, magnitudes
 
-    def _telling(self, z: np.ndarray, derivatives: np.ndarray, terms: np.ndarray) -> np.ndarray:
+    def _telling(
+        self, z: np.ndarray, derivatives: np.ndarray, shares: np.ndarray, terms: np.ndarray
+    ) -> np.ndarray:
         """The sizes of the equations' terms, shape (N,), zero where they are nothing but noise of zero.
 
         An unknown that another equation cannot tell from zero may be zero; an equation that has no terms
         then tells no magnitudes either, as where it is zero exactly.
         """
-        shares = derivatives * np.abs(z)
         unseen = (shares > 0.0) & (shares < EPSILON * terms[:, None]) & (derivatives > 1e-100)
-        noise = unseen.any(axis=0)
+        noise: np.ndarray = unseen.any(axis=0)
         noise[-1] = False  # the parameter is what it is
-        if not np.any(noise):
+        if not noise.any():
             return terms
         zeroed = np.where(noise, 0.0, z)
         inputs = self.inputs(zeroed)
@@ -202,7 +206,7 @@ class Equilibrium:
         if (rounding > 0.0).all():  # each has terms still
             return terms
         sizes = np.abs(self.kernels.linearization(*inputs)[:, 1:]) @ np.abs(zeroed)
-        if np.any((rounding == 0.0) & (sizes > 0.0)):  # of slopes that are no noise themselves?
+        if ((rounding == 0.0) & (sizes > 0.0)).any():  # of slopes that are no noise themselves?
             sizes = np.abs(self.jacobian(zeroed)) @ np.abs(zeroed)
         return np.where(rounding + sizes > 0.0, terms, 0.0)
 
@@ -242,26 +246,29 @@ class Equilibrium:
         where = first_not_finite(field, 0.0, z[: self.states].tolist(), self.values_of(z))
         return where or "the equations"
 
-    def _magnitudes(self, z: np.ndarray, derivatives: np.ndarray, terms: np.ndarray) -> np.ndarray:
+    def _magnitudes(
+        self, z: np.ndarray, derivatives: np.ndarray, shares: np.ndarray, terms: np.ndarray
+    ) -> np.ndarray:
         """Typical magnitudes of z, shape (N + 1,); NaN where neither z nor the equations tell.
 
         Declared scales are used as they are. Otherwise it is the size of the unknown, or the change of it
         that would matter in some equation (against the size of its terms, shape (N,)), whichever is larger.
         An equation in which the unknown itself is the largest term, as x' = v, tells nothing about it.
         """
-        finite = np.isfinite(derivatives) & np.isfinite(terms)[:, None]
-        told = finite & (derivatives > 1e-100) & (terms > 1e-290)[:, None]
-        told &= derivatives * np.abs(z) < 0.4 * terms[:, None]
-        matters = np.where(told, terms[:, None], np.inf) / np.where(told, derivatives, 1.0)
-        matters = matters.min(axis=0)
-        natural = np.maximum(np.abs(z), np.where(matters < np.inf, matters, 0.0))
+        tells, column, size = np.isfinite(terms) & (terms > 1e-290), terms[:, None], np.abs(z)
+        told = np.isfinite(derivatives) & (derivatives > 1e-100) & tells[:, None]
+        told &= shares < 0.4 * column
+        matters = (np.where(told, column, np.inf) / np.where(told, derivatives, 1.0)).min(axis=0)
+        natural = np.maximum(size, np.where(matters < np.inf, matters, 0.0))
         # What no equation tells and is this small is rounding noise of zero, of unknown magnitude.
         natural[(matters == np.inf) & (natural < 1e-13)] = np.nan
         natural[self._declared] = self._scales
         natural[self.states : self.size] = np.nan  # drifts are zero; what they are is noise
         # The parameter, and unknowns that may be noise of zero, where so little of them is much.
-        far = (natural > FAR * np.abs(z)) & ((z != 0.0) | (np.arange(len(z)) == self.size))
+        far = (natural > FAR * size) & ((z != 0.0) | (np.arange(len(z)) == self.size))
         far[self._declared] = False
+        if not far.any():
+            return natural
         natural[far] = np.nan
         for i in np.flatnonzero(far):
             natural[i] = self._magnitude(z, int(i), derivatives[:, i], terms, natural)
@@ -297,9 +304,12 @@ class Equilibrium:
         """Values of the system's observables."""
         x = z[: self.states].reshape(1, -1)
         p = ParameterValues(**self.values_of(z))
-        return [
-            measured(f"observable '{o.name}'", o.function, np.zeros(1), x, p) for o in self.system.observables
-        ]
+        return all_measured(self._named, np.zeros(1), x, p)
+
+    @cached_property
+    def _named(self) -> list[tuple[str, Callable[..., float]]]:
+        """The system's observables, each with what it is called in sentences."""
+        return [(f"observable '{o.name}'", o.function) for o in self.system.observables]
 
     def observables(self, z: np.ndarray, spectrum_: Spectrum) -> np.ndarray:
         """Values of `observable_names`, shape (o,)."""
