@@ -196,7 +196,7 @@ class Equilibrium:
         then tells no magnitudes either, as where it is zero exactly.
         """
         unseen = (shares > 0.0) & (shares < EPSILON * terms[:, None]) & (derivatives > 1e-100)
-        noise: np.ndarray = unseen.any(axis=0)
+        noise = np.logical_or.reduce(unseen, axis=0)
         noise[-1] = False  # the parameter is what it is
         if not noise.any():
             return terms
