@@ -179,7 +179,7 @@ def _iterated(
     here = equations.at(z)
     for iteration in range(iterations + 1):
         if not here.finite:
-            sentence = f"The vector field is not finite: {equations.problem.explain(z)}."
+            sentence = f"The equations have no finite value: {equations.problem.explain(z)}."
             return equations.ended(z, None, iteration, "not_finite", sentence)
         step = _newton_step(here, here.residual, normal, normal @ (z - guess), weights)
         if step is None and here.excess <= ROUNDED:

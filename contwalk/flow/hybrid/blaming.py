@@ -68,12 +68,17 @@ def why_not_finite(
         found = line_without_value(system, transition.source, reset, t, before, machine.parameters)
         if found:
             return found
+    if not np.isfinite(x).all():
+        return ""
+    return line_without_value(system, mode, functions_of(system, mode), t, x, machine.parameters)
+
+
+def functions_of(system: System, mode: str) -> dict[str, Callable[..., Any]]:
+    """The field of a mode and the guards out of it, each in the form of a field, by their names in words."""
     functions: dict[str, Callable[..., Any]] = {f"field of mode '{mode}'": system.mode(mode).field}
     for each in system.leaving(mode):
         functions[f"guard of transition '{each.name}'"] = _AsField(each.guard)
-    return (
-        line_without_value(system, mode, functions, t, x, machine.parameters) if np.isfinite(x).all() else ""
-    )
+    return functions
 
 
 def nearly_singular(machine: HybridMachine, mode: str, t: float, x: np.ndarray) -> str:

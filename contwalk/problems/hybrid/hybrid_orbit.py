@@ -32,6 +32,7 @@ from contwalk.problems.hybrid import (
     observing,
     obstacles,
     switching,
+    undefined,
     variations,
 )
 from contwalk.problems.hybrid.discretized_orbit import MOST_VIEWS, DiscretizedOrbit
@@ -193,6 +194,10 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         """Typical magnitudes for the first corrections of a start, shape (N + 1,)."""
         return metric.beginnings(self, z)
 
+    def explain(self, z: np.ndarray) -> str:
+        """The plugin's line at which the motion of z has no value, if one is found."""
+        return undefined.where(self, z).removesuffix(".") or super().explain(z)
+
     def obstacle(self, z: np.ndarray) -> str:
         """Where the field is smooth by pieces only, or over which leg deviations grow."""
         return obstacles.obstacle(self, z)
@@ -315,6 +320,7 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         margins, met = self.margins(z), kinks_along(self, z) if known is None else known.kinks
         accuracy = max(found.accuracy, 2.0 * float(np.nan_to_num(trivial)))
         kinks.refuse(met)
+        undefined.refuse_guards(self, z, margins)
         return Sample(
             z=z,
             tangent=unit,

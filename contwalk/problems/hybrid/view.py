@@ -84,7 +84,7 @@ class LegView:
         return self.piece.values(self.scalars)
 
     @computed_once
-    def _constants(self) -> np.ndarray:
+    def constants(self) -> np.ndarray:
         """What its field takes from them."""
         return self.piece.passage.field(PLAIN).constants(self._values)
 
@@ -102,13 +102,13 @@ class LegView:
     def rates(self) -> np.ndarray:
         """Rates of the states over the leg's own time, shape (k, n_i)."""
         field = self.piece.passage.field(PLAIN)
-        return field.along(self.times, self.states, self._constants)
+        return field.along(self.times, self.states, self.constants)
 
     @computed_once
     def at(self) -> Callable[[np.ndarray], np.ndarray]:
         """States of the mode at any instants in 0..1, a function of these."""
         field = self.piece.passage.field(PLAIN)
-        return flow.interpolation(field, self._constants, self.piece.steps, self.nodes, self.piece.method)
+        return flow.interpolation(field, self.constants, self.piece.steps, self.nodes, self.piece.method)
 
     @property
     def end(self) -> np.ndarray:
@@ -280,7 +280,7 @@ class LegView:
 
         def rate_at(times: np.ndarray, states: np.ndarray) -> np.ndarray:
             own = np.ascontiguousarray(states[:, list(self.piece.passage.states)])
-            return self.full(field.along(times, own, self._constants))
+            return self.full(field.along(times, own, self.constants))
 
         return Smooth(self.times, self.full(self.states), self.full(self.rates), at, rate_at)
 
