@@ -124,7 +124,7 @@ def _end_map(happening: Happening, reset: Traced | None, system: System, samples
 
     switching = Switching(program, [("x", i) for i in range(len(system.states))], ("t", 0))
     sizes = np.abs(_places(happening)).max(axis=0)[:-1]
-    return EndMap(switching, True, evaluate, sizes, blame)
+    return EndMap(switching, True, True, evaluate, sizes, blame)
 
 
 def _pieces(

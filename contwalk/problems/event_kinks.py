@@ -33,6 +33,9 @@ class EndMap:
     switching : Switching
         Of the state after the event and, where there is a guard, of that as the last output.
     guarded : bool
+    acts : bool
+        Whether the motion depends on it. What is only told (a condition, say) matters where it jumps through
+        zero.
     evaluate : callable
         Inputs of the program at places, shape (k, m): the states come first.
     sizes : ndarray
@@ -43,6 +46,7 @@ class EndMap:
 
     switching: Switching
     guarded: bool
+    acts: bool
     evaluate: Callable[[np.ndarray], Inputs]
     sizes: np.ndarray
     blame: Callable[[np.ndarray, np.ndarray], tuple[str, str]]
@@ -99,6 +103,12 @@ def _told(event: EndMap, places: np.ndarray) -> Kink | None:
     before, after = (_single(event, place) for place in places)
     along = directions(switching, before, event.sizes)
     one, other = switching.beside(before, before, after, along)
+    if not event.acts:
+        apart = np.abs(one[0] - other[0]) > JUMPS[0] * np.maximum(np.abs(one[0]), np.abs(other[0]))
+        if not np.any(apart & (one[0] * other[0] <= 0.0)):
+            return None
+        of, where = event.blame(*places)
+        return Kink(0, where, of=of, acts=False)
     if not (np.all(np.isfinite(one[:2])) and np.all(np.isfinite(other[:2]))):
         return None
     level = np.max(np.abs([*one[:2], *other[:2]]), axis=0)

@@ -45,21 +45,28 @@ class Kink:
     """A crossing of such a place: the lowest derivative that jumps, and the plugin's line.
 
     `moves`: whether the instant depends on the unknowns. `of`: what jumps there, if not the field: a guard or
-    a reset, at the states of its own event.
+    a reset, at the states of its own event; or, where nothing `acts` by it, what is told of the motion there.
     """
 
     order: int
     where: str
     moves: bool = True
     of: str = ""
+    acts: bool = True
 
     @property
     def refused(self) -> bool:
         """Whether derivatives of the motion are wrong."""
-        return self.order == 0 and self.moves
+        return self.order == 0 and self.moves and self.acts
 
     def sentence(self, of: str) -> str:
         """What it means for `equilibria` or `orbits` of a branch."""
+        if not self.acts:
+            return (
+                f"Its orbits pass a place where {self.of} jumps through zero: {self.where}. They become "
+                "admissible there, or cease to be, without a special point. Return a number that passes "
+                "zero there smoothly instead."
+            )
         if self.of:
             return (
                 f"Its orbits pass a place where slopes of {self.of} jump: {self.where}. Multipliers jump "

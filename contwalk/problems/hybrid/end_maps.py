@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from contwalk.errors import NO_LINE, NotFinite, PluginError
 from contwalk.fields.blame import first_switched
-from contwalk.fields.switching import Inputs
+from contwalk.fields.switching import Inputs, Switching
 from contwalk.problems.event_kinks import EndMap, Met, between, on_a_jump
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.passage import Passage
@@ -59,9 +59,9 @@ def _ended(views: tuple[LegView, ...]) -> list[LegView]:
     return [view for view in views if view.piece.passage.end_switching is not None]
 
 
-def place_of(view: LegView) -> np.ndarray:
-    """All that the map at a leg's end depends on: the state there, scalars, and parameters."""
-    return np.concatenate([view.end, view.piece.values(view.scalars)])
+def place_of(view: LegView, *, start: bool = False) -> np.ndarray:
+    """All that a map at a leg's end depends on, or at its start: the state, scalars, and parameters."""
+    return np.concatenate([view.x if start else view.end, view.piece.values(view.scalars)])
 
 
 def _moving(view: LegView) -> np.ndarray:
@@ -77,58 +77,74 @@ def _names(passage: Passage) -> list[tuple[str, int]]:
 
 
 def _event(problem: DiscretizedOrbit, view: LegView) -> EndMap:
-    passage, line = view.piece.passage, problem.line
-    names, switching = _names(passage), passage.end_switching
+    passage = view.piece.passage
+    switching = passage.end_switching
     assert switching is not None
+    guarded = passage.leg.transition is not None
+    return map_at(problem, passage, switching, functions_at_end(passage), guarded=guarded)
+
+
+def map_at(
+    problem: DiscretizedOrbit,
+    passage: Passage,
+    switching: Switching,
+    functions: Sequence[tuple[str, Written]],
+    *,
+    guarded: bool = False,
+    acts: bool = True,
+    share: float = 1.0,
+) -> EndMap:
+    """What is computed at an instant 0..1 of a leg, by a program made of a plugin's functions."""
+    line, names = problem.line, _names(passage)
     start, free = names.index(("T", 0)), names.index(("l", 0))
 
     def evaluate(places: np.ndarray) -> Inputs:
-        return {**dict(zip(names, places.T, strict=True)), ("t", 0): np.ones(len(places))}
+        return {**dict(zip(names, places.T, strict=True)), ("t", 0): np.full(len(places), share)}
 
     def at(place: np.ndarray) -> tuple[tuple[float, list[float]], dict[str, float]]:
         """Time and state at a place, and all that the plugin's functions read by name."""
-        t = float(place[start] + place[start + 1]) if passage.forced else 0.0
+        t = float(share * place[start] + place[start + 1]) if passage.forced else 0.0
         known = line.at(float(place[free])) | dict(passage.system.mode(passage.leg.mode).constants)
         return (t, passage.full(place[: len(passage.states)]).tolist()), known
 
     def blame(one: np.ndarray, other: np.ndarray) -> tuple[str, str]:
         (before, known), (after, then) = at(one), at(other)
-        for of, function in _functions(passage):
+        for of, function in functions:
             where = first_switched(function, before, after, known, then)
             if where != NO_LINE:
                 return of, where
         return f"what happens at '{passage.leg.name}'", NO_LINE
 
     sizes = problem.mesh.magnitudes[list(passage.states)]
-    return EndMap(switching, passage.leg.transition is not None, evaluate, sizes, blame)
+    return EndMap(switching, guarded, acts, evaluate, sizes, blame)
 
 
-def _functions(passage: Passage) -> list[tuple[str, Written]]:
+def functions_at_end(passage: Passage) -> list[tuple[str, Written]]:
     """What the map at the end is made of: the guard, the reset, and that with each map that follows it."""
     transition = passage.leg.transition
     found: list[tuple[str, Written]] = []
     if transition is not None:
-        found.append((f"the guard of transition '{transition.name}'", _written(transition.guard)))
+        found.append((f"the guard of transition '{transition.name}'", written(transition.guard)))
     before = None if transition is None else transition.reset
     if transition is not None and before is not None:
         found.append((f"the reset of transition '{transition.name}'", before))
     for name in (None if transition is None else transition.relabel, passage.image):
         if name:
-            before = _after(passage.system.symmetry(name).map, before)
+            before = after(passage.system.symmetry(name).map, before)
             found.append((f"the map of symmetry '{name}'", before))
     return found
 
 
-def _written(number: Callable[[Any, Any, Any], Any]) -> Written:
+def written(number: Callable[[Any, Any, Any], Any]) -> Written:
     """A number in the form of a field."""
 
-    def written(t: Any, x: Any, p: Any, out: Any) -> None:
+    def field(t: Any, x: Any, p: Any, out: Any) -> None:
         out[0] = number(t, x, p)
 
-    return written
+    return field
 
 
-def _after(image: Written, before: Written | None) -> Written:
+def after(image: Written, before: Written | None) -> Written:
     """A map that is applied to what another one writes."""
 
     def both(t: Any, x: Any, p: Any, out: Any) -> None:

@@ -23,6 +23,7 @@ from contwalk.problems.hybrid import (
     end_maps,
     equations,
     equivalence,
+    jumping_limits,
     lasting,
     least,
     limits,
@@ -352,8 +353,10 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         return end_maps.lying(self, z)
 
     def passed_at_events(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
-        """Jumps of guards and resets, and of their slopes, that events pass between two orbits."""
-        return end_maps.passed(self, a, b)
+        """Jumps of guards and resets, and of their slopes, that events pass between two orbits; of what is
+        only told, jumps through zero.
+        """
+        return *end_maps.passed(self, a, b), *jumping_limits.passed(self, a, b)
 
     def observables(self, z: np.ndarray, found: Multipliers) -> np.ndarray:
         """Values of `observable_names`, shape (o,)."""

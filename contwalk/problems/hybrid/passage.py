@@ -86,6 +86,7 @@ class Passage:
             "d": count,
         }
         self._fields: dict[tuple, Any] = {}
+        self._switching: dict[tuple[str, str], Switching | None] = {}
         self.kinks: dict[bytes, Kink] = {}  # that have been told of already
 
     @property
@@ -190,6 +191,29 @@ class Passage:
         """Where the map at the end is smooth by pieces only; None where it is smooth."""
         unknowns = [*[("u", k) for k in range(len(self.states))], *self.columns]
         return Switching(self.end_program, unknowns, ("t", 0)) if choices_of(self.end_program) else None
+
+    def switching_of(self, name: str, function: Scalar, side: str = "before") -> Switching | None:
+        """Where a number on the leg, or after the transition at its end, is smooth by pieces only.
+
+        None where it is smooth, or compares in too many ways.
+        """
+        key = name, side
+        if key not in self._switching:
+            copy = rebound(function)
+
+            def value(tracer: Tracer) -> list[Any]:
+                t, x, p = self._arguments(tracer)
+                return [copy(t, self._full_after(tracer) if side == "after" else x, p)]
+
+            unknowns = [*[("u", k) for k in range(len(self.states))], *self.columns]
+            try:
+                program = trace(value)
+            except UnsupportedOperation:
+                self._switching[key] = None
+            else:
+                chooses = choices_of(program)
+                self._switching[key] = Switching(program, unknowns, ("t", 0)) if chooses else None
+        return self._switching[key]
 
     # -- compiled ----------------------------------------------------------------------------------------
 
