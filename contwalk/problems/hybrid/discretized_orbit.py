@@ -446,6 +446,10 @@ class DiscretizedOrbit(Orbit):
             periods[self.layout.start] = self.rounds * self.duration(z)
         return z + whole_turns(near - z, periods)
 
+    def measure_guards(self, units: np.ndarray) -> None:
+        """Give the legs' guards their units, shape (m,): views tell them, which need the steps first."""
+        self._mesh = replace(self.mesh, guards=units)
+
     # -- what is computed of them, of whichever class they are -------------------------------------------
 
     @property

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
 from contwalk import quantities
 from contwalk.branch import Outcome, SpecialPoint
-from contwalk.errors import NotFinite
 from contwalk.memory import of_unowned, remembered, unowned
 from contwalk.numerics.linear import Factored, Factorization
 from contwalk.problems import kinks
@@ -32,34 +31,30 @@ from contwalk.problems.hybrid import (
     neighbours,
     observing,
     obstacles,
+    remesh,
     switching,
     undefined,
     variations,
 )
 from contwalk.problems.hybrid.discretized_orbit import MOST_VIEWS, DiscretizedOrbit
-from contwalk.problems.hybrid.equations import STAGES
 from contwalk.problems.hybrid.margins import Guarded, Limit, Margins
 from contwalk.problems.hybrid.mirror_image import HybridMirror, mirror_of
 from contwalk.problems.hybrid.return_map import EventMap
-from contwalk.problems.hybrid.shooting import AT_REST, meshed, most_steps
 from contwalk.problems.hybrid.stretch import Stretch
 from contwalk.problems.hybrid.vanishing import in_no_time, onto_an_event
 from contwalk.problems.hybrid.word import stored_leg
 from contwalk.problems.kinks import Kink
-from contwalk.problems.orbit import augmented, branching, describing, rates
+from contwalk.problems.orbit import augmented, describing, rates
 from contwalk.problems.orbit.conservation import not_conserved
 from contwalk.problems.orbit.homoclinic import homoclinic
 from contwalk.problems.orbit.kinks_met import kinks_along
-from contwalk.problems.orbit.motion import PLAIN
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.normal_forms import SectionMap
 from contwalk.problems.orbit.orbit_problem import OrbitProblem
 from contwalk.problems.orbit.points.catalogue import LIMIT_TYPES, POINT_TYPES
 from contwalk.problems.orbit.protocol import OrbitKind
-from contwalk.problems.orbit.section import Section, section_at
-from contwalk.problems.orbit.segmented_orbit import PARTS
+from contwalk.problems.orbit.section import Section
 from contwalk.problems.orbit.slow_place import SlowPlace
-from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.orbit.unbounded import unbounded
 from contwalk.problems.orbit.vanishing import at_a_point
 from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed, Test
@@ -67,8 +62,6 @@ from contwalk.system import System
 
 # Linearizations that are kept, as far as they fit: a step asks for the same ones several times.
 LEAST_KEPT, MOST_KEPT, MOST_BYTES = 3, 12, 5e7
-# Residuals so many times above their level are no solution's.
-MISSED = 3e4
 # Multipliers whose difference has a smaller square meet, to rounding.
 MEET = 1e-12
 
@@ -107,7 +100,7 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
     point_types = (*POINT_TYPES, *LIMIT_TYPES)
     beside = 0.05
 
-    # -- variants ----------------------------------------------------------------------------------------
+    # -- what is told of it ------------------------------------------------------------------------------
 
     @property
     def limited(self) -> HybridOrbit:
@@ -140,8 +133,6 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
     def stretches(self, z: np.ndarray) -> list[Stretch]:
         """The legs of the whole motion, images included."""
         return self.known.at("stretches", z, MOST_VIEWS, lambda: observing.stretches(self, z))
-
-    # -- vectors of unknowns -----------------------------------------------------------------------------
 
     # -- equations ---------------------------------------------------------------------------------------
 
@@ -234,8 +225,6 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
                 "room": cutting.room(self),
             },
         }
-
-    # -- the spectrum ------------------------------------------------------------------------------------
 
     # -- second derivatives: see `variations` ------------------------------------------------------------
 
@@ -380,55 +369,6 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         """The state before the first event of the signature, or where the run asks for it, shape (n,)."""
         return observing.reported(self, z)
 
-    def adapted(self, sample: Sample) -> tuple[HybridOrbit, Sample]:
-        """The problem on steps made for a solution, and the solution's sample on it.
-
-        Where a leg passes a saddle, what was a solution on the steps of the last orbit may be none on these:
-        it is then corrected.
-        """
-        room = 2 * self.cuts <= cutting.room(self)
-        try:
-            problem = self.adapted_to(sample.z, sample.weights)
-        except NotFinite:  # on other steps the leg's own start no longer leads to its end
-            found = cutting.recut(self, sample) if room else None
-            if found is None:
-                raise
-            return found
-        if problem.linearize(sample.z).excess_in(sample.weights) > MISSED:
-            return problem._corrected(sample)
-        if room and cutting.stretched(problem, sample.z):
-            found = cutting.recut(problem, sample)
-            if found is not None:
-                return found
-        tangent = problem.into_section(sample.z, sample.tangent)
-        linearization = problem.linearize(sample.z)
-        again = problem.examine(sample.z, tangent, sample.weights, linearization, sample.unstable, sample)
-        orientation = 0.0 if sample.orientation == 0.0 else again.orientation
-        return problem, replace(again, orientation=orientation)
-
-    def _corrected(self, sample: Sample) -> tuple[HybridOrbit, Sample]:
-        """A solution of other steps corrected on these, and steps made for what it has become."""
-        normal = sample.tangent / sample.weights**2
-        z = newton_on(self, sample.z, sample.weights, normal)
-        problem = self.adapted_to(z, sample.weights)
-        there = problem.linearize(z)
-        tangent = there.tangent(normal, sample.weights)
-        again = problem.examine(z, tangent, sample.weights, there, sample.unstable)
-        return problem, replace(again, iterations=sample.iterations)
-
-    def into_section(self, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
-        """A tangent moved along the flow into the section of an orbit without events."""
-        if self.word.eventful or self.forced:
-            return tangent
-        assert self.section is not None
-        tangent, place, own = tangent.copy(), self.layout.states[0], self.flow_direction(z, 0)
-        units = self.mesh.magnitudes[list(self.passages[0].states)]
-        if self.duration(z) * np.linalg.norm(own / units) <= AT_REST:
-            return tangent  # a cycle that is born there
-        shift = -float(self.section.normal @ tangent[place]) / float(self.section.normal @ own)
-        tangent[place] += shift * own
-        return tangent
-
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
         """Why the branch ends between two neighbouring solutions; limits are the engine's business."""
         shrinks = (in_no_time, onto_an_event) if self.word.eventful else (at_a_point,)
@@ -443,13 +383,17 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         """Estimated error of each equation at a solution."""
         return equations.errors(self, self.linearize(z))
 
+    def adapted(self, sample: Sample) -> tuple[Self, Sample]:
+        """The problem on steps made for a solution, and the solution's sample on it."""
+        return remesh.adapted(self, sample)
+
     def adapted_to(
         self,
         z: np.ndarray,
         weights: np.ndarray,
         tolerance: float | None = None,
         section: Section | None = None,
-    ) -> HybridOrbit:
+    ) -> Self:
         """The problem on steps for the orbit of z; an orbit that is a point yet tells no section of its own.
 
         Raises
@@ -457,49 +401,16 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         NotFinite
             If the motion from z ends before the closure does.
         """
-        if len(z) != self.size + 1:
-            return self.fitting(z).adapted_to(z, weights, tolerance)
-        inputs = [self.layout.inputs_of(segment, z) for segment in self.layout.segments]
-        magnitudes = self.magnitudes_of(weights)
-        most = self._most_steps or most_steps(self._mesh, tolerance or self.discretization.walking)
-        try:
-            mesh = meshed(
-                [self.passages[segment.leg] for segment in self.layout.segments],
-                [x for x, _ in inputs],
-                [scalars for _, scalars in inputs],
-                self.line.constants,
-                magnitudes,
-                tolerance or self.discretization.walking,
-                self.discretization.method,
-                self.word.has_halves(self.system),
-                most,
-                1 if self.word.eventful or len(self.word) > 1 else PARTS,
-            )
-        except NotFinite:
-            self.effort.spend(STAGES["radau9"] * most)
-            raise
-        self.effort.spend(2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps))
-        if section is None and not (self.word.eventful or self.forced):
-            x, scalars = inputs[0]
-            c = self.passages[0].field(PLAIN).constants(np.concatenate([scalars, self.line.constants]))
-            own, units = self.passages[0].field(PLAIN)(0.0, x, c), magnitudes[list(self.passages[0].states)]
-            # At a Hopf point nothing moves: the section is that with which the cycle was begun.
-            still = np.linalg.norm(own / units) <= AT_REST and self.section is not None
-            section = self.section if still else section_at(x, own, units)
-        # An orbit that has shrunk to no time at all has the unit of those beside it.
-        total = abs(self.duration(z)) or (1.0 if self._mesh is None else self._mesh.total)
-        problem = self.on(replace(mesh, total=total), section)
-        if tolerance is None:  # who walks on asks for the equations there next, and one pass serves both
-            problem.linearize(z)
-        # Its views need the steps, and the units of its equations need the views.
-        problem._mesh = replace(problem.mesh, guards=limits.guard_scales(problem, z))
-        return problem
+        return remesh.adapted_to(self, z, weights, tolerance, section)
 
-    def refined(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> HybridOrbit:
+    def refined(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> Self:
         """The same problem, section included, on steps for located points."""
-        return self.adapted_to(z, weights, tolerance or self.discretization.marking)._varied(
-            section=self.section
-        )
+        there = self.adapted_to(z, weights, tolerance or self.discretization.marking)
+        return there._varied(section=self.section)
+
+    def into_section(self, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
+        """A tangent moved along the flow into the section of an orbit without events."""
+        return remesh.into_section(self, z, tangent)
 
     # -- special points ----------------------------------------------------------------------------------
 
@@ -508,22 +419,6 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         if kind.test is Test.MARGIN:
             return limits.located(self, which, sample)
         return augmented.located(self, kind, sample, which)
-
-    def locate_mark(self, name: str, level: float, sample: Sample) -> Located | None:
-        """The point near a sample at which an observable has the value `level`."""
-        return augmented.observed(self, name, level, sample)
-
-    def rate(self, name: str, sample: Sample) -> float:
-        """Derivative of an observable along the branch."""
-        return rates.of_observable(self, name, sample)
-
-    def tangent_at(self, located: Located, near: Sample) -> np.ndarray | None:
-        """At a branch point, the tangent of the branch that `near` is on."""
-        return branching.tangent_through(self, located, near)
-
-    def many_branches(self, z: np.ndarray) -> bool:
-        """Whether more than one branch passes through a solution, to rounding."""
-        return branching.second_direction(self, z) is not None
 
     def special_point(self, kind: OrbitKind, located: Located, sample: Sample, s: float) -> SpecialPoint:
         """The record of a located point of a kind, with its normal form, or what it is a limit of."""

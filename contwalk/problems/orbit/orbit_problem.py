@@ -8,9 +8,10 @@ from typing import Self
 import numpy as np
 
 from contwalk.problems.kinks import Kink
+from contwalk.problems.orbit import augmented, branching, rates
 from contwalk.problems.orbit.discretization import FINEST
 from contwalk.problems.orbit.protocol import Orbit
-from contwalk.problems.problem import Sample
+from contwalk.problems.problem import Located, Sample
 
 
 class OrbitProblem(Orbit):
@@ -40,3 +41,19 @@ class OrbitProblem(Orbit):
     def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
         """Those that the second orbit crosses, and those that events pass on the step to it."""
         return b.kinks
+
+    def locate_mark(self, name: str, level: float, sample: Sample) -> Located | None:
+        """The point near a sample at which an observable has the value `level`."""
+        return augmented.observed(self, name, level, sample)
+
+    def rate(self, name: str, sample: Sample) -> float:
+        """Derivative of an observable along the branch."""
+        return rates.of_observable(self, name, sample)
+
+    def many_branches(self, z: np.ndarray) -> bool:
+        """Whether more than one branch passes through a solution, to rounding."""
+        return branching.second_direction(self, z) is not None
+
+    def tangent_at(self, located: Located, near: Sample) -> np.ndarray | None:
+        """At a branch point, the tangent of the branch that `near` is on."""
+        return branching.tangent_through(self, located, near)

@@ -15,7 +15,7 @@ from contwalk.memory import unowned
 from contwalk.numerics.linear import EPSILON, Factored
 from contwalk.problems import kinks
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.orbit import augmented, branching, describing, ending, monodromy, rates, switching
+from contwalk.problems.orbit import augmented, describing, ending, monodromy, rates, switching
 from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.meeting import distance
 from contwalk.problems.orbit.mirror import OrbitMirror, mirror_of
@@ -94,8 +94,6 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         """The system's observables, extremes of the states, then `max_abs`."""
         own = [o.name for o in self.system.observables]
         return (*own, *quantities.extreme_names(self.system.state_names), MAX_ABS)
-
-    # -- vectors of unknowns -----------------------------------------------------------------------------
 
     # -- equations ---------------------------------------------------------------------------------------
 
@@ -538,22 +536,6 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
     def locate(self, kind: OrbitKind, sample: Sample, which: int) -> Located | None:
         """The special point of a kind near a sample, by its augmented system."""
         return augmented.located(self, kind, sample, which)
-
-    def locate_mark(self, name: str, level: float, sample: Sample) -> Located | None:
-        """The point near a sample at which an observable has the value `level`."""
-        return augmented.observed(self, name, level, sample)
-
-    def rate(self, name: str, sample: Sample) -> float:
-        """Derivative of an observable along the branch."""
-        return rates.of_observable(self, name, sample)
-
-    def tangent_at(self, located: Located, near: Sample) -> np.ndarray | None:
-        """At a branch point, the tangent of the branch that `near` is on."""
-        return branching.tangent_through(self, located, near)
-
-    def many_branches(self, z: np.ndarray) -> bool:
-        """Whether more than one branch passes through a solution, to rounding."""
-        return branching.second_direction(self, z) is not None
 
     def special_point(self, kind: OrbitKind, located: Located, sample: Sample, s: float) -> SpecialPoint:
         """The record of a located point of a kind, with its normal form."""

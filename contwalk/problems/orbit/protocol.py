@@ -272,6 +272,7 @@ class Orbit(Protocol):
         weights: np.ndarray,
         linearization: Linearization,
         before: int | None,
+        known: Any = None,
     ) -> Sample:
         """Everything that is watched at a solution."""
         ...

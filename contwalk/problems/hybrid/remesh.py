@@ -1,0 +1,127 @@
+"""An orbit discretised anew: steps made for it, its section, and its sample on both."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from contwalk.errors import NotFinite
+from contwalk.problems.hybrid import cutting, limits
+from contwalk.problems.hybrid.discretized_orbit import Kind
+from contwalk.problems.hybrid.equations import STAGES
+from contwalk.problems.hybrid.shooting import AT_REST, meshed, most_steps
+from contwalk.problems.orbit.motion import PLAIN
+from contwalk.problems.orbit.section import Section, section_at
+from contwalk.problems.orbit.segmented_orbit import PARTS
+from contwalk.problems.orbit.solving import newton_on
+from contwalk.problems.sample import Sample
+
+# Residuals so many times above their level are no solution's.
+MISSED = 3e4
+
+
+def adapted_to(
+    orbit: Kind,
+    z: np.ndarray,
+    weights: np.ndarray,
+    tolerance: float | None = None,
+    section: Section | None = None,
+) -> Kind:
+    """The problem on steps for the orbit of z; an orbit that is a point yet tells no section of its own.
+
+    Raises
+    ------
+    NotFinite
+        If the motion from z ends before the closure does.
+    """
+    if len(z) != orbit.size + 1:
+        fitting: Kind = orbit.fitting(z).adapted_to(z, weights, tolerance)
+        return fitting
+    inputs = [orbit.layout.inputs_of(segment, z) for segment in orbit.layout.segments]
+    magnitudes = orbit.magnitudes_of(weights)
+    most = orbit._most_steps or most_steps(orbit._mesh, tolerance or orbit.discretization.walking)
+    try:
+        mesh = meshed(
+            [orbit.passages[segment.leg] for segment in orbit.layout.segments],
+            [x for x, _ in inputs],
+            [scalars for _, scalars in inputs],
+            orbit.line.constants,
+            magnitudes,
+            tolerance or orbit.discretization.walking,
+            orbit.discretization.method,
+            orbit.word.has_halves(orbit.system),
+            most,
+            1 if orbit.word.eventful or len(orbit.word) > 1 else PARTS,
+        )
+    except NotFinite:
+        orbit.effort.spend(STAGES["radau9"] * most)
+        raise
+    orbit.effort.spend(2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps))
+    if section is None and not (orbit.word.eventful or orbit.forced):
+        x, scalars = inputs[0]
+        c = orbit.passages[0].field(PLAIN).constants(np.concatenate([scalars, orbit.line.constants]))
+        own, units = orbit.passages[0].field(PLAIN)(0.0, x, c), magnitudes[list(orbit.passages[0].states)]
+        # At a Hopf point nothing moves: the section is that with which the cycle was begun.
+        still = np.linalg.norm(own / units) <= AT_REST and orbit.section is not None
+        section = orbit.section if still else section_at(x, own, units)
+    # An orbit that has shrunk to no time at all has the unit of those beside it.
+    total = abs(orbit.duration(z)) or (1.0 if orbit._mesh is None else orbit._mesh.total)
+    problem = orbit.on(replace(mesh, total=total), section)
+    if tolerance is None:  # who walks on asks for the equations there next, and one pass serves both
+        problem.linearize(z)
+    # Its views need the steps, and the units of its equations need the views.
+    problem.measure_guards(limits.guard_scales(problem, z))
+    return problem
+
+
+def adapted(orbit: Kind, sample: Sample) -> tuple[Kind, Sample]:
+    """The problem on steps made for a solution, and the solution's sample on it.
+
+    Where a leg passes a saddle, what was a solution on the steps of the last orbit may be none on these:
+    it is then corrected.
+    """
+    room = 2 * orbit.cuts <= cutting.room(orbit)
+    try:
+        problem = orbit.adapted_to(sample.z, sample.weights)
+    except NotFinite:  # on other steps the leg's own start no longer leads to its end
+        found = cutting.recut(orbit, sample) if room else None
+        if found is None:
+            raise
+        return found
+    if problem.linearize(sample.z).excess_in(sample.weights) > MISSED:
+        return _corrected(problem, sample)
+    if room and cutting.stretched(problem, sample.z):
+        found = cutting.recut(problem, sample)
+        if found is not None:
+            return found
+    tangent = problem.into_section(sample.z, sample.tangent)
+    linearization = problem.linearize(sample.z)
+    again = problem.examine(sample.z, tangent, sample.weights, linearization, sample.unstable, sample)
+    orientation = 0.0 if sample.orientation == 0.0 else again.orientation
+    return problem, replace(again, orientation=orientation)
+
+
+def _corrected(orbit: Kind, sample: Sample) -> tuple[Kind, Sample]:
+    """A solution of other steps corrected on these, and steps made for what it has become."""
+    normal = sample.tangent / sample.weights**2
+    z = newton_on(orbit, sample.z, sample.weights, normal)
+    problem = orbit.adapted_to(z, sample.weights)
+    there = problem.linearize(z)
+    tangent = there.tangent(normal, sample.weights)
+    again = problem.examine(z, tangent, sample.weights, there, sample.unstable)
+    return problem, replace(again, iterations=sample.iterations)
+
+
+def into_section(orbit: Kind, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
+    """A tangent moved along the flow into the section of an orbit without events."""
+    if orbit.word.eventful or orbit.forced:
+        return tangent
+    assert orbit.section is not None
+    tangent, place, own = tangent.copy(), orbit.layout.states[0], orbit.velocity(z)
+    units = orbit.mesh.magnitudes[list(orbit.passages[0].states)]
+    if orbit.duration(z) * np.linalg.norm(own / units) <= AT_REST:
+        return tangent  # a cycle that is born there
+    shift = -float(orbit.section.normal @ tangent[place]) / float(orbit.section.normal @ own)
+    tangent[place] += shift * own
+    return tangent
