@@ -7,6 +7,7 @@ which side an event is: nothing can be made of that.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from typing import Any
 
@@ -19,10 +20,10 @@ from contwalk.fields.trace import Tracer, trace
 from contwalk.plugin_check.events import Happening, state_on, traced_reset
 from contwalk.plugin_check.findings import Report, split_place
 from contwalk.plugin_check.samples import Samples, as_field
-from contwalk.plugin_check.traced import Traced
+from contwalk.plugin_check.traced import Traced, number_form, traced
 from contwalk.problems.event_kinks import EndMap, between, on_a_jump
 from contwalk.problems.kinks import PARTED, Kink
-from contwalk.system import System
+from contwalk.system import System, Transition
 
 # How many pairs of states at an event are looked between, and at how many places each.
 PAIRS, PLACES = 8, 24
@@ -44,6 +45,57 @@ def check_event_kinks(report: Report, happening: Happening, system: System, samp
     ]
     for kink in dict.fromkeys(found):
         _tell(report, "warning", kink, _sentence(kink))
+
+
+def check_told_kinks(report: Report, happening: Happening, system: System, samples: Samples) -> None:
+    """Tell of conditions at an event, and of what is watched there, that jump through zero between states at
+    it.
+    """
+    transition = happening.transition
+    if transition.role == "watched" or not happening.before:
+        return
+    reset = traced_reset(Report(), transition, system)
+    places = _places(happening)[: PAIRS + 1]
+    pieces = [piece for ends in pairwise(places) for piece in _pieces(happening, *ends, samples)]
+    for of, mode, after, function in _told_there(transition, system):
+        end = _map({of: function}, mode, places, system, samples, acts=False)
+        if end is None:
+            continue
+        moved = [[_landed(reset, place, samples) for place in piece] if after else piece for piece in pieces]
+        for kink in dict.fromkeys(met.kink for a, b in moved for met in between(end, a, b)):
+            sentence = (
+                f"It jumps through zero here ({_what(kink)}), at states where '{transition.name}' happens: a "
+                "branch that gets there is told to be admissible on one side only, without a special point. "
+                "Return a number that passes zero there smoothly."
+            )
+            _tell(report, "warning", kink, sentence)
+
+
+def _told_there(transition: Transition, system: System) -> Iterator[tuple[str, str, bool, Traced]]:
+    """Conditions at a transition, and watched guards that read states: in words, in which mode, whether with
+    the state after it, and traced.
+    """
+    form = number_form("function(t, x, p)")
+    for condition in system.conditions:
+        if condition.at == transition.name:
+            after = condition.side == "after"
+            mode, of = (transition.target if after else transition.source), f"condition '{condition.name}'"
+            function = traced(Report(), of, condition.function, system, form, mode=mode)
+            if function is not None:
+                yield of, mode, after, function
+    for other in system.leaving(transition.source):
+        if other.role == "watched":
+            of = f"guard of transition '{other.name}'"
+            function = traced(Report(), of, other.guard, system, form, mode=transition.source)
+            if function is not None and function.depends() - {0}:
+                yield of, transition.source, False, function
+
+
+def _landed(reset: Traced | None, place: np.ndarray, samples: Samples) -> np.ndarray:
+    """The state after the transition, with its time."""
+    if reset is None:
+        return place
+    return np.append(reset.values(float(place[-1]), place[:-1], samples.values), place[-1])
 
 
 def chooses(*functions: Traced | None) -> bool:
@@ -97,7 +149,23 @@ def _end_map(happening: Happening, reset: Traced | None, system: System, samples
     if transition.role == "watched" or not happening.before:
         return None
     named = {"reset": reset, "guard": happening.guard}
-    functions = {kind: function for kind, function in named.items() if function is not None}
+    functions = {
+        f"{kind} of transition '{transition.name}'": function
+        for kind, function in named.items()
+        if function is not None
+    }
+    return _map(functions, transition.source, _places(happening), system, samples, acts=True)
+
+
+def _map(
+    functions: Mapping[str, Traced],
+    mode: str,
+    places: np.ndarray,
+    system: System,
+    samples: Samples,
+    acts: bool,
+) -> EndMap | None:
+    """Some functions by their names in words, of the state and the time; None where they are smooth."""
 
     def all_of(tracer: Tracer) -> list[Any]:
         return [entry for function in functions.values() for entry in function.recorded(tracer)]
@@ -108,7 +176,7 @@ def _end_map(happening: Happening, reset: Traced | None, system: System, samples
         program = trace(all_of)
     except UnsupportedOperation:  # together they compare too often, which an orbit's equations refuse
         return None
-    given = samples.parameters | dict(system.mode(transition.source).constants)
+    given = samples.parameters | dict(system.mode(mode).constants)
     constants = {("p", k): value for k, value in enumerate(samples.values)}
 
     def evaluate(places: np.ndarray) -> Inputs:
@@ -116,15 +184,14 @@ def _end_map(happening: Happening, reset: Traced | None, system: System, samples
 
     def blame(before: np.ndarray, after: np.ndarray) -> tuple[str, str]:
         ends = [(float(place[-1]), place[:-1].tolist()) for place in (before, after)]
-        for kind, function in reversed(functions.items()):
+        for of, function in reversed(list(functions.items())):
             where = first_switched(as_field(function), ends[0], ends[1], given)
             if where != NO_LINE:
-                return f"{kind} of transition '{transition.name}'", where
-        return f"transition '{transition.name}'", NO_LINE
+                return of, where
+        return next(iter(functions)), NO_LINE
 
     switching = Switching(program, [("x", i) for i in range(len(system.states))], ("t", 0))
-    sizes = np.abs(_places(happening)).max(axis=0)[:-1]
-    return EndMap(switching, True, True, evaluate, sizes, blame)
+    return EndMap(switching, acts, acts, evaluate, np.abs(places).max(axis=0)[:-1], blame)
 
 
 def _pieces(

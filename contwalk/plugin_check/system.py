@@ -15,9 +15,9 @@ from contwalk.errors import ContwalkError
 from contwalk.plugin_check import declarations
 from contwalk.plugin_check.absent import check_absent
 from contwalk.plugin_check.angles import check_angles_of_fields
-from contwalk.plugin_check.at_events import check_at_event
+from contwalk.plugin_check.at_events import check_at_all_events, check_at_event
 from contwalk.plugin_check.conserved import check_conserved
-from contwalk.plugin_check.event_kinks import check_event_kinks
+from contwalk.plugin_check.event_kinks import check_event_kinks, check_told_kinks
 from contwalk.plugin_check.events import Happening, check_passing, check_transition, traced_reset
 from contwalk.plugin_check.findings import Finding, Report, place_of, place_of_error, split_place
 from contwalk.plugin_check.guards import check_twins
@@ -107,6 +107,7 @@ def check_system(system: System, sources: Sequence[Path] = (), model: str = "") 
         field = fields[happening.transition.source]
         check_passing(report, happening, field, samples, happenings)
         check_event_kinks(report, happening, system, samples)
+        check_told_kinks(report, happening, system, samples)
         reset = traced_reset(Report(), happening.transition, system)
         if reset is not None:
             check_keeping(report, happening.transition, happening.guard, reset, field, samples)
@@ -128,6 +129,7 @@ def check_system(system: System, sources: Sequence[Path] = (), model: str = "") 
     for observable in system.observables:
         if observable.at is None:
             declarations.check_observable(report, observable, system, samples)
+            check_at_all_events(report, observable, system, happenings, seen, samples)
     for signal in system.signals:
         check_signal(report, signal, system, samples)
     at_events: list[Condition | Observable] = [*system.conditions]

@@ -388,6 +388,12 @@ CLOCK = f'height, reset=bounce), Transition("kick", "flight", "flight", {{}}, "r
 IMAGES = '{"hit_right": "hit_left", "hit_left": "hit_right"}'
 LEFT = 'Transition("hit_left", "only", "only", left, reset=rebound)'
 NAME = '    name="relay",\n'
+NEAR = "lambda t, x, p: 3.0 - x[0] if x[1] < 0.9 else x[0] - 3.0"
+JUMPING = (
+    '    conditions=(Condition("o", lambda t, x, p: 1.0 if {} else -1.0, at="hit_right", side="{}"),),\n'
+    "    period=period,\n"
+)
+PERIOD = "    period=period,\n"
 PEAK = 'Transition("peak", "on", "on", lambda t, x, p: x[1] - 0.7, role="watched")'
 
 
@@ -936,6 +942,49 @@ WRONG: dict[str, Wrong] = {
     ),
     "neutral direction of time": _refused(
         WHEEL, "It depends on t", "def along", ("0.0, 0.0, 1.0", "0.0, 0.0, math.cos(t)")
+    ),
+    # -- conditions that jump ----------------------------------------------------------------------------
+    "condition that jumps through zero": _found(
+        STOPS,
+        "warning",
+        "It jumps through zero here (a comparison), at states where 'hit_right' happens",
+        "Condition(",
+        (PERIOD, JUMPING.format("x[1] < 0.9", "before")),
+    ),
+    "condition that jumps through zero after its event": _found(
+        STOPS,
+        "warning",
+        "It jumps through zero here (a comparison), at states where 'hit_right' happens",
+        "Condition(",
+        (PERIOD, JUMPING.format("x[1] > -0.54", "after")),
+    ),
+    "watched guard that jumps through zero at an event": _found(
+        STOPS,
+        "warning",
+        "It jumps through zero here (a comparison), at states where 'hit_right' happens",
+        'Transition("near"',
+        (LEFT, f'{LEFT}, Transition("near", "only", "only", {NEAR}, role="watched")'),
+    ),
+    # -- observables -------------------------------------------------------------------------------------
+    "observable with a pole at an event": _found(
+        STOPS,
+        "warning",
+        "It is not finite, or has a pole, at",
+        "Observable(",
+        (
+            PERIOD,
+            f'    observables=(Observable("o", lambda t, x, p: (1 / (x[:, 0] - 1.0)).max()),),\n{PERIOD}',
+        ),
+    ),
+    "observable with a pole after an event": _found(
+        RELAY,
+        "warning",
+        "states before 'cool'",
+        "Observable(",
+        (
+            NAME,
+            f'{NAME}    observables=(Observable("o", lambda t, x, p: np.mean((x[:, 0] - 0.5) ** -2.0)),),\n',
+        ),
     ),
     # -- periods of angles -------------------------------------------------------------------------------
     "angle of a period that the field does not have": _refused(
