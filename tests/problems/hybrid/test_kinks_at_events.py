@@ -129,3 +129,66 @@ def test_a_point_beside_a_jump_is_found_again_when_the_run_is_resumed(tmp_path):
     again = cw.run(whole, figures=False, resume=True).branches[0]
     assert again.outcome == branch.outcome
     assert np.array_equal(again["force"], branch["force"])
+
+
+def test_a_jump_along_a_path_ends_the_branch_there(tmp_path):
+    """Between two parameter sets: what jumps may be a parameter, a state, or a guard by both."""
+    speed = f"{SPEED} - (0.0 if p.force - p.lag < 0.85 else 0.1)"
+    source = PLUGIN.format(guard=GUARD, speed=speed)
+    source = source.replace('Parameter("force", 1.3),', 'Parameter("force", 1.3), Parameter("lag", 0.5),')
+    source = source.replace("0.5 * (x[0] - x[2])", "p.lag * (x[0] - x[2])")
+    (tmp_path / "arm.py").write_text(source)
+    (tmp_path / "run.yaml").write_text(
+        RUN.replace("parameter: force, range: [1.2, 1.5], max_points: 60", "max_points: 200")
+        + "path: {from: {force: 1.3, lag: 0.5}, to: {force: 1.4, lag: 0.52}}\n"
+    )
+    result = cw.run(cw.read_run_file(tmp_path / "run.yaml", output=tmp_path / "run.h5"), figures=False)
+    branch = result.branches[0]
+    assert branch.outcome.reason == "plugin_error"
+    assert f"arm.py, line {LINES['reset']} (a comparison)" in branch.outcome.message
+    # force - lag = 0.8 + 0.08 s along it
+    assert 0.0 < 0.05 / 0.08 - branch.points["free"][-1, 0] < 1e-5
+
+
+# Two tanks: the first one is filled up to 1, and then changes places with the second, which leaks.
+SWAP = """\
+from contwalk.system import Mode, Parameter, State, Symmetry, System, Transition
+
+def fill(t, x, p, dx):
+    dx[0] = 1.0
+    dx[1] = -p.leak * x[1]
+
+def swapped(t, x, p, image):
+    image[0] = x[1]
+    image[1] = x[0]{change}
+
+SYSTEM = System(
+    "tanks",
+    states=(State("first"), State("second")),
+    parameters=(Parameter("leak", 2.0),),
+    modes=(Mode("on", fill),),
+    transitions=(Transition("full", "on", "on", lambda t, x, p: 1.0 - x[0], relabel="swap"),),
+    symmetries=(Symmetry("swap", "relabel", swapped),),
+)
+"""
+TANKS = """\
+contwalk: 1
+system: ./tanks.py
+start: {simulate: {state: {first: 0.3, second: 0.8}, until: settled}}
+continue: {parameter: leak, range: [1.9, 2.5], max_points: 60, direction: forward}
+"""
+
+
+@pytest.mark.parametrize(
+    "change", [" * (1.0 if p.leak < 2.2 else 0.9)", " - (0.0 if p.leak < 2.2 else 1e-3)"]
+)
+def test_a_jump_of_the_map_that_relabels_is_told(tmp_path, change):
+    (tmp_path / "tanks.py").write_text(SWAP.replace("{change}", change))
+    (tmp_path / "run.yaml").write_text(TANKS)
+    result = cw.run(cw.read_run_file(tmp_path / "run.yaml", output=tmp_path / "run.h5"), figures=False)
+    branch = result.branches[0]
+    assert branch.outcome.reason == "plugin_error"
+    assert "the map of symmetry 'swap' jumps" in branch.outcome.message
+    line = 1 + SWAP[: SWAP.index("{change}")].count("\n")
+    assert f"tanks.py, line {line} (a comparison)" in branch.outcome.message
+    assert 0.0 < 2.2 - branch["leak"][-1] < 1e-6
