@@ -132,7 +132,7 @@ def test_a_point_beside_a_jump_is_found_again_when_the_run_is_resumed(tmp_path):
 
 
 def test_a_jump_along_a_path_ends_the_branch_there(tmp_path):
-    """Between two parameter sets: what jumps may be a parameter, a state, or a guard by both."""
+    """Between two parameter sets: what jumps depends on both parameters."""
     speed = f"{SPEED} - (0.0 if p.force - p.lag < 0.85 else 0.1)"
     source = PLUGIN.format(guard=GUARD, speed=speed)
     source = source.replace('Parameter("force", 1.3),', 'Parameter("force", 1.3), Parameter("lag", 0.5),')
@@ -192,3 +192,22 @@ def test_a_jump_of_the_map_that_relabels_is_told(tmp_path, change):
     line = 1 + SWAP[: SWAP.index("{change}")].count("\n")
     assert f"tanks.py, line {line} (a comparison)" in branch.outcome.message
     assert 0.0 < 2.2 - branch["leak"][-1] < 1e-6
+
+
+def test_a_jump_at_the_end_of_a_collapsed_leg_ends_the_branch(tmp_path):
+    """The pad holds the arm until it is let go, which is at once here: a leg of no time."""
+    source = PLUGIN.format(guard=GUARD, speed=f"{SPEED} - (0.0 if x[2] > -0.8 else 0.1)")
+    source = source.replace(
+        'Transition("pad", "free", "free", pad, reset=throw)',
+        'Transition("pad", "free", "held", pad), '
+        'Transition("throw", "held", "free", lambda t, x, p: x[0] - 0.7, level=True, reset=throw)',
+    ).replace('Mode("free", swing)', 'Mode("free", swing), Mode("held", swing)')
+    (tmp_path / "arm.py").write_text(source)
+    (tmp_path / "run.yaml").write_text(RUN)
+    result = cw.run(cw.read_run_file(tmp_path / "run.yaml", output=tmp_path / "run.h5"), figures=False)
+    branch = result.branches[0]
+    assert branch.info.settings["legs"][1][-1] is True  # collapsed
+    assert branch.outcome.reason == "plugin_error"
+    assert "the reset of transition 'throw' jumps" in branch.outcome.message
+    assert f"arm.py, line {LINES['reset']} (a comparison)" in branch.outcome.message
+    assert -0.8 < branch["load"][-1] < -0.8 + 1e-6
