@@ -37,6 +37,12 @@ LEAST = 1e-300
 # What a quantity may be off its value, in units of what the errors of an orbit make of it.
 HELD = 30.0
 
+ONE_OF_EACH_VALUE = (
+    "Declare what is conserved in the plugin, as conserved=(Conserved('energy', energy, unit='J'),) with a "
+    "function energy(t, x, p), and continue orbits at a given value of it, or along it: "
+    "continue: {parameter: energy}."
+)
+
 
 def returning(
     tracer: Tracer, system: System, mode: str, t: Any, x: np.ndarray, p: ParameterValues

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contwalk.problems.conserving import ONE_OF_EACH_VALUE
 from contwalk.problems.orbit.branching import filled_magnitudes
 from contwalk.problems.orbit.protocol import Orbit
 from contwalk.problems.problem import equations_at
@@ -36,11 +37,6 @@ DOUBLE = 1e-6
 ONE_OF_A_FAMILY = (
     "Declare a Neutral direction for each way in which they differ, or begin with an orbit that is alone, "
     "such as one that meets an event."
-)
-ONE_OF_EACH_VALUE = (
-    "Declare what is conserved in the plugin, as conserved=(Conserved('energy', energy, unit='J'),) with a "
-    "function energy(t, x, p), and continue orbits at a given value of it, or along it: "
-    "continue: {parameter: energy}."
 )
 
 

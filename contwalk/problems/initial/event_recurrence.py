@@ -24,6 +24,7 @@ from contwalk.flow.hybrid.on_guard import check_on_guard
 from contwalk.flow.hybrid.past_zero import past_zero
 from contwalk.flow.hybrid.scales import magnitudes
 from contwalk.problems.angles import whole_turns
+from contwalk.problems.conserving import ONE_OF_EACH_VALUE
 from contwalk.problems.forcing import period_at
 from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.lap import Lap
@@ -32,6 +33,7 @@ from contwalk.problems.hybrid.word import Leg
 from contwalk.problems.initial.coming_to_rest import check_moves
 from contwalk.problems.initial.event_free import strobes
 from contwalk.problems.initial.recurrence import recurrent
+from contwalk.problems.initial.volume import Volume
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
@@ -157,7 +159,7 @@ def _motion(
         for arc in motion_segments(*given, just_after=last, watched=False):
             yield arc
             search.check_moves(machine, arc)
-            if arc.status != "ok" or search.exhausted:
+            if arc.status != "ok" or search.hopeless(machine, arc):
                 return
             t = float(arc.times[-1])
             if arc.transition is None:
@@ -194,6 +196,8 @@ class _Search:
         )
         self.work = 0  # steps since a return has been looked for
         self.events = 0
+        self.since = 0.0  # when that began
+        self.volume = Volume()
         self.looking = not isinstance(until, int | float)
         self.first = True
         self.origin: np.ndarray | None = None
@@ -234,13 +238,33 @@ class _Search:
     @property
     def exhausted(self) -> bool:
         """Whether a return, or the time from which on it is looked for, has cost what it may."""
-        most = FIRST_STEPS if self.until is None else MOST_STEPS
-        return self.work > most * (1 if self.looking else BEFORE)
+        return self.work > self._most * (1 if self.looking else BEFORE)
+
+    @property
+    def _most(self) -> int:
+        return FIRST_STEPS if self.until is None else MOST_STEPS
+
+    @property
+    def keeps_volumes(self) -> bool:
+        """Whether the motion does not settle within a search: volumes of states stay what they are in it."""
+        return self.looking and self.volume.kept(self._span)
+
+    @property
+    def _span(self) -> float:
+        """Seconds that a search lasts at most, as it has gone so far."""
+        now = self.since if self.last_state is None else self.last_state[0]
+        return (now - self.since) * self._most / max(self.work, 1)
+
+    def hopeless(self, machine: HybridMachine, arc: Arc) -> bool:
+        """Whether to end the search after an arc: it has cost what it may, or nothing can settle."""
+        if self.looking:
+            self.volume.add(machine, arc, self.events)
+        return self.exhausted or (self.keeps_volumes and self.volume.seen_all(machine))
 
     def _spend(self, arc: MotionSegment) -> None:
         """Count an arc's work; anew, once the time has passed that was asked for."""
         if not self.looking and float(arc.times[-1]) >= float(self.until or 0.0):
-            self.looking, self.work, self.events = True, 0, 0
+            self.looking, self.work, self.events, self.since = True, 0, 0, float(arc.times[0])
         happens = int(arc.transition is not None)
         self.events += happens
         self.work += len(arc.times) + EVENT * happens
@@ -477,6 +501,12 @@ class _Search:
 
     def _found_nothing(self) -> str:
         """Why there is no return, of a motion that goes on."""
+        if self.keeps_volumes:
+            return (
+                f"The motion did not come back within {self.events} events{self._where()}, and does not "
+                "settle: volumes of states neither shrink nor grow along it, as where nothing is lost. "
+                f"It looks quasi-periodic or irregular{self._conserves()}."
+            )
         if not self.exhausted:
             return f"The simulation meets no more events{self._where()}, and has not come back before."
         work = f"after {self.events} events and {self.work - EVENT * self.events} steps{self._where()}"
@@ -492,7 +522,16 @@ class _Search:
             return ""
         return f" Its nearest return missed by {self.best.missed:.2g} of the motion's size."
 
+    def _conserves(self) -> str:
+        """What a machine that loses nothing seems to do; forcing changes its energy."""
+        if self.period or self.system.conserved:
+            return ""
+        return ", and the machine seems to conserve a quantity, such as its energy"
+
     def _remedy(self) -> str:
+        if self.keeps_volumes:
+            declare = f"{ONE_OF_EACH_VALUE} " if self._conserves() else ""
+            return f"{declare}Start from a state on, or near, a periodic orbit.{FIRST_RETURN}"
         remedy = "Start from another state"
         if self.looking:
             remedy += ", or look for a return later with until: SECONDS"

@@ -1,0 +1,98 @@
+"""Does a motion keep volumes of states, as a machine does that loses nothing? Then it settles nowhere.
+
+Deviations span a volume, whose logarithm grows by the divergence of the field, and at an event by the
+logarithm of the determinant of its saltation matrix. Where it does not tend to minus infinity a motion has
+no attractor, and returns do not become better by waiting (Liouville's theorem; Arnold, Mathematical Methods
+of Classical Mechanics, section 16). In coordinates that are not canonical it goes up and down with the
+motion; so its trend decides, which is known for quasi-periodic motions, and less well for irregular ones.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contwalk.flow.hybrid.arc import Arc
+from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow
+from contwalk.flow.hybrid.saltation import saltation
+
+# Events before volumes are looked at, so that what settles soon costs nothing, and events that are looked at.
+FIRST, WATCHED = 200, 200
+# Logarithm of a volume that is kept: what it would change by in the whole search.
+KEPT = 1.0
+
+
+class Volume:
+    """The logarithm of a volume along a motion, at each of its events.
+
+    Attributes
+    ----------
+    rate : float
+        Its trend per second; NaN as long as it is not known, and where it is never.
+    """
+
+    def __init__(self) -> None:
+        self.rate = np.nan
+        self._times: list[float] = []
+        self._logarithms: list[float] = []
+        self._now = 0.0
+        self._passed: set[tuple[str, str]] = set()
+
+    def add(self, machine: HybridMachine, arc: Arc, events: int) -> None:
+        """Take the arc in that ends with an event of this number, or with none."""
+        if arc.transition is not None:
+            self._passed.add((arc.transition, arc.mode))
+        if events <= FIRST or len(self._times) > WATCHED or not np.isfinite(self._now):
+            return
+        self._now += _along(machine.mode(arc.mode), arc)
+        if arc.transition is None:
+            return
+        self._now += _through(machine, arc)
+        self._times.append(float(arc.times[-1]))
+        self._logarithms.append(self._now)
+        if len(self._times) > WATCHED and np.isfinite(self._now):
+            self.rate = _trend(np.array(self._times), np.array(self._logarithms))
+
+    def kept(self, span: float) -> bool:
+        """Whether a volume stays what it is within so many seconds of the motion, as far as is known."""
+        return abs(self.rate) * span <= KEPT
+
+    def seen_all(self, machine: HybridMachine) -> bool:
+        """Whether all that may happen has: what has not may lose something."""
+        acting = [each for each in machine.system.transitions if each.role != "watched"]
+        return all((each.name, each.source) in self._passed for each in acting)
+
+
+def _trend(times: np.ndarray, values: np.ndarray) -> float:
+    """Slope of a straight line through values that go up and down with several frequencies.
+
+    Weights that vanish smoothly at both ends let them average out fast (S. Das, Y. Saiki, E. Sander &
+    J. A. Yorke, Nonlinearity 30 (2017) 4111).
+    """
+    share = (times[1:-1] - times[0]) / (times[-1] - times[0])
+    weights = np.exp(-1.0 / (share * (1.0 - share)))
+    t = times[1:-1] - np.average(times[1:-1], weights=weights)
+    return float((weights * t) @ values[1:-1] / ((weights * t) @ t))
+
+
+def _along(flow: ModeFlow, arc: Arc) -> float:
+    """The integral of the divergence over an arc: Simpson's rule on cubics through its steps."""
+
+    def divergence(t: float, x: np.ndarray) -> float:
+        return float(np.trace(flow.field.jacobian(t, x, flow.c)[:, : len(x)]))
+
+    times, states = arc.times, arc.states[:, flow.states]
+    speeds = np.array([flow.field(t, x, flow.c) for t, x in zip(times, states, strict=True)])
+    at_ends = np.array([divergence(t, x) for t, x in zip(times, states, strict=True)])
+    steps = np.diff(times)
+    halfway = 0.5 * (states[1:] + states[:-1]) - 0.125 * steps[:, None] * np.diff(speeds, axis=0)
+    between = [divergence(t, x) for t, x in zip(times[:-1] + 0.5 * steps, halfway, strict=True)]
+    return float(steps @ (at_ends[:-1] + 4.0 * np.array(between) + at_ends[1:]) / 6.0)
+
+
+def _through(machine: HybridMachine, arc: Arc) -> float:
+    """The logarithm of what the event that ends an arc makes of a volume; NaN where dimensions differ."""
+    transition = machine.transition(str(arc.transition), arc.mode)
+    matrix, _ = saltation(machine, transition, float(arc.times[-1]), arc.states[-1])
+    if matrix.shape[0] != matrix.shape[1] or not np.isfinite(matrix).all():
+        return np.nan
+    return float(np.linalg.slogdet(matrix)[1])
