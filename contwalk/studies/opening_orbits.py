@@ -17,6 +17,7 @@ from contwalk.errors import NotFinite, PluginError, StartError
 from contwalk.flow.hybrid.going_through import going_through
 from contwalk.flow.hybrid.machine import HybridMachine, hybrid_machine
 from contwalk.problems.conserving import with_own_values
+from contwalk.problems.hybrid.families import broken_by_events
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.lap import Lap
 from contwalk.problems.hybrid.least import least, unused_symmetries
@@ -37,6 +38,7 @@ from contwalk.problems.parameter_line import Ends, ParameterLine
 from contwalk.problems.problem import equations_at
 from contwalk.problems.sample import NO_MARGIN
 from contwalk.problems.stored_word import StoredWord
+from contwalk.python_functions import line_of
 from contwalk.signatures import folded
 from contwalk.studies.families import ONE_OF_A_FAMILY, Places, family_at, is_one_of_a_family, member_near
 from contwalk.studies.opening import opened
@@ -135,7 +137,8 @@ def _eventful(
     lap = lap_from(system, values, state, mode, event, until)
     explicit = orbit_of(HybridOrbit, system, line, at, lap, discretization)
     opening = _hybrid(*softened(*explicit), settings, until == "settled")
-    return _with_pushes(opening, hybrid_machine(system, values), lap)
+    machine = hybrid_machine(system, values)
+    return _with_broken(_with_pushes(opening, machine, lap), machine, lap)
 
 
 def _smooth(
@@ -195,6 +198,21 @@ def _with_pushes(opening: Opening | Outcome, machine: HybridMachine, lap: Lap) -
         (each, stretch.start + stretch.duration, stretch.end) for each, stretch in legs if each is not None
     ]
     return replace(opening, message=f"{opening.message} {going_through(machine, ends)}".strip())
+
+
+def _with_broken(opening: Opening | Outcome, machine: HybridMachine, lap: Lap) -> Opening | Outcome:
+    """The opening, with a word on declared directions that are neutral but for an event of the lap."""
+    if isinstance(opening, Outcome):
+        return opening
+    told = [opening.message]
+    for name, transition in broken_by_events(machine, lap).items():
+        line = line_of(transition.reset or transition.guard).removesuffix(": ")
+        told.append(
+            f"The direction '{name}' is not neutral on this branch: '{transition.name}' breaks it"
+            f"{f' ({line})' if line else ''}, by its guard or its reset. It is not held, and its multiplier "
+            "is one among the others."
+        )
+    return replace(opening, message=" ".join(filter(None, told)))
 
 
 def _resting(opening: Opening | Outcome) -> Opening | Outcome:

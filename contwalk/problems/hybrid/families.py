@@ -15,7 +15,7 @@ from contwalk.flow.hybrid.machine import HybridMachine
 from contwalk.problems.hybrid.lap import Lap
 from contwalk.problems.mapping import mapped
 from contwalk.problems.neutral import generator_at
-from contwalk.system import Neutral, System
+from contwalk.system import Neutral, System, Transition
 from contwalk.system.declarations import ParameterValues
 
 # Both sides agree to this part of the size of their terms; a direction that vanishes but for this has none.
@@ -82,13 +82,35 @@ def commutes(
     return True
 
 
+def broken_by_events(machine: HybridMachine, lap: Lap) -> dict[str, Transition]:
+    """Generators that all fields of a lap carry along, by name, with the first event that breaks each."""
+    found: dict[str, Transition] = {}
+    for neutral in machine.system.neutral:
+        if not all(_carried(machine, neutral, lap, k) for k in range(len(lap.stretches))):
+            continue
+        legs = [stretch.leg for stretch in lap.stretches]
+        broken = (leg.transition for k, leg in enumerate(legs) if not _passed(machine, neutral, lap, k))
+        first = next(broken, None)
+        if first is not None:
+            found[neutral.name] = first
+    return found
+
+
 def _kept(machine: HybridMachine, neutral: Neutral, lap: Lap, k: int) -> bool:
     """Whether a stretch and the transition that ends it keep a generator."""
+    return _carried(machine, neutral, lap, k) and _passed(machine, neutral, lap, k)
+
+
+def _carried(machine: HybridMachine, neutral: Neutral, lap: Lap, k: int) -> bool:
+    """Whether the field of a stretch carries a generator along."""
+    stretch = lap.stretches[k]
+    return commutes(machine, neutral, stretch.leg.mode, stretch.start, stretch.state, lap.magnitudes)
+
+
+def _passed(machine: HybridMachine, neutral: Neutral, lap: Lap, k: int) -> bool:
+    """Whether the transition that ends a stretch, if one does, takes a generator to itself."""
     stretch, scale = lap.stretches[k], lap.magnitudes
-    mode = stretch.leg.mode
-    if not commutes(machine, neutral, mode, stretch.start, stretch.state, scale):
-        return False
-    transition = stretch.leg.transition
+    mode, transition = stretch.leg.mode, stretch.leg.transition
     if transition is None:
         return True
     before, after = machine.mode(mode), machine.mode(transition.target)
