@@ -255,7 +255,7 @@ class _Search:
         now = self.since if self.last_state is None else self.last_state[0]
         return (now - self.since) * self._most / max(self.work, 1)
 
-    def hopeless(self, machine: HybridMachine, arc: Arc) -> bool:
+    def hopeless(self, machine: HybridMachine, arc: MotionSegment) -> bool:
         """Whether to end the search after an arc: it has cost what it may, or nothing can settle."""
         if self.looking:
             self.volume.add(machine, arc, self.events)

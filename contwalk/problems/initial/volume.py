@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from contwalk.flow.hybrid.arc import Arc
 from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow
+from contwalk.flow.hybrid.motion_segment import MotionSegment
 from contwalk.flow.hybrid.saltation import saltation
 
 # Events before volumes are looked at, so that what settles soon costs nothing, and events that are looked at.
@@ -37,17 +37,17 @@ class Volume:
         self._now = 0.0
         self._passed: set[tuple[str, str]] = set()
 
-    def add(self, machine: HybridMachine, arc: Arc, events: int) -> None:
-        """Take the arc in that ends with an event of this number, or with none."""
-        if arc.transition is not None:
-            self._passed.add((arc.transition, arc.mode))
+    def add(self, machine: HybridMachine, segment: MotionSegment, events: int) -> None:
+        """Take the segment in that ends with an event of this number, or with none."""
+        if segment.transition is not None:
+            self._passed.add((segment.transition, segment.mode))
         if events <= FIRST or len(self._times) > WATCHED or not np.isfinite(self._now):
             return
-        self._now += _along(machine.mode(arc.mode), arc)
-        if arc.transition is None:
+        self._now += _along(machine.mode(segment.mode), segment)
+        if segment.transition is None:
             return
-        self._now += _through(machine, arc)
-        self._times.append(float(arc.times[-1]))
+        self._now += _through(machine, segment)
+        self._times.append(float(segment.times[-1]))
         self._logarithms.append(self._now)
         if len(self._times) > WATCHED and np.isfinite(self._now):
             self.rate = _trend(np.array(self._times), np.array(self._logarithms))
@@ -74,13 +74,13 @@ def _trend(times: np.ndarray, values: np.ndarray) -> float:
     return float((weights * t) @ values[1:-1] / ((weights * t) @ t))
 
 
-def _along(flow: ModeFlow, arc: Arc) -> float:
-    """The integral of the divergence over an arc: Simpson's rule on cubics through its steps."""
+def _along(flow: ModeFlow, segment: MotionSegment) -> float:
+    """The integral of the divergence over an segment: Simpson's rule on cubics through its steps."""
 
     def divergence(t: float, x: np.ndarray) -> float:
         return float(np.trace(flow.field.jacobian(t, x, flow.c)[:, : len(x)]))
 
-    times, states = arc.times, arc.states[:, flow.states]
+    times, states = segment.times, segment.states[:, flow.states]
     speeds = np.array([flow.field(t, x, flow.c) for t, x in zip(times, states, strict=True)])
     at_ends = np.array([divergence(t, x) for t, x in zip(times, states, strict=True)])
     steps = np.diff(times)
@@ -89,10 +89,10 @@ def _along(flow: ModeFlow, arc: Arc) -> float:
     return float(steps @ (at_ends[:-1] + 4.0 * np.array(between) + at_ends[1:]) / 6.0)
 
 
-def _through(machine: HybridMachine, arc: Arc) -> float:
-    """The logarithm of what the event that ends an arc makes of a volume; NaN where dimensions differ."""
-    transition = machine.transition(str(arc.transition), arc.mode)
-    matrix, _ = saltation(machine, transition, float(arc.times[-1]), arc.states[-1])
+def _through(machine: HybridMachine, segment: MotionSegment) -> float:
+    """The logarithm of what the event that ends an segment makes of a volume; NaN where dimensions differ."""
+    transition = machine.transition(str(segment.transition), segment.mode)
+    matrix, _ = saltation(machine, transition, float(segment.times[-1]), segment.states[-1])
     if matrix.shape[0] != matrix.shape[1] or not np.isfinite(matrix).all():
         return np.nan
     return float(np.linalg.slogdet(matrix)[1])
