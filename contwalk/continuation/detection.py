@@ -16,6 +16,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from contwalk.continuation.along import located_along
 from contwalk.continuation.double_crossings import knots_of
 from contwalk.continuation.kinds import crossed, pair, told_by
 from contwalk.continuation.locating import (
@@ -374,7 +375,10 @@ def _locate_crossing(segment: Segment, low: float, high: float, which: int) -> F
 
     v0, v1 = value(low), value(high)
     found: Found | float | None
-    if v0 * v1 > 0.0:  # one end is the point itself, to rounding: its sign was taken from its neighbour
+    kind = crossed(segment.problem, segment.at(low if v0 > v1 else high), which)
+    if kind is not None and kind.along:
+        found = located_along(segment, kind, low, high, which)
+    elif v0 * v1 > 0.0:  # one end is the point itself, to rounding: its sign was taken from its neighbour
         nearer = low if abs(v0) < abs(v1) else high
         found = attempt(nearer, low, high)
     else:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contwalk.numerics import krein
 from contwalk.numerics.linear import balanced
 
 EPSILON = float(np.finfo(float).eps)
@@ -24,12 +25,22 @@ class Spectrum:
         Derivative of each real part along the branch; NaN where eigenvalues coincide.
     still : bool
         Whether the last one, out of order, is zero all along the branch: that of its own direction.
+    bordering : ndarray of bool, shape (m,), optional
+        Those of a conservative motion that stay on the imaginary axis; None of other motions.
     """
 
     values: np.ndarray
     errors: np.ndarray
     rates: np.ndarray
     still: bool = False
+    bordering: np.ndarray | None = None
+
+    @property
+    def measures(self) -> np.ndarray:
+        """Real parts; of what stays on the imaginary axis its distance from zero, negative."""
+        if self.bordering is None:
+            return self.values.real
+        return np.where(self.bordering, -np.abs(self.values), self.values.real)
 
     def unstable(self, before: int | None) -> int:
         """Number of eigenvalues with positive real part.
@@ -37,10 +48,10 @@ class Spectrum:
         One whose sign is not certain in double precision counts as it did at the neighbouring point
         (`before`), so that rounding never looks like a bifurcation.
         """
-        real, errors = self.values.real, self.errors
+        real, errors = self.measures, self.errors
         if self.still:
             real, errors = real[:-1], errors[:-1]
-        if before is None:
+        if before is None or self.bordering is not None:
             return int(np.sum(real > errors))
         positive = np.where(np.abs(real) > errors, real > 0, np.arange(len(real)) < before)
         return int(np.sum(positive))
@@ -113,7 +124,23 @@ def spectrum(
     values, errors, rates = values[kept], errors[kept], rates[kept]
     order = np.lexsort((-values.imag, -values.real))
     errors = np.where(np.isfinite(errors), errors, np.inf)
-    return Spectrum(values[order].astype(complex), errors[order], rates[order])
+    return _bordering(Spectrum(values[order].astype(complex), errors[order], rates[order]))
+
+
+def _bordering(found: Spectrum) -> Spectrum:
+    """The same with the pairs of a conservative motion on the imaginary axis, where they stay until two meet.
+
+    Real parts are noise there, and half the digits of it where pairs meet: their signs tell no stability.
+    """
+    if not krein.hamiltonian(found.values):
+        return found
+    on_axis = krein.bordering(found.values, found.values**2)
+    values = found.values.copy()
+    values.real[on_axis] = 0.0
+    errors = np.where(on_axis, np.minimum(found.errors, 0.01 * np.abs(values)), found.errors)
+    rates = np.where(on_axis, np.nan, found.rates)
+    order = np.lexsort((-values.imag, -np.abs(values.imag), -values.real))  # those of a pair are neighbours
+    return Spectrum(values[order], errors[order], rates[order], found.still, on_axis[order])
 
 
 def _quotients(left: np.ndarray, matrix: np.ndarray, right: np.ndarray) -> np.ndarray:

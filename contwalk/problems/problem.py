@@ -110,6 +110,8 @@ class PointType:
         Whether the equations are singular there, and tell no error.
     flat : tuple of PointType
         What else is tried where the parameter stands still, to the errors of the equations.
+    along : bool
+        Whether it is located along the branch, where `value` passes zero: its equations are singular there.
     births : bool
         Whether orbits are born there on a branch of equilibria.
     daughters : int, optional
@@ -121,11 +123,12 @@ class PointType:
     changes: ClassVar[tuple[int, ...]] = (0,)
     singular: ClassVar[bool] = False
     flat: ClassVar[tuple[PointType, ...]] = ()
+    along: ClassVar[bool] = False
     births: ClassVar[bool] = False
     daughters: ClassVar[int | None] = None
 
     def value(self, problem: Any, sample: Sample) -> float:
-        """The function that passes zero at such points, where `test` is `Test.VALUE`."""
+        """The function that passes zero at such points, where `test` is `Test.VALUE`, or `along`."""
         raise NotImplementedError(f"points {self.label} have no test function of their own")
 
     def tells(self, problem: Any, sample: Sample, which: int) -> bool:

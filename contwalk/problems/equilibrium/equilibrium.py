@@ -357,7 +357,7 @@ class Equilibrium:
             eigenvalues=found.values,
             errors=found.errors,
             rates=Rates.known(found.rates),
-            measures=found.values.real,
+            measures=found.measures,
             unstable=found.unstable(before),
             still=found.still,
             observables=self.observables(z, found),

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from contwalk.numerics import krein
 from contwalk.numerics.periodic_schur import product_eigenvalues
 from contwalk.numerics.spectrum import complement
 
@@ -41,12 +42,15 @@ class Multipliers:
         Estimated absolute error of the first one against the flow itself, that of the steps included.
     paired : ndarray of bool, shape (r,), optional
         Those that come in pairs mu, 1/mu: see `reciprocal`. Their errors are those of their measures.
+    bordering : ndarray of bool, shape (r,), optional
+        Those of a symplectic map that stay on the unit circle; None of other maps.
     """
 
     values: np.ndarray
     errors: np.ndarray
     accuracy: float
     paired: np.ndarray | None = None
+    bordering: np.ndarray | None = None
 
     @property
     def measures(self) -> np.ndarray:
@@ -55,12 +59,12 @@ class Multipliers:
         Of a pair on the unit circle it would be noise. Its measure is |mu + 1/mu| / 2 - 1: negative there,
         positive of a real pair, and smooth where one becomes the other.
         """
-        moduli = np.abs(self.values) - 1.0
-        if self.paired is None:
-            return moduli
+        found = np.abs(self.values) - 1.0
         with np.errstate(divide="ignore", invalid="ignore"):
             half = 0.5 * np.abs((self.values + 1.0 / self.values).real) - 1.0
-        return np.where(self.paired & (np.abs(self.values) >= self._within), half, moduli)
+        if self.paired is not None:
+            found = np.where(self.paired & (np.abs(self.values) >= self._within), half, found)
+        return found if self.bordering is None else np.where(self.bordering, half, found)
 
     @property
     def _within(self) -> np.ndarray:
@@ -142,9 +146,10 @@ def multipliers(
         values, np.where(lost, np.maximum(errors, leak / UNKNOWN), errors), max(accuracy, float(leak[0]))
     )
     if not gradients:
-        return found
+        return _bordering(found)
     whole = np.linalg.multi_dot(scaled[::-1]) if len(scaled) > 1 else scaled[0]
-    return reciprocal(found, ROUNDING * coarser * max(1.0, *sizes, float(np.linalg.norm(whole, 2))))
+    error = ROUNDING * coarser * max(1.0, *sizes, float(np.linalg.norm(whole, 2)))
+    return _bordering(reciprocal(found, error))
 
 
 def of_sections(
@@ -174,6 +179,22 @@ def of_sections(
         squares.append(moved)
     values, errors = _eigenvalues(squares, sizes)
     return Multipliers(values, errors, float(errors[0] * (1.0 + GLOBAL * tolerance / ROUNDING)))
+
+
+def _bordering(found: Multipliers) -> Multipliers:
+    """The same with the pairs of a symplectic map on the unit circle, where they stay until two meet.
+
+    There their moduli are known to half the digits, and their signs tell no stability.
+    """
+    if not krein.symplectic(found.values):
+        return found
+    on_circle = krein.bordering(found.values, found.values + 1.0 / found.values)
+    told = replace(found, bordering=on_circle)
+    errors = np.where(on_circle, np.minimum(found.errors, 0.01 * np.abs(told.measures)), found.errors)
+    moduli = np.where(on_circle, 1.0, np.abs(found.values))
+    order = np.lexsort((-found.values.imag, -told.measures, -moduli))
+    paired = None if found.paired is None else found.paired[order]
+    return Multipliers(found.values[order], errors[order], found.accuracy, paired, on_circle[order])
 
 
 def reciprocal(found: Multipliers, error: float) -> Multipliers:

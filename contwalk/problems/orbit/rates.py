@@ -36,7 +36,7 @@ def of_moduli(problem: Orbit, z: np.ndarray, tangent: np.ndarray, found: Multipl
         return known[first]
 
     def pair(k: int) -> bool:
-        return found.paired is not None and bool(found.paired[k])
+        return any(some is not None and bool(some[k]) for some in (found.paired, found.bordering))
 
     return Rates(len(found.values), rate)
 

@@ -7,6 +7,7 @@ from contwalk.problems.orbit.points.branch_point import BranchPoint
 from contwalk.problems.orbit.points.event_order import EventOrder
 from contwalk.problems.orbit.points.fold import Fold
 from contwalk.problems.orbit.points.grazing import Grazing
+from contwalk.problems.orbit.points.krein_collision import KreinCollision
 from contwalk.problems.orbit.points.limit import OrbitLimit
 from contwalk.problems.orbit.points.marked_value import EndPoint, MarkedValue
 from contwalk.problems.orbit.points.neimark_sacker import NeimarkSacker
@@ -19,6 +20,7 @@ POINT_TYPES: tuple[OrbitPoint, ...] = (
     BranchPoint(),
     PeriodDoubling(),
     SymmetryBreaking(),
+    KreinCollision(),
     NeimarkSacker(),
     MarkedValue(),
     EndPoint(),

@@ -1,0 +1,79 @@
+"""Points that are located along the branch by a function of their own: their equations are singular there."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contwalk.continuation.locating import Found
+from contwalk.continuation.segment import LostBranch, Segment
+from contwalk.errors import NotFinite
+from contwalk.numerics.bracketing import narrow
+from contwalk.problems.problem import Located, PointType, Sample
+
+# A bracket that is this narrow, in parts of the segment, is the point.
+NARROW = 1e-12
+# On the finest steps it is looked for so far to both sides, in parts of the segment.
+NEIGHBOURHOOD = 0.02
+# The function may be off by so many times what eigenvalues away from the point are not known to.
+KNOWN = 10.0
+
+
+def located_along(segment: Segment, kind: PointType, low: float, high: float, which: int) -> Found | None:
+    """The point of a kind between two positions, on the finest steps that there are, if there is one."""
+    theta = _zero(segment, kind, low, high)
+    if theta is None:
+        return None
+    part, begin, width = _finest(segment, theta, low, high)
+    position = theta if part is segment else _zero(part, kind, 0.0, 1.0)
+    if position is None:
+        return None
+    sample = part.at(position)
+    ends = (low, high) if part is segment else (0.0, 1.0)
+    first, last = (kind.value(part.problem, part.at(end)) for end in ends)
+    slope = (last - first) / (ends[1] - ends[0])
+    blur = max(_blur(kind, part, part.at(end)) for end in ends) / max(abs(slope), 1e-300) + NARROW
+    error = blur * abs(float(part.chord[-1])) + sample.error * float(sample.weights[-1])
+    located = Located(
+        sample.z, max(error, float(np.spacing(abs(sample.parameter)))), {"which": which}, problem=part.problem
+    )
+    return Found(begin + position * width, kind, located, sample)
+
+
+def _zero(segment: Segment, kind: PointType, low: float, high: float) -> float | None:
+    """Where the function of a kind passes zero, to rounding."""
+
+    def value(theta: float) -> float:
+        return kind.value(segment.problem, segment.at(theta))
+
+    def attempt(theta: float, left: float, right: float) -> float | None:
+        return theta if right - left < NARROW else None
+
+    ends = value(low), value(high)
+    if not ends[0] * ends[1] < 0.0:
+        return None
+    return narrow(value, low, high, *ends, attempt, width=0.0)
+
+
+def _finest(segment: Segment, theta: float, low: float, high: float) -> tuple[Segment, float, float]:
+    """The segment around a position on the finest steps, where it begins and how long it is; itself if there
+    are none.
+    """
+    sides = max(theta - NEIGHBOURHOOD, low), min(theta + NEIGHBOURHOOD, high)
+    try:
+        finest = segment.problem.finest(segment.at(theta).z, segment.weights)
+        if finest is None:
+            return segment, 0.0, 1.0
+        a, b = (segment.on(finest, side) for side in sides)
+    except (NotFinite, LostBranch):
+        return segment, 0.0, 1.0
+    return Segment(finest, a, b), sides[0], sides[1] - sides[0]
+
+
+def _blur(kind: PointType, segment: Segment, sample: Sample) -> float:
+    """What the function is not known to, by what eigenvalues are not known to away from the point.
+
+    These are off by that of the function over its root.
+    """
+    off = float(sample.errors.max(initial=0.0)) if sample.spectrum_error is None else sample.spectrum_error
+    size = float(np.abs(sample.eigenvalues).max(initial=1e-300))
+    return KNOWN * off / size * float(np.sqrt(abs(kind.value(segment.problem, sample))))

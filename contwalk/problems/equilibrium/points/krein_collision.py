@@ -1,0 +1,51 @@
+"""Krein collisions of equilibria (HB): the Hamiltonian Hopf bifurcation."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from contwalk.branch import SpecialPoint
+from contwalk.numerics import krein
+from contwalk.problems.equilibrium.points.point import EquilibriumPoint, Form
+from contwalk.problems.problem import Located, Sample, Test
+
+if TYPE_CHECKING:
+    from contwalk.problems.equilibrium.equilibrium import Equilibrium
+
+NOTE = (
+    "Krein collision: two pairs of eigenvalues meet on the imaginary axis and leave it as a quadruple "
+    "(Hamiltonian Hopf); Lyapunov coefficients of dissipative motions say nothing there, and the cycles "
+    "beside it are not followed"
+)
+
+
+class KreinCollision(EquilibriumPoint):
+    """Two pairs of imaginary eigenvalues meet and leave the axis."""
+
+    label, test, changes, along, daughters = "HB", Test.STABILITY, (-2, 2), True, 0
+
+    def tells(self, problem: Equilibrium, sample: Sample, which: int) -> bool:
+        """A quadruple, of eigenvalues that come as lambda and -lambda."""
+        values = sample.eigenvalues
+        return (
+            bool(values[which].imag != 0.0)
+            and krein.hamiltonian(values)
+            and self.value(problem, sample) < 0.0
+        )
+
+    def value(self, problem: Equilibrium, sample: Sample) -> float:
+        """How far two pairs are apart: positive on the axis, negative of a quadruple."""
+        return krein.parted(sample.eigenvalues, sample.eigenvalues**2)
+
+    def form(self, problem: Equilibrium, located: Located, sample: Sample) -> Form:
+        """The frequency at which the pairs meet."""
+        which = int(located.vectors["which"])
+        return None, None, {"omega": abs(float(sample.eigenvalues[which].imag)), "pairs": 2}, NOTE
+
+    def has(self, point: SpecialPoint) -> bool:
+        """A stored point of two pairs."""
+        return point.label == self.label and "pairs" in point.coefficients
+
+    def critical(self, point: SpecialPoint, sample: Sample) -> complex:
+        """i omega."""
+        return 1j * float(point.coefficients["omega"])
