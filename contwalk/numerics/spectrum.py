@@ -37,7 +37,7 @@ class Spectrum:
 
     @property
     def measures(self) -> np.ndarray:
-        """Real parts; of what stays on the imaginary axis its distance from zero, negative."""
+        """Real parts, shape (m,); of what stays on the imaginary axis its distance from zero, negative."""
         if self.bordering is None:
             return self.values.real
         return np.where(self.bordering, -np.abs(self.values), self.values.real)
