@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import itertools
 import math
 from dataclasses import replace
@@ -604,3 +605,24 @@ def test_whether_a_guard_rises_is_told_by_the_motion_at_its_event():
     (flight, *_) = run(machine(either_way), [1e-4, 0.2], 2.0)
     assert flight.states[-2, 1] > 0.0 > flight.states[-1, 1]
     assert (flight.transition, flight.rising) == ("impact", False)
+
+
+def test_a_quotient_that_is_zero_by_zero_just_where_an_event_happens_is_named_with_its_line():
+    """A flow through an opening that closes: finite up to the event, and 0/0 where the opening is zero."""
+
+    def closes(t, x, p, dx):
+        dx[0] = -((max(0.0, x[0]) / x[0]) ** 2)  # 0/0
+
+    def opening(t, x, p):
+        return x[0]
+
+    def opens(t, x, p, x_plus):
+        x_plus[0] = 1.0 + x[0]
+
+    shut = Transition("shut", "open", "open", opening, "falling", reset=opens)
+    lip = machine(System("lip", (State("a"),), (), (Mode("open", closes),), (shut,)))
+    first = run(lip, [0.5], 2.0, method="radau5")[0]  # whose event is at zero to the last bit
+    lines, start = inspect.getsourcelines(closes)
+    line = start + next(i for i, text in enumerate(lines) if "0/0" in text)
+    assert (first.transition, first.status) == ("shut", "not_finite")
+    assert f"test_hybrid_arcs.py, line {line}: " in first.reason

@@ -12,11 +12,14 @@ from contwalk.fields.blame import first_nearly_singular, first_not_finite
 from contwalk.fields.rebind import rebound
 from contwalk.flow.hybrid.event_integrator import METHOD
 from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow
+from contwalk.flow.hybrid.motion_segment import MotionSegment
 from contwalk.flow.integrate import along
 from contwalk.system import System, Transition
 
 # Steps that look what has no value beyond the end of a motion, each ten times as long as the one before.
 SHARES = tuple(10.0**k for k in range(-12, -2))
+# Newton's steps onto a guard.
+TRIALS = 20
 
 
 def line_without_value(
@@ -79,6 +82,30 @@ def functions_of(system: System, mode: str) -> dict[str, Callable[..., Any]]:
     for each in system.leaving(mode):
         functions[f"guard of transition '{each.name}'"] = _AsField(each.guard)
     return functions
+
+
+def why_not_reached(machine: HybridMachine, transition: Transition, segment: MotionSegment) -> str:
+    """As `line_without_value`, of a field that is finite up to an event, and not where its guard is zero.
+
+    A quotient may be 0/0 just there: the last finite state is moved along the field onto the guard.
+    """
+    finite = np.flatnonzero(np.isfinite(segment.states).all(axis=1))
+    if not len(finite) or finite[-1] == len(segment.states) - 1:
+        return ""
+    flow, system = machine.mode(segment.mode), machine.system
+    guard = flow.guards[flow.transitions.index(transition)]
+    t, y = float(segment.times[finite[-1]]), segment.states[finite[-1]][flow.states]
+    field = {f"field of mode '{segment.mode}'": system.mode(segment.mode).field}
+    for _ in range(TRIALS):
+        value, rate, _ = guard(t, y, flow.p).tolist()
+        step = -value / rate if rate else 0.0
+        t, y = t + step, y + step * flow.field(t, y, flow.c)
+        found = line_without_value(
+            system, segment.mode, field, t, machine.full(segment.mode, y), machine.parameters
+        )
+        if found or not np.isfinite(y).all():
+            return found
+    return ""
 
 
 def nearly_singular(machine: HybridMachine, mode: str, t: float, x: np.ndarray) -> str:

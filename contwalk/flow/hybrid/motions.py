@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.flow.events.guard import EPSILON
-from contwalk.flow.hybrid.blaming import just_beyond, nearly_singular, why_not_finite
+from contwalk.flow.hybrid.blaming import just_beyond, nearly_singular, why_not_finite, why_not_reached
 from contwalk.flow.hybrid.chatter import Pace, Verdict
 from contwalk.flow.hybrid.clocks import Clocks
 from contwalk.flow.hybrid.event_integrator import METHOD
@@ -161,11 +161,14 @@ def parts(
         standing, verdict = _stands(flow, t, x, noise, control.weights, name, clocks)
         if verdict.status == "ok":
             verdict = pace.verdict(t, name, [d for i, d in enumerate(standing) if flow.acting(i)])
+        blame = _blame(verdict, machine, flow, t, x, (happening, before))
+        if not np.isfinite(before).all():
+            blame = why_not_reached(machine, happening, segment)
         yield replace(
             segment,
             after=x,
             status=verdict.status,
-            reason=verdict.reason + _blame(verdict, machine, flow, t, x, (happening, before)),
+            reason=verdict.reason + blame,
             accumulation=verdict.accumulation,
         )
         if verdict.status != "ok":
