@@ -16,18 +16,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from contwalk.fields.kernel import Kernel
 from contwalk.numerics.linear import critical_pair
 from contwalk.numerics.refine import DefiningSystem, Solution, newton, refine
+from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.problem import Located, Sample
-
-if TYPE_CHECKING:
-    from contwalk.problems.equilibrium.equilibrium import Equilibrium
-
 
 # With this share of the parameter in it, in the metric, or less, the tangent is that of the fold nearby.
 TURNING = 1e-2
@@ -72,7 +69,7 @@ def dot(a: Sequence[float], b: Sequence[Any]) -> Any:
 
 
 def real_eigenvalue(
-    problem: Equilibrium, sample: Sample, shift: float | None, deficient: bool = False
+    problem: EquilibriumEquations, sample: Sample, shift: float | None, deficient: bool = False
 ) -> Located | None:
     """The point near a sample at which a real eigenvalue of A is `shift`.
 
@@ -126,7 +123,7 @@ def real_eigenvalue(
 
 
 def observed(
-    problem: Equilibrium, sample: Sample, kernels: tuple[Kernel, Kernel], level: float
+    problem: EquilibriumEquations, sample: Sample, kernels: tuple[Kernel, Kernel], level: float
 ) -> Located | None:
     """The point near a sample at which an observable has the value `level`."""
     value, gradient = kernels

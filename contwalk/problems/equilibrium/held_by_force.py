@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.problem import Sample
-
-if TYPE_CHECKING:
-    from contwalk.problems.equilibrium.equilibrium import Equilibrium
 
 # A drift this many times above what rounding makes of zero is one: a direction is neutral to 1e-12 of its
 # terms.
 FORCED = 1e4
 
 
-def forced(problem: Equilibrium, sample: Sample) -> str | None:
+def forced(problem: EquilibriumEquations, sample: Sample) -> str | None:
     """Name of the pinned direction whose drift is not zero at a solution; None where all of them are.
 
     The drift of a family of equilibria is what rounding of the equations makes of zero. Any other stands in

@@ -11,20 +11,17 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.numerics.linear import nearest_eigenpair
+from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.normal_forms import critical_vectors
 from contwalk.problems.images import Product, point_of_image, products, row_of_image
 from contwalk.problems.passed_over import passed_over
+from contwalk.problems.problem import Sample
 from contwalk.system.declarations import ParameterValues
-
-if TYPE_CHECKING:
-    from contwalk.problems.equilibrium.equilibrium import Equilibrium
-    from contwalk.problems.problem import Sample
 
 # In the metric, a state that is kept comes back this exactly, and a tangent that is reversed.
 KEPT, REVERSED = 1e-7, 1e-6
@@ -40,7 +37,7 @@ DEGREES: Mapping[str, Mapping[str, int]] = {
 }
 
 
-def mirror_of(problem: Equilibrium, sample: Sample) -> Mirror | None:
+def mirror_of(problem: EquilibriumEquations, sample: Sample) -> Mirror | None:
     """What takes one half of a branch to the other, by the solution that it leaves and its tangent there.
 
     None where no declared symmetry, or product of some, does.
@@ -65,7 +62,7 @@ class Mirror:
 
     Parameters
     ----------
-    problem : Equilibrium
+    problem : EquilibriumEquations
     product : Product
         The symmetries that make it.
     born : Sample
@@ -74,7 +71,9 @@ class Mirror:
         What is added to the image, so that angles are turned as on the branch.
     """
 
-    def __init__(self, problem: Equilibrium, product: Product, born: Sample, turns: np.ndarray) -> None:
+    def __init__(
+        self, problem: EquilibriumEquations, product: Product, born: Sample, turns: np.ndarray
+    ) -> None:
         self._problem, self._product, self._born, self._turns = problem, product, born, turns
         self._maps = [problem.kernels.of_symmetry(symmetry.map) for symmetry in product.symmetries]
 

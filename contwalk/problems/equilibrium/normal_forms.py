@@ -6,14 +6,10 @@ and third derivatives of the vector field by the states.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from contwalk.numerics.linear import critical_pair
-
-if TYPE_CHECKING:
-    from contwalk.problems.equilibrium.equilibrium import Equilibrium
+from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 
 # How many roundings away a solution is looked at to tell how well a coefficient is known.
 ROUNDINGS = 4.0
@@ -22,7 +18,7 @@ ROUNDINGS = 4.0
 class Forms:
     """B and C at one point, for vectors of unknowns or of unknowns and parameter."""
 
-    def __init__(self, problem: Equilibrium, z: np.ndarray) -> None:
+    def __init__(self, problem: EquilibriumEquations, z: np.ndarray) -> None:
         self._inputs = problem.inputs(z)
         self._kernels = problem.kernels
         self._length = problem.size + 1

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,11 +15,8 @@ from contwalk.numerics.linear import (
     deficiency,
     solution_plane,
 )
+from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.problem import Seed
-
-if TYPE_CHECKING:
-    from contwalk.problems.equilibrium.equilibrium import Equilibrium
-
 
 # What two directions leave of each other, against their sizes, is rounding below this.
 CANCELLED = 1e-12
@@ -32,7 +28,7 @@ EQUAL = 1e-12
 SINGULAR = 1e13
 
 
-def second_direction(problem: Equilibrium, z: np.ndarray) -> np.ndarray | None:
+def second_direction(problem: EquilibriumEquations, z: np.ndarray) -> np.ndarray | None:
     """A null vector of F_u where F_lambda lies in its range, a second direction of solutions; else None."""
     jacobian = problem.jacobian(z)
     matrix = jacobian[:, : problem.size]
@@ -74,13 +70,13 @@ def crossing(jacobian: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.
     return pair.left.real, solution_plane(jacobian, pair)
 
 
-def keep_parameter(problem: Equilibrium, z: np.ndarray, weights: np.ndarray) -> bool:
+def keep_parameter(problem: EquilibriumEquations, z: np.ndarray, weights: np.ndarray) -> bool:
     """Whether both branches through a branch point keep the parameter, so that nothing is told against it."""
     plane = crossing(problem.jacobian(z), weights)[1] / weights[:, None]
     return bool(np.all(np.abs(plane[-1]) <= IN_RANGE * np.linalg.norm(plane, axis=0)))
 
 
-def directions(problem: Equilibrium, z: np.ndarray, weights: np.ndarray) -> list[np.ndarray]:
+def directions(problem: EquilibriumEquations, z: np.ndarray, weights: np.ndarray) -> list[np.ndarray]:
     """Tangents of the two branches through a simple branch point, each a unit vector in the metric.
 
     With t1, t2 spanning the null space of DF, (q, 0) and (h, 1), and psi its left null vector, they are x t1
@@ -113,7 +109,7 @@ def directions(problem: Equilibrium, z: np.ndarray, weights: np.ndarray) -> list
 
 
 def tangent_through(
-    problem: Equilibrium, z: np.ndarray, weights: np.ndarray, near: np.ndarray
+    problem: EquilibriumEquations, z: np.ndarray, weights: np.ndarray, near: np.ndarray
 ) -> np.ndarray | None:
     """The tangent of a branch at its branch point: of the two, the one nearest to `near`, facing its way."""
     found = directions(problem, z, weights)
@@ -124,7 +120,7 @@ def tangent_through(
     return found[best] * np.sign(products[best]) if products[best] != 0.0 else None
 
 
-def branch_point_seeds(problem: Equilibrium, point: SpecialPoint) -> Sequence[Seed]:
+def branch_point_seeds(problem: EquilibriumEquations, point: SpecialPoint) -> Sequence[Seed]:
     """The branch that crosses at a branch point, along the tangent that the parent does not have."""
     z = np.array(point.unknowns)
     magnitudes = problem.linearize(z).magnitudes
@@ -159,10 +155,10 @@ def branch_point_seeds(problem: Equilibrium, point: SpecialPoint) -> Sequence[Se
         far[declared] = 0.0
         return far
 
-    return (Seed("BP", z, tangent, moved, problem),)
+    return (Seed("BP", z, tangent, moved, problem.refined(z, weights)),)
 
 
-def reach(problem: Equilibrium, z: np.ndarray, tangent: np.ndarray, change: float) -> np.ndarray:
+def reach(problem: EquilibriumEquations, z: np.ndarray, tangent: np.ndarray, change: float) -> np.ndarray:
     """How far each unknown moves on a branch while the parameter changes by about `change`, shape (N + 1,).
 
     Along a tangent with a parameter component it is linear. Without one, as at a pitchfork, the amplitude is

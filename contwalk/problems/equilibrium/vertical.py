@@ -8,16 +8,13 @@ over to the space beside t, in which the second one is simple and its sign certa
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contwalk.numerics.linear import balanced
 from contwalk.numerics.spectrum import EPSILON, Spectrum, complement, spectrum
-
-if TYPE_CHECKING:
-    from contwalk.problems.equilibrium.equilibrium import Equilibrium
-    from contwalk.problems.problem import Linearization
+from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
+from contwalk.problems.problem import Linearization
 
 # A branch is not vertical with a larger share of the parameter in its tangent, in the metric; nor with more
 # of it than so many roundings of the equations make; nor with so much of it in the curvature, as at a fold.
@@ -27,7 +24,7 @@ UNSURE = 1e5
 
 
 def bending(
-    problem: Equilibrium,
+    problem: EquilibriumEquations,
     z: np.ndarray,
     tangent: np.ndarray,
     weights: np.ndarray,

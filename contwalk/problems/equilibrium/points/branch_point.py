@@ -7,7 +7,7 @@ zero where it is one.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from contwalk.branch import SpecialPoint
 from contwalk.numerics.linear import EPSILON, Factored, critical_pair, deficiency
 from contwalk.numerics.refine import DefiningSystem, Solution
 from contwalk.problems.equilibrium.defining_systems import dot, solve
+from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.normal_forms import Forms, critical_vectors, rounded
 from contwalk.problems.equilibrium.points.point import SURE, EquilibriumPoint, Form
 from contwalk.problems.equilibrium.second_direction import (
@@ -26,28 +27,25 @@ from contwalk.problems.equilibrium.second_direction import (
 from contwalk.problems.problem import Located, Sample, Seed, Test
 from contwalk.system import Symmetry
 
-if TYPE_CHECKING:
-    from contwalk.problems.equilibrium.equilibrium import Equilibrium
-
 
 class BranchPoint(EquilibriumPoint):
     """Another branch passes."""
 
     label, test, changes, singular, daughters = "BP", Test.ORIENTATION, (-1, 0, 1), True, 1
 
-    def locate(self, problem: Equilibrium, sample: Sample, which: int) -> Located | None:
+    def locate(self, problem: EquilibriumEquations, sample: Sample, which: int) -> Located | None:
         """The branch point near a sample."""
         return branch_point(problem, sample)
 
-    def tangent(self, problem: Equilibrium, located: Located, near: Sample) -> np.ndarray | None:
+    def tangent(self, problem: EquilibriumEquations, located: Located, near: Sample) -> np.ndarray | None:
         """Of the two tangents there, that of the branch that `near` is on."""
         return tangent_through(problem, located.z, near.weights, near.tangent)
 
-    def form(self, problem: Equilibrium, located: Located, sample: Sample) -> Form:
+    def form(self, problem: EquilibriumEquations, located: Located, sample: Sample) -> Form:
         """Transcritical or a pitchfork, and to which side that opens."""
         return _form(problem, located, sample.weights)
 
-    def seeds(self, problem: Equilibrium, point: SpecialPoint) -> Sequence[Seed]:
+    def seeds(self, problem: EquilibriumEquations, point: SpecialPoint) -> Sequence[Seed]:
         """The branch that crosses."""
         return branch_point_seeds(problem, point)
 
@@ -56,7 +54,7 @@ class BranchPoint(EquilibriumPoint):
         return point.label == self.label and "multiplicity" not in point.coefficients
 
 
-def _form(problem: Equilibrium, located: Located, weights: np.ndarray) -> Form:
+def _form(problem: EquilibriumEquations, located: Located, weights: np.ndarray) -> Form:
     if keep_parameter(problem, located.z, weights):
         return None, None, {}, "both branches that cross here keep the parameter: there is no criticality"
     c = branch_point_coefficients(problem, located, weights)
@@ -81,7 +79,7 @@ def _form(problem: Equilibrium, located: Located, weights: np.ndarray) -> Form:
     return kind, critical, numbers, note
 
 
-def _breaks(problem: Equilibrium, z: np.ndarray, q: np.ndarray) -> Symmetry | None:
+def _breaks(problem: EquilibriumEquations, z: np.ndarray, q: np.ndarray) -> Symmetry | None:
     """The declared symmetry that a branch point's state has and its critical vector has not."""
     n = problem.states
     for symmetry in problem.system.symmetries:
@@ -96,7 +94,7 @@ def _breaks(problem: Equilibrium, z: np.ndarray, q: np.ndarray) -> Symmetry | No
 # -- the equations -----------------------------------------------------------------------------------------
 
 
-def branch_point(problem: Equilibrium, sample: Sample) -> Located | None:
+def branch_point(problem: EquilibriumEquations, sample: Sample) -> Located | None:
     """The simple branch point near a sample; None where the nearest one is unfolded (mu is not zero)."""
     there = problem.jacobian(sample.z)
     left = critical_pair(there[:, : problem.size]).left.real
@@ -107,7 +105,7 @@ def branch_point(problem: Equilibrium, sample: Sample) -> Located | None:
     return _branch_point_from(problem, sample, deficiency(there, sample.weights).left)
 
 
-def _branch_point_from(problem: Equilibrium, sample: Sample, left: np.ndarray) -> Located | None:
+def _branch_point_from(problem: EquilibriumEquations, sample: Sample, left: np.ndarray) -> Located | None:
     """The branch point near a sample whose left critical vector is near a given one."""
     size = problem.size
     b = start = left / np.linalg.norm(left)
@@ -156,7 +154,9 @@ def _branch_point_from(problem: Equilibrium, sample: Sample, left: np.ndarray) -
 # -- the normal form ---------------------------------------------------------------------------------------
 
 
-def branch_point_coefficients(problem: Equilibrium, located: Located, weights: np.ndarray) -> dict[str, Any]:
+def branch_point_coefficients(
+    problem: EquilibriumEquations, located: Located, weights: np.ndarray
+) -> dict[str, Any]:
     """Coefficients of the algebraic branching equation and of the reduced equation along the critical vector.
 
     With q the null vector of F_u and h solving F_u h = -F_lambda, the branches leave along s q + t h, where
@@ -184,7 +184,7 @@ def branch_point_coefficients(problem: Equilibrium, located: Located, weights: n
     return {"c11": c11, "c12": c12, "c22": c22, "c": c, "c_error": c_error, "q": q}
 
 
-def _cubic(problem: Equilibrium, z: np.ndarray, q: np.ndarray, p: np.ndarray) -> float:
+def _cubic(problem: EquilibriumEquations, z: np.ndarray, q: np.ndarray, p: np.ndarray) -> float:
     """c of the reduced equation along the critical vector, zero where it is nothing against its terms."""
     size, forms = problem.size, Forms(problem, z)
     matrix = problem.jacobian(z)[:, :size]
@@ -199,7 +199,7 @@ def _bordered(matrix: np.ndarray, q: np.ndarray, p: np.ndarray) -> Factored:
     return Factored(np.block([[matrix, p[:, None]], [q[None, :], np.zeros((1, 1))]]))
 
 
-def is_pitchfork(problem: Equilibrium, located: Located, q: np.ndarray, p: np.ndarray) -> bool:
+def is_pitchfork(problem: EquilibriumEquations, located: Located, q: np.ndarray, p: np.ndarray) -> bool:
     """Whether p.B(q, q) vanishes, judged in extended precision at the refined point.
 
     A pitchfork is a statement of equality; in floats it could not be told from a transcritical point
@@ -226,7 +226,7 @@ def is_pitchfork(problem: Equilibrium, located: Located, q: np.ndarray, p: np.nd
 
 
 def _refined_null_vector(
-    problem: Equilibrium, inputs: Sequence[Any], q: np.ndarray, p: np.ndarray
+    problem: EquilibriumEquations, inputs: Sequence[Any], q: np.ndarray, p: np.ndarray
 ) -> list[Any]:
     """The null vector q of F_u in extended precision, padded with a zero for the parameter."""
     import mpmath

@@ -8,16 +8,12 @@ each round of substitution adds an order.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import PluginError
 from contwalk.numerics.linear import EPSILON, nearest_eigenpair
-
-if TYPE_CHECKING:
-    from contwalk.problems.equilibrium.equilibrium import Equilibrium
+from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 
 # Samples of a round, and harmonics that are solved for: some orders of a small cycle.
 SAMPLES, HARMONICS = 32, 6
@@ -32,7 +28,7 @@ FAINT = 1e-6
 class CycleSizes:
     """The sizes of a cycle that is born, when the parameter has changed by a given amount."""
 
-    def __init__(self, equilibrium: Equilibrium, point: SpecialPoint) -> None:
+    def __init__(self, equilibrium: EquilibriumEquations, point: SpecialPoint) -> None:
         n, z = equilibrium.states, np.array(point.unknowns)
         self._equilibrium, self._z = equilibrium, z
         self._omega = float(point.coefficients["omega"])

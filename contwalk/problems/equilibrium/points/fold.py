@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from contwalk.problems.equilibrium.defining_systems import real_eigenvalue
+from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.normal_forms import Forms, critical_vectors
 from contwalk.problems.equilibrium.points.point import EquilibriumPoint, Form
 from contwalk.problems.problem import Located, Sample, Test
-
-if TYPE_CHECKING:
-    from contwalk.problems.equilibrium.equilibrium import Equilibrium
 
 
 class Fold(EquilibriumPoint):
@@ -18,16 +16,16 @@ class Fold(EquilibriumPoint):
 
     label, test, changes = "LP", Test.TURN, (-1, 1)
 
-    def locate(self, problem: Equilibrium, sample: Sample, which: int) -> Located | None:
+    def locate(self, problem: EquilibriumEquations, sample: Sample, which: int) -> Located | None:
         """The fold near a sample."""
         return real_eigenvalue(problem, sample, shift=None)
 
-    def form(self, problem: Equilibrium, located: Located, sample: Sample) -> Form:
+    def form(self, problem: EquilibriumEquations, located: Located, sample: Sample) -> Form:
         """The coefficients of y' = b mu + a y^2."""
         return None, None, fold_coefficients(problem, located), None
 
 
-def fold_coefficients(problem: Equilibrium, located: Located) -> dict[str, Any]:
+def fold_coefficients(problem: EquilibriumEquations, located: Located) -> dict[str, Any]:
     """a = p.B(q, q) / 2 of the normal form y' = b mu + a y^2 (Kuznetsov 2004, eq. 5.20 and section 3.3).
 
     `b` = p.f_lambda, mu being the free parameter minus its value at the fold.

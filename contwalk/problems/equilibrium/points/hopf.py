@@ -7,7 +7,7 @@ Anal. 3, 295); sigma is zero, and the wanted real part where that is marked.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,12 +15,10 @@ from contwalk.branch import SpecialPoint
 from contwalk.numerics.linear import nearest_eigenpair
 from contwalk.numerics.refine import DefiningSystem, Solution
 from contwalk.problems.equilibrium.defining_systems import dot, solve
+from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.normal_forms import Forms, rounded
 from contwalk.problems.equilibrium.points.point import SURE, EquilibriumPoint, Form
 from contwalk.problems.problem import Located, Sample, Seed, Test
-
-if TYPE_CHECKING:
-    from contwalk.problems.equilibrium.equilibrium import Equilibrium
 
 
 class Hopf(EquilibriumPoint):
@@ -28,21 +26,21 @@ class Hopf(EquilibriumPoint):
 
     label, test, changes, births, daughters = "HB", Test.STABILITY, (-2, 2), True, 1
 
-    def tells(self, problem: Equilibrium, sample: Sample, which: int) -> bool:
+    def tells(self, problem: EquilibriumEquations, sample: Sample, which: int) -> bool:
         """A complex pair; real eigenvalues are told by the tests of folds and branch points."""
         return bool(sample.eigenvalues[which].imag != 0.0)
 
-    def locate(self, problem: Equilibrium, sample: Sample, which: int) -> Located | None:
+    def locate(self, problem: EquilibriumEquations, sample: Sample, which: int) -> Located | None:
         """The Hopf point near a sample."""
         return hopf(problem, sample, which)
 
-    def form(self, problem: Equilibrium, located: Located, sample: Sample) -> Form:
+    def form(self, problem: EquilibriumEquations, located: Located, sample: Sample) -> Form:
         """The first Lyapunov coefficient, and the side to which cycles are born."""
         coefficients = hopf_coefficients(problem, located, sample.weights)
         criticality, note = _criticality(problem, coefficients)
         return None, criticality, coefficients, note
 
-    def seeds(self, problem: Equilibrium, point: SpecialPoint) -> Sequence[Seed]:
+    def seeds(self, problem: EquilibriumEquations, point: SpecialPoint) -> Sequence[Seed]:
         """The cycle that is born."""
         from contwalk.problems.equilibrium.points.hopf_to_orbit import (
             from_hopf,  # compiled flows, where they are wanted
@@ -60,7 +58,9 @@ class Hopf(EquilibriumPoint):
         return 1j * float(point.coefficients["omega"])
 
 
-def _criticality(problem: Equilibrium, coefficients: dict[str, Any]) -> tuple[str | None, str | None]:
+def _criticality(
+    problem: EquilibriumEquations, coefficients: dict[str, Any]
+) -> tuple[str | None, str | None]:
     """Criticality and note of a Hopf point."""
     if abs(coefficients["l1"]) <= SURE * coefficients["l1_error"]:
         return None, "degenerate: the first Lyapunov coefficient is zero to its error"
@@ -72,7 +72,7 @@ def _criticality(problem: Equilibrium, coefficients: dict[str, Any]) -> tuple[st
 # -- the equations -----------------------------------------------------------------------------------------
 
 
-def hopf(problem: Equilibrium, sample: Sample, which: int, shift: float = 0.0) -> Located | None:
+def hopf(problem: EquilibriumEquations, sample: Sample, which: int, shift: float = 0.0) -> Located | None:
     """The point near a sample at which the pair of eigenvalue number `which` has real part `shift`."""
     size, n = problem.size, problem.states
     eigenvalue = sample.eigenvalues[which]
@@ -146,7 +146,7 @@ def _complex_as_real(a: np.ndarray, omega: float) -> np.ndarray:
 # -- the normal form ---------------------------------------------------------------------------------------
 
 
-def hopf_coefficients(problem: Equilibrium, located: Located, weights: np.ndarray) -> dict[str, Any]:
+def hopf_coefficients(problem: EquilibriumEquations, located: Located, weights: np.ndarray) -> dict[str, Any]:
     """First Lyapunov coefficient with its estimated error, and how fast the pair crosses.
 
     The error is how far l1 moves while the solution moves by roundings of its own and of its weights.
@@ -165,7 +165,7 @@ def hopf_coefficients(problem: Equilibrium, located: Located, weights: np.ndarra
 
 
 def _lyapunov(
-    problem: Equilibrium, z: np.ndarray, omega: float, q: np.ndarray
+    problem: EquilibriumEquations, z: np.ndarray, omega: float, q: np.ndarray
 ) -> tuple[float, np.ndarray, np.ndarray]:
     """l1 with its critical vectors q and p (Kuznetsov 2004, eq. 5.34), <q, q> = 1, <p, q> = 1.
 

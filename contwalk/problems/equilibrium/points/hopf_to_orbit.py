@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
+from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.points.cycle_sizes import CycleSizes
 from contwalk.problems.neutral import generator_at
 from contwalk.problems.orbit.closure import imaged, order_of
@@ -19,11 +19,8 @@ from contwalk.problems.problem import Seed
 from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
 
-if TYPE_CHECKING:
-    from contwalk.problems.equilibrium.equilibrium import Equilibrium
 
-
-def from_hopf(equilibrium: Equilibrium, point: SpecialPoint) -> Sequence[Seed]:
+def from_hopf(equilibrium: EquilibriumEquations, point: SpecialPoint) -> Sequence[Seed]:
     """The cycle that is born at a Hopf point, along its critical vectors."""
     n, z = equilibrium.states, np.array(point.unknowns)
     omega = float(point.coefficients["omega"])
@@ -100,7 +97,7 @@ def _turned(q: np.ndarray, magnitudes: np.ndarray) -> np.ndarray:
 
 
 def _symmetry_of_cycle(
-    equilibrium: Equilibrium, x: np.ndarray, z: np.ndarray, q: np.ndarray
+    equilibrium: EquilibriumEquations, x: np.ndarray, z: np.ndarray, q: np.ndarray
 ) -> tuple[Symmetry, int, int] | None:
     """Symmetry, power and fold of a cycle whose critical vector a spatial symmetry turns by a part of a
     round.

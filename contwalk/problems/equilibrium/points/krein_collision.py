@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from contwalk.branch import SpecialPoint
 from contwalk.numerics import krein
+from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.points.point import EquilibriumPoint, Form
 from contwalk.problems.problem import Located, Sample, Test
-
-if TYPE_CHECKING:
-    from contwalk.problems.equilibrium.equilibrium import Equilibrium
 
 NOTE = (
     "Krein collision: two pairs of eigenvalues meet on the imaginary axis and leave it as a quadruple "
@@ -24,7 +20,7 @@ class KreinCollision(EquilibriumPoint):
 
     label, test, changes, along, daughters = "HB", Test.STABILITY, (-2, 2), True, 0
 
-    def tells(self, problem: Equilibrium, sample: Sample, which: int) -> bool:
+    def tells(self, problem: EquilibriumEquations, sample: Sample, which: int) -> bool:
         """A quadruple, of eigenvalues that come as lambda and -lambda."""
         values = sample.eigenvalues
         return (
@@ -33,11 +29,11 @@ class KreinCollision(EquilibriumPoint):
             and self.value(problem, sample) < 0.0
         )
 
-    def value(self, problem: Equilibrium, sample: Sample) -> float:
+    def value(self, problem: EquilibriumEquations, sample: Sample) -> float:
         """How far two pairs are apart: positive on the axis, negative of a quadruple."""
         return krein.parted(sample.eigenvalues, sample.eigenvalues**2)
 
-    def form(self, problem: Equilibrium, located: Located, sample: Sample) -> Form:
+    def form(self, problem: EquilibriumEquations, located: Located, sample: Sample) -> Form:
         """The frequency at which the pairs meet."""
         which = int(located.vectors["which"])
         return None, None, {"omega": abs(float(sample.eigenvalues[which].imag)), "pairs": 2}, NOTE

@@ -6,18 +6,15 @@ The equations are those of a fold; their Jacobian is deficient, since v may turn
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.numerics.linear import balanced
 from contwalk.problems.equilibrium.defining_systems import VANISHED, real_eigenvalue
+from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.points.point import EquilibriumPoint, Form
 from contwalk.problems.problem import Located, Sample, Test
-
-if TYPE_CHECKING:
-    from contwalk.problems.equilibrium.equilibrium import Equilibrium
 
 
 class MultipleZero(EquilibriumPoint):
@@ -25,15 +22,15 @@ class MultipleZero(EquilibriumPoint):
 
     label, test, singular, daughters = "BP", Test.TOGETHER, True, 1
 
-    def locate(self, problem: Equilibrium, sample: Sample, which: int) -> Located | None:
+    def locate(self, problem: EquilibriumEquations, sample: Sample, which: int) -> Located | None:
         """The point near a sample at which F_u has a null space of more than one dimension."""
         return multiple_zero(problem, sample)
 
-    def tangent(self, problem: Equilibrium, located: Located, near: Sample) -> np.ndarray | None:
+    def tangent(self, problem: EquilibriumEquations, located: Located, near: Sample) -> np.ndarray | None:
         """Only continuity tells."""
         return near.tangent
 
-    def form(self, problem: Equilibrium, located: Located, sample: Sample) -> Form:
+    def form(self, problem: EquilibriumEquations, located: Located, sample: Sample) -> Form:
         """How many eigenvalues vanish."""
         coefficients = {"multiplicity": located.vectors["multiplicity"]}
         note = (
@@ -47,7 +44,7 @@ class MultipleZero(EquilibriumPoint):
         return point.label == self.label and "multiplicity" in point.coefficients
 
 
-def multiple_zero(problem: Equilibrium, sample: Sample) -> Located | None:
+def multiple_zero(problem: EquilibriumEquations, sample: Sample) -> Located | None:
     """The point near a sample at which F_u has a null space of more than one dimension."""
     located = real_eigenvalue(problem, sample, shift=None, deficient=True)
     if located is None:

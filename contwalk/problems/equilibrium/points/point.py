@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
+from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.problem import Located, PointType, Sample
-
-if TYPE_CHECKING:
-    from contwalk.problems.equilibrium.equilibrium import Equilibrium
 
 # A coefficient has a sign if it is this many times its estimated error.
 SURE = 10.0
@@ -22,7 +20,7 @@ Form = tuple[str | None, str | None, dict[str, Any], str | None]
 class EquilibriumPoint(PointType):
     """A kind of special point of equilibria."""
 
-    def form(self, problem: Equilibrium, located: Located, sample: Sample) -> Form:
+    def form(self, problem: EquilibriumEquations, located: Located, sample: Sample) -> Form:
         """Kind, criticality, coefficients and note of a located point.
 
         Raises
@@ -32,7 +30,9 @@ class EquilibriumPoint(PointType):
         """
         return None, None, {}, None
 
-    def describe(self, problem: Equilibrium, located: Located, sample: Sample, s: float) -> SpecialPoint:
+    def describe(
+        self, problem: EquilibriumEquations, located: Located, sample: Sample, s: float
+    ) -> SpecialPoint:
         """The record of a located point, with its normal form."""
         z = located.z
         try:
@@ -55,7 +55,7 @@ class EquilibriumPoint(PointType):
             tangent=tuple(sample.tangent.tolist()),
         )
 
-    def _told(self, problem: Equilibrium, located: Located, sample: Sample) -> Form:
+    def _told(self, problem: EquilibriumEquations, located: Located, sample: Sample) -> Form:
         kind, criticality, coefficients, note = self.form(problem, located, sample)
         if located.vectors.get("turns"):
             turns = "the parameter turns here as well: a fold that is not told apart"

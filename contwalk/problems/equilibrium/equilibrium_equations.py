@@ -1,0 +1,256 @@
+"""Equations of equilibria at values of the parameters: what they are, and how their unknowns are read.
+
+Beside the data stands here only what reads them: residual and Jacobian, their rounding, the magnitudes that
+they tell of the unknowns. What is computed of equilibria are functions over this class, and `Equilibrium`
+offers them to the engine.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from contwalk.errors import SystemDefinitionError, all_measured, called
+from contwalk.fields.kernel import Kernel
+from contwalk.numerics.linear import Factored
+from contwalk.numerics.spectrum import EPSILON
+from contwalk.problems import neutral as neutrals
+from contwalk.problems.angles import whole_turns
+from contwalk.problems.equilibrium.equations import equations_of
+from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.parameter_line import Ends, ParameterLine
+from contwalk.problems.problem import Linearization, Problem
+from contwalk.python_functions import plain
+from contwalk.system import Neutral, System
+from contwalk.system.declarations import ParameterValues
+
+# A magnitude of the parameter this many times its value is looked at again; slopes this many times their
+# rounding tell something.
+FAR, NOISY = 1e6, 16.0
+TINY = float(np.finfo(float).tiny)
+
+
+class EquilibriumEquations(ABC):
+    """The equations f(x, p) = 0 along a line of parameters; see `Equilibrium` for its parameters."""
+
+    def __init__(
+        self,
+        system: System,
+        parameters: Mapping[str, float],
+        free: str,
+        path: Ends | None = None,
+        pins: Sequence[Neutral] = (),
+        reference: np.ndarray | None = None,
+        discretization: Discretization | None = None,
+    ) -> None:
+        if system.period is not None:
+            raise SystemDefinitionError(
+                f"System '{system.name}' is forced periodically (period=...), so it has no equilibria.",
+                "Its periodic orbits are another kind of problem.",
+            )
+        self.system = system
+        self.line = ParameterLine.of(system, parameters, free, path)
+        self.free, self.parameters = free, self.line.parameters
+        self.pins = tuple(pins)
+        self.states = len(system.states)
+        self.size = self.states + len(self.pins)
+        self.reference = reference
+        self.discretization = discretization
+        self.evaluations = 0
+        self._base, self._direction = self.line.base.tolist(), self.line.direction.tolist()
+        self._held = self._held_values()
+        declared = [(i, s.scale) for i, s in enumerate(system.states) if s.scale is not None]
+        self._declared = [i for i, _ in declared]
+        self._scales = [scale for _, scale in declared]
+        self.kernels = equations_of(system, self.line.own, self.line.moving, self.pins)
+        self._observables: dict[str, tuple[Kernel, Kernel]] = {}
+        self.periods = np.array([s.period or 0.0 for s in system.states] + [0.0] * (len(self.pins) + 1))
+
+    def _held_values(self) -> list[float]:
+        """Reference values of the pins, in the order in which `Equations` reads them."""
+        values: list[float] = []
+        for pin in self.pins:
+            if self.reference is None:
+                raise ValueError("pinned directions need a reference state")
+            if pin.pin is None:
+                g = neutrals.generator_at(pin, self.reference, self.parameters)
+                values += [*self.reference.tolist(), *(g / np.linalg.norm(g)).tolist()]
+            else:
+                values.append(float(self.reference[self.system.state_names.index(pin.pin)]))
+        return values
+
+    def values_of(self, z: np.ndarray) -> dict[str, float]:
+        """All parameters at z, by name; of what is conserved, what the equilibrium has of it."""
+        values = self.line.at(float(z[-1]))
+        for quantity in self.system.conserved:
+            function = plain(quantity.of(self.system.modes[0].name))
+            values[quantity.name] = float(function(0.0, z[: self.states], ParameterValues(**values)))
+        return values
+
+    def inputs(self, z: np.ndarray) -> tuple[list[float], ...]:
+        """Arguments of the kernels at z."""
+        self.evaluations += 1
+        values = z.tolist()
+        return values[:-1], values[-1:], self._base, self._direction, self._held
+
+    def exact_inputs(self, z: Sequence[Any]) -> tuple[list[Any], ...]:
+        """Arguments of the kernels in extended precision."""
+        import mpmath
+
+        self.evaluations += 1
+        constants = [[mpmath.mpf(v) for v in g] for g in (self._base, self._direction, self._held)]
+        return list(z[: self.size]), [z[self.size]], *constants
+
+    def linearize(self, z: np.ndarray) -> Linearization:
+        """The equations at z."""
+        inputs = self.inputs(z)
+        table = self.kernels.linearization(*inputs)
+        return Linearization(table[:, 0], table[:, 1:], lambda: self._levels(z, inputs, table[:, 1:]))
+
+    def jacobian(self, z: np.ndarray) -> np.ndarray:
+        """DF(z), shape (N, N + 1), for critical vectors: entries of df/dx that are rounding noise are zero.
+
+        Noise in the place of a zero would couple states that are not, and mislead the balancing of the
+        matrix.
+        """
+        inputs, n = self.inputs(z), self.states
+        jacobian = self.kernels.linearization(*inputs)[:, 1:]
+        noise = 4.0 * EPSILON * self.kernels.rounding_of_matrix(*inputs)
+        jacobian[:n, :n][np.abs(jacobian[:n, :n]) <= noise] = 0.0
+        return jacobian
+
+    def solve_states(self, z: np.ndarray, right: np.ndarray) -> np.ndarray:
+        """A^-1 right, with the pins in place, shape (n,)."""
+        full = np.append(right, np.zeros(self.size - self.states))
+        return Factored(self.jacobian(z)[:, : self.size]).solve(full)[: self.states]
+
+    def crossing_rate(self, z: np.ndarray, q: np.ndarray, p: np.ndarray) -> float:
+        """d Re(eigenvalue) / d(parameter) along the branch, for critical vectors with p.q = 1."""
+        jacobian = self.jacobian(z)
+        along = Factored(jacobian[:, : self.size]).solve(-jacobian[:, -1])
+        rate = self.kernels.rate_of_matrix(*self.inputs(z), [*along.tolist(), 1.0])
+        return float((p @ rate @ q).real)
+
+    def observable_kernels(self, name: str) -> tuple[Kernel, Kernel]:
+        """Value and gradient of a declared observable."""
+        if name not in self._observables:
+            function = next(o.function for o in self.system.observables if o.name == name)
+            self._observables[name] = self.kernels.of_observable(function)
+        return self._observables[name]
+
+    def measured(self, z: np.ndarray) -> list[float]:
+        """Values of the system's observables."""
+        x = z[: self.states].reshape(1, -1)
+        p = ParameterValues(**self.values_of(z))
+        return all_measured(self._named, np.zeros(1), x, p)
+
+    @cached_property
+    def _named(self) -> list[tuple[str, Callable[..., float]]]:
+        """The system's observables, each with what it is called in sentences."""
+        return [(f"observable '{o.name}'", o.function) for o in self.system.observables]
+
+    def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
+        """The same solution with its angles turned as near as possible to those of another one."""
+        return z + whole_turns(near - z, self.periods)
+
+    def image(self, symmetry: str, z: np.ndarray) -> np.ndarray:
+        """Image of a solution under a declared symmetry."""
+        declared = next(s for s in self.system.symmetries if s.name == symmetry)
+        x = np.zeros(self.states)
+        p = ParameterValues(**self.values_of(z))
+        called(f"symmetry '{symmetry}'", declared.map, 0.0, z[: self.states].copy(), p, x)
+        return np.concatenate([x, z[self.states :]])
+
+    @abstractmethod
+    def refined(self, z: np.ndarray, weights: np.ndarray) -> Problem:
+        """The problem for special points near z, as the engine sees it."""
+
+    # -- rounding, and magnitudes ----------------------------------------------------------------------------
+
+    def _levels(
+        self, z: np.ndarray, inputs: tuple[list[float], ...], jacobian: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Rounding levels of the equations and typical magnitudes of z."""
+        derivatives, sizes = np.abs(jacobian), np.abs(z)
+        # Beside the rounding of the evaluation: z itself is only known to half an ulp ...
+        level = EPSILON * (self.kernels.rounding(*inputs) + derivatives @ sizes) + TINY
+        shares = derivatives * sizes
+        telling = self._telling(z, derivatives, shares, level / EPSILON)
+        magnitudes = self._magnitudes(z, derivatives, shares, telling)
+        # ... and an unknown that is zero only to half an ulp of what would matter.
+        level = level + EPSILON * (derivatives @ np.where(magnitudes > 0, magnitudes, 0.0))
+        return level, magnitudes
+
+    def _telling(
+        self, z: np.ndarray, derivatives: np.ndarray, shares: np.ndarray, terms: np.ndarray
+    ) -> np.ndarray:
+        """The sizes of the equations' terms, shape (N,), zero where they are nothing but noise of zero.
+
+        An unknown that another equation cannot tell from zero may be zero; an equation that has no terms
+        then tells no magnitudes either, as where it is zero exactly.
+        """
+        unseen = (shares > 0.0) & (shares < EPSILON * terms[:, None]) & (derivatives > 1e-100)
+        noise = np.logical_or.reduce(unseen, axis=0)
+        noise[-1] = False  # the parameter is what it is
+        if not noise.any():
+            return terms
+        zeroed = np.where(noise, 0.0, z)
+        inputs = self.inputs(zeroed)
+        rounding = self.kernels.rounding(*inputs)
+        if (rounding > 0.0).all():  # each has terms still
+            return terms
+        sizes = np.abs(self.kernels.linearization(*inputs)[:, 1:]) @ np.abs(zeroed)
+        if ((rounding == 0.0) & (sizes > 0.0)).any():  # of slopes that are no noise themselves?
+            sizes = np.abs(self.jacobian(zeroed)) @ np.abs(zeroed)
+        return np.where(rounding + sizes > 0.0, terms, 0.0)
+
+    def _magnitudes(
+        self, z: np.ndarray, derivatives: np.ndarray, shares: np.ndarray, terms: np.ndarray
+    ) -> np.ndarray:
+        """Typical magnitudes of z, shape (N + 1,); NaN where neither z nor the equations tell.
+
+        Declared scales are used as they are. Otherwise it is the size of the unknown, or the change of it
+        that would matter in some equation (against the size of its terms, shape (N,)), whichever is larger.
+        An equation in which the unknown itself is the largest term, as x' = v, tells nothing about it.
+        """
+        tells, column, size = np.isfinite(terms) & (terms > 1e-290), terms[:, None], np.abs(z)
+        told = np.isfinite(derivatives) & (derivatives > 1e-100) & tells[:, None]
+        told &= shares < 0.4 * column
+        matters = (np.where(told, column, np.inf) / np.where(told, derivatives, 1.0)).min(axis=0)
+        natural = np.maximum(size, np.where(matters < np.inf, matters, 0.0))
+        # What no equation tells and is this small is rounding noise of zero, of unknown magnitude.
+        natural[(matters == np.inf) & (natural < 1e-13)] = np.nan
+        natural[self._declared] = self._scales
+        natural[self.states : self.size] = np.nan  # drifts are zero; what they are is noise
+        # The parameter, and unknowns that may be noise of zero, where so little of them is much.
+        far = (natural > FAR * size) & ((z != 0.0) | (np.arange(len(z)) == self.size))
+        far[self._declared] = False
+        if not far.any():
+            return natural
+        natural[far] = np.nan
+        for i in np.flatnonzero(far):
+            natural[i] = self._magnitude(z, int(i), derivatives[:, i], terms, natural)
+        return natural
+
+    def _magnitude(
+        self, z: np.ndarray, which: int, slopes: np.ndarray, terms: np.ndarray, magnitudes: np.ndarray
+    ) -> float:
+        """Of one unknown, the change of it that would matter in some equation whose slope is no noise.
+
+        Where that with which it is multiplied is zero to rounding, it tells nothing; one over that would be
+        its magnitude.
+        """
+        along = np.zeros(len(z))
+        along[which] = 1.0
+        known = np.maximum(np.abs(z), np.where(np.isfinite(magnitudes), magnitudes, 1.0))
+        known[[which, -1]] = abs(z[which]), abs(z[-1])
+        noise = EPSILON * (np.abs(self.kernels.jacobian_of_first(*self.inputs(z), along.tolist())) @ known)
+        told = (slopes > NOISY * noise) & (slopes > 1e-100) & (terms > 1e-290)
+        size = float(abs(z[which]))
+        if np.any(told):
+            return max(size, float(np.min(terms[told] / slopes[told])))
+        return size if size >= 1e-13 else float("nan")
