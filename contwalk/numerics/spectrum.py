@@ -49,12 +49,13 @@ class Spectrum:
         (`before`), so that rounding never looks like a bifurcation.
         """
         real, errors = self.measures, self.errors
+        free = np.ones(len(real), dtype=bool) if self.bordering is None else ~self.bordering
         if self.still:
-            real, errors = real[:-1], errors[:-1]
-        if before is None or self.bordering is not None:
+            real, errors, free = real[:-1], errors[:-1], free[:-1]
+        if before is None:
             return int(np.sum(real > errors))
-        positive = np.where(np.abs(real) > errors, real > 0, np.arange(len(real)) < before)
-        return int(np.sum(positive))
+        counted = free & (np.cumsum(free) <= before)  # what stays on the axis is none of those that count
+        return int(np.sum(np.where(np.abs(real) > errors, real > 0, counted)))
 
 
 def complement(generators: np.ndarray) -> np.ndarray:
