@@ -28,7 +28,7 @@ from contwalk.continuation.newton import correct
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.errors import ContwalkError
-from contwalk.problems.problem import Problem, Sample, equations_at
+from contwalk.problems.problem import PointType, Problem, Sample, equations_at
 from contwalk.system import Transition
 
 TESTS = Path(__file__).parents[1]
@@ -179,7 +179,7 @@ def elsewhere(problem: Problem, sample: Sample, z: np.ndarray, chance: random.Ra
         lambda: problem.margins(z) if hasattr(problem, "margins") else None,
         lambda: problem.motion_of(z),
         lambda: problem.magnitudes_near(z),
-        lambda: problem.locate("LP", sample, 0),
+        lambda: _fold(problem).locate(problem, sample, 0),
         lambda: None if linearization.nearby is None else linearization.nearby()(sample.z),
         lambda: beside(problem, sample),
     ]
@@ -187,6 +187,10 @@ def elsewhere(problem: Problem, sample: Sample, z: np.ndarray, chance: random.Ra
         ContwalkError, np.linalg.LinAlgError
     ):  # far from the orbit there may be no motion
         chance.choice(asked)()
+
+
+def _fold(problem: Problem) -> PointType:
+    return next(kind for kind in problem.point_types if kind.label == "LP")
 
 
 def beside(problem: Problem, sample: Sample) -> None:
