@@ -77,7 +77,7 @@ def solution(*given: Any, **options: Any) -> tuple[HybridOrbit, np.ndarray]:
     opening = opened(*given, **options)
     assert isinstance(opening, Opening), opening.message
     assert isinstance(opening.problem, HybridOrbit)
-    return opening.problem, opening.here.sample.z
+    return opening.problem, opening.state.sample.z
 
 
 def diagram(

@@ -13,7 +13,7 @@ from contwalk.continuation import outcomes
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.rows import from_row
 from contwalk.continuation.settings import Settings
-from contwalk.continuation.state import Here
+from contwalk.continuation.state import ContinuationState
 from contwalk.errors import DatabaseError
 from contwalk.labels import END
 from contwalk.problems.problem import MAX_ABS, MAX_RE, PointType, Problem
@@ -53,7 +53,7 @@ class Stored:
 
 
 @dataclass
-class Work:
+class BranchInProgress:
     """A branch in the making."""
 
     info: BranchInfo
@@ -113,12 +113,12 @@ def check_columns(stored: Stored, info: BranchInfo) -> None:
     )
 
 
-def closed(work: Work) -> bool:
+def closed(work: BranchInProgress) -> bool:
     """Whether a direction has come back to the start, so that the other one is known."""
     return any(outcome.reason == "closed" for _, outcome in work.outcomes)
 
 
-def spent(work: Work, sign: float) -> int:
+def spent(work: BranchInProgress, sign: float) -> int:
     """How many of the points that a direction may have are there: those at the start, and its own."""
     return sum(1 for row in work.rows if row["s"][0] * sign >= 0.0)
 
@@ -143,12 +143,12 @@ def outdated(stored: Stored, settings: Settings) -> frozenset[int]:
 
 def resumed(
     problem: Problem,
-    work: Work,
+    work: BranchInProgress,
     stored: Stored,
     signs: tuple[float, ...],
     events: Mapping[str, str],
     without: frozenset[int] = frozenset(),
-) -> tuple[dict[float, tuple[Problem, Here]], tuple[int, ...]]:
+) -> tuple[dict[float, tuple[Problem, ContinuationState]], tuple[int, ...]]:
     """Where each direction goes on; those that have ended are left out and their outcomes taken over.
 
     The second value tells the numbers of the special points that are kept; those of `without` are not.
@@ -169,7 +169,7 @@ def resumed(
     if len(kept) == 1 and ends:  # ended where it began
         ends = dict(zip(signs, [p for p in work.special_points if p.label == END], strict=False))
     born = work.info.parent is not None
-    places: dict[float, tuple[Problem, Here]] = {}
+    places: dict[float, tuple[Problem, ContinuationState]] = {}
     for sign in signs:
         if sign in ends:
             end = ends[sign]

@@ -279,13 +279,13 @@ def _sides(segment: Segment, point: Found) -> list[Sample]:
     return [segment.at(t) for t in (point.theta - apart, point.theta + apart) if 0.0 <= t <= 1.0]
 
 
-def _twice_critical(here: Sample, sides: list[Sample]) -> bool:
+def _twice_critical(there: Sample, sides: list[Sample]) -> bool:
     """Whether two eigenvalues are critical at a branch point, against what they are beside it."""
 
     def second(sample: Sample) -> float:
         return float(np.sort(np.abs(sample.eigenvalues - sample.critical))[1])
 
-    return len(here.eigenvalues) > 1 and any(second(here) <= CRITICAL * second(side) for side in sides)
+    return len(there.eigenvalues) > 1 and any(second(there) <= CRITICAL * second(side) for side in sides)
 
 
 def _measure_crossings(segment: Segment, low: float, high: float, known: list[Found]) -> list[Found]:

@@ -16,9 +16,9 @@ import numpy as np
 from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint
 from contwalk.continuation import mirror_images, outcomes
 from contwalk.continuation.branch_in_progress import (
+    BranchInProgress,
     Start,
     Stored,
-    Work,
     check_columns,
     closed,
     combined,
@@ -35,7 +35,7 @@ from contwalk.continuation.recognition import Known, known_branch
 from contwalk.continuation.records import start_record
 from contwalk.continuation.rows import from_row, to_row
 from contwalk.continuation.settings import Settings
-from contwalk.continuation.state import Here, begin, turned
+from contwalk.continuation.state import ContinuationState, begin, turned
 from contwalk.errors import ContwalkError
 from contwalk.labels import END, FOLLOWED
 from contwalk.problems.problem import LimitType, Mirror, PointType, Problem, Sample
@@ -163,19 +163,19 @@ class Diagram:
         """The known branch that a start, or its image, lies on."""
         if isinstance(start.opening, Outcome):
             return None
-        problem, here = start.opening.problem, start.opening.here
+        problem, state = start.opening.problem, start.opening.state
         if start.parent is None:
-            return known_branch(problem, here.sample, self.branches)
+            return known_branch(problem, state.sample, self.branches)
         twin = self._twin(start)
         if twin is not None:
             return twin
         if start.leaves is not None and start.leaves.births:
-            ending = next((b.name for b in self.branches if _ends_at_point(b, here)), None)
+            ending = next((b.name for b in self.branches if _ends_at_point(b, state)), None)
             if ending is not None:
                 return Known(ending)
         # A branch point lies on the parent anyway: look at the first points away from it.
         mirrored = self._mirror(start.opening, start) is not None
-        facing = (here if sign > 0 else turned(here) for sign in self._signs(start)[: 1 if mirrored else 2])
+        facing = (state if sign > 0 else turned(state) for sign in self._signs(start)[: 1 if mirrored else 2])
         beside = [sample for place in facing if (sample := self._beside(problem, place)) is not None]
         names = [known_branch(problem, sample, self.branches) for sample in beside]
         return names[0] if names and None not in names else None
@@ -191,16 +191,16 @@ class Diagram:
         leaving = [b for b in self.branches if b.info.parent == (name, -s) and len(b) > 1]
         return Known(leaving[0].name, tuple(mirror)) if len(leaving) == 1 else None
 
-    def _beside(self, problem: Problem, here: Here) -> Sample | None:
+    def _beside(self, problem: Problem, state: ContinuationState) -> Sample | None:
         """The first point away from a start, or half way to where the branch ends before it."""
         settings, observer = self._plan.settings, observer_of(problem)
         for _ in range(2):
-            for event in walk(problem, here, settings, observer, 1.0, settings.max_points):
+            for event in walk(problem, state, settings, observer, 1.0, settings.max_points):
                 if isinstance(event, Point) and event.special is None:
-                    return event.here.sample
-            if event.special is None or event.special.s == here.s:
+                    return event.state.sample
+            if event.special is None or event.special.s == state.s:
                 return None
-            here = replace(here, step=0.5 * (event.special.s - here.s))
+            state = replace(state, step=0.5 * (event.special.s - state.s))
         return None
 
     def _signs(self, start: Start) -> tuple[float, ...]:
@@ -215,7 +215,7 @@ class Diagram:
         if not both or self._plan.settings.mirror_images == "walked":
             return None
         if self._mirrored is None or self._mirrored[0] is not opening:  # asked several times of one start
-            self._mirrored = opening, opening.problem.mirror(opening.here.sample)
+            self._mirrored = opening, opening.problem.mirror(opening.state.sample)
         return self._mirrored[1]
 
     def _info(self, start: Start, name: str) -> BranchInfo:
@@ -228,7 +228,7 @@ class Diagram:
         return info if mirror is None else replace(info, settings={**info.settings, "mirror": mirror.names})
 
     def _branch(self, start: Start, name: str) -> Iterator[Event]:
-        work = Work(self._info(start, name))
+        work = BranchInProgress(self._info(start, name))
         stored = self._restore(work.info.name)
         if stored is not None and stored.outcome is not None and self._is_whole(stored, stored.outcome):
             work.rows, work.special_points = [stored.rows], list(stored.special_points)
@@ -254,7 +254,9 @@ class Diagram:
         """Whether nothing is to be added to a stored branch."""
         return outcome.reason != "interrupted" and not outdated(stored, self._plan.settings)
 
-    def _walked(self, start: Start, opening: Opening, work: Work, stored: Stored | None) -> Iterator[Event]:
+    def _walked(
+        self, start: Start, opening: Opening, work: BranchInProgress, stored: Stored | None
+    ) -> Iterator[Event]:
         """Both directions of a branch, or what is missing of them."""
         problem, settings, signs = opening.problem, self._plan.settings, self._signs(start)
         observer = observer_of(problem)
@@ -265,8 +267,8 @@ class Diagram:
                     yield Noted(
                         f"method {work.info.name}", f"{work.info.name}: integrated by {problem.method}."
                     )
-            yield from self._kinks(problem, work, opening.here.sample, opening.here.sample)
-            work.rows = [to_row(work.info, problem, opening.here, 1.0, None)]
+            yield from self._kinks(problem, work, opening.state.sample, opening.state.sample)
+            work.rows = [to_row(work.info, problem, opening.state, 1.0, None)]
             yield Found(work.info, work.rows[0], None)
             # The walk sets out from what the row tells, as it would when taken up again.
             born = work.info.parent is not None
@@ -290,7 +292,12 @@ class Diagram:
             yield from self._direction(problem, work, places[sign], sign, observer)
 
     def _direction(
-        self, problem: Problem, work: Work, place: tuple[Problem, Here], sign: float, observer: Observer
+        self,
+        problem: Problem,
+        work: BranchInProgress,
+        place: tuple[Problem, ContinuationState],
+        sign: float,
+        observer: Observer,
     ) -> Iterator[Event]:
         """One direction of a branch, walked from a place to its end."""
         settings, last = self._plan.settings, place[1].sample
@@ -301,15 +308,17 @@ class Diagram:
                 yield Found(work.info, None, event.special)
                 continue
             # Before the point itself is: a run that is killed between the two tells it again.
-            yield from self._kinks(problem, work, last, event.here.sample)
-            last = event.here.sample
-            row = to_row(work.info, problem, event.here, sign, event.special)
+            yield from self._kinks(problem, work, last, event.state.sample)
+            last = event.state.sample
+            row = to_row(work.info, problem, event.state, sign, event.special)
             work.rows.append(row)
             if event.special is not None:
                 work.special_points.append(event.special)
             yield Found(work.info, row, event.special)
 
-    def _imaged(self, mirror: Mirror, problem: Problem, work: Work) -> Generator[Event, None, bool]:
+    def _imaged(
+        self, mirror: Mirror, problem: Problem, work: BranchInProgress
+    ) -> Generator[Event, None, bool]:
         """What is missing of the half towards negative s, as images; whether it is whole then."""
         half = mirror_images.Half.of(work.rows, work.special_points, 1.0)
         if half is None:
@@ -351,7 +360,7 @@ class Diagram:
         yield Found(work.info, None, end)
         return True
 
-    def _kinks(self, problem: Problem, work: Work, a: Sample, b: Sample) -> Iterator[Noted]:
+    def _kinks(self, problem: Problem, work: BranchInProgress, a: Sample, b: Sample) -> Iterator[Noted]:
         """Once a branch, that the equations of its solutions are smooth by pieces only at a plugin's line."""
         of = "equilibria" if problem.kind == "equilibrium" else "orbits"
         for kink in problem.kinks_between(a, b):
@@ -360,12 +369,12 @@ class Diagram:
                 work.told.add(key)
                 yield Noted(key, f"{work.info.name}: {kink.sentence(of)}")
 
-    def _start_marks(self, work: Work, opening: Opening, observer: Observer) -> Iterator[Found]:
+    def _start_marks(self, work: BranchInProgress, opening: Opening, observer: Observer) -> Iterator[Found]:
         """Marks that the start of a branch has itself."""
-        problem, here = opening.problem, opening.here
-        for kind in marks_at(here.sample, self._plan.settings.marks, observer):
-            record = start_record(problem, here, kind)
-            row = to_row(work.info, problem, here, 1.0, record)
+        problem, state = opening.problem, opening.state
+        for kind in marks_at(state.sample, self._plan.settings.marks, observer):
+            record = start_record(problem, state, kind)
+            row = to_row(work.info, problem, state, 1.0, record)
             work.rows.append(row)
             work.special_points.append(record)
             yield Found(work.info, row, record)
@@ -401,11 +410,11 @@ class Diagram:
         """The branches that leave a point; of one that cannot be begun, why."""
         try:
             for seed in kind.seeds(problem, point):
-                here = begin(seed.problem, seed.z, self._plan.settings, seed.tangent, seed.reach)
-                if isinstance(here, Here):
-                    yield Opening(seed.problem, here, one_sided=seed.one_sided)
+                state = begin(seed.problem, seed.z, self._plan.settings, seed.tangent, seed.reach)
+                if isinstance(state, ContinuationState):
+                    yield Opening(seed.problem, state, one_sided=seed.one_sided)
                 else:
-                    yield outcomes.no_start(here.reason, here.sentence)
+                    yield outcomes.no_start(state.reason, state.sentence)
         except outcomes.BREAKDOWNS as error:
             yield _broken(error, f"The branch that leaves {point.name} cannot be begun")
 
@@ -421,11 +430,11 @@ def _broken(error: ContwalkError | np.linalg.LinAlgError, what: str) -> Outcome:
 NEAR_PARAMETER, NEAR_PERIOD, NEAR_STATE = 0.05, 0.1, 0.5
 
 
-def _ends_at_point(branch: Branch, here: Here) -> bool:
+def _ends_at_point(branch: Branch, state: ContinuationState) -> bool:
     """Whether a family of orbits ends at the Hopf point that another one is to begin at."""
-    if branch.info.problem != "periodic_orbit" or here.sample.sizes is None:
+    if branch.info.problem != "periodic_orbit" or state.sample.sizes is None:
         return False
-    sample, n = here.sample, len(branch.info.states)
+    sample, n = state.sample, len(branch.info.states)
     for point in branch.special_points:
         if point.label != END or point.kind != "shrunk":
             continue

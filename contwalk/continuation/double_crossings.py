@@ -53,14 +53,14 @@ def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | Non
     They are looked for on the finest steps; None where the extremum is not that near to zero, or the problem
     has no steps.
     """
-    here = segment.at(theta)
+    sample = segment.at(theta)
     ends = max(abs(segment.a.measures[which]), abs(segment.b.measures[which]))
-    if abs(here.measures[which]) > max(CLOSE * ends, here.spectrum_error or 0.0):
+    if abs(sample.measures[which]) > max(CLOSE * ends, sample.spectrum_error or 0.0):
         return None
     try:
-        finest = segment.problem.finest(here.z, segment.weights)
+        finest = segment.problem.finest(sample.z, segment.weights)
     except NotFinite as error:
-        kind = crossed(segment.problem, here, which) or told_by(segment.problem, Test.ORIENTATION)
+        kind = crossed(segment.problem, sample, which) or told_by(segment.problem, Test.ORIENTATION)
         raise Disagreement(kind, f"Two crossings may hide there: {error.sentence}") from None
     if finest is None:
         return None

@@ -173,8 +173,8 @@ def _on_finer_steps(segment: Segment, name: str, theta: float) -> Sample | None:
 
     None where solutions are not discretised, or where it is not found.
     """
-    here = segment.at(theta)
-    problem = segment.problem.refined(here.z, segment.weights)
+    sample = segment.at(theta)
+    problem = segment.problem.refined(sample.z, segment.weights)
     if problem is segment.problem:
         return None
     rates: dict[float, float] = {}
@@ -219,16 +219,16 @@ def _extremum_error(segment: Segment, theta: float, rate: Callable[[Sample], flo
     noise = float(np.max(np.abs(fit(offsets) - rates)))
     slope = abs(float(fit.deriv()(0.0)))
     per_theta = abs(float(segment.chord[-1]))
-    here = abs(samples[len(samples) // 2].parameter)
-    return 4.0 * noise / max(slope, 1e-300) * per_theta + float(np.spacing(here)), slope > 0.0
+    middle = abs(samples[len(samples) // 2].parameter)
+    return 4.0 * noise / max(slope, 1e-300) * per_theta + float(np.spacing(middle)), slope > 0.0
 
 
 def marks_at(sample: Sample, marks: tuple[Mark, ...], observer: Observer) -> list[str]:
     """Kinds of the marks that a solution has itself, as the start of a branch may."""
     kinds = []
     for mark in marks:
-        here = observer.value(mark.name, sample)
+        value = observer.value(mark.name, sample)
         for level in mark.values:
-            if abs(here - level) <= 4e-16 * abs(level):
+            if abs(value - level) <= 4e-16 * abs(level):
                 kinds.append("observable" if observer.place(mark.name, level) is None else "parameter")
     return kinds

@@ -103,10 +103,10 @@ def differing(mirror: Mirror, half: Half, numbers: list[int]) -> int | None:
         last = images[-1][0]
     if not compared:
         return None
-    here, there = (np.array(side) for side in zip(*compared, strict=True))
+    own, there = (np.array(side) for side in zip(*compared, strict=True))
     for k, number in enumerate(numbers):
-        largest = float(np.max(np.abs(here[:, k]), initial=0.0, where=np.isfinite(here[:, k])))
-        if not np.allclose(here[:, k], there[:, k], rtol=SAME, atol=SAME * largest, equal_nan=True):
+        largest = float(np.max(np.abs(own[:, k]), initial=0.0, where=np.isfinite(own[:, k])))
+        if not np.allclose(own[:, k], there[:, k], rtol=SAME, atol=SAME * largest, equal_nan=True):
             return number
     return None
 

@@ -58,19 +58,19 @@ class _Equations:
 
     def at(self, z: np.ndarray) -> Linearization:
         """Residual and Jacobian at z; not finite where no discretisation reaches it."""
-        self.problem, here = equations_at(self.problem, z)
-        return here
+        self.problem, lin = equations_at(self.problem, z)
+        return lin
 
     def ended(
         self,
         z: np.ndarray,
-        here: Linearization | None,
+        lin: Linearization | None,
         iterations: int,
         reason: str = "",
         sentence: str = "",
     ) -> Correction:
         """What has become of the iteration."""
-        return Correction(self.problem, z, here, iterations, reason, sentence)
+        return Correction(self.problem, z, lin, iterations, reason, sentence)
 
 
 def correct(
@@ -129,13 +129,13 @@ def _with_fitted(
     z, effort, previous = fitted(guess, normal, weights), 0, np.inf
     most = iterations + 1 if not found.ok else found.iterations
     while z is not None and effort < most:
-        here = equations.at(z)
-        if not here.finite:
+        lin = equations.at(z)
+        if not lin.finite:
             return found
-        step = _newton_step(here, here.residual, normal, normal @ (z - guess), weights)
+        step = _newton_step(lin, lin.residual, normal, normal @ (z - guess), weights)
         size = np.inf if step is None else float(np.linalg.norm(step / weights))
         if size < ON_PLANE or (size < NEARLY and size > 0.25 * previous):
-            return equations.ended(z, here, effort) if here.excess <= ROUNDED else found
+            return equations.ended(z, lin, effort) if lin.excess <= ROUNDED else found
         if step is None or size > 0.7 * previous:
             return found
         z, previous = fitted(z - step, normal, weights), size
@@ -155,12 +155,12 @@ def _without_dust(found: Correction, weights: np.ndarray) -> Correction:
 
     On an invariant subspace the zero unknowns shrink from step to step, down to where floats end.
     """
-    z, here = found.z, found.linearization
+    z, lin = found.z, found.linearization
     clean = _clean(z, weights)
-    if here is None or np.array_equal(clean, z):
+    if lin is None or np.array_equal(clean, z):
         return found
     there = found.problem.linearize(clean)
-    if not there.finite or there.excess > max(here.excess, 2.0):
+    if not there.finite or there.excess > max(lin.excess, 2.0):
         return found
     return replace(found, z=clean, linearization=there)
 
@@ -176,45 +176,45 @@ def _iterated(
     """Newton's method itself."""
     z = guess.copy()
     previous = np.inf
-    here = equations.at(z)
+    lin = equations.at(z)
     for iteration in range(iterations + 1):
-        if not here.finite:
+        if not lin.finite:
             sentence = f"The equations have no finite value: {equations.problem.explain(z)}."
             return equations.ended(z, None, iteration, "not_finite", sentence)
-        step = _newton_step(here, here.residual, normal, normal @ (z - guess), weights)
-        if step is None and here.excess <= ROUNDED:
-            return equations.ended(z, here, iteration)
+        step = _newton_step(lin, lin.residual, normal, normal @ (z - guess), weights)
+        if step is None and lin.excess <= ROUNDED:
+            return equations.ended(z, lin, iteration)
         if step is None:
             sentence = "The bordered Jacobian is singular."
-            return equations.ended(z, here, iteration, "no_convergence", sentence)
+            return equations.ended(z, lin, iteration, "no_convergence", sentence)
         size = float(np.linalg.norm(step / weights))
-        if (size < NEARLY or iteration >= 2) and here.excess <= 2.0:
-            return equations.ended(z, here, iteration)
+        if (size < NEARLY or iteration >= 2) and lin.excess <= 2.0:
+            return equations.ended(z, lin, iteration)
         if size < 1e-11 or (size > 0.25 * previous and size < 1e-7):
-            return _settled(equations, z, here, (guess, normal, weights), iteration)
+            return _settled(equations, z, lin, (guess, normal, weights), iteration)
         stalls = iteration > 1 and size > 0.7 * previous
-        if stalls and here.excess <= ROUNDED:  # near a singular point corrections never get small
-            return equations.ended(z, here, iteration)
+        if stalls and lin.excess <= ROUNDED:  # near a singular point corrections never get small
+            return equations.ended(z, lin, iteration)
         if stalls and not damped:
-            return equations.ended(z, here, iteration, "no_convergence", "Newton's method does not contract.")
+            return equations.ended(z, lin, iteration, "no_convergence", "Newton's method does not contract.")
         previous = size
         if damped:
-            z, here = _damped(equations, z, step, here, (guess, normal, weights))
+            z, lin = _damped(equations, z, step, lin, (guess, normal, weights))
         else:
-            z = _followed(z, step, here, (guess, normal, weights))
+            z = _followed(z, step, lin, (guess, normal, weights))
             # If what is taken for dust is more than that, later iterations show it.
             z = _clean(z, weights) if iteration < 2 else z
-            here = equations.at(z)
-    if here.excess <= ROUNDED:  # a solution already, of equations too singular to improve on it
-        return equations.ended(z, here, iterations)
+            lin = equations.at(z)
+    if lin.excess <= ROUNDED:  # a solution already, of equations too singular to improve on it
+        return equations.ended(z, lin, iterations)
     sentence = f"Newton's method did not converge in {iterations} iterations."
-    return equations.ended(z, here, iterations, "no_convergence", sentence)
+    return equations.ended(z, lin, iterations, "no_convergence", sentence)
 
 
 def _followed(
     z: np.ndarray,
     step: np.ndarray,
-    here: Linearization,
+    lin: Linearization,
     condition: tuple[np.ndarray, np.ndarray, np.ndarray],
 ) -> np.ndarray:
     """z - step, and corrections after it by the same Jacobian while each is far smaller than the last one.
@@ -224,13 +224,13 @@ def _followed(
     """
     guess, normal, weights = condition
     z, size = z - step, float(np.linalg.norm(step / weights))
-    if here.nearby is None:
+    if lin.nearby is None:
         return z
-    residual = here.nearby()
+    residual = lin.nearby()
     for _ in range(CHORDS):
         if not NOTHING < size < NEAR:
             break
-        following = _newton_step(here, residual(z), normal, normal @ (z - guess), weights)
+        following = _newton_step(lin, residual(z), normal, normal @ (z - guess), weights)
         before, size = size, np.inf if following is None else float(np.linalg.norm(following / weights))
         if following is None or not size < CONTRACTS * before:
             break
@@ -239,11 +239,11 @@ def _followed(
 
 
 def _newton_step(
-    here: Linearization, residual: np.ndarray, normal: np.ndarray, offset: float, weights: np.ndarray
+    lin: Linearization, residual: np.ndarray, normal: np.ndarray, offset: float, weights: np.ndarray
 ) -> np.ndarray | None:
     """What Newton's method subtracts, shape (N + 1,); None where the bordered Jacobian is singular."""
     try:
-        step = here.bordered(normal, weights).solve(np.append(residual, offset))
+        step = lin.bordered(normal, weights).solve(np.append(residual, offset))
     except np.linalg.LinAlgError:
         return None
     # Beyond 1e150 its length would overflow.
@@ -253,7 +253,7 @@ def _newton_step(
 def _settled(
     equations: _Equations,
     z: np.ndarray,
-    here: Linearization,
+    lin: Linearization,
     condition: tuple[np.ndarray, np.ndarray, np.ndarray],
     iteration: int,
 ) -> Correction:
@@ -261,28 +261,28 @@ def _settled(
     guess, normal, weights = condition
     size = np.inf
     for _ in range(SETTLING):
-        step = _newton_step(here, here.residual, normal, normal @ (z - guess), weights)
+        step = _newton_step(lin, lin.residual, normal, normal @ (z - guess), weights)
         if step is None:
             break
         before, size = size, float(np.linalg.norm(step / weights))
         there = equations.at(z - step)
-        gains = there.finite and (there.excess <= 0.5 * here.excess or NOTHING < size < 0.1 * before)
+        gains = there.finite and (there.excess <= 0.5 * lin.excess or NOTHING < size < 0.1 * before)
         if not gains:
             break
-        z, here, iteration = z - step, there, iteration + 1
-        if here.excess <= 2.0:
+        z, lin, iteration = z - step, there, iteration + 1
+        if lin.excess <= 2.0:
             break
-    if here.excess <= ROUNDED or size <= NOTHING:
-        return equations.ended(z, here, iteration)
-    sentence = f"Residuals stay {here.excess:.1e} times above their rounding error."
-    return equations.ended(z, here, iteration, "no_convergence", sentence)
+    if lin.excess <= ROUNDED or size <= NOTHING:
+        return equations.ended(z, lin, iteration)
+    sentence = f"Residuals stay {lin.excess:.1e} times above their rounding error."
+    return equations.ended(z, lin, iteration, "no_convergence", sentence)
 
 
 def _damped(
     equations: _Equations,
     z: np.ndarray,
     step: np.ndarray,
-    here: Linearization,
+    lin: Linearization,
     condition: tuple[np.ndarray, np.ndarray, np.ndarray],
 ) -> tuple[np.ndarray, Linearization]:
     """z - t step with the first t of 1, 1/2, 1/4 ... after which the next correction would be smaller.
@@ -299,7 +299,7 @@ def _damped(
         if fraction < 1e-6:
             return moved, there
         if there.finite:
-            following = _newton_step(here, there.residual, normal, normal @ (moved - guess), weights)
+            following = _newton_step(lin, there.residual, normal, normal @ (moved - guess), weights)
             if (
                 following is not None
                 and np.linalg.norm(following / weights) <= (1.0 - 0.25 * fraction) * size

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from contwalk.continuation.state import Here
+from contwalk.continuation.state import ContinuationState
 from contwalk.problems.problem import Problem
 
 
@@ -16,6 +16,6 @@ class Opening:
     """
 
     problem: Problem
-    here: Here
+    state: ContinuationState
     message: str = ""
     one_sided: bool = False

@@ -14,7 +14,7 @@ from contwalk.continuation.locating import Found
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.records import end_record, found_record
 from contwalk.continuation.settings import Settings
-from contwalk.continuation.state import Here, adapted, grown
+from contwalk.continuation.state import ContinuationState, adapted, grown
 from contwalk.continuation.step import Step, take_step
 from contwalk.errors import ContwalkError, NotFinite, PluginError
 from contwalk.problems.problem import LimitType, Problem
@@ -24,7 +24,7 @@ from contwalk.problems.problem import LimitType, Problem
 class Point:
     """A solution found by a walk. `special` is its record where it is a special point."""
 
-    here: Here
+    state: ContinuationState
     special: SpecialPoint | None = None
 
 
@@ -37,30 +37,35 @@ class End:
 
 
 def walk(
-    problem: Problem, here: Here, settings: Settings, observer: Observer, sign: float, points: int
+    problem: Problem,
+    state: ContinuationState,
+    settings: Settings,
+    observer: Observer,
+    sign: float,
+    points: int,
 ) -> Iterator[Point | End]:
-    """Solutions along a branch from `here`, special points in their places, and how it ended.
+    """Solutions along a branch from `state`, special points in their places, and how it ended.
 
     Parameters
     ----------
-    here : Here
+    state : ContinuationState
         A solution, its tangent pointing the way to go. It is not yielded itself.
     sign : float
         +1 where arclength grows along the walk, -1 where it decreases (the other direction from a start).
     points : int
         How many points there may still be.
     """
-    origin, number = here, 0
+    origin, number = state, 0
     try:
         while True:
-            if outcome := _finished(here, number, points, settings, observer):
+            if outcome := _finished(state, number, points, settings, observer):
                 break
             before = _effort(problem)
-            step = take_step(problem, here, settings, observer)
+            step = take_step(problem, state, settings, observer)
             if isinstance(step, Outcome):
                 outcome = step
                 break
-            for place, found in _on_the_way(step, here, sign):
+            for place, found in _on_the_way(step, state, sign):
                 record = found_record(step.segment.problem, found, place.s, sign)
                 yield Point(place, record)
                 number += 1
@@ -68,19 +73,19 @@ def walk(
                     place = replace(place, sample=replace(place.sample, unstable=found.after))
                     yield End(outcome, end_record(problem, place, outcome, sign, record.error))
                     return
-            here = _arrived(problem, step, here, sign, settings, before)
+            state = _arrived(problem, step, state, sign, settings, before)
             try:
-                problem, sample = adapted(problem, here.sample)
+                problem, sample = adapted(problem, state.sample)
             except (NotFinite, np.linalg.LinAlgError):
-                yield Point(here)
+                yield Point(state)
                 raise
-            if np.array_equal(sample.z, here.sample.z):
-                yield Point(here)
+            if np.array_equal(sample.z, state.sample.z):
+                yield Point(state)
             else:  # on new steps the solution is another: that one is the point, and taken up as if stored
-                here = replace(here, sample=sample)
-                yield Point(here)
+                state = replace(state, sample=sample)
+                yield Point(state)
                 problem, sample = adapted(problem, sample)
-            here = replace(here, sample=sample)
+            state = replace(state, sample=sample)
             number += 1
             if number > 3 and step.closes(origin):
                 outcome = outcomes.closed()
@@ -90,36 +95,48 @@ def walk(
         reason = "plugin_error" if isinstance(error, PluginError) else "not_finite"
         singular = f"The equations there are singular: {error}."
         sentence = error.sentence if isinstance(error, ContwalkError) else singular
-        known = problem.obstacle(here.sample.z) if reason == "not_finite" else ""
+        known = problem.obstacle(state.sample.z) if reason == "not_finite" else ""
         outcome = outcomes.stuck(
-            reason, sentence, here.step, observer.line.free, here.sample.parameter, known
+            reason, sentence, state.step, observer.line.free, state.sample.parameter, known
         )
-    yield End(outcome, end_record(problem, here, outcome, sign))
+    yield End(outcome, end_record(problem, state, outcome, sign))
 
 
-def _finished(here: Here, number: int, points: int, settings: Settings, observer: Observer) -> Outcome | None:
+def _finished(
+    state: ContinuationState, number: int, points: int, settings: Settings, observer: Observer
+) -> Outcome | None:
     """Why not to take another step, if there is a reason."""
     if number >= points:
         return outcomes.max_points(settings.max_points)
-    if here.at_bound(settings):
-        return outcomes.bound(observer.line.free, here.sample.parameter)
+    if state.at_bound(settings):
+        return outcomes.bound(observer.line.free, state.sample.parameter)
     return None
 
 
-def _on_the_way(step: Step, here: Here, sign: float) -> Iterator[tuple[Here, Found]]:
+def _on_the_way(
+    step: Step, state: ContinuationState, sign: float
+) -> Iterator[tuple[ContinuationState, Found]]:
     """The special points of a step with their places."""
     for found in step.found:
-        yield Here(found.sample, here.s + sign * found.theta * step.segment.length, here.step), found
+        yield (
+            ContinuationState(found.sample, state.s + sign * found.theta * step.segment.length, state.step),
+            found,
+        )
 
 
 def _arrived(
-    problem: Problem, step: Step, here: Here, sign: float, settings: Settings, before: tuple[float, int]
-) -> Here:
+    problem: Problem,
+    step: Step,
+    state: ContinuationState,
+    sign: float,
+    settings: Settings,
+    before: tuple[float, int],
+) -> ContinuationState:
     """The place at the end of a step, with what the step has cost."""
     seconds, evaluations = (now - then for now, then in zip(_effort(problem), before, strict=True))
-    sample = grown(problem, step.there, here, settings)
+    sample = grown(problem, step.there, state, settings)
     sample = replace(sample, seconds=seconds, evaluations=int(evaluations))
-    return Here(sample, here.s + sign * step.segment.length, step.next_length)
+    return ContinuationState(sample, state.s + sign * step.segment.length, step.next_length)
 
 
 def _stop(problem: Problem, found: Found, record: SpecialPoint, settings: Settings) -> Outcome | None:

@@ -9,7 +9,7 @@ import numpy as np
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.continuation.kinds import told_by
 from contwalk.continuation.locating import Found
-from contwalk.continuation.state import Here
+from contwalk.continuation.state import ContinuationState
 from contwalk.errors import NotFinite
 from contwalk.problems.problem import Located, Problem, Test
 
@@ -45,31 +45,31 @@ def _described(problem: Problem, found: Found, s: float) -> SpecialPoint:
 
 
 def end_record(
-    problem: Problem, here: Here, outcome: Outcome, sign: float, error: float | None = None
+    problem: Problem, state: ContinuationState, outcome: Outcome, sign: float, error: float | None = None
 ) -> SpecialPoint:
     """The record of an end point; its note keeps the outcome's sentence.
 
     `error` is that of the special point that ends the branch. Elsewhere the parameter is what it is.
     """
     if error is None:
-        error = 0.0 if outcome.reason == "bound" else float(np.spacing(abs(here.sample.parameter)))
-    located = Located(here.sample.z, error)
-    record = told_by(problem, Test.END).describe(problem, located, here.sample, here.s)
-    count = here.sample.unstable
+        error = 0.0 if outcome.reason == "bound" else float(np.spacing(abs(state.sample.parameter)))
+    located = Located(state.sample.z, error)
+    record = told_by(problem, Test.END).describe(problem, located, state.sample, state.s)
+    count = state.sample.unstable
     return replace(
         record,
         kind=outcome.reason,
         tangent=tuple(sign * t for t in record.tangent),
         unstable_before=count,
         unstable_after=count,
-        admissible=record.admissible and not here.sample.forbidden,
+        admissible=record.admissible and not state.sample.forbidden,
         note=outcome.message,
     )
 
 
-def start_record(problem: Problem, here: Here, kind: str) -> SpecialPoint:
+def start_record(problem: Problem, state: ContinuationState, kind: str) -> SpecialPoint:
     """The record of a mark that the start of a branch has."""
-    located = Located(here.sample.z, float(np.spacing(abs(here.sample.parameter))))
-    record = told_by(problem, Test.MARK).describe(problem, located, here.sample, here.s)
-    count = here.sample.unstable
+    located = Located(state.sample.z, float(np.spacing(abs(state.sample.parameter))))
+    record = told_by(problem, Test.MARK).describe(problem, located, state.sample, state.s)
+    count = state.sample.unstable
     return replace(record, kind=kind, unstable_before=count, unstable_after=count)

@@ -7,22 +7,22 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.branch import BranchInfo, SpecialPoint
-from contwalk.continuation.state import Here, adapted
+from contwalk.continuation.state import ContinuationState, adapted
 from contwalk.problems.problem import Problem
 
 
 def to_row(
-    info: BranchInfo, problem: Problem, here: Here, sign: float, special: SpecialPoint | None
+    info: BranchInfo, problem: Problem, state: ContinuationState, sign: float, special: SpecialPoint | None
 ) -> np.ndarray:
     """The stored row, shape (1,), of dtype `info.point_dtype()`; its tangent points towards growing s."""
-    sample = here.sample
-    born = info.parent is not None and here.s == 0.0
+    sample = state.sample
+    born = info.parent is not None and state.s == 0.0
     # There equations are singular, and tell no error; the point has been located by others.
     singular = born or (special is not None and special.status == "located" and _singular(problem, special))
     row = np.zeros(1, dtype=info.point_dtype())
     eigenvalues = np.full(info.spectrum, np.nan + 0j)
     eigenvalues[: len(sample.eigenvalues)] = sample.spectrum
-    row["s"] = here.s
+    row["s"] = state.s
     row["free"] = sample.parameter
     row["state"] = problem.reported(sample.z) if sample.reported is None else sample.reported
     row["observables"] = sample.observables
@@ -44,7 +44,7 @@ def to_row(
     ):
         row[column] = np.nan
         row[column][0, : len(values)] = values
-    row["step"] = here.step
+    row["step"] = state.step
     row["error"] = np.nan if singular else sample.error
     row["residual"] = sample.excess
     row["iterations"] = sample.iterations
@@ -58,7 +58,7 @@ def _singular(problem: Problem, point: SpecialPoint) -> bool:
     return any(kind.singular for kind in problem.point_types if kind.label == point.label)
 
 
-def from_row(problem: Problem, row: np.void, sign: float, born: bool) -> tuple[Problem, Here]:
+def from_row(problem: Problem, row: np.void, sign: float, born: bool) -> tuple[Problem, ContinuationState]:
     """The place that a stored row was made from, facing along the walk, and the problem discretised for it.
 
     `born` is whether the branch begins at a branch point.
@@ -77,4 +77,4 @@ def from_row(problem: Problem, row: np.void, sign: float, born: bool) -> tuple[P
     if born and row["s"] == 0.0:
         sample = replace(sample, orientation=0.0)  # not defined at a branch point
     problem, sample = adapted(problem, sample)
-    return problem, Here(sample, float(row["s"]), float(row["step"]))
+    return problem, ContinuationState(sample, float(row["s"]), float(row["step"]))

@@ -19,7 +19,7 @@ FAR = 100.0
 
 
 @dataclass(frozen=True)
-class Here:
+class ContinuationState:
     """What is needed to go on from a point of a branch, and nothing else.
 
     `s` is the signed arclength, `step` the length of the next step. The sample's tangent points the way to
@@ -43,7 +43,7 @@ def begin(
     settings: Settings,
     toward: np.ndarray | None = None,
     reach: Callable[[float], np.ndarray] | None = None,
-) -> Here | Correction:
+) -> ContinuationState | Correction:
     """The first solution of a branch near z, with the tangent towards growing parameter (or along `toward`).
 
     With `toward`, z is taken as a solution already (a branch point) and `toward` as the tangent there;
@@ -74,7 +74,7 @@ def begin(
     sample = problem.examine(z, tangent, weights, linearization, None)
     if toward is not None:
         sample = replace(sample, orientation=0.0)  # not defined at a branch point
-    return Here(sample, 0.0, settings.step)
+    return ContinuationState(sample, 0.0, settings.step)
 
 
 def first_tangent(jacobian: np.ndarray, weights: np.ndarray) -> np.ndarray:
@@ -86,13 +86,13 @@ def first_tangent(jacobian: np.ndarray, weights: np.ndarray) -> np.ndarray:
     return tangent * np.sign(lead)
 
 
-def turned(here: Here) -> Here:
+def turned(state: ContinuationState) -> ContinuationState:
     """The same place, facing the other way."""
-    sample = here.sample
+    sample = state.sample
     back = replace(
         sample, tangent=-sample.tangent, orientation=-sample.orientation, rates=sample.rates.scaled(-1.0)
     )
-    return replace(here, sample=back)
+    return replace(state, sample=back)
 
 
 def adapted(problem: Problem, sample: Sample) -> tuple[Problem, Sample]:
@@ -104,9 +104,9 @@ def adapted(problem: Problem, sample: Sample) -> tuple[Problem, Sample]:
     return there, again.counted(sample.unstable)
 
 
-def grown(problem: Problem, sample: Sample, here: Here, settings: Settings) -> Sample:
+def grown(problem: Problem, sample: Sample, state: ContinuationState, settings: Settings) -> Sample:
     """A new sample in the metric that its own size adds to."""
-    known, magnitudes = here.sample.weights, sample.magnitudes
+    known, magnitudes = state.sample.weights, sample.magnitudes
     sizes = crowded(problem, np.abs(sample.z) if sample.sizes is None else sample.sizes)
     # What nothing tells yet, as drifts never, need not be asked for again, nor a declared scale of one.
     new = (known == UNKNOWN) & np.isfinite(magnitudes) & (magnitudes != UNKNOWN)

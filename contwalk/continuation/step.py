@@ -15,7 +15,7 @@ from contwalk.continuation.marks import Observer, marked
 from contwalk.continuation.newton import Correction, correct
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Settings
-from contwalk.continuation.state import Here
+from contwalk.continuation.state import ContinuationState
 from contwalk.continuation.told_by_value import told_by_value
 from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.event_kinks import Met
@@ -45,7 +45,7 @@ class Step:
     found: list[Found]
     next_length: float
 
-    def closes(self, origin: Here) -> bool:
+    def closes(self, origin: ContinuationState) -> bool:
         """Whether the step passed a walk's beginning, the same way round."""
         segment, tangent = self.segment, origin.sample.tangent
         if segment.problem.discretized:
@@ -93,39 +93,41 @@ class Prediction:
     to_bound: bool = False
 
 
-def take_step(problem: Problem, here: Here, settings: Settings, observer: Observer) -> Step | Outcome:
+def take_step(
+    problem: Problem, state: ContinuationState, settings: Settings, observer: Observer
+) -> Step | Outcome:
     """The longest step from here that converges, turns little, and on which the tests agree."""
-    length = min(here.step, settings.max_step)
+    length = min(state.step, settings.max_step)
     edge: tuple[str, str] | None = None  # a field that ends ahead is the reason, whatever stops the last step
     while True:
         smallest = length <= settings.min_step
         length = max(length, settings.min_step)
-        prediction = predict(here, length, settings)
-        correction = _corrected(problem, here, prediction, settings)
+        prediction = predict(state, length, settings)
+        correction = _corrected(problem, state, prediction, settings)
         if prediction.to_bound and not correction.ok:
             # The branch may turn before the end of the range: along its own tangent it is regular.
-            prediction = _along(here, length)
-            correction = _corrected(problem, here, prediction, settings)
+            prediction = _along(state, length)
+            correction = _corrected(problem, state, prediction, settings)
         reason, sentence = correction.reason, correction.sentence
         # Newton's method may fail because it is asked for a solution beyond a jump.
-        passed = _passed_at_events(problem, here, correction.z if correction.ok else prediction.guess)
+        passed = _passed_at_events(problem, state, correction.z if correction.ok else prediction.guess)
         jump = _jump(passed)
         if jump is not None:
             reason, sentence = "plugin_error", refusal(jump.kink).sentence
         elif correction.ok:
             try:
-                segment = _segment(here, prediction, correction, settings, smallest)
+                segment = _segment(state, prediction, correction, settings, smallest)
                 segment = _with_kinks(segment, passed)
                 if outcome := segment.problem.ended(segment.a, segment.b):
                     if outcome.reason == "shrunk" and length > NEARLY_SHRUNK and not smallest:
                         raise TooLong("The orbit shrinks to nothing within the step.")
                     return outcome
-                found = _special(segment, settings, observer, smallest, here)
+                found = _special(segment, settings, observer, smallest, state)
                 if not (smallest or prediction.to_bound) and _ends_at_a_limit(segment, found, settings):
                     raise TooLong("The step ends at a limit, to within its errors.")
                 if prediction.to_bound and not any(f.theta > 1.0 - COINCIDE for f in found):
                     found += at_the_end(segment)
-                return Step(segment, segment.b, found, _next_length(segment, prediction, here, settings))
+                return Step(segment, segment.b, found, _next_length(segment, prediction, state, settings))
             except (TooLong, LostBranch) as error:
                 sentence = str(error)
             except np.linalg.LinAlgError:
@@ -138,16 +140,16 @@ def take_step(problem: Problem, here: Here, settings: Settings, observer: Observ
             edge = reason, sentence
         if smallest or (length < EDGE and (edge is not None or jump is not None)):
             reason, sentence = edge or (reason, sentence)
-            known = problem.obstacle(here.sample.z)
-            return outcomes.stuck(reason, sentence, length, observer.line.free, here.sample.parameter, known)
+            known = problem.obstacle(state.sample.z)
+            return outcomes.stuck(reason, sentence, length, observer.line.free, state.sample.parameter, known)
         # A solution beyond has jumped: where it does along the step, the guess tells.
-        ahead = None if jump is None else _jump(_passed_at_events(problem, here, prediction.guess))
+        ahead = None if jump is None else _jump(_passed_at_events(problem, state, prediction.guess))
         length = control.shrunk(length) if ahead is None else control.beside(length, ahead.share)
 
 
-def _passed_at_events(problem: Problem, here: Here, z: np.ndarray) -> Sequence[Met]:
+def _passed_at_events(problem: Problem, state: ContinuationState, z: np.ndarray) -> Sequence[Met]:
     """What jumps at events on the way to another place, of problems that have some."""
-    return () if problem.limited is None else problem.limited.passed_at_events(here.sample.z, z)
+    return () if problem.limited is None else problem.limited.passed_at_events(state.sample.z, z)
 
 
 def _jump(passed: Sequence[Met]) -> Met | None:
@@ -163,27 +165,29 @@ def _with_kinks(segment: Segment, passed: Sequence[Met]) -> Segment:
     return Segment(segment.problem, segment.a, replace(segment.b, kinks=tuple(dict.fromkeys(kinks))))
 
 
-def _corrected(problem: Problem, here: Here, prediction: Prediction, settings: Settings) -> Correction:
+def _corrected(
+    problem: Problem, state: ContinuationState, prediction: Prediction, settings: Settings
+) -> Correction:
     return correct(
-        problem, prediction.guess, prediction.normal, here.sample.weights, settings.newton_iterations
+        problem, prediction.guess, prediction.normal, state.sample.weights, settings.newton_iterations
     )
 
 
-def _along(here: Here, length: float) -> Prediction:
+def _along(state: ContinuationState, length: float) -> Prediction:
     """The point at `length` along the tangent."""
-    sample = here.sample
+    sample = state.sample
     return Prediction(sample.z + length * sample.tangent, sample.tangent / sample.weights**2, length)
 
 
-def predict(here: Here, length: float, settings: Settings) -> Prediction:
+def predict(state: ContinuationState, length: float, settings: Settings) -> Prediction:
     """The point at `length` along the tangent; an end of the range that lies before it is met exactly."""
-    sample = here.sample
+    sample = state.sample
     length = min(length, control.longest(sample, settings))
     ahead = sample.tangent[-1]
     bound = settings.range[1] if ahead > 0 else settings.range[0]
     left = (bound - sample.z[-1]) / ahead if ahead != 0.0 else np.inf
     if left > 1.001 * length:  # a remainder of a thousandth of a step is not left over
-        return _along(here, length)
+        return _along(state, length)
     guess = sample.z + left * sample.tangent
     guess[-1] = bound
     normal = np.zeros(len(guess))
@@ -192,14 +196,14 @@ def predict(here: Here, length: float, settings: Settings) -> Prediction:
 
 
 def _segment(
-    here: Here,
+    state: ContinuationState,
     prediction: Prediction,
     correction: Correction,
     settings: Settings,
     smallest: bool,
 ) -> Segment:
     """The piece of branch up to the corrected point; `TooLong` if it is not to be trusted."""
-    problem, a, linearization = correction.problem, here.sample, correction.linearization
+    problem, a, linearization = correction.problem, state.sample, correction.linearization
     assert linearization is not None
     z = correction.z
     if prediction.to_bound:
@@ -264,12 +268,12 @@ def _beside(segment: Segment) -> Sample:
 
 
 def _special(
-    segment: Segment, settings: Settings, observer: Observer, smallest: bool, here: Here
+    segment: Segment, settings: Settings, observer: Observer, smallest: bool, state: ContinuationState
 ) -> list[Found]:
     """Everything special on a segment, in its order; at the smallest step, what cannot be located as well."""
-    born = here.sample.orientation == 0.0
+    born = state.sample.orientation == 0.0
     try:
-        reached = limits.passed(segment, begins=here.s == 0.0)
+        reached = limits.passed(segment, begins=state.s == 0.0)
         end = limits.stopping(segment.problem, reached, settings.events)
         if end is None:
             found = [*_smooth(segment, settings, observer, born), *reached]
@@ -343,7 +347,9 @@ def _unlocated(segment: Segment, disagreement: Disagreement) -> Found:
     return Found(1.0, disagreement.type, located, b, segment.a.unstable, b.unstable, kind="unlocated")
 
 
-def _next_length(segment: Segment, prediction: Prediction, here: Here, settings: Settings) -> float:
+def _next_length(
+    segment: Segment, prediction: Prediction, state: ContinuationState, settings: Settings
+) -> float:
     angle = control.turn(segment.a, segment.b.tangent)
     length = control.next_step(prediction.length, angle, segment.b.iterations, settings)
-    return max(length, here.step) if prediction.to_bound else length
+    return max(length, state.step) if prediction.to_bound else length

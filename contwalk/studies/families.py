@@ -66,8 +66,8 @@ def family_at(problem: Orbit, z: np.ndarray, places: Places) -> Family | None:
     """
     weights = filled_magnitudes(problem, z)
     # At the same parameters: without the last column.
-    problem, here = equations_at(problem, z)
-    matrix = here.jacobian[:, :-1] * weights[:-1]
+    problem, lin = equations_at(problem, z)
+    matrix = lin.jacobian[:, :-1] * weights[:-1]
     if not np.isfinite(matrix).all():
         return None
     scales = _row_scales(problem, matrix)
@@ -111,11 +111,11 @@ def is_one_of_a_family(problem: Orbit, z: np.ndarray) -> bool:
         own = _scaled(problem, there, weights)
         if own is None:
             return False
-        problem, here = equations_at(problem, there)
-        if here.excess_in(weights) <= SOLVED:
+        problem, lin = equations_at(problem, there)
+        if lin.excess_in(weights) <= SOLVED:
             break
-        scales = _row_scales(problem, here.jacobian[:, :-1] * weights[:-1])
-        step = np.linalg.lstsq(own[:, :-1], -here.residual / scales, rcond=ZERO)[0]
+        scales = _row_scales(problem, lin.jacobian[:, :-1] * weights[:-1])
+        step = np.linalg.lstsq(own[:, :-1], -lin.residual / scales, rcond=ZERO)[0]
         there = there + np.append(step, 0.0) * weights
     else:
         return False
@@ -130,15 +130,15 @@ def member_near(problem: Orbit, z: np.ndarray) -> np.ndarray | None:
     residual's own size, steps by least squares come to the family as fast as Newton's to a single orbit
     (J. Fan & Y. Yuan, Computing 74 (2005) 23).
     """
-    problem, here = equations_at(problem, z)
+    problem, lin = equations_at(problem, z)
     weights, extra = filled_magnitudes(problem, z), 1.0
     for _ in range(TRIES):
-        matrix = here.jacobian[:, :-1] * weights[:-1]
-        if not (np.isfinite(matrix).all() and np.isfinite(here.residual).all()):
+        matrix = lin.jacobian[:, :-1] * weights[:-1]
+        if not (np.isfinite(matrix).all() and np.isfinite(lin.residual).all()):
             return None
         scales = _row_scales(problem, matrix)
         left, values, right = np.linalg.svd(matrix / scales[:, None])
-        rest = here.residual / scales
+        rest = lin.residual / scales
         damping = extra * float(rest @ rest)
         step = -right.T @ (values / (values**2 + damping) * (left.T @ rest))
         step *= LONGEST / max(LONGEST, float(np.abs(step).max()))
@@ -147,8 +147,8 @@ def member_near(problem: Orbit, z: np.ndarray) -> np.ndarray | None:
         if not np.linalg.norm(there.residual / scales) < np.linalg.norm(rest):
             extra *= DAMPED
             continue
-        z, here, extra = trial, there, max(extra / DAMPED, LEAST)
-        if here.excess_in(weights) <= SOLVED:
+        z, lin, extra = trial, there, max(extra / DAMPED, LEAST)
+        if lin.excess_in(weights) <= SOLVED:
             return z
     return None
 

@@ -12,7 +12,7 @@ from contwalk.continuation import outcomes
 from contwalk.continuation.newton import correct
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
-from contwalk.continuation.state import Here, begin
+from contwalk.continuation.state import ContinuationState, begin
 from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.equilibrium.equilibrium import Equilibrium, solution_at
 from contwalk.problems.equilibrium.held_by_force import forced
@@ -62,19 +62,19 @@ def opened(
         )
     try:
         problem, z = solution_at(system, parameters, free, state, path, at, discretization)
-        here = begin(problem, z, settings)
-        if not isinstance(here, Here):
-            return outcomes.no_start(here.reason, here.sentence)
-        if problem.pins and not _stays_neutral(problem, here):
+        begun = begin(problem, z, settings)
+        if not isinstance(begun, ContinuationState):
+            return outcomes.no_start(begun.reason, begun.sentence)
+        if problem.pins and not _stays_neutral(problem, begun):
             # Neutral at the start only: along the branch it is not, and must not be held.
             problem = problem.with_pins(())
-            here = begin(problem, np.append(here.sample.z[: problem.states], here.sample.z[-1]), settings)
-            if not isinstance(here, Here):
-                return outcomes.no_start(here.reason, here.sentence)
-        direction = second_direction(problem, here.sample.z)
+            begun = begin(problem, np.append(begun.sample.z[: problem.states], begun.sample.z[-1]), settings)
+            if not isinstance(begun, ContinuationState):
+                return outcomes.no_start(begun.reason, begun.sentence)
+        direction = second_direction(problem, begun.sample.z)
         if direction is None:
-            return Opening(problem, _off_special(problem, here, settings))
-        return _degenerate(problem, here, direction, settings)
+            return Opening(problem, _off_special(problem, begun, settings))
+        return _degenerate(problem, begun, direction, settings)
     except PluginError as error:
         return outcomes.no_start("plugin_error", error.sentence)
     except NotFinite as error:
@@ -83,11 +83,11 @@ def opened(
         return outcomes.no_start("not_finite", f"linear algebra fails there ({error}).")
 
 
-def _stays_neutral(problem: Equilibrium, here: Here) -> bool:
+def _stays_neutral(problem: Equilibrium, state: ContinuationState) -> bool:
     """Whether the pinned directions are still neutral a little along the branch, and held without force."""
-    if _drifts(problem, here):
+    if _drifts(problem, state):
         return False
-    for moved in _around(problem, here):
+    for moved in _around(problem, state):
         n = problem.states
         matrix = problem.jacobian(moved.z)[:n, :n]
         return len(active(problem.system, moved.z[:n], problem.values_of(moved.z), matrix)) >= len(
@@ -96,9 +96,9 @@ def _stays_neutral(problem: Equilibrium, here: Here) -> bool:
     return True
 
 
-def _around(problem: Equilibrium, here: Here) -> Iterator[Sample]:
+def _around(problem: Equilibrium, state: ContinuationState) -> Iterator[Sample]:
     """Solutions a little along a branch, on both sides of its start, as far as there are any."""
-    sample = here.sample
+    sample = state.sample
     for sign in (1.0, -1.0):
         guess = sample.z + sign * BESIDE * sample.tangent
         moved = correct(problem, guess, sample.tangent / sample.weights**2, sample.weights)
@@ -106,42 +106,42 @@ def _around(problem: Equilibrium, here: Here) -> Iterator[Sample]:
             yield replace(sample, z=moved.z)
 
 
-def _is_family(problem: Equilibrium, here: Here) -> bool:
+def _is_family(problem: Equilibrium, state: ContinuationState) -> bool:
     """Whether a direction that is held at a start is one of a family of equilibria, beside the start too."""
-    return not _drifts(problem, here) and all(
-        forced(problem, moved) is None for moved in _around(problem, here)
+    return not _drifts(problem, state) and all(
+        forced(problem, moved) is None for moved in _around(problem, state)
     )
 
 
-def _drifts(problem: Equilibrium, here: Here) -> bool:
+def _drifts(problem: Equilibrium, state: ContinuationState) -> bool:
     """Whether holding the pinned directions takes a force, at the start or growing along the branch."""
-    if forced(problem, here.sample) is not None:
+    if forced(problem, state.sample) is not None:
         return True
-    jacobian = problem.jacobian(here.sample.z)
+    jacobian = problem.jacobian(state.sample.z)
     n = problem.states
-    tangent = here.sample.tangent
+    tangent = state.sample.tangent
     forces = np.abs(jacobian[:n, n : problem.size] * tangent[n : problem.size])
     terms = np.abs(jacobian[:n]) @ np.abs(tangent)
     return bool(forces.max() > 1e-9 * terms.max())
 
 
-def _off_special(problem: Equilibrium, here: Here, settings: Settings) -> Here:
+def _off_special(problem: Equilibrium, state: ContinuationState, settings: Settings) -> ContinuationState:
     """A start that is a fold or a Hopf point itself, moved a little along: walking back finds it."""
-    sample = here.sample
+    sample = state.sample
     if not np.any(np.abs(sample.measures) <= 10.0 * sample.errors):
-        return here
+        return state
     for sign in (1.0, -1.0):
         guess = sample.z + sign * settings.step * sample.tangent
         moved = correct(problem, guess, sample.tangent / sample.weights**2, sample.weights)
         if moved.ok and settings.range[0] <= moved.z[-1] <= settings.range[1]:
             beside = begin(problem, moved.z, settings)
-            if isinstance(beside, Here):
+            if isinstance(beside, ContinuationState):
                 return beside
-    return here
+    return state
 
 
 def _degenerate(
-    problem: Equilibrium, here: Here, generator: np.ndarray, settings: Settings
+    problem: Equilibrium, state: ContinuationState, generator: np.ndarray, settings: Settings
 ) -> Opening | Outcome:
     """A start with more than one direction of solutions: a branch point, or an undeclared neutral direction.
 
@@ -149,13 +149,13 @@ def _degenerate(
     the walk begins on the branch that the start's own state leads to.
     """
     for change in (1e-3, -1e-3):
-        beside = _beside(problem, here.sample, change, settings)
+        beside = _beside(problem, state.sample, change, settings)
         if beside is not None:
             return Opening(problem, beside)
-    z, n = here.sample.z, problem.states
+    z, n = state.sample.z, problem.states
     held = problem.with_pins((*problem.pins, constant(generator[:n])), z[:n])
     there = begin(held, np.concatenate([z[: problem.size], [0.0], z[-1:]]), settings)
-    if isinstance(there, Here) and _is_family(held, there):
+    if isinstance(there, ContinuationState) and _is_family(held, there):
         return Opening(held, there, _report(problem, generator[:n]))
     return outcomes.no_start(
         "no_convergence",
@@ -165,14 +165,16 @@ def _degenerate(
     )
 
 
-def _beside(problem: Equilibrium, sample: Sample, change: float, settings: Settings) -> Here | None:
+def _beside(
+    problem: Equilibrium, sample: Sample, change: float, settings: Settings
+) -> ContinuationState | None:
     """The start of a branch at a slightly different parameter, if the solution is isolated there."""
     z = sample.z.copy()
     z[-1] += change * sample.weights[-1]
     if not settings.range[0] <= z[-1] <= settings.range[1]:
         return None
     beside = begin(problem, z, settings)
-    if not isinstance(beside, Here) or second_direction(problem, beside.sample.z) is not None:
+    if not isinstance(beside, ContinuationState) or second_direction(problem, beside.sample.z) is not None:
         return None
     return beside
 

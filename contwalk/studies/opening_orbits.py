@@ -12,7 +12,7 @@ from contwalk.continuation import outcomes
 from contwalk.continuation.newton import Correction
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
-from contwalk.continuation.state import Here, begin
+from contwalk.continuation.state import ContinuationState, begin
 from contwalk.errors import NotFinite, PluginError, StartError
 from contwalk.flow.hybrid.going_through import going_through
 from contwalk.flow.hybrid.machine import HybridMachine, hybrid_machine
@@ -161,20 +161,20 @@ def _smooth(
         state, period = found.state, found.period
     given = discretization, subharmonic, pins
     problem, z = orbit_at(system, line, at, state, period, *given)
-    here = begin(problem, z, settings)
-    if isinstance(here, Here) and problem.moves(here.sample.z):
-        times = repetitions(problem, here.sample.z)
+    begun = begin(problem, z, settings)
+    if isinstance(begun, ContinuationState) and problem.moves(begun.sample.z):
+        times = repetitions(problem, begun.sample.z)
         if times > 1:  # it was begun with a multiple of its period
-            first = here.sample.z[: problem.states]
-            part = problem.duration(here.sample.z) / times
+            first = begun.sample.z[: problem.states]
+            part = problem.duration(begun.sample.z) / times
             problem, z = orbit_at(system, line, at, first, part, *given)
-            here = begin(problem, z, settings)
-    if not isinstance(here, Here):
+            begun = begin(problem, z, settings)
+    if not isinstance(begun, ContinuationState):
         refuse(kinks_along(problem, z))
-        return _not_alone(problem, z, here) or outcomes.no_start(
-            here.reason, here.sentence, "a periodic orbit"
+        return _not_alone(problem, z, begun) or outcomes.no_start(
+            begun.reason, begun.sentence, "a periodic orbit"
         )
-    if not problem.moves(here.sample.z):
+    if not problem.moves(begun.sample.z):
         if faint:  # the last of a motion that dies away
             raise AtRest(state)
         return _family(problem, z) or outcomes.no_start(
@@ -182,11 +182,11 @@ def _smooth(
             "The correction ends at an equilibrium, which is no orbit.",
             "a periodic orbit",
         )
-    if is_one_of_a_family(problem, here.sample.z):
+    if is_one_of_a_family(problem, begun.sample.z):
         return _family(problem, z) or _one_of_many()
-    if name := off_its_value(problem, here.sample):
+    if name := off_its_value(problem, begun.sample):
         return _not_conserved(name)
-    return _closed(problem, here, settings)
+    return _closed(problem, begun, settings)
 
 
 def _with_pushes(opening: Opening | Outcome, machine: HybridMachine, lap: Lap) -> Opening | Outcome:
@@ -268,28 +268,28 @@ def _hybrid(
     word = folded(problem.signature) or "no events"
     try:
         with problem.effort.of_start(problem.cost, settled):
-            here = begin(problem, z, settings)
+            state = begin(problem, z, settings)
     except StartError as error:
         found = _one_of_a_family_near(problem, z)
         return found or outcomes.refused(f"{error.sentence} (word: {word})", error.remedy)
-    if not isinstance(here, Here):
+    if not isinstance(state, ContinuationState):
         refuse(kinks_along(problem, z))
-        return _not_alone(problem, z, here) or outcomes.no_start(
-            here.reason, f"{here.sentence} (word: {word})", "a periodic orbit"
+        return _not_alone(problem, z, state) or outcomes.no_start(
+            state.reason, f"{state.sentence} (word: {word})", "a periodic orbit"
         )
-    problem, _ = equations_at(problem, here.sample.z)
-    collapsed = collapsed_event(problem, here.sample.z)
+    problem, _ = equations_at(problem, state.sample.z)
+    collapsed = collapsed_event(problem, state.sample.z)
     if collapsed:
-        return _family(problem, z) or _collapsed(problem, here.sample.z, collapsed, word)
-    if is_one_of_a_family(problem, here.sample.z):
+        return _family(problem, z) or _collapsed(problem, state.sample.z, collapsed, word)
+    if is_one_of_a_family(problem, state.sample.z):
         return _family(problem, z) or _one_of_many()
-    if name := off_its_value(problem, here.sample):
+    if name := off_its_value(problem, state.sample):
         return _not_conserved(name)
-    shorter, z = least(problem, here.sample.z)
+    shorter, z = least(problem, state.sample.z)
     if shorter is not problem:  # it was looked at for longer than its period, or than half of it
         return _hybrid(shorter, z, settings, settled)
     try:
-        adapted, sample = problem.adapted(here.sample)
+        adapted, sample = problem.adapted(state.sample)
     except np.linalg.LinAlgError:
         return outcomes.no_start(
             "no_convergence",
@@ -302,13 +302,13 @@ def _hybrid(
         sample.z, sample.tangent, sample.weights, adapted.linearize(sample.z), sample.unstable
     )
     lost = [problem.limits[k].name for k in np.flatnonzero(sample.margins < -NO_MARGIN)]
-    message = unused_symmetries(problem, here.sample.z)
+    message = unused_symmetries(problem, state.sample.z)
     if settled and sample.unstable:
         message = f"{message} {UNSTABLE}".strip()
     if lost:
         names = ", ".join(f"'{name}'" for name in dict.fromkeys(lost))
         message = f"{message} The first orbit is not admissible: {names}.".strip()
-    return Opening(adapted, Here(sample, here.s, here.step), message)
+    return Opening(adapted, ContinuationState(sample, state.s, state.step), message)
 
 
 def _not_alone(problem: HybridOrbit | PeriodicOrbit, z: np.ndarray, failure: Correction) -> Outcome | None:
@@ -394,21 +394,21 @@ def _collapsed(problem: HybridOrbit, z: np.ndarray, event: str, word: str) -> Ou
     )
 
 
-def _closed(problem: PeriodicOrbit, here: Here, settings: Settings) -> Opening:
+def _closed(problem: PeriodicOrbit, state: ContinuationState, settings: Settings) -> Opening:
     """The orbit closed up to a symmetry that it has, on steps made for it."""
-    sample = here.sample
+    sample = state.sample
     part = symmetric(problem, sample.z, sample.weights)
     message = ""
     if part is not None:
         there = begin(*part, settings)
-        if isinstance(there, Here):
-            problem, here = part[0], there
+        if isinstance(there, ContinuationState):
+            problem, state = part[0], there
             closure = problem.closure
             message = (
                 f"The orbit is its own image under '{closure.name}' 1/{closure.fold} of a period later: "
                 "only that part is integrated."
             )
-    adapted, sample = problem.adapted(here.sample)
-    if np.array_equal(sample.z, here.sample.z):  # what was solved, not what the next steps see of it
-        sample = replace(sample, excess=here.sample.excess)
-    return Opening(adapted, Here(sample, here.s, here.step), message)
+    adapted, sample = problem.adapted(state.sample)
+    if np.array_equal(sample.z, state.sample.z):  # what was solved, not what the next steps see of it
+        sample = replace(sample, excess=state.sample.excess)
+    return Opening(adapted, ContinuationState(sample, state.s, state.step), message)

@@ -120,8 +120,8 @@ def switch_branch(
     # What is watched along the new branch: of cycles that are born at a Hopf point more than of equilibria.
     born: Any = seed.problem
     chosen = _settings(born, range, marks, settings, float(special.unknowns[-1]))
-    here = begin(seed.problem, seed.z, chosen, seed.tangent, seed.reach)
-    opening = Opening(seed.problem, here, one_sided=seed.one_sided)  # type: ignore[arg-type]  # a seed lies on the branch already
+    begun = begin(seed.problem, seed.z, chosen, seed.tangent, seed.reach)
+    opening = Opening(seed.problem, begun, one_sided=seed.one_sided)  # type: ignore[arg-type]  # a seed lies on the branch already
     parent = (branch.name, special.s)
     start = Start(problem.system, problem.free, dict(problem.parameters), opening, special.name, parent, 1)
     return _single(start, Plan(chosen, frozenset(), 0))
@@ -145,17 +145,17 @@ def points(
 ) -> Iterator[Point]:
     """The bare iterator: solutions one by one, special points in their places, until the branch ends.
 
-    Each `Point` has `here.sample` (z, eigenvalues, unstable, observables, ...) and `special`, the record of a
-    special point or None.
+    Each `Point` has `state.sample` (z, eigenvalues, unstable, observables, ...) and `special`, the record of
+    a special point or None.
     """
     chosen = _settings(problem, range, None, settings)
     with one_thread():
         opening = _opened(problem, state, chosen, period, until)
-    here = opening.here if forward else turned(opening.here)
-    yield Point(here)
+    begun = opening.state if forward else turned(opening.state)
+    yield Point(begun)
     observer = observer_of(problem)
     sign = 1.0 if forward else -1.0
-    found = walk(opening.problem, here, chosen, observer, sign, chosen.max_points - 1)
+    found = walk(opening.problem, begun, chosen, observer, sign, chosen.max_points - 1)
     for event in each_on_one_thread(found):
         if isinstance(event, Point):
             yield event
@@ -198,7 +198,7 @@ def _opened(
     if isinstance(opening, Outcome):
         raise StartError(opening.message)
     # The value of a conserved quantity is known now where it is the start's own.
-    _check_within(problem.free, opening.here.sample.parameter, settings.range)
+    _check_within(problem.free, opening.state.sample.parameter, settings.range)
     return opening
 
 

@@ -307,19 +307,23 @@ def _mark(
 ) -> tuple[str, float | None]:
     """Name and value of the observable that is marked at a point; no value for an extremum."""
     observables, row = branch.info.observables, branch.points["observables"][point.index]
-    here = dict(zip(observables, row, strict=True))
+    stored = dict(zip(observables, row, strict=True))
     known = (*observables, quantities.PERIOD) if branch.info.problem in ORBITS else observables
-    here |= {name: float(branch[name][point.index]) for name in marks if quantities.known(name, known)}
+    stored |= {name: float(branch[name][point.index]) for name in marks if quantities.known(name, known)}
     if point.kind == "extremum":
-        names = [name for name, values in marks.items() if "extremum" in values and name in here]
-        rates = {name: abs(problem.rate(name, sample)) / max(abs(here[name]), 1e-300) for name in names}
+        names = [name for name, values in marks.items() if "extremum" in values and name in stored]
+        rates = {name: abs(problem.rate(name, sample)) / max(abs(stored[name]), 1e-300) for name in names}
         if rates:
             return min(rates, key=lambda name: rates[name]), None
     levels = [
-        (abs(here[name] - float(value)) / max(abs(here[name]), abs(float(value)), 1e-300), name, float(value))
+        (
+            abs(stored[name] - float(value)) / max(abs(stored[name]), abs(float(value)), 1e-300),
+            name,
+            float(value),
+        )
         for name, values in marks.items()
         for value in values
-        if name in here and value != "extremum"
+        if name in stored and value != "extremum"
     ]
     if not levels or point.kind == "extremum":
         raise ContwalkError("The run file in the database does not tell what is marked here.")

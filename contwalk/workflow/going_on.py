@@ -75,7 +75,7 @@ class Claims:
         rows = self._db.rows(name)
         if not len(rows) or not isinstance(start.opening, Opening):
             return not len(rows)
-        z = start.opening.here.sample.z
+        z = start.opening.state.sample.z
         first, weights = rows[0]["unknowns"], rows[0]["weights"]
         first = np.append(first[np.isfinite(first)], rows[0]["free"])
         return len(first) == len(z) and bool(np.all(np.abs(first - z) <= CLOSE * weights[: len(z)]))

@@ -9,7 +9,7 @@ from made_up import LINE, MadeUp, line
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.pseudo_arclength import Point, walk
 from contwalk.continuation.settings import Settings
-from contwalk.continuation.state import Here
+from contwalk.continuation.state import ContinuationState
 
 
 class Counting(MadeUp):
@@ -31,9 +31,9 @@ class Counting(MadeUp):
 def test_the_evaluations_of_the_points_are_those_of_the_walk():
     straight = line(lambda z: [-1.0])
     problem = Counting(straight.f, straight.df, straight.eigenvalues)
-    here = Here(problem.sample((0.0, 0.0), (0.0, 1.0)), 0.0, 0.1)
+    here = ContinuationState(problem.sample((0.0, 0.0), (0.0, 1.0)), 0.0, 0.1)
     before = problem.evaluated
     found = walk(problem, here, Settings(range=(-1.0, 1.0), step=0.1), Observer(LINE, ()), 1.0, 100)
-    costs = [item.here.sample.evaluations for item in islice(found, 5) if isinstance(item, Point)]
+    costs = [item.state.sample.evaluations for item in islice(found, 5) if isinstance(item, Point)]
     assert len(costs) == 5
     assert sum(costs) == problem.evaluated - before

@@ -12,7 +12,7 @@ from made_up import LINE, MadeUp, at, line
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.pseudo_arclength import Point, walk
 from contwalk.continuation.settings import Settings
-from contwalk.continuation.state import Here
+from contwalk.continuation.state import ContinuationState
 from contwalk.problems.problem import Sample
 
 HOPF = 0.5
@@ -43,7 +43,7 @@ def test_a_count_changes_at_a_special_point_only(begin):
     problem = seen(0.0)
     sample = problem.sample((0.0, begin), (0.0, 1.0))
     settings = Settings(range=(-1.0, 1.0), step=0.1, max_share=1.0)
-    here = Here(sample, 0.0, 0.1)
+    here = ContinuationState(sample, 0.0, 0.1)
     count, met = 0, []
     for item in walk(problem, here, settings, Observer(LINE, ()), 1.0, 100):
         if not isinstance(item, Point):
@@ -52,7 +52,7 @@ def test_a_count_changes_at_a_special_point_only(begin):
             met.append(item.special.label)
             count = 2
         else:
-            assert item.here.sample.unstable == count, item.here.sample.parameter
+            assert item.state.sample.unstable == count, item.state.sample.parameter
     assert met == ["HB"]
 
 

@@ -85,7 +85,7 @@ def test_a_point_of_a_branch_is_known_and_one_beside_it_is_not():
     problem = small_problem(pitchfork, "x", {"mu": 0.5}, "mu")
     upper = cw.continue_branch(problem, [np.sqrt(0.5)], (0.1, 1.0))
     for start, expected in ((np.sqrt(0.5), Known("b1")), (-np.sqrt(0.5), None), (0.0, None)):
-        here = next(iter(cw.points(problem, [start], (0.0, 1.0)))).here
+        here = next(iter(cw.points(problem, [start], (0.0, 1.0)))).state
         assert known_branch(problem, here.sample, [upper]) == expected
 
 
@@ -97,6 +97,6 @@ def test_near_where_branches_cross_both_are_told_apart(mu):
     rest = cw.continue_branch(whole, [0.0], (-1.0, 1.0))
     upper = cw.continue_branch(whole, [np.sqrt(0.5)], (0.0, 1.0))
     for start, branch, other in ((0.0, rest, upper), (np.sqrt(mu), upper, rest)):
-        here = next(iter(cw.points(problem, [start], (-1.0, 1.0)))).here
+        here = next(iter(cw.points(problem, [start], (-1.0, 1.0)))).state
         assert known_branch(problem, here.sample, [branch]) == Known(branch.name)
         assert known_branch(problem, here.sample, [other]) is None

@@ -7,7 +7,7 @@ from small_systems import labelled, small_system
 import contwalk as cw
 from contwalk.branch import BranchInfo, Outcome, SpecialPoint
 from contwalk.continuation import outcomes
-from contwalk.continuation.branch_in_progress import Start, Stored, Work, spent
+from contwalk.continuation.branch_in_progress import BranchInProgress, Start, Stored, spent
 from contwalk.continuation.diagram import Diagram, Found, Plan
 from contwalk.continuation.settings import Settings
 from contwalk.problems.orbit.points.catalogue import LIMIT_TYPES
@@ -119,5 +119,5 @@ def test_each_direction_has_points_of_its_own():
     info = BranchInfo("b1", "equilibrium", ("x",), (), ("lam",), {}, 1, 1)
     rows = np.zeros(6, dtype=info.point_dtype())
     rows["s"] = [0.0, 0.0, 0.1, 0.2, 0.3, -0.1]  # the start, a mark there, three forward, one backward
-    work = Work(info, [rows[i : i + 1] for i in range(6)])
+    work = BranchInProgress(info, [rows[i : i + 1] for i in range(6)])
     assert (spent(work, 1.0), spent(work, -1.0)) == (5, 3)

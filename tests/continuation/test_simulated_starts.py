@@ -77,7 +77,7 @@ def test_a_machine_with_events_that_comes_to_rest_starts_the_equilibria(start):
     assert not isinstance(opening, Outcome), opening.message
     assert isinstance(opening.problem, Equilibrium)
     assert "came to rest at an equilibrium" in opening.message
-    x, y, _ = opening.here.sample.z
+    x, y, _ = opening.state.sample.z
     # The root of the cubic, by Newton's method to rounding.
     assert x + x**3 == pytest.approx(0.5, rel=1e-14)
     assert y == pytest.approx(x / 20.0, rel=1e-14)

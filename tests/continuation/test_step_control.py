@@ -13,7 +13,7 @@ from contwalk.branch import Outcome
 from contwalk.continuation import control
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.settings import Settings
-from contwalk.continuation.state import Here
+from contwalk.continuation.state import ContinuationState
 from contwalk.continuation.step import predict, take_step
 
 RANGE = Settings(range=(-2.0, 2.0), step=0.1, max_step=0.5, max_share=1.0)
@@ -26,7 +26,7 @@ def on_circle(problem, angle):
 
 
 def here(problem, z, toward, step=0.1):
-    return Here(problem.sample(z, toward), 0.0, step)
+    return ContinuationState(problem.sample(z, toward), 0.0, step)
 
 
 # -- measures of a step --------------------------------------------------------------------------------------
@@ -163,7 +163,7 @@ def test_a_branch_that_turns_before_the_end_of_its_range_is_followed_round():
     for _ in range(5):
         step = take_step(turning, place, replace(RANGE, range=(-2.0, 1.001)), OBSERVER)
         found += [f.label for f in step.found]
-        place = Here(step.there, 0.0, step.next_length)
+        place = ContinuationState(step.there, 0.0, step.next_length)
     assert found == ["LP"]
     assert place.sample.z[0] > 0.1
 
@@ -194,7 +194,7 @@ def test_a_step_does_not_land_on_the_branch_beside():
         assert step.there.z[0] == pytest.approx(g(step.there.parameter), abs=1e-12)
         if step.there.parameter == 0.1:
             return
-        place = Here(step.there, 0.0, step.next_length)
+        place = ContinuationState(step.there, 0.0, step.next_length)
     raise AssertionError("the end of the range was not reached")
 
 
@@ -207,7 +207,10 @@ def test_where_the_field_ends_the_step_says_so_with_its_last_good_point():
     found = take_step(problem, start, replace(RANGE, min_step=1e-5), OBSERVER)
     while not isinstance(found, Outcome):
         found = take_step(
-            problem, Here(found.there, 0.0, found.next_length), replace(RANGE, min_step=1e-5), OBSERVER
+            problem,
+            ContinuationState(found.there, 0.0, found.next_length),
+            replace(RANGE, min_step=1e-5),
+            OBSERVER,
         )
     assert (found.status, found.reason) == ("failed", "not_finite")
     assert "lam = 0.0" in found.message
@@ -226,7 +229,7 @@ def test_a_corner_stops_the_walk_with_a_reason():
             assert (step.status, step.reason) == ("failed", "step_too_small")
             assert step.message.endswith(".")
             return
-        found = Here(step.there, 0.0, step.next_length)
+        found = ContinuationState(step.there, 0.0, step.next_length)
     raise AssertionError("the corner was passed")
 
 
@@ -241,7 +244,7 @@ def test_what_cannot_be_located_is_kept_at_the_smallest_step_only():
         lengths.append(step.segment.length)
         if step.there.parameter > 0.06:
             break
-        place = Here(step.there, 0.0, step.next_length)
+        place = ContinuationState(step.there, 0.0, step.next_length)
     assert kinds == [("HB", "unlocated", 0, 2)]
     assert min(lengths) == pytest.approx(1e-3, rel=1e-6)
 
@@ -253,7 +256,7 @@ def test_a_walk_closes_where_it_comes_back_the_same_way_round():
     for _ in range(60):
         step = take_step(problem, place, RANGE, OBSERVER)
         closed.append(step.closes(origin))
-        place = Here(step.there, 0.0, step.next_length)
+        place = ContinuationState(step.there, 0.0, step.next_length)
         if closed[-1] and len(closed) > 3:
             break
     angle = math.atan2(place.sample.z[1], place.sample.z[0])

@@ -7,7 +7,7 @@ import pytest
 from small_systems import small_problem
 
 import contwalk as cw
-from contwalk.continuation.branch_in_progress import Stored, Work, resumed
+from contwalk.continuation.branch_in_progress import BranchInProgress, Stored, resumed
 
 FORWARD, BACKWARD = 1.0, -1.0
 
@@ -23,7 +23,7 @@ def walked(value):
     rows, ends = branch.points, sorted(branch.special_points, key=lambda p: -p.parameters["lam"])
     ahead, behind = rows[rows["s"] >= 0.0], rows[rows["s"] < 0.0][::-1]
     assert [p.label for p in ends] == ["EP", "EP"]
-    return problem, Work(branch.info), ahead, behind, ends
+    return problem, BranchInProgress(branch.info), ahead, behind, ends
 
 
 def taken_up(problem, work, rows, ends, without=frozenset()):

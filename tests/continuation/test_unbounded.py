@@ -154,7 +154,7 @@ def test_the_end_of_a_fields_domain_is_no_escape():
 
 def rows_of(field, start, value, span):
     problem = small_problem(field, "x", {"lam": value}, "lam")
-    return problem, [point.here.sample for point in cw.points(problem, start, span)]
+    return problem, [point.state.sample for point in cw.points(problem, start, span)]
 
 
 def test_no_other_branch_has_an_escape():

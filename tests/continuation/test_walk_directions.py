@@ -72,7 +72,7 @@ def test_the_iterator_gives_the_points_of_the_branch():
     for forward, direction in ((True, "forward"), (False, "backward")):
         branch = cw.continue_branch(problem, state, (-2.0, 2.0), direction=direction)
         found = list(cw.points(problem, state, (-2.0, 2.0), forward=forward))
-        values = [q.here.sample.parameter for q in found]
+        values = [q.state.sample.parameter for q in found]
         assert values == branch["a"][:: 1 if forward else -1].tolist()
         records = [q.special.label for q in found if q.special is not None]
         assert records == [q.label for q in bifurcations(branch)][:: 1 if forward else -1]
@@ -83,8 +83,8 @@ def test_the_iterator_can_be_left_early():
     steps = cw.points(_problem(value), state, (-3.0, 3.0))
     first = [next(steps) for _ in range(3)]
     steps.close()
-    assert first[0].here.s == 0.0
-    assert first[1].here.s < first[2].here.s
+    assert first[0].state.s == 0.0
+    assert first[1].state.s < first[2].state.s
 
 
 def test_the_engine_settings_do_not_move_special_points():

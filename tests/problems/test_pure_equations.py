@@ -104,7 +104,7 @@ def found(opening) -> Opening:
 @cache
 def points(name: str) -> list[np.ndarray]:
     """Points around an orbit, and other orbits of the branch; at the farthest there may be no motion."""
-    sample = ORBITS[name]().here.sample
+    sample = ORBITS[name]().state.sample
     way = np.cos(np.arange(1.0, len(sample.z) + 1.0))
     around = [sample.z + sign * far * sample.weights * way for far in DISTANCES for sign in (1.0, -1.0)]
     return [sample.z, *around, *along(sample), *orbits(name)]
@@ -119,7 +119,7 @@ def along(sample: Sample) -> list[np.ndarray]:
 def orbits(name: str) -> list[np.ndarray]:
     """The solutions near them."""
     opening = ORBITS[name]()
-    problem, sample = opening.problem, opening.here.sample
+    problem, sample = opening.problem, opening.state.sample
     normal = sample.tangent / sample.weights**2
     corrected = [correct(problem, guess, normal, sample.weights) for guess in along(sample)]
     return [each.z for each in corrected if each.ok]
@@ -163,7 +163,7 @@ def test_the_order_in_which_points_are_asked_for_changes_no_bit(name, seed):
 @pytest.mark.parametrize("name", ORBITS)
 def test_what_else_is_asked_changes_no_bit(name):
     opening, chance, known = ORBITS[name](), random.Random(3), alone(name)
-    problem, sample = opening.problem, opening.here.sample
+    problem, sample = opening.problem, opening.state.sample
     there = points(name)
     for number in chance.sample(range(len(there)), k=len(there)):
         elsewhere(problem, sample, there[chance.randrange(len(there))], chance)

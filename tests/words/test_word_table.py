@@ -19,6 +19,8 @@ REPLACED = {
     "fields": {"arc", "lap", "leg", "quiet", "plan", "told"},
     "storage": {"arc", "lap", "leg", "quiet", "plan"},
     "numerics": {"arc", "lap", "leg", "quiet", "plan", "told", "here"},
+    "continuation": {"here"},
+    "studies": {"here"},
 }
 
 

@@ -198,7 +198,7 @@ def test_modes_are_entered_with_the_other_clock_past_zero():
     )
     opening = opened(system, "share", [0.2], until="settled")
     assert isinstance(opening, Opening), opening.message
-    sample = opening.here.sample
+    sample = opening.state.sample
     assert opening.problem.signature in (("opens", "closes"), ("closes", "opens"))
     # The state when it closes: x = (x + (e^(share T) - 1)) e^-T.
     expected = math.expm1(on * whole) / math.expm1(whole)

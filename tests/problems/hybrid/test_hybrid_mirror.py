@@ -179,7 +179,7 @@ def test_a_half_cycle_is_stored_and_taken_up_again(tmp_path):
         system, values, "rho", parent.points["state"][3], settings, None, None, None, stored
     )
     assert isinstance(opening, Opening)
-    np.testing.assert_allclose(opening.here.sample.eigenvalues, sample.eigenvalues, rtol=1e-6)
+    np.testing.assert_allclose(opening.state.sample.eigenvalues, sample.eigenvalues, rtol=1e-6)
 
 
 def test_it_may_begin_with_any_leg():

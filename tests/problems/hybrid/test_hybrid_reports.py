@@ -230,7 +230,7 @@ def test_rates_of_observables_along_the_branch(name):
     """Derivative along the tangent, against the slope of the branch's own rows."""
     problem, _ = ball()
     points = list(cw.points(problem, at_zero(), (0.0088, 0.0118), max_points=8, max_step=0.02, step=0.02))
-    found = [p.here.sample for p in points if p.special is None]
+    found = [p.state.sample for p in points if p.special is None]
     k = len(found) // 2
     own = [problem.observable_names.index(name), name]
     s = [float(np.linalg.norm((q.z - found[k].z) / q.weights)) * np.sign(i - k) for i, q in enumerate(found)]

@@ -77,7 +77,7 @@ def test_an_orbit_that_is_unstable_though_the_motion_was_to_settle_is_told(rate,
     values = {"rate": rate, "goal": 1.0}
     settings = Settings(range=(0.5, 2.0))
     opening = opened_orbit(CLOCK, values, "goal", np.array([0.0, 1.001]), settings, until="settled")
-    assert opening.here.sample.z[1] == pytest.approx(1.0, rel=1e-9)
+    assert opening.state.sample.z[1] == pytest.approx(1.0, rel=1e-9)
     assert ("unstable, though the simulation was to settle" in opening.message) == told
 
 

@@ -41,7 +41,7 @@ def at_orbit():
     problem = cw.PeriodicOrbit(SYSTEM, SYSTEM.defaults(), "lam", discretization=chosen)
     first = next(
         cw.points(problem, [1.0, 0.0, 0.0, 0.0], (0.5, 1.5), until="settled", max_points=2)
-    ).here.sample
+    ).state.sample
     x, period = first.z[:4], float(first.z[4])
     there, z = orbit_at(
         SYSTEM, ParameterLine.of(SYSTEM, SYSTEM.defaults(), "lam"), None, x, period, discretization=chosen

@@ -14,7 +14,7 @@ from contwalk.system import Observable
 
 def samples(problem, start, low, high, period):
     """Solutions with their problems, along one direction."""
-    return [p.here.sample for p in cw.points(problem, start, (low, high), period=period, max_points=12)]
+    return [p.state.sample for p in cw.points(problem, start, (low, high), period=period, max_points=12)]
 
 
 def test_the_rate_of_a_modulus_is_that_of_its_closed_form():
@@ -75,7 +75,7 @@ def test_rates_far_from_the_circle_and_at_one_are_not_computed(lam):
     system = small_system(field, "xyzw", {"lam": lam})
     problem = cw.PeriodicOrbit(system, system.defaults(), "lam")
     first, *_ = cw.points(problem, [1.0, 0.0, 0.0, 0.0], (0.7, 1.1), period=math.pi, max_points=3)
-    sample = first.here.sample
+    sample = first.state.sample
     near = np.abs(np.abs(sample.eigenvalues) - 1.0) < 0.5
     complex_ones = sample.eigenvalues.imag != 0.0
     rates = np.array([*sample.rates])
