@@ -6,12 +6,11 @@ and `HybridOrbit` offers them to the engine.
 
 from __future__ import annotations
 
-import copy
 from abc import abstractmethod
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, Self, TypeVar
+from typing import Self, TypeVar
 
 import numpy as np
 
@@ -27,10 +26,9 @@ from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.hybrid.word import Word
 from contwalk.problems.kinks import Course, Kink
 from contwalk.problems.orbit.discretization import Discretization
-from contwalk.problems.orbit.evaluations import Evaluations
-from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.section import Section
-from contwalk.problems.parameter_line import Ends, ParameterLine
+from contwalk.problems.parameter_line import Ends
 from contwalk.system import Condition, Neutral, System, Transition
 
 # Solutions that are looked at again soon: at a step's ends.
@@ -39,7 +37,7 @@ MOST_VIEWS = 4
 Kind = TypeVar("Kind", bound="DiscretizedOrbit")
 
 
-class DiscretizedOrbit(Orbit):
+class DiscretizedOrbit(OrbitData):
     """Orbits of one word on given steps; see `HybridOrbit` for its parameters."""
 
     def __init__(
@@ -54,20 +52,12 @@ class DiscretizedOrbit(Orbit):
         subharmonic: int = 1,
         discretization: Discretization | None = None,
     ) -> None:
-        self.system, self.word = system, word
-        self.line = ParameterLine.of(system, parameters, free, path)
-        self.free, self.parameters = free, self.line.parameters
-        self.pins, self.reference = tuple(pins), reference
-        self.subharmonic = subharmonic
-        self.discretization = discretization or Discretization()
-        self.states = len(system.states)
-        self.forced = system.period is not None
+        super().__init__(system, parameters, free, path, pins, reference, subharmonic, discretization)
+        self.word = word
         self.turns = np.zeros(self.states)
-        self.section: Section | None = None
         self._mesh: LegMesh | None = None
         self._most_steps: int | None = None
         self.effort = Effort()
-        self.known = Evaluations()
         # Segments of each leg; how many a stored branch has room for.
         self.cuts, self.room, self.layout = 1, None, self._laid_out(1)
 
@@ -76,13 +66,6 @@ class DiscretizedOrbit(Orbit):
         sizes = [len(self.system.states_of(leg.mode)) for leg in self.word.legs]
         each = [1 if leg.collapsed else cuts for leg in self.word.legs]
         return Layout(sizes, self.forced, len(self.pins), each)
-
-    def _varied(self, **changes: Any) -> Self:
-        other = copy.copy(self)
-        other.known = Evaluations()
-        for name, value in changes.items():
-            setattr(other, name, value)
-        return other
 
     def of_word(self, word: Word, times: int = 1, turns: np.ndarray | None = None) -> Self:
         """The orbits of another word, lasting `times` as many periods of the forcing."""

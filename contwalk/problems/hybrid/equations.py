@@ -13,16 +13,12 @@ from contwalk.numerics.linear import EPSILON
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.layout import Segment
 from contwalk.problems.hybrid.metric import cycle_scales
+from contwalk.problems.orbit.discretization import SOLVED, STAGES
 from contwalk.problems.orbit.motion import PLAIN
 from contwalk.problems.orbit.multipliers import GLOBAL
 from contwalk.problems.orbit.period import period_and_slope
 from contwalk.problems.problem import Linearization
 from contwalk.system import Neutral
-
-# A residual counts as solved at this part of the tolerance.
-SOLVED = 1e-3
-# Evaluations of the field in a step of each method (of the implicit ones, about).
-STAGES = {"dop853": 12, "verner98": 16, "radau5": 24, "radau9": 40}
 
 
 def residual(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:

@@ -11,6 +11,10 @@ FINEST = 1e-13
 # Local errors of a walk, and of the first attempt at a located point, in units of the wish: estimates of the
 # 8th-order pair are two digits on the safe side, and located points are checked on finer steps anyway.
 WALKING, LOCATING, MARKING = 100.0, 1.0, 0.03
+# A residual counts as solved at this part of the tolerance.
+SOLVED = 1e-3
+# Evaluations of the field in a step of each method (of the implicit ones, about).
+STAGES = {"dop853": 12, "verner98": 16, "radau5": 24, "radau9": 40}
 
 
 @dataclass(frozen=True)

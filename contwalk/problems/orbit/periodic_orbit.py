@@ -16,6 +16,7 @@ from contwalk.numerics.linear import EPSILON, Factored
 from contwalk.problems import kinks
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.orbit import augmented, describing, ending, monodromy, rates, switching
+from contwalk.problems.orbit.discretization import SOLVED, STAGES
 from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.meeting import distance
 from contwalk.problems.orbit.mirror import OrbitMirror, mirror_of
@@ -40,10 +41,6 @@ from contwalk.system.declarations import ParameterValues
 
 # Segments that a branch has room for, if it does not begin with more.
 ROOM = 8
-# A residual counts as solved at this part of the tolerance.
-SOLVED = 1e-3
-# Evaluations of the field in a step of each method (of the implicit ones, about).
-STAGES = {"dop853": 12, "verner98": 16, "radau5": 24, "radau9": 40}
 # An orbit that moves less than this part of its magnitudes is a point.
 POINT = 1e-10
 # A state that moves less than this part of what others do, in units of its size, tells no magnitude.

@@ -7,7 +7,6 @@ and `PeriodicOrbit` offers them to the engine.
 
 from __future__ import annotations
 
-import copy
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import Any, Self, TypeVar
@@ -19,14 +18,13 @@ from contwalk.problems.forcing import period_at
 from contwalk.problems.kinks import Course, Kink
 from contwalk.problems.orbit.closure import Closure
 from contwalk.problems.orbit.discretization import Discretization
-from contwalk.problems.orbit.evaluations import Evaluations
 from contwalk.problems.orbit.extrema import with_extrema
 from contwalk.problems.orbit.motion import Motion, motion_of
-from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.section import Reference, Section, section_at
 from contwalk.problems.orbit.shooting import Curve, Mesh, Shooting, velocity
 from contwalk.problems.orbit.solution import Solution
-from contwalk.problems.parameter_line import Ends, ParameterLine
+from contwalk.problems.parameter_line import Ends
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 
@@ -43,7 +41,7 @@ MOVES = 1e-2
 Kind = TypeVar("Kind", bound="SegmentedOrbit")
 
 
-class SegmentedOrbit(Orbit):
+class SegmentedOrbit(OrbitData):
     """Orbits of one closure on given steps; see `PeriodicOrbit` for its parameters."""
 
     def __init__(
@@ -57,20 +55,12 @@ class SegmentedOrbit(Orbit):
         subharmonic: int = 1,
         discretization: Discretization | None = None,
     ) -> None:
-        self.system, self.line = system, ParameterLine.of(system, parameters, free, path)
-        self.free, self.parameters = free, self.line.parameters
-        self.pins, self.reference = tuple(pins), reference
-        self.subharmonic = subharmonic
-        self.discretization = discretization or Discretization()
-        self.states = len(system.states)
-        self.forced = system.period is not None
+        super().__init__(system, parameters, free, path, pins, reference, subharmonic, discretization)
         self.closure = self._closed(np.zeros(self.states))
         self.parts = PARTS  # of the closure in which the steps are alike
-        self.section: Section | None = None
         self._reference: Reference | None = None
         self._mesh: Mesh | None = None
         self._tally = [0]
-        self.known = Evaluations()
 
     def _motion(self, fold: int) -> Motion:
         line, share = self.line, self.subharmonic / fold
@@ -78,13 +68,6 @@ class SegmentedOrbit(Orbit):
 
     def _closed(self, turns: np.ndarray, symmetry: Any = None, power: int = 1, fold: int = 1) -> Closure:
         return Closure(self._motion(fold), turns, symmetry, power, fold)
-
-    def _varied(self, **changes: Any) -> Self:
-        other = copy.copy(self)
-        other.known = Evaluations()
-        for name, value in changes.items():
-            setattr(other, name, value)
-        return other
 
     def closing(self, turns: np.ndarray, symmetry: Any = None, power: int = 1, fold: int = 1) -> Self:
         """The same orbits closed up to a symmetry (or to none), with angles that turn."""

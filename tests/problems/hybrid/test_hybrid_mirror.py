@@ -20,9 +20,9 @@ from contwalk.branch import Branch, SpecialPoint
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.reopening import reopened
 from contwalk.continuation.settings import Settings
-from contwalk.problems.hybrid.equations import SOLVED
 from contwalk.problems.hybrid.following import follows
 from contwalk.problems.hybrid.switching import rotated
+from contwalk.problems.orbit.discretization import SOLVED
 from contwalk.problems.stored_word import StoredWord
 from contwalk.studies.opening_orbits import opened_word
 from contwalk.system import Neutral, Symmetry, System, Transition
