@@ -8,7 +8,7 @@ from contwalk.continuation.locating import Found
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.errors import NotFinite
 from contwalk.numerics.bracketing import narrow
-from contwalk.problems.problem import Located, PointType, Sample
+from contwalk.problems.problem import Located, PointType, Sample, finest
 
 # A bracket that is this narrow, in parts of the segment, is the point.
 NARROW = 1e-12
@@ -60,13 +60,13 @@ def _finest(segment: Segment, theta: float, low: float, high: float) -> tuple[Se
     """
     sides = max(theta - NEIGHBOURHOOD, low), min(theta + NEIGHBOURHOOD, high)
     try:
-        finest = segment.problem.finest(segment.at(theta).z, segment.weights)
-        if finest is None:
+        there = finest(segment.problem, segment.at(theta).z, segment.weights)
+        if there is None:
             return segment, 0.0, 1.0
-        a, b = (segment.on(finest, side) for side in sides)
+        a, b = (segment.on(there, side) for side in sides)
     except (NotFinite, LostBranch):
         return segment, 0.0, 1.0
-    return Segment(finest, a, b), sides[0], sides[1] - sides[0]
+    return Segment(there, a, b), sides[0], sides[1] - sides[0]
 
 
 def _blur(kind: PointType, segment: Segment, sample: Sample) -> float:

@@ -73,7 +73,7 @@ def at_the_end(segment: Segment) -> list[Found]:
     if not len(critical):
         return []
     which = int(critical[0])
-    if segment.problem.many_branches(b.z):
+    if segment.problem.diagnosis.many_branches(b.z):
         kind = told_by(segment.problem, Test.ORIENTATION)
     else:
         kind = crossed(segment.problem, b, which) or told_by(segment.problem, Test.TURN)
@@ -123,7 +123,7 @@ def _changes(segment: Segment, found: Found) -> tuple[int, ...]:
         return tuple(range(-many, many + 1))
     if found.type.test in (Test.STABILITY, Test.VALUE):
         return found.type.changes
-    if segment.problem.discretized:  # on its steps, a multiplier passes one beside the point
+    if segment.problem.meshed is not None:  # on its steps, a multiplier passes one beside the point
         return found.type.changes
     if found.type.test is Test.TURN and not _has_zero(found.sample):
         return (0,)

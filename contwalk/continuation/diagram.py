@@ -215,7 +215,7 @@ class Diagram:
         if not both or self._plan.settings.mirror_images == "walked":
             return None
         if self._mirrored is None or self._mirrored[0] is not opening:  # asked several times of one start
-            self._mirrored = opening, opening.problem.mirror(opening.state.sample)
+            self._mirrored = opening, opening.problem.equivalence.mirror(opening.state.sample)
         return self._mirrored[1]
 
     def _info(self, start: Start, name: str) -> BranchInfo:
@@ -263,10 +263,9 @@ class Diagram:
         if stored is None or not len(stored.rows):
             if stored is None:
                 yield Began(work.info)
-                if problem.method:
-                    yield Noted(
-                        f"method {work.info.name}", f"{work.info.name}: integrated by {problem.method}."
-                    )
+                if problem.meshed is not None:
+                    told = f"{work.info.name}: integrated by {problem.meshed.method}."
+                    yield Noted(f"method {work.info.name}", told)
             yield from self._kinks(problem, work, opening.state.sample, opening.state.sample)
             work.rows = [to_row(work.info, problem, opening.state, 1.0, None)]
             yield Found(work.info, work.rows[0], None)
@@ -324,7 +323,7 @@ class Diagram:
         if half is None:
             return False
         key, done = f"images {work.info.name}", [row for row in work.rows if row["s"][0] < 0.0]
-        numbers = mirror_images.watched(self._plan.settings, problem.free, work.info.observables)
+        numbers = mirror_images.watched(self._plan.settings, problem.line.free, work.info.observables)
         other = mirror_images.differing(mirror, half, numbers)
         if other is not None:
             why = f"'{work.info.observables[other]}', which is looked for, is not the same there"
@@ -339,7 +338,7 @@ class Diagram:
             if isinstance(images, str):
                 value = float(step[-1].row["free"][0, 0])
                 count = sum(1 for row in work.rows if row["s"][0] < 0.0)
-                why = f"at {problem.free} = {value:.10g} {images}"
+                why = f"at {problem.line.free} = {value:.10g} {images}"
                 yield Noted(key, mirror_images.told_walked(work.info, mirror, count, why))
                 return False
             for row, point in images:
@@ -362,8 +361,8 @@ class Diagram:
 
     def _kinks(self, problem: Problem, work: BranchInProgress, a: Sample, b: Sample) -> Iterator[Noted]:
         """Once a branch, that the equations of its solutions are smooth by pieces only at a plugin's line."""
-        of = "equilibria" if problem.kind == "equilibrium" else "orbits"
-        for kink in problem.kinks_between(a, b):
+        of = "equilibria" if problem.meshed is None else "orbits"
+        for kink in problem.diagnosis.kinks_between(a, b):
             key = f"kink {work.info.name} {kink.order} {kink.where}"
             if key not in work.told:
                 work.told.add(key)
@@ -401,7 +400,7 @@ class Diagram:
                     parent=(branch.name, point.s),
                     depth=start.depth + 1,
                     leaves=kind,
-                    orbit=start.orbit or problem.discretized or kind.births,
+                    orbit=start.orbit or problem.meshed is not None or kind.births,
                 )
 
     def _openings(

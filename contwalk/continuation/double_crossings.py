@@ -13,7 +13,7 @@ from contwalk.continuation.locating import Disagreement, Found, accepted, locate
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.errors import NotFinite
 from contwalk.numerics.bracketing import narrow
-from contwalk.problems.problem import Sample, Test
+from contwalk.problems.problem import Sample, Test, finest
 
 # An extremum is looked at when it comes this much nearer to zero than the ends.
 NEAR_ZERO = 0.5
@@ -58,18 +58,18 @@ def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | Non
     if abs(sample.measures[which]) > max(CLOSE * ends, sample.spectrum_error or 0.0):
         return None
     try:
-        finest = segment.problem.finest(sample.z, segment.weights)
+        there = finest(segment.problem, sample.z, segment.weights)
     except NotFinite as error:
         kind = crossed(segment.problem, sample, which) or told_by(segment.problem, Test.ORIENTATION)
         raise Disagreement(kind, f"Two crossings may hide there: {error.sentence}") from None
-    if finest is None:
+    if there is None:
         return None
     sides = max(theta - NEIGHBOURHOOD, 0.0), min(theta + NEIGHBOURHOOD, 1.0)
     try:
-        a, b = (segment.on(finest, side) for side in sides)
+        a, b = (segment.on(there, side) for side in sides)
     except LostBranch:
         return None
-    part = Segment(finest, a, b)
+    part = Segment(there, a, b)
     middle, passes = _extremum(part, which, (0.0, a), (1.0, b))
     if not passes:
         return []
@@ -79,7 +79,7 @@ def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | Non
     for low, high, before, after in ((0.0, middle, outside, inside), (middle, 1.0, inside, outside)):
         point = _crossing_between(part, which, low, high)
         if point is None:
-            kind = crossed(finest, part.at(middle), which) or told_by(finest, Test.ORIENTATION)
+            kind = crossed(there, part.at(middle), which) or told_by(there, Test.ORIENTATION)
             raise Disagreement(kind, "Of two near crossings one is lost.")
         position = sides[0] + point.theta * (sides[1] - sides[0])
         found.append(replace(point, theta=position, before=before, after=after, counted=True))

@@ -13,9 +13,11 @@ from contwalk.errors import NotFinite
 from contwalk.numerics.bracketing import narrow
 from contwalk.problems.problem import Located, PointType, Sample, Test
 
-# Of two points that are one, in the metric, beside what a problem blurs.
+# Of two points that are one, in the metric, beside what a mesh blurs.
 SAME_POINT = 1e-6
 ROUNDING = 1e-13
+# A located point lies on the branch if it is this near, relative to the segment, where equations are exact.
+BLUR = 1e-6
 # What the ends of a segment are known to blurs as well, up to this part of the segment.
 DOUBTED = 1e-2
 
@@ -155,7 +157,9 @@ def passes_through(segment: Segment, z: np.ndarray, tangent: np.ndarray, theta: 
 def same_point(segment: Segment, located: Located, theta: float) -> bool:
     """Whether a located point is the branch's own solution at theta."""
     known = float(np.max(np.nan_to_num([segment.a.error, segment.b.error], nan=0.0)))
-    least = segment.problem.blur + ROUNDING / segment.length + min(known / segment.length, DOUBTED)
+    meshed = segment.problem.meshed
+    blur = BLUR if meshed is None else meshed.blur
+    least = blur + ROUNDING / segment.length + min(known / segment.length, DOUBTED)
     # As near to what is guessed of the branch there, it is so to the branch.
     guessed = np.linalg.norm((segment.guess(theta) - located.z) / segment.weights) / segment.length
     return bool(guessed < 0.1 * least) or segment.distance(located.z, theta) < least

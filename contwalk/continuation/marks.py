@@ -16,7 +16,7 @@ from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Mark
 from contwalk.numerics.bracketing import narrow
 from contwalk.problems.parameter_line import ParameterLine
-from contwalk.problems.problem import Located, Problem, Sample, Test
+from contwalk.problems.problem import Located, Problem, Sample, Test, refined
 
 # How near to a turn of the branch, in parts of the segment, no extremum is looked for.
 TURN = 1e-3
@@ -52,7 +52,7 @@ class Observer:
 
 def observer_of(problem: Problem) -> Observer:
     """The observer of a problem's branches."""
-    return Observer(problem.line, problem.observable_names)
+    return Observer(problem.line, problem.observed.observable_names)
 
 
 def marked(
@@ -94,7 +94,7 @@ def _levels(segment: Segment, name: str, level: float, observer: Observer) -> li
         if place is not None:
             located = _parameter_at(segment, place, sample)
         else:
-            located = segment.problem.locate_mark(name, level, sample)
+            located = segment.problem.observed.locate_mark(name, level, sample)
         if located is None:
             return None
         position = segment.position(located.z)
@@ -133,7 +133,7 @@ def _parameter_at(segment: Segment, value: float, near: Sample) -> Located | Non
     if found is None:
         return None
     z = found.z
-    return replace(found, refine=lambda: solved(segment.problem.refined(z, segment.weights), z))
+    return replace(found, refine=lambda: solved(refined(segment.problem, z, segment.weights), z))
 
 
 def _extrema(segment: Segment, name: str, low: float, high: float) -> list[Found]:
@@ -141,7 +141,7 @@ def _extrema(segment: Segment, name: str, low: float, high: float) -> list[Found
 
     def rate(theta: float) -> float:
         if theta not in rates:
-            rates[theta] = segment.problem.rate(name, segment.at(theta))
+            rates[theta] = segment.problem.observed.rate(name, segment.at(theta))
         return rates[theta]
 
     def flat(theta: float, left: float, right: float) -> float | None:
@@ -156,7 +156,7 @@ def _extrema(segment: Segment, name: str, low: float, high: float) -> list[Found
         theta = min(rates, key=lambda t: abs(rates[t]))
         if abs(rates[theta]) > 1e-5 * min(abs(first), abs(last)):
             return []  # the rate jumps: a kink
-        error, certain = _extremum_error(segment, theta, lambda s: segment.problem.rate(name, s))
+        error, certain = _extremum_error(segment, theta, lambda s: segment.problem.observed.rate(name, s))
     except LostBranch:
         return []
     sample = segment.at(theta)
@@ -174,7 +174,7 @@ def _on_finer_steps(segment: Segment, name: str, theta: float) -> Sample | None:
     None where solutions are not discretised, or where it is not found.
     """
     sample = segment.at(theta)
-    problem = segment.problem.refined(sample.z, segment.weights)
+    problem = refined(segment.problem, sample.z, segment.weights)
     if problem is segment.problem:
         return None
     rates: dict[float, float] = {}
@@ -185,14 +185,14 @@ def _on_finer_steps(segment: Segment, name: str, theta: float) -> Sample | None:
             part = Segment(problem, *(segment.on(problem, side) for side in sides))
         except LostBranch:
             return None
-        first, last = (problem.rate(name, end) for end in (part.a, part.b))
+        first, last = (problem.observed.rate(name, end) for end in (part.a, part.b))
         if first * last < 0.0:
             break
     else:
         return None
 
     def rate(position: float) -> float:
-        rates[position] = problem.rate(name, part.at(position))
+        rates[position] = problem.observed.rate(name, part.at(position))
         return rates[position]
 
     def flat(position: float, left: float, right: float) -> float | None:

@@ -46,9 +46,10 @@ def crowded(problem: Problem, sizes: np.ndarray) -> np.ndarray:
     Arclength is a sum over the unknowns. Of many that are values of one function on a grid, each counts the
     less the more there are: steps do not get shorter where the grid gets finer. Orbits count their own.
     """
-    if problem.discretized or problem.size <= CROWD:
+    size = len(sizes) - 1
+    if problem.meshed is not None or size <= CROWD:
         return sizes
-    result = sizes * math.sqrt(problem.size / CROWD)
+    result = sizes * math.sqrt(size / CROWD)
     result[-1] = sizes[-1]
     return result
 

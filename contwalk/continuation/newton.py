@@ -179,7 +179,7 @@ def _iterated(
     lin = equations.at(z)
     for iteration in range(iterations + 1):
         if not lin.finite:
-            sentence = f"The equations have no finite value: {equations.problem.explain(z)}."
+            sentence = f"The equations have no finite value: {equations.problem.diagnosis.explain(z)}."
             return equations.ended(z, None, iteration, "not_finite", sentence)
         step = _newton_step(lin, lin.residual, normal, normal @ (z - guess), weights)
         if step is None and lin.excess <= ROUNDED:

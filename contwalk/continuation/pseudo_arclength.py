@@ -95,7 +95,7 @@ def walk(
         reason = "plugin_error" if isinstance(error, PluginError) else "not_finite"
         singular = f"The equations there are singular: {error}."
         sentence = error.sentence if isinstance(error, ContwalkError) else singular
-        known = problem.obstacle(state.sample.z) if reason == "not_finite" else ""
+        known = problem.diagnosis.obstacle(state.sample.z) if reason == "not_finite" else ""
         outcome = outcomes.stuck(
             reason, sentence, state.step, observer.line.free, state.sample.parameter, known
         )

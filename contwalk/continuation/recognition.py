@@ -14,7 +14,7 @@ from contwalk.continuation.arc import Arc
 from contwalk.continuation.newton import correct
 from contwalk.errors import NotFinite
 from contwalk.problems.images import MOST_IMAGES, Product, imaged, in_words
-from contwalk.problems.problem import Problem, Sample, equations_at
+from contwalk.problems.problem import Problem, Sample, at_stored, equations_at
 from contwalk.problems.restoring import problem_of
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
@@ -111,7 +111,7 @@ def images(problem: _Imaged, z: np.ndarray, beyond: np.ndarray) -> Iterator[tupl
 
 def known_branch(problem: Problem, sample: Sample, branches: list[Branch]) -> Known | None:
     """The branch that a solution and its tangent lie on, or their images; None if it is new."""
-    if problem.discretized:
+    if problem.meshed is not None:
         return known_orbit(cast(_Closed, problem), sample, branches)
     problem = cast(_Imaged, problem)
     candidates = [b for b in branches if _comparable(problem, b)]
@@ -125,13 +125,14 @@ def known_branch(problem: Problem, sample: Sample, branches: list[Branch]) -> Kn
 
 def _comparable(problem: _Comparable, branch: Branch) -> bool:
     """Whether a branch belongs to the same equations at the same fixed parameters."""
-    if branch.info.problem != problem.kind or branch.info.free != (problem.free,) or len(branch.points) < 2:
+    info = branch.info
+    if info.problem != problem.kind or info.free != (problem.line.free,) or len(branch.points) < 2:
         return False
     if branch.info.settings.get("pins") != [pin.name for pin in problem.pins]:
         return False
     # Along a path, a problem may have been made at any of its points.
     moving = problem.line.moving_names
-    fixed = {name: v for name, v in problem.parameters.items() if name not in moving}
+    fixed = {name: v for name, v in problem.line.parameters.items() if name not in moving}
     return all(branch.info.parameters.get(name) == v for name, v in fixed.items())
 
 
@@ -144,7 +145,7 @@ def _on(problem: _Imaged, pair: Pair, weights: np.ndarray, branch: Branch) -> bo
     z, along = pair[0], pair[1] - pair[0]
     own = branch.points["weights"]
     rows = np.column_stack([branch.points["unknowns"], branch.points["free"][:, 0]])
-    turned = problem.nearest_turn(z, rows[0])
+    turned = problem.equivalence.nearest_turn(z, rows[0])
     a, chord = rows[:-1], np.diff(rows, axis=0)
     normal = chord / own[:-1] ** 2
     length = np.sum(normal * chord, axis=1)
@@ -305,7 +306,7 @@ def _at_parameter(
         theta = 0.5 * (low + high)
         low, high = (theta, high) if (arc.guess(theta)[-1] < value) == rising else (low, theta)
     guess = arc.guess(theta)
-    there = _stored_like(problem, branch, guess).at_stored(guess, arc.weights)
+    there = at_stored(_stored_like(problem, branch, guess), guess, arc.weights)
     for _ in range(PARAMETER_STEPS):
         correction = correct(there, guess, arc.normal, arc.weights)
         if not correction.ok or correction.linearization is None:

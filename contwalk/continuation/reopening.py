@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import Branch, SpecialPoint
-from contwalk.problems.problem import Problem, Sample
+from contwalk.problems.problem import Problem, Sample, at_stored
 from contwalk.problems.restoring import problem_of
 from contwalk.system import System
 
@@ -38,7 +38,7 @@ def reopened(
     place = stored_place(branch, point)
     z, weights = place.z, place.weights
     problem = problem_of(system, branch.info, z[: len(branch.info.states)], discretization)
-    there: Problem = problem.at_stored(z, weights)
+    there: Problem = at_stored(problem, z, weights)
     return there, there.examine(z, place.tangent, weights, there.linearize(z), place.unstable)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from contwalk.branch import BranchInfo, SpecialPoint
 from contwalk.continuation.state import ContinuationState, adapted
-from contwalk.problems.problem import Problem
+from contwalk.problems.problem import Problem, at_stored
 
 
 def to_row(
@@ -24,7 +24,7 @@ def to_row(
     eigenvalues[: len(sample.eigenvalues)] = sample.spectrum
     row["s"] = state.s
     row["free"] = sample.parameter
-    row["state"] = problem.reported(sample.z) if sample.reported is None else sample.reported
+    row["state"] = problem.observed.reported(sample.z) if sample.reported is None else sample.reported
     row["observables"] = sample.observables
     row["period"] = sample.period
     row["trivial_error"] = sample.trivial_error
@@ -66,7 +66,7 @@ def from_row(problem: Problem, row: np.void, sign: float, born: bool) -> tuple[P
     size = int(np.sum(np.isfinite(row["unknowns"])))
     z = np.append(row["unknowns"][:size], row["free"])
     weights, tangent = np.array(row["weights"][: size + 1]), sign * np.array(row["tangent"][: size + 1])
-    problem = problem.at_stored(z, weights)
+    problem = at_stored(problem, z, weights)
     sample = problem.examine(z, tangent, weights, problem.linearize(z), int(row["unstable"]))
     # What was told of it then is told again: the walk goes on with the same numbers, to the last bit.
     sample = replace(

@@ -61,7 +61,7 @@ def begin(
     linearization = problem.linearize(z)
     magnitudes = linearization.magnitudes
     span = parameter_weight(magnitudes[-1], settings, value)
-    if toward is None and not problem.discretized:
+    if toward is None and problem.meshed is None:
         magnitudes = initial_magnitudes(problem, z, linearization, span)
     if reach is not None:
         moved = reach(span)
@@ -100,7 +100,7 @@ def adapted(problem: Problem, sample: Sample) -> tuple[Problem, Sample]:
 
     A count that changed here would change between two steps, where nothing looks for a special point.
     """
-    there, again = problem.adapted(sample)
+    there, again = (problem, sample) if problem.meshed is None else problem.meshed.adapted(sample)
     return there, again.counted(sample.unstable)
 
 
@@ -110,7 +110,7 @@ def grown(problem: Problem, sample: Sample, state: ContinuationState, settings: 
     sizes = crowded(problem, np.abs(sample.z) if sample.sizes is None else sample.sizes)
     # What nothing tells yet, as drifts never, need not be asked for again, nor a declared scale of one.
     new = (known == UNKNOWN) & np.isfinite(magnitudes) & (magnitudes != UNKNOWN)
-    if not problem.discretized and np.any(new[:-1]):
+    if problem.meshed is None and np.any(new[:-1]):
         magnitudes = later_magnitudes(problem, sample, known)
     weights = updated(known, crowded(problem, magnitudes), settings, sizes, float(sample.z[-1]))
     factor = float(np.linalg.norm(sample.tangent / weights))

@@ -32,6 +32,9 @@ BEFORE_VANISHING = (1e-2, 1e-1, 3e-1)
 NEARLY_SHRUNK = 1e-3
 # What tells points at which the branch itself may turn.
 TURNS = (Test.TURN, Test.ORIENTATION, Test.TOGETHER)
+# How far from a branch point that a walk begins at its side is looked at, in parts of the first step, where
+# equations are exact.
+BESIDE = 1e-4
 # The field's domain ends where a step this short still leaves it.
 EDGE = 1e-7
 
@@ -48,9 +51,9 @@ class Step:
     def closes(self, origin: ContinuationState) -> bool:
         """Whether the step passed a walk's beginning, the same way round."""
         segment, tangent = self.segment, origin.sample.tangent
-        if segment.problem.discretized:
+        if segment.problem.meshed is not None:
             return _comes_back(segment, origin.sample)
-        z = segment.problem.nearest_turn(origin.sample.z, segment.a.z)
+        z = segment.problem.equivalence.nearest_turn(origin.sample.z, segment.a.z)
         theta = segment.position(z)
         same_way = tangent / origin.sample.weights**2 @ self.there.tangent > 0.0
         if not (0.0 < theta <= 1.0 and same_way):
@@ -78,7 +81,7 @@ def _comes_back(segment: Segment, origin: Sample) -> bool:
             slope = there.tangent[-1] / float(segment.normal @ there.tangent)
             theta += (value - there.parameter) / slope if slope else 0.0
             theta = theta if low < theta < high else 0.5 * (low + high)
-        return segment.problem.same(origin, there)
+        return segment.problem.equivalence.same(origin, there)
     except LostBranch:
         return False
 
@@ -118,7 +121,7 @@ def take_step(
             try:
                 segment = _segment(state, prediction, correction, settings, smallest)
                 segment = _with_kinks(segment, passed)
-                if outcome := segment.problem.ended(segment.a, segment.b):
+                if outcome := segment.problem.diagnosis.ended(segment.a, segment.b):
                     if outcome.reason == "shrunk" and length > NEARLY_SHRUNK and not smallest:
                         raise TooLong("The orbit shrinks to nothing within the step.")
                     return outcome
@@ -140,7 +143,7 @@ def take_step(
             edge = reason, sentence
         if smallest or (length < EDGE and (edge is not None or jump is not None)):
             reason, sentence = edge or (reason, sentence)
-            known = problem.obstacle(state.sample.z)
+            known = problem.diagnosis.obstacle(state.sample.z)
             return outcomes.stuck(reason, sentence, length, observer.line.free, state.sample.parameter, known)
         # A solution beyond has jumped: where it does along the step, the guess tells.
         ahead = None if jump is None else _jump(_passed_at_events(problem, state, prediction.guess))
@@ -208,7 +211,7 @@ def _segment(
     z = correction.z
     if prediction.to_bound:
         z = np.append(z[:-1], prediction.guess[-1])
-        if problem.many_branches(z):
+        if problem.diagnosis.many_branches(z):
             return _onto_crossing(problem, a, z, linearization)
     if np.array_equal(z, a.z):
         raise LostBranch("The step is too short to be told from none in double precision.")
@@ -253,7 +256,8 @@ def _onto_crossing(problem: Problem, a: Sample, z: np.ndarray, linearization: Li
 
 def _beside(segment: Segment) -> Sample:
     """The branch point that a walk begins at, with orientation and stability as they are right beside it."""
-    near = segment.at(segment.beside(segment.problem.beside))
+    meshed = segment.problem.meshed
+    near = segment.at(segment.beside(BESIDE if meshed is None else meshed.beside))
     return replace(
         segment.a,
         tangent=at_branch_point(segment.a.tangent, segment.a.weights),

@@ -7,59 +7,55 @@ Rules
 3. `examine` computes everything that is stored or watched at a solution, once.
 4. `point_types` are the kinds of special points that its branches have. Each says what tells it (`Test`), and
    has its defining system, its normal form, and the branches that leave.
+5. What only some problems have is an object of its own (`meshed`, `limited`), None for the others: nobody
+   has to refuse a member. What is asked for one purpose is one too (`capabilities`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from enum import Enum
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
 
-from contwalk.branch import Outcome, SpecialPoint
+from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
+from contwalk.problems.capabilities import Diagnosis, Equivalence, Mirror, Observed
 from contwalk.problems.event_kinks import Met
-from contwalk.problems.kinks import Kink
 from contwalk.problems.linearization import Linearization
+from contwalk.problems.located import Located
 from contwalk.problems.parameter_line import ParameterLine
 from contwalk.problems.sample import Sample
+
+__all__ = [
+    "MAX_ABS",
+    "MAX_RE",
+    "Diagnosis",
+    "Equivalence",
+    "Limit",
+    "LimitType",
+    "Limited",
+    "Linearization",
+    "Located",
+    "Meshed",
+    "Mirror",
+    "Observed",
+    "PointType",
+    "Problem",
+    "Sample",
+    "Seed",
+    "Test",
+    "at_stored",
+    "equations_at",
+    "finest",
+    "refined",
+]
 
 # Observables that every problem has: the largest real part of an equilibrium, the largest modulus of an
 # orbit.
 MAX_RE, MAX_ABS = "max_re", "max_abs"
-
-
-@dataclass(frozen=True)
-class Located:
-    """A special point that a defining system has been solved for.
-
-    Parameters
-    ----------
-    z : ndarray, shape (N + 1,)
-    error : float
-        Estimated absolute error of the free parameter.
-    vectors : mapping
-        Null vectors and the like that normal forms and switching need.
-    refined : bool
-        Whether the point is known to more digits than floats hold.
-    refine : callable
-        The same point refined in extended precision; None where it turns out not to be one.
-    problem : Problem
-        The discretisation that it was found on, where there is more than one.
-    """
-
-    z: np.ndarray
-    error: float
-    vectors: Mapping[str, Any] = field(default_factory=dict)
-    refined: bool = False
-    refine: Callable[[], Located | None] | None = None
-    problem: Any = None
-
-    def settled(self) -> Located | None:
-        """The refined point, if there is a way to refine it."""
-        return self if self.refine is None else self.refine()
 
 
 @dataclass(frozen=True)
@@ -178,38 +174,6 @@ class LimitType(PointType):
     declared: ClassVar[bool] = False
 
 
-class Mirror(Protocol):
-    """What takes one half of a branch to the other, where they are images of each other under symmetries."""
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the symmetries in the order in which they are applied."""
-        ...
-
-    def refuses(self, point: SpecialPoint) -> str:
-        """Why the image of a special point has to be located itself; empty where it has not."""
-        ...
-
-    def row(self, row: np.void, before: np.void, last: np.void) -> np.ndarray | None:
-        """The stored image of a stored solution, shape (1,); None if it does not solve the equations.
-
-        `before` is the regular row from which the walk stepped to it, and `last` that row's image.
-        """
-        ...
-
-    def sample(self, row: np.void) -> Sample:
-        """Place and metric of a stored solution, as a sample that tells no more."""
-        ...
-
-    def margin(self, row: np.void) -> Mapping[str, float]:
-        """What must stay positive on an image, by name."""
-        ...
-
-    def special_point(self, point: SpecialPoint, row: np.void, last: np.void) -> SpecialPoint:
-        """The image of a special point, whose row is given; `last` as of `row`."""
-        ...
-
-
 class Limit(Protocol):
     """Something that must stay positive along a branch for its solutions to be what the machine does.
 
@@ -268,20 +232,50 @@ class Limited(Protocol):
         ...
 
 
-class Problem(Protocol):
-    """Equations F(u, lambda) = 0 with what is special about them."""
+class Meshed(Protocol):
+    """What problems have whose solutions are functions, given by their values on a mesh.
 
-    kind: str
-    # Whether solutions are discretised, so that what they tell has errors of steps.
-    discretized: bool
-    free: str
-    # Values of all parameters where the branch begins.
-    parameters: dict[str, float]
-    line: ParameterLine
+    An instance of such a problem is one discretisation; these members make others of it.
+    """
+
     # How far from a branch point that a walk begins at its side is looked at, in parts of the first step.
     beside: float
     # A located point lies on the branch if it is this near, relative to the segment, beside rounding.
     blur: float
+
+    @property
+    def method(self) -> str:
+        """How motions are integrated, and why so."""
+        ...
+
+    def adapted(self, sample: Sample) -> tuple[Problem, Sample]:
+        """The problem discretised anew for what follows a solution, and the solution's sample on it."""
+        ...
+
+    def at_stored(self, z: np.ndarray, weights: np.ndarray) -> Problem:
+        """The problem discretised for a solution that is taken up again."""
+        ...
+
+    def refined(self, z: np.ndarray, weights: np.ndarray) -> Problem:
+        """The problem discretised for special points near z."""
+        ...
+
+    def finest(self, z: np.ndarray, weights: np.ndarray) -> Problem:
+        """The problem on the finest steps that rounding allows."""
+        ...
+
+
+class Problem(Protocol):
+    """Equations F(u, lambda) = 0 with what is special about their solutions.
+
+    What only some problems have, or what is asked for one purpose, are objects of their own, which may be the
+    problem itself.
+    """
+
+    # As it is stored with a branch.
+    kind: str
+    # All parameters where the branch begins, and which of them, or what along a path, is lambda.
+    line: ParameterLine
 
     @property
     def point_types(self) -> Sequence[PointType]:
@@ -289,28 +283,8 @@ class Problem(Protocol):
         ...
 
     @property
-    def size(self) -> int:
-        """Number N of unknowns without the free parameter."""
-        ...
-
-    @property
-    def observable_names(self) -> tuple[str, ...]:
-        """Names of the observables, in the order of `Sample.observables`."""
-        ...
-
-    @property
-    def method(self) -> str:
-        """How motions are integrated, and why so; empty where none are."""
-        ...
-
-    @property
     def evaluations(self) -> int:
         """Right-hand sides evaluated so far."""
-        ...
-
-    @property
-    def limited(self) -> Limited | None:
-        """The limits of its solutions, where there are any."""
         ...
 
     def linearize(self, z: np.ndarray) -> Linearization:
@@ -318,7 +292,7 @@ class Problem(Protocol):
         ...
 
     def jacobian(self, z: np.ndarray) -> np.ndarray:
-        """DF(z) without rounding noise, for critical vectors."""
+        """DF(z) without rounding noise, for critical vectors, shape (N, N + 1)."""
         ...
 
     def examine(
@@ -332,73 +306,41 @@ class Problem(Protocol):
         """Everything that is watched at a solution; `before` is the unstable count next to it."""
         ...
 
-    def branch_facts(self) -> dict[str, Any]:
-        """What is true of a whole branch, as fields of `BranchInfo`."""
-        ...
-
     def beginnings(self, z: np.ndarray) -> np.ndarray:
         """Typical magnitudes for the first corrections of a start, shape (N + 1,)."""
         ...
 
-    def adapted(self, sample: Sample) -> tuple[Problem, Sample]:
-        """The problem discretised anew for what follows a solution, and the solution's sample on it."""
+    def branch_facts(self) -> dict[str, Any]:
+        """What is true of a whole branch, as fields of `BranchInfo`."""
         ...
 
-    def ended(self, a: Sample, b: Sample) -> Outcome | None:
-        """Why the branch ends between two neighbouring solutions, if it does."""
+    @property
+    def observed(self) -> Observed:
+        """What is measured of solutions: observables, and the state that stands for one."""
         ...
 
-    def same(self, a: Sample, b: Sample) -> bool:
-        """Whether two solutions at the same parameter are one."""
+    @property
+    def diagnosis(self) -> Diagnosis:
+        """What is known of places where a branch ends, or cannot go on."""
         ...
 
-    def at_stored(self, z: np.ndarray, weights: np.ndarray) -> Problem:
-        """The problem discretised for a solution that is taken up again."""
+    @property
+    def equivalence(self) -> Equivalence:
+        """Which solutions are one, or images of each other."""
         ...
 
-    def refined(self, z: np.ndarray, weights: np.ndarray) -> Problem:
-        """The problem discretised for special points near z."""
+    @property
+    def meshed(self) -> Meshed | None:
+        """How it is discretised; None where the equations are exact."""
         ...
 
-    def finest(self, z: np.ndarray, weights: np.ndarray) -> Problem | None:
-        """The problem on the finest steps there are; None where it is not discretised."""
+    @property
+    def limited(self) -> Limited | None:
+        """The limits of its solutions, where there are any."""
         ...
 
-    def reported(self, z: np.ndarray) -> np.ndarray:
-        """The state that stands for a solution, shape (n,)."""
-        ...
 
-    def explain(self, z: np.ndarray) -> str:
-        """Where in the plugin a residual at z is not finite."""
-        ...
-
-    def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
-        """Where the equations are smooth by pieces only: between two solutions, or on the second one."""
-        ...
-
-    def obstacle(self, z: np.ndarray) -> str:
-        """What makes solutions beside z hard to find, and what helps; empty if nothing is known of that."""
-        ...
-
-    def locate_mark(self, name: str, level: float, sample: Sample) -> Located | None:
-        """The point near a sample at which an observable has the value `level`."""
-        ...
-
-    def rate(self, name: str, sample: Sample) -> float:
-        """Derivative of an observable along the branch."""
-        ...
-
-    def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
-        """The same solution with its angles turned as near as possible to those of another one."""
-        ...
-
-    def many_branches(self, z: np.ndarray) -> bool:
-        """Whether more than one branch passes through a solution, to rounding."""
-        ...
-
-    def mirror(self, sample: Sample) -> Mirror | None:
-        """What takes one half of the branch that leaves a solution to the other, if a symmetry does."""
-        ...
+T = TypeVar("T", bound=Problem)
 
 
 def equations_at(problem: Any, z: np.ndarray) -> tuple[Any, Linearization]:
@@ -414,3 +356,19 @@ def equations_at(problem: Any, z: np.ndarray) -> tuple[Any, Linearization]:
     except NotFinite:
         return problem, here
     return there, there.linearize(z)
+
+
+def at_stored(problem: T, z: np.ndarray, weights: np.ndarray) -> T:
+    """The problem for a solution that is taken up again, discretised for it where it is at all."""
+    there: Any = problem if problem.meshed is None else problem.meshed.at_stored(z, weights)
+    return there
+
+
+def refined(problem: Problem, z: np.ndarray, weights: np.ndarray) -> Problem:
+    """The problem for special points near z, discretised for them where it is at all."""
+    return problem if problem.meshed is None else problem.meshed.refined(z, weights)
+
+
+def finest(problem: Problem, z: np.ndarray, weights: np.ndarray) -> Problem | None:
+    """The problem on the finest steps there are; None where it has none."""
+    return None if problem.meshed is None else problem.meshed.finest(z, weights)

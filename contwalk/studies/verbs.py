@@ -74,7 +74,7 @@ def continue_branch(
     """
     chosen = _settings(problem, range, marks, settings)
     opening = _opened(problem, state, chosen, period, until)
-    parameters = dict(opening.problem.parameters)
+    parameters = dict(opening.problem.line.parameters)
     start = Start(problem.system, problem.free, parameters, opening, "continue_branch")
     return _single(start, Plan(chosen, frozenset(), 0, _direction(direction)))
 
@@ -235,7 +235,8 @@ def _settings(
             raise StartError(
                 f"There is no setting '{name}'.", f"Known: {', '.join(known)}. {nearest(name, known)}".strip()
             )
-    watched = [problem.free, *problem.observable_names, *([quantities.PERIOD] if problem.discretized else [])]
+    own = () if problem.meshed is None else (quantities.PERIOD,)
+    watched = [problem.free, *problem.observable_names, *own]
     for name in (*[mark.name for mark in chosen], *settings.get("stop_at", {})):
         if not quantities.known(name, watched):
             raise StartError(

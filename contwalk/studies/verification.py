@@ -23,7 +23,16 @@ from contwalk.continuation.reopening import reopened, stored_place
 from contwalk.errors import ContwalkError
 from contwalk.labels import END, MARK
 from contwalk.problems.orbit.discretization import TIGHTEST, Discretization
-from contwalk.problems.problem import Linearization, Located, PointType, Problem, Sample, Test
+from contwalk.problems.problem import (
+    Linearization,
+    Located,
+    PointType,
+    Problem,
+    Sample,
+    Test,
+    at_stored,
+    refined,
+)
 from contwalk.problems.restoring import problem_of
 from contwalk.system import System
 
@@ -224,13 +233,13 @@ def _beside(
     place, aside = stored_place(branch, point), _aside(branch, point)
     z, tangent, weights = place.z, place.tangent, place.weights
     problem: Problem = problem_of(system, branch.info, z[: len(branch.info.states)], steps)
-    problem = problem.at_stored(z, weights)
+    problem = at_stored(problem, z, weights)
     if point.label == MARK and point.kind == "parameter":
         normal = np.zeros(len(z))
         normal[-1] = 1.0 / weights[-1]
         shift = aside * weights * np.cos(np.arange(1.0, len(z) + 1.0))
         guess = np.append((z + shift)[:-1], z[-1])
-        problem = problem.refined(z, weights)
+        problem = refined(problem, z, weights)
     else:
         normal, guess = tangent / weights**2, z + aside * tangent
     found = correct(problem, guess, normal, weights, iterations=20)
@@ -256,7 +265,7 @@ def _finest(
 ) -> Problem:
     """The finest steps on which a point was located."""
     if point.label == MARK and point.kind == "parameter":
-        return problem.refined(sample.z, sample.weights)
+        return refined(problem, sample.z, sample.weights)
     found = _found(problem, sample, branch, point, marks)
     return problem if found is None or found.problem is None else found.problem
 
@@ -273,7 +282,7 @@ def _found(
         name, level = _mark(problem, branch, point, sample, marks)
         if level is None:
             return _extremum(problem, sample, name)
-        located = problem.locate_mark(name, level, sample)
+        located = problem.observed.locate_mark(name, level, sample)
     else:
         kind = _defining(problem, point, sample)
         if problem.limited is not None and kind.test is Test.MARGIN:
@@ -312,7 +321,9 @@ def _mark(
     stored |= {name: float(branch[name][point.index]) for name in marks if quantities.known(name, known)}
     if point.kind == "extremum":
         names = [name for name, values in marks.items() if "extremum" in values and name in stored]
-        rates = {name: abs(problem.rate(name, sample)) / max(abs(stored[name]), 1e-300) for name in names}
+        rates = {
+            name: abs(problem.observed.rate(name, sample)) / max(abs(stored[name]), 1e-300) for name in names
+        }
         if rates:
             return min(rates, key=lambda name: rates[name]), None
     levels = [
@@ -341,7 +352,7 @@ def _extremum(problem: Problem, sample: Sample, name: str) -> Located | None:
             raise ContwalkError(f"There is no solution beside the point: {found.sentence}")
         tangent = _tangent(found.linearization, sample)
         there = found.problem.examine(found.z, tangent, sample.weights, found.linearization, sample.unstable)
-        return there, found.problem.rate(name, there)
+        return there, found.problem.observed.rate(name, there)
 
     low, high = -3.0 * ASIDE, ASIDE
     v0, v1 = at(low)[1], at(high)[1]
@@ -431,7 +442,7 @@ def _at_value(
 ) -> Comparison:
     """Whether the solution at a given value of the parameter agrees, by the unknown that differs most."""
     z = np.array(point.unknowns)
-    moved = np.abs(sample.z - problem.nearest_turn(z, sample.z)) / sample.weights
+    moved = np.abs(sample.z - problem.equivalence.nearest_turn(z, sample.z)) / sample.weights
     at = int(np.argmax(moved[:-1]))
     n, size = len(branch.info.states), len(z) - 1
     orbit = branch.info.problem in ORBITS

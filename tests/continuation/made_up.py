@@ -75,8 +75,20 @@ class MadeUp:
     error: float = 1e-14
     evaluated: int = 0
 
-    kind, free, line, discretized, beside, blur, limited = "made_up", "lam", LINE, False, 1e-4, 1e-6, None
-    method, evaluations, point_types = "", 0, tuple(KINDS.values())
+    kind, line, meshed, limited = "made_up", LINE, None, None
+    evaluations, point_types = 0, tuple(KINDS.values())
+
+    @property
+    def observed(self) -> MadeUp:
+        return self
+
+    @property
+    def diagnosis(self) -> MadeUp:
+        return self
+
+    @property
+    def equivalence(self) -> MadeUp:
+        return self
 
     @property
     def observable_names(self) -> tuple[str, ...]:
@@ -157,12 +169,6 @@ class MadeUp:
 
     def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
         return z
-
-    def finest(self, z: np.ndarray, weights: np.ndarray) -> None:
-        return None
-
-    def refined(self, z: np.ndarray, weights: np.ndarray) -> MadeUp:
-        return self
 
     def ended(self, a: Sample, b: Sample) -> None:
         return None

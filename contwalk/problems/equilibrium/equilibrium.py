@@ -3,37 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from contwalk.branch import Outcome
 from contwalk.errors import NotFinite
-from contwalk.fields.blame import first_not_finite, first_switched
-from contwalk.fields.switching import Inputs, Switching, choices_of
 from contwalk.numerics.spectrum import EPSILON, Spectrum, spectrum
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.equilibrium import defining_systems as defining
 from contwalk.problems.equilibrium import vertical
-from contwalk.problems.equilibrium.equations import GROUPS
+from contwalk.problems.equilibrium.diagnosis import EquilibriumDiagnosis
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
-from contwalk.problems.equilibrium.held_by_force import forced
 from contwalk.problems.equilibrium.mirror import Mirror, mirror_of
 from contwalk.problems.equilibrium.points.catalogue import POINT_TYPES
 from contwalk.problems.equilibrium.points.hopf import hopf
-from contwalk.problems.equilibrium.second_direction import second_direction
-from contwalk.problems.equilibrium.unbounded import escape
-from contwalk.problems.kinks import Kink, between
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.parameter_line import Ends
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.problem import MAX_RE, Linearization, Located, Sample
 from contwalk.problems.sample import Rates
 from contwalk.system import Neutral, System
-
-# A limit of the parameter this small against its magnitude is zero.
-VANISHING = 1e-10
 
 
 class Equilibrium(EquilibriumEquations):
@@ -58,12 +47,25 @@ class Equilibrium(EquilibriumEquations):
     """
 
     kind = "equilibrium"
-    discretized = False
-    beside = 1e-4
-    blur = 1e-6
     point_types = POINT_TYPES
+    # Its equations are exact, and its solutions always the system's.
+    meshed = None
     limited = None
-    method = ""
+
+    @property
+    def observed(self) -> Equilibrium:
+        """It measures its solutions itself."""
+        return self
+
+    @property
+    def equivalence(self) -> Equilibrium:
+        """It compares its solutions itself."""
+        return self
+
+    @property
+    def diagnosis(self) -> EquilibriumDiagnosis:
+        """What is known of places where a branch ends, or cannot go on."""
+        return EquilibriumDiagnosis(self)
 
     @property
     def observable_names(self) -> tuple[str, ...]:
@@ -133,42 +135,6 @@ class Equilibrium(EquilibriumEquations):
         largest = float(np.max(spectrum_.values.real)) if len(spectrum_.values) else float("nan")
         return np.array([*self.measured(z), largest])
 
-    @cached_property
-    def _switching(self) -> Switching | None:
-        """Where the equations are smooth by pieces only; None where they are smooth."""
-        program = self.kernels.program
-        if not choices_of(program):
-            return None
-        return Switching(program, [*[("u", i) for i in range(self.size)], ("l", 0)], ("t", 0))
-
-    def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
-        """Those that lie between two equilibria, or that the second one lies on."""
-        if self._switching is None:
-            return ()
-        field, constants = self.system.modes[0].field, self.inputs(a.z)[2:]
-
-        def evaluate(_: np.ndarray, places: np.ndarray) -> Inputs:
-            given = {("u", i): x for i, x in enumerate(places.T[:-1])} | {("l", 0): places[:, -1]}
-            named = zip(GROUPS[2:], constants, strict=True)
-            return {**given, **{(group, i): v for group, own in named for i, v in enumerate(own)}}
-
-        def where(before: tuple[float, np.ndarray], after: tuple[float, np.ndarray]) -> str:
-            (_, a), (_, b) = before, after
-            places = [(0.0, z[: self.states].tolist()) for z in (a, b)]
-            return first_switched(field, places[0], places[1], self.values_of(a), self.values_of(b))
-
-        return between(self._switching, evaluate, (a.z, b.z), b.weights, where)
-
-    def obstacle(self, z: np.ndarray) -> str:
-        """Nothing is known of that."""
-        return ""
-
-    def explain(self, z: np.ndarray) -> str:
-        """Where in the plugin a residual at z is not finite."""
-        field = self.system.modes[0].field
-        where = first_not_finite(field, 0.0, z[: self.states].tolist(), self.values_of(z))
-        return where or "the equations"
-
     def branch_facts(self) -> dict[str, Any]:
         """What is true of a whole branch of these equilibria, as fields of `BranchInfo`."""
         return {
@@ -183,48 +149,9 @@ class Equilibrium(EquilibriumEquations):
         """Typical magnitudes for the first corrections of a start, shape (N + 1,)."""
         return np.maximum(np.abs(z), 1.0)
 
-    def adapted(self, sample: Sample) -> tuple[Equilibrium, Sample]:
-        """Equilibria are not discretised."""
-        return self, sample
-
-    def ended(self, a: Sample, b: Sample) -> Outcome | None:
-        """Where a pinned direction takes a force to hold, or the branch runs off to infinity."""
-        name = forced(self, b)
-        if name is not None:
-            return Outcome(
-                "failed",
-                "no_convergence",
-                f"Beyond {self.free} = {a.parameter:.10g}, holding the neutral direction '{name}' takes a "
-                "force: what solves the equations with that direction pinned is no equilibrium of yours. "
-                "End the range there, or declare as neutral only what is neutral everywhere.",
-            )
-        away = escape(self, a, b)
-        if away is None or away.which >= self.states:
-            return None
-        limit = 0.0 if abs(away.limit) <= VANISHING * b.weights[-1] else away.limit
-        state = self.system.state_names[away.which]
-        return Outcome(
-            "complete",
-            "unbounded",
-            f"The equilibrium grows without bound as {self.free} tends to {limit:.10g}: {state} is "
-            f"{b.z[away.which]:.4g} at {self.free} = {b.parameter:.10g}. Nothing to do.",
-        )
-
     def same(self, a: Sample, b: Sample) -> bool:
         """Whether two solutions at the same parameter are one."""
         return bool(np.allclose(self.nearest_turn(a.z, b.z), b.z, rtol=1e-9, atol=1e-12))
-
-    def at_stored(self, z: np.ndarray, weights: np.ndarray) -> Equilibrium:
-        """Equilibria are not discretised."""
-        return self
-
-    def refined(self, z: np.ndarray, weights: np.ndarray) -> Equilibrium:
-        """Equilibria are not discretised."""
-        return self
-
-    def finest(self, z: np.ndarray, weights: np.ndarray) -> None:
-        """Equilibria are not discretised."""
-        return
 
     def reported(self, z: np.ndarray) -> np.ndarray:
         """The state, shape (n,)."""
@@ -246,10 +173,6 @@ class Equilibrium(EquilibriumEquations):
             return sample.rates[sample.leading]
         gradient = self.observable_kernels(name)[1](*self.inputs(sample.z))
         return float(gradient @ sample.tangent)
-
-    def many_branches(self, z: np.ndarray) -> bool:
-        """Whether more than one branch passes through a solution, to rounding."""
-        return second_direction(self, z) is not None
 
     def mirror(self, sample: Sample) -> Mirror | None:
         """What takes one half of the branch that leaves a solution to the other, if a symmetry does."""
@@ -277,7 +200,7 @@ def solution_at(
     matrix = problem.jacobian(z)[:, : problem.states]
     if not np.all(np.isfinite(matrix)):
         raise NotFinite(
-            f"The vector field is not finite at the start: {problem.explain(z)}.",
+            f"The vector field is not finite at the start: {problem.diagnosis.explain(z)}.",
             "Start elsewhere, or mend the plugin.",
         )
     pins = neutrals.active(system, z[:-1], problem.values_of(z), matrix)

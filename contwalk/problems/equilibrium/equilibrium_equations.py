@@ -7,7 +7,6 @@ offers them to the engine.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import Any
@@ -16,6 +15,7 @@ import numpy as np
 
 from contwalk.errors import SystemDefinitionError, all_measured, called
 from contwalk.fields.kernel import Kernel
+from contwalk.fields.switching import Switching, choices_of
 from contwalk.numerics.linear import Factored
 from contwalk.numerics.spectrum import EPSILON
 from contwalk.problems import neutral as neutrals
@@ -34,7 +34,7 @@ FAR, NOISY = 1e6, 16.0
 TINY = float(np.finfo(float).tiny)
 
 
-class EquilibriumEquations(ABC):
+class EquilibriumEquations(Problem):
     """The equations f(x, p) = 0 along a line of parameters; see `Equilibrium` for its parameters."""
 
     def __init__(
@@ -60,7 +60,7 @@ class EquilibriumEquations(ABC):
         self.size = self.states + len(self.pins)
         self.reference = reference
         self.discretization = discretization
-        self.evaluations = 0
+        self._evaluations = 0
         self._base, self._direction = self.line.base.tolist(), self.line.direction.tolist()
         self._held = self._held_values()
         declared = [(i, s.scale) for i, s in enumerate(system.states) if s.scale is not None]
@@ -69,6 +69,11 @@ class EquilibriumEquations(ABC):
         self.kernels = equations_of(system, self.line.own, self.line.moving, self.pins)
         self._observables: dict[str, tuple[Kernel, Kernel]] = {}
         self.periods = np.array([s.period or 0.0 for s in system.states] + [0.0] * (len(self.pins) + 1))
+
+    @property
+    def evaluations(self) -> int:
+        """Right-hand sides evaluated so far."""
+        return self._evaluations
 
     def _held_values(self) -> list[float]:
         """Reference values of the pins, in the order in which `Equations` reads them."""
@@ -93,7 +98,7 @@ class EquilibriumEquations(ABC):
 
     def inputs(self, z: np.ndarray) -> tuple[list[float], ...]:
         """Arguments of the kernels at z."""
-        self.evaluations += 1
+        self._evaluations += 1
         values = z.tolist()
         return values[:-1], values[-1:], self._base, self._direction, self._held
 
@@ -101,7 +106,7 @@ class EquilibriumEquations(ABC):
         """Arguments of the kernels in extended precision."""
         import mpmath
 
-        self.evaluations += 1
+        self._evaluations += 1
         constants = [[mpmath.mpf(v) for v in g] for g in (self._base, self._direction, self._held)]
         return list(z[: self.size]), [z[self.size]], *constants
 
@@ -165,9 +170,13 @@ class EquilibriumEquations(ABC):
         called(f"symmetry '{symmetry}'", declared.map, 0.0, z[: self.states].copy(), p, x)
         return np.concatenate([x, z[self.states :]])
 
-    @abstractmethod
-    def refined(self, z: np.ndarray, weights: np.ndarray) -> Problem:
-        """The problem for special points near z, as the engine sees it."""
+    @cached_property
+    def switching(self) -> Switching | None:
+        """Where the equations are smooth by pieces only; None where they are smooth."""
+        program = self.kernels.program
+        if not choices_of(program):
+            return None
+        return Switching(program, [*[("u", i) for i in range(self.size)], ("l", 0)], ("t", 0))
 
     # -- rounding, and magnitudes ----------------------------------------------------------------------------
 

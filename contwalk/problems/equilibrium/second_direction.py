@@ -155,7 +155,7 @@ def branch_point_seeds(problem: EquilibriumEquations, point: SpecialPoint) -> Se
         far[declared] = 0.0
         return far
 
-    return (Seed("BP", z, tangent, moved, problem.refined(z, weights)),)
+    return (Seed("BP", z, tangent, moved, problem),)
 
 
 def reach(problem: EquilibriumEquations, z: np.ndarray, tangent: np.ndarray, change: float) -> np.ndarray:

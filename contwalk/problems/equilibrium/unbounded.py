@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from contwalk.errors import PluginError
-from contwalk.problems.problem import Linearization, Problem, Sample
+from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
+from contwalk.problems.problem import Linearization, Sample
 
 # The parameter is at its limit if what is left is this part of its magnitude; it must still be seen to move.
 REST, SEEN = 1e-10, 1e-14
@@ -43,7 +44,7 @@ class Escape:
     limit: float
 
 
-def escape(problem: Problem, a: Sample, b: Sample) -> Escape | None:
+def escape(problem: EquilibriumEquations, a: Sample, b: Sample) -> Escape | None:
     """Where a branch runs off to infinity beyond two neighbouring solutions; None if it does not."""
     which = int(np.argmax(np.abs(b.tangent[:-1]) / b.weights[:-1]))
     if not _suspected(which, a, b):
@@ -92,7 +93,7 @@ class _Place:
 
 
 def _further(
-    problem: Problem, which: int, step: float, b: Sample
+    problem: EquilibriumEquations, which: int, step: float, b: Sample
 ) -> Iterator[tuple[float, np.ndarray, _Place | None]]:
     """Solutions further and further from b along an unknown, each with its distance to the last one and the
     guess it comes from; None where there is none.
@@ -112,7 +113,7 @@ def _further(
         yield distance, guess, place
 
 
-def _finite(problem: Problem, z: np.ndarray) -> bool:
+def _finite(problem: EquilibriumEquations, z: np.ndarray) -> bool:
     try:
         with np.errstate(all="ignore"):
             return problem.linearize(z).finite
@@ -121,7 +122,7 @@ def _finite(problem: Problem, z: np.ndarray) -> bool:
 
 
 def _solved(
-    problem: Problem, which: int, guess: np.ndarray, weights: np.ndarray, distance: float
+    problem: EquilibriumEquations, which: int, guess: np.ndarray, weights: np.ndarray, distance: float
 ) -> _Place | None:
     """The solution near a guess with the same value of an unknown, if there is one."""
     z, row = guess, np.zeros(len(guess))
@@ -141,7 +142,9 @@ def _solved(
     return None
 
 
-def _stepped(problem: Problem, z: np.ndarray, step: np.ndarray) -> tuple[np.ndarray, Linearization]:
+def _stepped(
+    problem: EquilibriumEquations, z: np.ndarray, step: np.ndarray
+) -> tuple[np.ndarray, Linearization]:
     """z - step, or less than that where the equations are not finite there."""
     here = problem.linearize(z - step)
     for _ in range(HALVINGS):

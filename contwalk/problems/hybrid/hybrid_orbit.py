@@ -10,7 +10,7 @@ from typing import Any, Self
 import numpy as np
 
 from contwalk import quantities
-from contwalk.branch import Outcome, SpecialPoint
+from contwalk.branch import SpecialPoint
 from contwalk.memory import of_unowned, remembered, unowned
 from contwalk.numerics.linear import Factored, Factorization
 from contwalk.problems import kinks
@@ -30,23 +30,20 @@ from contwalk.problems.hybrid import (
     monodromy,
     neighbours,
     observing,
-    obstacles,
     remesh,
     switching,
     undefined,
     variations,
 )
+from contwalk.problems.hybrid.diagnosis import HybridDiagnosis
 from contwalk.problems.hybrid.discretized_orbit import MOST_VIEWS, DiscretizedOrbit
 from contwalk.problems.hybrid.margins import Guarded, Limit, Margins
 from contwalk.problems.hybrid.mirror_image import HybridMirror, mirror_of
 from contwalk.problems.hybrid.return_map import EventMap
 from contwalk.problems.hybrid.stretch import Stretch
-from contwalk.problems.hybrid.vanishing import in_no_time, onto_an_event
 from contwalk.problems.hybrid.word import stored_leg
 from contwalk.problems.kinks import Kink
 from contwalk.problems.orbit import augmented, describing, rates
-from contwalk.problems.orbit.conservation import not_conserved
-from contwalk.problems.orbit.homoclinic import homoclinic
 from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.normal_forms import SectionMap
@@ -55,8 +52,6 @@ from contwalk.problems.orbit.points.catalogue import LIMIT_TYPES, POINT_TYPES
 from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.orbit.section import Section
 from contwalk.problems.orbit.slow_place import SlowPlace
-from contwalk.problems.orbit.unbounded import unbounded
-from contwalk.problems.orbit.vanishing import at_a_point
 from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed, Test
 from contwalk.system import System
 
@@ -106,6 +101,11 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
     def limited(self) -> HybridOrbit:
         """The orbit itself, which has limits."""
         return self
+
+    @property
+    def diagnosis(self) -> HybridDiagnosis:
+        """What is known of places where a branch ends, or cannot go on."""
+        return HybridDiagnosis(self)
 
     @cached_property
     def limits(self) -> tuple[Limit, ...]:
@@ -185,14 +185,6 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
     def beginnings(self, z: np.ndarray) -> np.ndarray:
         """Typical magnitudes for the first corrections of a start, shape (N + 1,)."""
         return metric.beginnings(self, z)
-
-    def explain(self, z: np.ndarray) -> str:
-        """The plugin's line at which the motion of z has no value, if one is found."""
-        return undefined.where(self, z).removesuffix(".") or super().explain(z)
-
-    def obstacle(self, z: np.ndarray) -> str:
-        """Where the field is smooth by pieces only, or over which leg deviations grow."""
-        return obstacles.obstacle(self, z)
 
     def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factorization:
         """A matrix of these equations and unknowns, and of borders that come last, factored."""
@@ -368,12 +360,6 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
     def reported(self, z: np.ndarray) -> np.ndarray:
         """The state before the first event of the signature, or where the run asks for it, shape (n,)."""
         return observing.reported(self, z)
-
-    def ended(self, a: Sample, b: Sample) -> Outcome | None:
-        """Why the branch ends between two neighbouring solutions; limits are the engine's business."""
-        shrinks = (in_no_time, onto_an_event) if self.word.eventful else (at_a_point,)
-        reasons = (not_conserved, *shrinks, homoclinic, unbounded)
-        return next((outcome for reason in reasons if (outcome := reason(self, a, b)) is not None), None)
 
     def velocity(self, z: np.ndarray) -> np.ndarray:
         """dx/dt at the start."""

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Self
 
 import numpy as np
 
-from contwalk.problems.kinks import Kink
 from contwalk.problems.orbit import augmented, branching, rates
 from contwalk.problems.orbit.discretization import FINEST
 from contwalk.problems.orbit.protocol import Orbit
@@ -17,8 +15,22 @@ from contwalk.problems.problem import Located, Sample
 class OrbitProblem(Orbit):
     """The part of a problem of orbits that does not depend on how they are discretised."""
 
-    discretized = True
     blur = 1e-3  # solutions are solved for to a part of the tolerance only
+
+    @property
+    def meshed(self) -> Self:
+        """An orbit is its own discretisation."""
+        return self
+
+    @property
+    def observed(self) -> Self:
+        """It measures its solutions itself."""
+        return self
+
+    @property
+    def equivalence(self) -> Self:
+        """It compares its solutions itself."""
+        return self
 
     def jacobian(self, z: np.ndarray) -> np.ndarray:
         """DF(z), shape (N, N + 1)."""
@@ -34,14 +46,6 @@ class OrbitProblem(Orbit):
         problem: Self = self.refined(z, weights, FINEST)
         return problem
 
-    def explain(self, z: np.ndarray) -> str:
-        """Where a residual at z is not finite."""
-        return "the motion from there ends or grows without bound within one period"
-
-    def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
-        """Those that the second orbit crosses, and those that events pass on the step to it."""
-        return b.kinks
-
     def locate_mark(self, name: str, level: float, sample: Sample) -> Located | None:
         """The point near a sample at which an observable has the value `level`."""
         return augmented.observed(self, name, level, sample)
@@ -49,10 +53,6 @@ class OrbitProblem(Orbit):
     def rate(self, name: str, sample: Sample) -> float:
         """Derivative of an observable along the branch."""
         return rates.of_observable(self, name, sample)
-
-    def many_branches(self, z: np.ndarray) -> bool:
-        """Whether more than one branch passes through a solution, to rounding."""
-        return branching.second_direction(self, z) is not None
 
     def tangent_at(self, located: Located, near: Sample) -> np.ndarray | None:
         """At a branch point, the tangent of the branch that `near` is on."""

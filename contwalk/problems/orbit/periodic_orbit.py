@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from contwalk import quantities
-from contwalk.branch import Outcome, SpecialPoint
+from contwalk.branch import SpecialPoint
 from contwalk.errors import measured
 from contwalk.memory import unowned
 from contwalk.numerics.linear import EPSILON, Factored
@@ -32,7 +32,9 @@ from contwalk.problems.orbit.section import Reference, better_phase, reference_o
 from contwalk.problems.orbit.segmented_orbit import MOST_KEPT, SAMPLES, SegmentedOrbit
 from contwalk.problems.orbit.shooting import meshed
 from contwalk.problems.orbit.slow_place import SlowPlace
-from contwalk.problems.orbit.transport import STRETCHED, TOO_MUCH, closed, moved, recut
+from contwalk.problems.orbit.smooth_diagnosis import SmoothDiagnosis
+from contwalk.problems.orbit.stretching import stretched
+from contwalk.problems.orbit.transport import closed, moved, recut
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.passing import Place
 from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed
@@ -45,8 +47,6 @@ ROOM = 8
 POINT = 1e-10
 # A state that moves less than this part of what others do, in units of its size, tells no magnitude.
 CONSTANT = 1e-5
-# What the flow may miss its own velocity by before an orbit is cut into twice as many segments.
-MISSED = 1e-3
 # Two orbits whose periods and places differ by less than this part are one.
 ALIKE = 1e-6
 
@@ -85,6 +85,11 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
     beside = 1.0
 
     # -- variants ----------------------------------------------------------------------------------------
+
+    @property
+    def diagnosis(self) -> SmoothDiagnosis:
+        """What is known of places where a branch ends, or cannot go on."""
+        return SmoothDiagnosis(self)
 
     @property
     def observable_names(self) -> tuple[str, ...]:
@@ -257,20 +262,6 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
             },
         }
 
-    def obstacle(self, z: np.ndarray) -> str:
-        """How much deviations grow over a segment, where that is what Newton's method has to fight with."""
-        met = kinks_along(self, z)
-        if met:
-            return met[0].sentence("orbits")
-        if not self.stretched(z):
-            return ""
-        m = self.segments
-        where = f"over one of {m} segments of the orbit" if m > 1 else "over the orbit"
-        return (
-            f"Deviations grow by {self.mesh.growth:.0e} {where}: begin the branch with more segments "
-            f"(`engine: {{segments: {2 * m}}}`)."
-        )
-
     # -- along a branch ----------------------------------------------------------------------------------
 
     def examine(
@@ -357,7 +348,7 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
             better = better_phase(times, speeds, lengths)
             if better is not None:
                 problem, sample = closed(*moved(problem, sample, better)) or (problem, sample)
-        if 2 * problem.segments <= max(ROOM, problem.segments) and problem.stretched(sample.z):
+        if 2 * problem.segments <= max(ROOM, problem.segments) and stretched(problem, sample.z):
             problem, sample = closed(*recut(problem, sample)) or (problem, sample)
         tangent = problem.into_section(sample.z, sample.tangent)
         # Both ends of the next step are seen on the same steps: what they tell differs by the branch alone.
@@ -365,19 +356,6 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         again = problem.examine(sample.z, tangent, sample.weights, there, sample.unstable, sample.observables)
         orientation = 0.0 if sample.orientation == 0.0 else again.orientation
         return problem, replace(again, orientation=orientation, kinks=sample.kinks)
-
-    def stretched(self, z: np.ndarray) -> bool:
-        """Whether a segment is too long for Newton's method to be at ease, or to tell multipliers."""
-        jacobian = self.linearize(z).jacobian
-        if self.mesh.growth > TOO_MUCH or monodromy.trivial_error(self, z, jacobian) > MISSED:
-            return True
-        variation, factors = self.mesh.variation, np.array(self.factors(jacobian))
-        grown = np.linalg.norm(factors / variation[:, None] * variation, axis=(1, 2))
-        return float(np.max(grown)) > STRETCHED
-
-    def ended(self, a: Sample, b: Sample) -> Outcome | None:
-        """Why the branch ends between two neighbouring orbits, if it does."""
-        return ending.ended(self, a, b)
 
     def into_section(self, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
         """A tangent moved along the flow until it lies in the section: the same change of the orbit."""

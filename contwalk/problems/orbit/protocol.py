@@ -16,8 +16,18 @@ from contwalk.problems.orbit.normal_forms import SectionMap
 from contwalk.problems.orbit.section import Section
 from contwalk.problems.orbit.shooting import Mesh
 from contwalk.problems.orbit.slow_place import SlowPlace
-from contwalk.problems.parameter_line import ParameterLine
-from contwalk.problems.problem import Linearization, Located, Sample, Seed, Test
+from contwalk.problems.problem import (
+    Equivalence,
+    Limited,
+    Linearization,
+    Located,
+    Meshed,
+    Observed,
+    Problem,
+    Sample,
+    Seed,
+    Test,
+)
 from contwalk.system import Neutral, System
 
 
@@ -56,12 +66,11 @@ class OrbitKind(Protocol):
         ...
 
 
-class Orbit(Protocol):
-    """A periodic orbit, discretised."""
+class Orbit(Problem, Meshed, Observed, Equivalence, Protocol):
+    """A periodic orbit, discretised: what the engine asks of it, and the algorithms that all orbits share."""
 
     system: System
     free: str
-    line: ParameterLine
     pins: tuple[Neutral, ...]
     discretization: Discretization
     forced: bool
@@ -75,11 +84,6 @@ class Orbit(Protocol):
     @property
     def mesh(self) -> Mesh:
         """The steps of this discretisation."""
-        ...
-
-    @property
-    def observable_names(self) -> tuple[str, ...]:
-        """Names of the observables."""
         ...
 
     @property
@@ -100,14 +104,6 @@ class Orbit(Protocol):
     @property
     def whole(self) -> tuple[str, int]:
         """How the orbit closes (`full`, or the name of a symmetry), and how many closures its period has."""
-        ...
-
-    def linearize(self, z: np.ndarray) -> Linearization:
-        """Residual, Jacobian and rounding level at z."""
-        ...
-
-    def jacobian(self, z: np.ndarray) -> np.ndarray:
-        """DF(z), shape (N, N + 1)."""
         ...
 
     def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factorization:
@@ -233,10 +229,6 @@ class Orbit(Protocol):
         """Duration of the closure, seconds."""
         ...
 
-    def reported(self, z: np.ndarray) -> np.ndarray:
-        """The state that stands for a solution."""
-        ...
-
     def velocity(self, z: np.ndarray) -> np.ndarray:
         """dx/dt at the start."""
         ...
@@ -278,9 +270,5 @@ class Orbit(Protocol):
         ...
 
 
-class EventfulOrbit(Orbit, Protocol):
+class EventfulOrbit(Orbit, Limited, Protocol):
     """An orbit through events, which has limits."""
-
-    def neighbours(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
-        """The branches of other words beyond a limit, and in words what was found, or tried."""
-        ...

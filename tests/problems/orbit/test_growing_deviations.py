@@ -69,7 +69,7 @@ def test_what_more_segments_would_mend_is_told_with_them():
         # z = -(a x - y) / (1 + a^2) goes round with the circle
         orbit = np.array([1.0, 0.0, -a / (1.0 + a * a), 2.0 * np.pi, a])
         problem = cw.PeriodicOrbit(system, system.defaults(), "a").adapted_to(orbit, np.ones(5))
-        return problem.obstacle(orbit)
+        return problem.diagnosis.obstacle(orbit)
 
     assert known(1.0) == ""
     assert "1 segments" not in known(3.0)

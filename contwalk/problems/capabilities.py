@@ -1,0 +1,110 @@
+"""What problems are asked beside their equations, each for one purpose.
+
+A problem answers with an object that has these members; where its own class has them, that is the problem
+itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Protocol
+
+import numpy as np
+
+from contwalk.branch import Outcome, SpecialPoint
+from contwalk.problems.kinks import Kink
+from contwalk.problems.located import Located
+from contwalk.problems.sample import Sample
+
+
+class Observed(Protocol):
+    """What is measured of solutions."""
+
+    @property
+    def observable_names(self) -> tuple[str, ...]:
+        """Names of the observables, in the order of `Sample.observables`."""
+        ...
+
+    def reported(self, z: np.ndarray) -> np.ndarray:
+        """The state that stands for a solution, shape (n,)."""
+        ...
+
+    def locate_mark(self, name: str, level: float, sample: Sample) -> Located | None:
+        """The point near a sample at which an observable has the value `level`."""
+        ...
+
+    def rate(self, name: str, sample: Sample) -> float:
+        """Derivative of an observable along the branch."""
+        ...
+
+
+class Diagnosis(Protocol):
+    """What is known of places where a branch ends, or cannot go on."""
+
+    def ended(self, a: Sample, b: Sample) -> Outcome | None:
+        """Why the branch ends between two neighbouring solutions, if it does."""
+        ...
+
+    def explain(self, z: np.ndarray) -> str:
+        """Where in the plugin a residual at z is not finite."""
+        ...
+
+    def obstacle(self, z: np.ndarray) -> str:
+        """What makes solutions beside z hard to find, and what helps; empty if nothing is known of that."""
+        ...
+
+    def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
+        """Where the equations are smooth by pieces only: between two solutions, or on the second one."""
+        ...
+
+    def many_branches(self, z: np.ndarray) -> bool:
+        """Whether more than one branch passes through a solution, to rounding."""
+        ...
+
+
+class Equivalence(Protocol):
+    """Which solutions are one, or images of each other."""
+
+    def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
+        """The same solution with its angles turned as near as possible to those of another one."""
+        ...
+
+    def same(self, a: Sample, b: Sample) -> bool:
+        """Whether two solutions at the same parameter are one."""
+        ...
+
+    def mirror(self, sample: Sample) -> Mirror | None:
+        """What takes one half of the branch that leaves a solution to the other, if a symmetry does."""
+        ...
+
+
+class Mirror(Protocol):
+    """What takes one half of a branch to the other, where they are images of each other under symmetries."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the symmetries in the order in which they are applied."""
+        ...
+
+    def refuses(self, point: SpecialPoint) -> str:
+        """Why the image of a special point has to be located itself; empty where it has not."""
+        ...
+
+    def row(self, row: np.void, before: np.void, last: np.void) -> np.ndarray | None:
+        """The stored image of a stored solution, shape (1,); None if it does not solve the equations.
+
+        `before` is the regular row from which the walk stepped to it, and `last` that row's image.
+        """
+        ...
+
+    def sample(self, row: np.void) -> Sample:
+        """Place and metric of a stored solution, as a sample that tells no more."""
+        ...
+
+    def margin(self, row: np.void) -> Mapping[str, float]:
+        """What must stay positive on an image, by name."""
+        ...
+
+    def special_point(self, point: SpecialPoint, row: np.void, last: np.void) -> SpecialPoint:
+        """The image of a special point, whose row is given; `last` as of `row`."""
+        ...

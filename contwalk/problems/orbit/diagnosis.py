@@ -1,0 +1,41 @@
+"""Where a branch of orbits ends, or cannot go on: what is told alike of all of them."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+
+import numpy as np
+
+from contwalk.branch import Outcome
+from contwalk.problems.kinks import Kink
+from contwalk.problems.orbit import branching
+from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.problem import Sample
+
+
+class OrbitDiagnosis(ABC):
+    """What is known of such places."""
+
+    def __init__(self, orbit: Orbit) -> None:
+        self._orbit = orbit
+
+    @abstractmethod
+    def ended(self, a: Sample, b: Sample) -> Outcome | None:
+        """Why the branch ends between two neighbouring orbits, if it does."""
+
+    @abstractmethod
+    def obstacle(self, z: np.ndarray) -> str:
+        """What makes orbits beside z hard to find, and what helps; empty if nothing is known of that."""
+
+    def explain(self, z: np.ndarray) -> str:
+        """Where a residual at z is not finite."""
+        return "the motion from there ends or grows without bound within one period"
+
+    def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
+        """Those that the second orbit crosses, and those that events pass on the step to it."""
+        return b.kinks
+
+    def many_branches(self, z: np.ndarray) -> bool:
+        """Whether more than one branch passes through a solution, to rounding."""
+        return branching.second_direction(self._orbit, z) is not None

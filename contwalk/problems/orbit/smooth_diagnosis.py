@@ -1,0 +1,40 @@
+"""Where a branch of orbits without events ends, or cannot go on."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contwalk.branch import Outcome
+from contwalk.problems.orbit import ending
+from contwalk.problems.orbit.diagnosis import OrbitDiagnosis
+from contwalk.problems.orbit.kinks_met import kinks_along
+from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
+from contwalk.problems.orbit.stretching import stretched
+from contwalk.problems.problem import Sample
+
+
+class SmoothDiagnosis(OrbitDiagnosis):
+    """What is known of such places."""
+
+    def __init__(self, orbit: SegmentedOrbit) -> None:
+        super().__init__(orbit)
+        self._smooth = orbit
+
+    def ended(self, a: Sample, b: Sample) -> Outcome | None:
+        """Why the branch ends between two neighbouring orbits, if it does."""
+        return ending.ended(self._smooth, a, b)
+
+    def obstacle(self, z: np.ndarray) -> str:
+        """How much deviations grow over a segment, where that is what Newton's method has to fight with."""
+        orbit = self._smooth
+        met = kinks_along(orbit, z)
+        if met:
+            return met[0].sentence("orbits")
+        if not stretched(orbit, z):
+            return ""
+        m = orbit.segments
+        where = f"over one of {m} segments of the orbit" if m > 1 else "over the orbit"
+        return (
+            f"Deviations grow by {orbit.mesh.growth:.0e} {where}: begin the branch with more segments "
+            f"(`engine: {{segments: {2 * m}}}`)."
+        )
