@@ -8,6 +8,7 @@ import math
 import operator
 import sys
 from collections.abc import Callable, Sequence
+from functools import cache
 from types import CodeType
 from typing import Any
 
@@ -45,6 +46,7 @@ def _with_total(names: dict[str, Callable[..., Any]]) -> dict[str, Any]:
     return {**own, **total, "total_div_": _total(operator.truediv), "NAN_": math.nan}
 
 
+@cache
 def _float_names() -> dict[str, Any]:
     functions = {name: function.of_float for name, function in FUNCTIONS.items()}
     return {**_with_total(functions | elimination.names()), "number_": float}
@@ -62,6 +64,7 @@ def _real(function: Callable[..., Any]) -> Callable[..., Any]:
     return call
 
 
+@cache
 def _mp_names() -> dict[str, Any]:
     import mpmath
 
@@ -141,7 +144,7 @@ class Kernel:
     def _function(self, arithmetic: str) -> Callable[..., list[Any]]:
         if arithmetic not in self._functions:
             names = _float_names() if arithmetic == "float" else _mp_names()
-            names |= {"PluginRaised": PluginRaised, **_with_total(_of_tables(self._tables))}
+            names = {**names, "PluginRaised": PluginRaised, **_with_total(_of_tables(self._tables))}
             exec(_compiled(self.text), names)
             self._functions[arithmetic] = names["evaluate"]
         return self._functions[arithmetic]

@@ -23,6 +23,9 @@ from contwalk.system import System, Transition
 
 TOLERANCE = 1e-8
 MOST_SEGMENTS, MOST_STEPS, MOST_STARTS = 8, 300, 6
+# Of a machine with many modes motions are shorter, but not than this: so many segments are followed together,
+# and each mode is begun in anyway.
+FEWEST_SEGMENTS, MOST_TOGETHER = 4, 10_000
 
 # A guard that passes zero with less than this part of the largest rate on its way there only touches it.
 TRANSVERSAL = 1e-7
@@ -42,6 +45,8 @@ class Seen:
 
     Parameters
     ----------
+    longest : int
+        Segments that a motion is followed for.
     motions : int
     eventful : int
         Those of them that meet a transition.
@@ -59,6 +64,7 @@ class Seen:
         For each mode times and states of some motions.
     """
 
+    longest: int = MOST_SEGMENTS
     motions: int = 0
     eventful: int = 0
     rates: dict[str, list[float]] = field(default_factory=dict)
@@ -95,7 +101,8 @@ def check_motions(
     report: Report, system: System, modes: Sequence[str], happenings: Sequence[Happening], samples: Samples
 ) -> Seen:
     """Follow motions from sampled states in some modes, and from states right before each transition."""
-    seen, machine = Seen(), hybrid_machine(system, samples.parameters)
+    seen = Seen(_longest(len(samples.times) * len(modes) + MOST_STARTS * len(happenings)))
+    machine = hybrid_machine(system, samples.parameters)
     for mode in modes:
         for t, x in zip(samples.times, samples.states, strict=True):
             _follow(seen, machine, float(t), x, mode, None, samples)
@@ -108,6 +115,11 @@ def check_motions(
                 _follow(seen, machine, t, after, target, happening.transition.name, samples)
     _tell(report, system, seen)
     return seen
+
+
+def _longest(motions: int) -> int:
+    """For how many segments each of so many motions is followed."""
+    return max(FEWEST_SEGMENTS, min(MOST_SEGMENTS, MOST_TOGETHER // max(motions, 1)))
 
 
 def _follow(
@@ -132,7 +144,7 @@ def _follow(
                 seen.end(status, segment.reason, segment.transition, segment.mode)
             met = met or segment.transition is not None
             if (
-                count >= MOST_SEGMENTS and len(segment.times) > 1
+                count >= seen.longest and len(segment.times) > 1
             ):  # those that take no time are followed to their end
                 break
     except PluginError as error:

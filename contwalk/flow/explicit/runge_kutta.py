@@ -100,6 +100,7 @@ class Call:
         if x0 is not None:
             self.vectors[stages.Y, : field.n] = _checked(x0, (field.n,), "start")
         self._kept: list[np.ndarray | CallRecord] = []
+        self._inverse: np.ndarray | None = None
         self.record = ExplicitCall.from_buffer_copy(form.record)
         self.record.work = address(self.vectors)
         if not columns:
@@ -122,9 +123,9 @@ class Call:
         given = _checked(weights, (n,), "weights")
         if not (given > 0.0).all():
             raise ValueError("weights are positive")
-        inverse = np.zeros(self.length)
-        inverse[:n] = 1.0 / given
-        self.give("inverse_weights", inverse)
+        if self._inverse is None:
+            self._inverse = self.give("inverse_weights", np.zeros(self.length))
+        self._inverse[:n] = 1.0 / given
 
     def tangents(self, x: np.ndarray, sources: Sequence[int] | np.ndarray) -> None:
         """Begin with these tangents, shape (n, q), each driven by its parameter column."""

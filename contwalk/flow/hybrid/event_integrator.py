@@ -94,7 +94,8 @@ class EventIntegrator:
         room: int = ROOM,
         marks: bool = False,
     ) -> None:
-        self.machine, self.columns, self._marks = machine, columns, marks
+        # Not the machine itself: machines keep their integrators.
+        self._system, self.columns, self._marks = machine.system, columns, marks
         self.modes = list(modes)
         self.transitions = [each for mode in modes for each in machine.system.leaving(mode)]
         self._kept: list[np.ndarray] = []
@@ -107,8 +108,11 @@ class EventIntegrator:
         self._calls: list[Call] = []
         self._instants: list[guard_taylor.GuardTaylor] = []
         self._speeds: dict[tuple[str, str], np.ndarray] = {}
-        places = [self._mode(name, weights) for name in self.modes]
-        transitions = [self._transition(transition) for transition in self.transitions]
+        self._looked_at: dict[str, list[str]] = {}
+        self._weighed: dict[str, tuple[Call, np.ndarray]] = {}
+        places = [self._mode(machine.mode(name)) for name in self.modes]
+        transitions = [self._transition(machine, transition) for transition in self.transitions]
+        self.weigh(weights)
         self._modes = (ModeRecord * len(places))(*places)
         self._transitions = (TransitionRecord * len(transitions))(*transitions)
         self._call = EventCall(
@@ -132,11 +136,10 @@ class EventIntegrator:
         self._kept.append(array)
         return array.ctypes.data
 
-    def _mode(self, name: str, weights: np.ndarray) -> ModeRecord:
-        flow = self.machine.mode(name)
-        n, own = len(flow.states), weights[flow.states]
+    def _mode(self, flow: ModeFlow) -> ModeRecord:
+        name, n = flow.name, len(flow.states)
         moving = Call(flow.field, flow.c, METHOD, None, self.columns)
-        moving.weigh(own)
+        self._weighed[name] = moving, np.ones(n)
         counts = Counts()
         moving.controlled(StepControl(), counts)
         if self.columns:
@@ -148,13 +151,14 @@ class EventIntegrator:
             "state": moving.vectors[stages.Y].ctypes.data,
             "velocity": moving.vectors[stages.FIRST].ctypes.data,
             "noise": noise.ctypes.data,
-            "weights": self._keep(np.ascontiguousarray(own)),
+            "weights": self._keep(self._weighed[name][1]),
         })  # fmt: skip
         self.places[name] = Place(flow.states, moving.vectors[stages.Y, :n], columns, noise, counts)
         if self._marks:
             nodes = self.nodes[name] = np.zeros((len(self.times), moving.length))
             moving.give("nodes", nodes)
         numbers = self._numbers(flow)
+        self._looked_at[name] = [flow.transitions[i].name for i in numbers]
         guards = [flow.guards[i] for i in numbers]
         leads = [self._number(flow.transitions[i]) for i in numbers]
         at_entry = [flow.transitions[i].at_entry for i in numbers]
@@ -194,12 +198,13 @@ class EventIntegrator:
         """Of a transition that acts; -1 for one that is watched."""
         return -1 if transition.role == "watched" else self.transitions.index(transition)
 
-    def _transition(self, transition: Transition) -> TransitionRecord:
+    def _transition(self, machine: HybridMachine, transition: Transition) -> TransitionRecord:
         if transition.role == "watched" or transition.target not in self.modes:
             return TransitionRecord(target=-1)
-        jump, c = self.machine.jump(transition)
+        jump, c = machine.jump(transition)
         n, outputs = jump.n - 1, jump.m - 1
-        self._speeds[transition.name, transition.source] = speeds = np.zeros(n + outputs)
+        speeds = np.zeros(n + outputs)
+        self._speeds[transition.name, transition.source] = speeds[n:]
         return TransitionRecord(
             jump=jump.rhs_jac_address,
             constants=self._keep(c),
@@ -214,6 +219,12 @@ class EventIntegrator:
             leaves=self._own(transition.name, transition.target),
             passes=self._passed(transition.name, transition.target),
         )
+
+    def weigh(self, weights: np.ndarray) -> None:
+        """Put the typical magnitudes of the states in place, of full length."""
+        for name, (moving, own) in self._weighed.items():
+            own[:] = weights[self.places[name].states]
+            moving.weigh(own)
 
     def begin(
         self,
@@ -245,22 +256,20 @@ class EventIntegrator:
 
     def _own(self, last: str, mode: str) -> int:
         """A bit for each guard of a mode that one named `last`, which has led into it, leaves at zero."""
-        return self._bits(mode, self.machine.system.left_at_zero(last, mode))
+        return self._bits(mode, self._system.left_at_zero(last, mode))
 
     def _passed(self, last: str, mode: str) -> int:
         """As `_own`, for each of these that it has passed in its own direction."""
-        return self._bits(mode, self.machine.system.passed(last, mode))
+        return self._bits(mode, self._system.passed(last, mode))
 
     def _bits(self, mode: str, which: Collection[str]) -> int:
         """A bit for each guard that the integrator looks at and that is one of these."""
-        flow = self.machine.mode(mode)
-        names = [flow.transitions[i].name for i in self._numbers(flow)]
-        return sum(1 << k for k, name in enumerate(names[:MOST_BITS]) if name in which)
+        names = self._looked_at[mode][:MOST_BITS]
+        return sum(1 << k for k, name in enumerate(names) if name in which)
 
     def velocity(self, transition: Transition) -> np.ndarray:
         """The field right after a transition that has happened last, shape (m,) of the target's states."""
-        jump = self.machine.jump(transition)[0]
-        return self._speeds[transition.name, transition.source][jump.n - 1 :]
+        return self._speeds[transition.name, transition.source]
 
     def __call__(self, t1: float, tolerance: float) -> int:
         """Go on; the answer is one of `event_records.ARRIVED`, .."""

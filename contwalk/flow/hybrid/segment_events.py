@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -16,6 +18,8 @@ from contwalk.flow.hybrid.motion_segment import Control, MotionSegment, far, par
 from contwalk.flow.hybrid.segment_paths import by_paths, event_of
 
 ROOM = 100
+# Memory of integrators that no motion uses now: for each machine, by their mode.
+_IDLE: WeakKeyDictionary[HybridMachine, dict[str, list[EventIntegrator]]] = WeakKeyDictionary()
 _STATUS = {answers.NOT_FINITE: "not_finite", answers.STEP_TOO_SMALL: "step_too_small"}
 
 
@@ -31,7 +35,20 @@ class ByEventIntegrator:
 
     def __init__(self, machine: HybridMachine, control: Control) -> None:
         self._machine, self._control = machine, control
-        self._integrators: dict[str, EventIntegrator] = {}
+
+    @contextmanager
+    def _integrator(self, mode: str) -> Iterator[EventIntegrator]:
+        """One of a mode, as long as a segment lasts: a motion may be held while another one goes on."""
+        idle = _IDLE.setdefault(self._machine, {}).setdefault(mode, [])
+        if idle:
+            found = idle.pop()
+            found.weigh(self._control.weights)
+        else:
+            found = EventIntegrator(self._machine, self._control.weights, [mode], room=ROOM, marks=True)
+        try:
+            yield found
+        finally:
+            idle.append(found)
 
     def parts(
         self,
@@ -47,15 +64,23 @@ class ByEventIntegrator:
 
         The segment begins after the transition `last`, with these uncertainties of the states, shape (m,).
         """
-        if flow.name not in self._integrators:
-            self._integrators[flow.name] = EventIntegrator(
-                self._machine, self._control.weights, [flow.name], room=ROOM, marks=True
-            )
-        integrator, n = self._integrators[flow.name], len(flow.states)
+        with self._integrator(flow.name) as integrator:
+            integrator.begin(t, x, flow.name, last, noise=noise)
+            yield from self._parts(integrator, flow, t, x, t1, standing)
+
+    def _parts(
+        self,
+        integrator: EventIntegrator,
+        flow: ModeFlow,
+        t: float,
+        x: np.ndarray,
+        t1: float,
+        standing: Sequence[GuardStatus],
+    ) -> Iterator[MotionSegment]:
+        n = len(flow.states)
         nodes, counts = integrator.nodes[flow.name], integrator.places[flow.name].counts
         weights = self._control.weights[flow.states]
         leaving = leaving_zero(standing)
-        integrator.begin(t, x, flow.name, last, noise=noise)
         while t < t1:
             end = t1 if np.isfinite(t1) else t + far(flow, t, x[flow.states], weights)
             nodes[0, :n] = x[flow.states]
