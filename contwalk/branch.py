@@ -7,7 +7,7 @@ record with what is known about it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from importlib import import_module
 from typing import Any
@@ -17,6 +17,7 @@ import numpy as np
 from contwalk import quantities, tables
 from contwalk.errors import ContwalkError
 from contwalk.labels import MEANINGS
+from contwalk.special_point import SpecialPoint
 
 LABELS = tuple(MEANINGS)
 ORBITS = ("periodic_orbit", "hybrid_orbit")
@@ -94,41 +95,6 @@ class BranchInfo:
         )
 
 
-@dataclass(frozen=True, repr=False)
-class SpecialPoint:
-    """A special point, located or not. Fields are those of the JSON interface, plus `s` and the unknowns."""
-
-    label: str
-    s: float
-    kind: str | None = None
-    status: str = "located"
-    parameters: Mapping[str, float] = field(default_factory=dict)
-    state: Mapping[str, float] = field(default_factory=dict)
-    period: float | None = None
-    period_full: float | None = None
-    spectrum: tuple[complex, ...] = ()
-    spectrum_full: tuple[complex, ...] | None = None
-    trivial_error: float | None = None
-    unstable_before: int = 0
-    unstable_after: int = 0
-    error: float | None = None
-    criticality: str | None = None
-    coefficients: Mapping[str, Any] = field(default_factory=dict)
-    admissible: bool = True
-    margin: Mapping[str, float] = field(default_factory=dict)
-    note: str | None = None
-    unknowns: tuple[float, ...] = ()
-    tangent: tuple[float, ...] = ()
-    name: str = ""
-    index: int = -1
-
-    def __repr__(self) -> str:
-        return f"<{tables.told_point(self)}>"
-
-    def _repr_html_(self) -> str:
-        return tables.html("", tables.of_point(self))
-
-
 @dataclass(frozen=True)
 class Outcome:
     """How a branch ended: `status` complete | stopped | failed, reason code, a sentence with a remedy."""
@@ -192,10 +158,10 @@ class Branch:
         return scalar or known or name in self._spectral()
 
     def __repr__(self) -> str:
-        return f"<{tables.told_branch(self)}>"
+        return f"<{told_branch(self)}>"
 
     def _repr_html_(self) -> str:
-        return tables.html(tables.told_branch(self), tables.of_special_points(self))
+        return tables.html(told_branch(self), table_of_special_points(self))
 
     def __len__(self) -> int:
         return len(self.points)
@@ -321,3 +287,62 @@ def _row_of(point: SpecialPoint, points: np.ndarray, taken: set[int]) -> int:
     fitting = [i for i in range(low, high) if bool(points["special"][i]) == special]
     free = [i for i in fitting if i not in taken or not special]
     return (free or fitting or [low])[0]
+
+
+# -- in a line of text, and as tables for notebooks ----------------------------------------------------------
+
+
+def told_branch(branch: Branch) -> str:
+    """`b2: 64 points, periodic orbit, delta 0.003 to 0.006; PD1 UZ1; complete (bound)`."""
+    info, outcome = branch.info, branch.outcome
+    parts = [
+        f"{info.name}: {len(branch)} point{'' if len(branch) == 1 else 's'}, {info.problem.replace('_', ' ')}"
+    ]
+    if len(branch) and info.free:
+        values = branch[info.free[0]]
+        parts[0] += f", {info.free[0]} {values.min():.6g} to {values.max():.6g}"
+    parts.append(_names([point.name for point in branch.special_points]))
+    parts.append(f"{outcome.status} ({outcome.reason})")
+    return "; ".join(part for part in parts if part)
+
+
+def _names(names: Sequence[str], most: int = 8) -> str:
+    """Names of special points; the first ones of many."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return " ".join(names[:most]) + more
+
+
+def table_of_special_points(branch: Branch) -> tables.Table:
+    """The special points of a branch, one a row."""
+    free = branch.info.free[0] if branch.info.free else ""
+    rows = [["name", "what", free, "error", "criticality", "unstable"]]
+    for point in branch.special_points:
+        value = point.parameters.get(free, float(branch[free][point.index]) if free and len(branch) else None)
+        what = MEANINGS.get(point.label, point.label) + (f" ({point.kind})" if point.kind else "")
+        rows.append(
+            [
+                point.name,
+                what if point.status == "located" else f"{what}, NOT LOCATED",
+                "" if value is None else f"{value:.12g}",
+                "" if point.error is None else f"{point.error:.1e}",
+                point.criticality or "",
+                f"{point.unstable_before} \u2192 {point.unstable_after}",
+            ]
+        )
+    return rows
+
+
+def table_of_branches(branches: Sequence[Branch]) -> tables.Table:
+    """Branches, one a row."""
+    rows = [["branch", "problem", "points", "range", "special points", "ended", "origin"]]
+    for branch in branches:
+        info, free = branch.info, branch.info.free[0] if branch.info.free else ""
+        span = ""
+        if free and len(branch):
+            span = f"{free} {branch[free].min():.6g} to {branch[free].max():.6g}"
+        names = _names([point.name for point in branch.special_points])
+        ended = f"{branch.outcome.status} ({branch.outcome.reason})"
+        rows.append(
+            [info.name, info.problem.replace("_", " "), str(len(branch)), span, names, ended, info.origin]
+        )
+    return rows

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
-from contwalk.fields.expression import CONDITIONS, FACTORS, Graph
 from contwalk.fields.functions import FUNCTIONS
+from contwalk.fields.graph import CONDITIONS, FACTORS, Graph
 from contwalk.fields.linear_rates import determinant_slopes, solution_rate
 
 _LEAVES = ("const", "input", "piece", "entry", *CONDITIONS, *FACTORS)

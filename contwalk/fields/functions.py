@@ -9,15 +9,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from contwalk.errors import UnsupportedOperation
+from contwalk.fields.exact_functions import EXACT
+from contwalk.fields.graph import Graph
 from contwalk.fields.special_functions import gamma, lgamma, polygamma
 
-if TYPE_CHECKING:
-    from contwalk.fields.expression import Graph
-
-Partials = Callable[["Graph", int, tuple[int, ...]], tuple[int | None, ...]]
+Partials = Callable[[Graph, int, tuple[int, ...]], tuple[int | None, ...]]
 
 
 @dataclass(frozen=True)
@@ -26,20 +25,6 @@ class Function:
 
     of_float: Callable[..., float]
     partials: Partials
-
-
-def _sign(x: float) -> float:
-    return x if x != x else math.copysign(1.0, x) if x != 0.0 else 0.0
-
-
-def minimum(a: Any, b: Any) -> Any:
-    """The smaller number, the first of two that are equal; NaN where one is."""
-    return b if b < a or b != b else a
-
-
-def maximum(a: Any, b: Any) -> Any:
-    """The larger number, the first of two that are equal; NaN where one is."""
-    return b if b > a or b != b else a
 
 
 def _reciprocal(g: Graph, node: int) -> int:
@@ -145,13 +130,13 @@ FUNCTIONS: dict[str, Function] = {
     "gamma": Function(gamma, _gamma_partials),
     "lgamma": Function(lgamma, lambda g, r, a: (g.call("polygamma", g.zero, a[0]),)),
     "polygamma": Function(polygamma, _polygamma_partials),
-    "abs": Function(abs, lambda g, r, a: (g.call("sign", a[0]),)),
-    "sign": Function(_sign, lambda g, r, a: (None,)),
-    "floor": Function(lambda x: float(math.floor(x)), lambda g, r, a: (None,)),
+    "abs": Function(EXACT["abs"], lambda g, r, a: (g.call("sign", a[0]),)),
+    "sign": Function(EXACT["sign"], lambda g, r, a: (None,)),
+    "floor": Function(EXACT["floor"], lambda g, r, a: (None,)),
     "fmod": Function(math.fmod, lambda g, r, a: (g.one, g.neg(g.call("trunc", g.div(a[0], a[1]))))),
-    "trunc": Function(lambda x: float(math.trunc(x)), lambda g, r, a: (None,)),
-    "min": Function(minimum, _min_partials),
-    "max": Function(maximum, _max_partials),
+    "trunc": Function(EXACT["trunc"], lambda g, r, a: (None,)),
+    "min": Function(EXACT["min"], _min_partials),
+    "max": Function(EXACT["max"], _max_partials),
 }
 
 

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable
 
 from contwalk.fields.derivative import arguments_of
 from contwalk.fields.elimination_code import factor_width
-from contwalk.fields.expression import CONDITIONS, FACTORS, Graph
+from contwalk.fields.graph import CONDITIONS, FACTORS, Graph
 
 
 def places_of(graph: Graph, nodes: Iterable[int]) -> dict[int, int]:

@@ -17,7 +17,8 @@ import numpy as np
 from contwalk.errors import PluginError
 from contwalk.fields import elimination, object_cache
 from contwalk.fields.codegen import source
-from contwalk.fields.functions import FUNCTIONS, maximum, minimum
+from contwalk.fields.exact_functions import maximum, minimum
+from contwalk.fields.functions import FUNCTIONS
 from contwalk.fields.trace import Program, Raises
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from contwalk.fields.expression import Graph
+from contwalk.fields.graph import Graph
 
 Of = Callable[[int], int]
 

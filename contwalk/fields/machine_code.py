@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 
 from contwalk.fields import elimination_code
 from contwalk.fields.elimination_code import factor_width
-from contwalk.fields.expression import BUNDLES, CONDITIONS, FACTORS, RELATIONS, Graph
+from contwalk.fields.graph import BUNDLES, CONDITIONS, FACTORS, RELATIONS, Graph
 from contwalk.fields.hoisting import width_of
 from contwalk.fields.special_functions import POLYGAMMA
 from contwalk.fields.trace import Fork, Outputs, Program, Raises, Tree, roots

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from itertools import product
 
 from contwalk.fields.derivative import ancestors
-from contwalk.fields.expression import Graph
+from contwalk.fields.graph import Graph
 
 Interval = tuple[float, float]
 ANY: Interval = (-math.inf, math.inf)

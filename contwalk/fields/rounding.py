@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from contwalk.fields.derivative import ancestors, partials
-from contwalk.fields.expression import BUNDLES, CONDITIONS, Graph
+from contwalk.fields.graph import BUNDLES, CONDITIONS, Graph
 from contwalk.fields.linear_rates import determinant_bound, solution_bounds
 
 

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from contwalk.fields.derivative import ancestors, directional
-from contwalk.fields.expression import FACTORS, Graph
 from contwalk.fields.functions import FUNCTIONS
+from contwalk.fields.graph import FACTORS, Graph
 from contwalk.fields.trace import Fork, Outputs, Program, Tree, roots
 
 # What may jump where these choose otherwise is a derivative, never the value.

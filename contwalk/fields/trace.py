@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from contwalk.errors import NO_LINE, ContwalkError, UnsupportedOperation, plugin_line
-from contwalk.fields.expression import Expression, Graph
+from contwalk.fields.expression import Expression
+from contwalk.fields.graph import Graph
 
 MOST_PATHS = 256
 MOST_CONDITIONS = 64

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contwalk import tables
+from contwalk.branch import table_of_branches
 from contwalk.errors import DatabaseError
 from contwalk.storage.database import Database
 
@@ -19,4 +20,4 @@ def line_of(database: Database) -> str:
 
 def html_of(database: Database) -> str:
     """The branches as a table of HTML."""
-    return tables.html(line_of(database)[1:-1], tables.of_branches(database.branches()))
+    return tables.html(line_of(database)[1:-1], table_of_branches(database.branches()))

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from contwalk import __version__
 from contwalk.system import System
+from contwalk.version import __version__
 from contwalk.workflow.machine import name_of_machine
 
 

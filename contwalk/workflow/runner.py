@@ -214,8 +214,8 @@ def provenance(run_file: RunFile) -> dict[str, Any]:
     """Where and with what a database was made, as plain values."""
     import h5py
 
-    from contwalk import __version__
     from contwalk.plotting.quantities import units_of
+    from contwalk.version import __version__
 
     files = plugin_files(run_file.system_reference, run_file.path.parent)
     return {

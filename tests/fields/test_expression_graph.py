@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from traced_kernels import kernel_of, program_of
 
-from contwalk.fields.expression import Graph
+from contwalk.fields.graph import Graph
 
 
 def test_equal_operations_are_one_node():

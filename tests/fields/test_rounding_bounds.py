@@ -10,7 +10,7 @@ import pytest
 from function_samples import SAMPLES
 from traced_kernels import bounds_of, kernel_of
 
-from contwalk.fields.expression import Graph
+from contwalk.fields.graph import Graph
 from contwalk.fields.kernel import Kernel
 from contwalk.fields.rounding import size_of
 from contwalk.fields.trace import Outputs, Program

@@ -13,7 +13,7 @@ from typing import Any
 from weakref import WeakValueDictionary
 
 from contwalk.fields.derivative import directional, jacobian
-from contwalk.fields.expression import Graph
+from contwalk.fields.graph import Graph
 from contwalk.fields.llvm import Code, code_of
 from contwalk.fields.machine_code import function, module
 from contwalk.fields.rebind import rebound

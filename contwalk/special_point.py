@@ -1,0 +1,67 @@
+"""The record of a special point, in a line of text, and as a table for notebooks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from contwalk import tables
+from contwalk.labels import MEANINGS
+
+
+@dataclass(frozen=True, repr=False)
+class SpecialPoint:
+    """A special point, located or not. Fields are those of the JSON interface, plus `s` and the unknowns."""
+
+    label: str
+    s: float
+    kind: str | None = None
+    status: str = "located"
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    state: Mapping[str, float] = field(default_factory=dict)
+    period: float | None = None
+    period_full: float | None = None
+    spectrum: tuple[complex, ...] = ()
+    spectrum_full: tuple[complex, ...] | None = None
+    trivial_error: float | None = None
+    unstable_before: int = 0
+    unstable_after: int = 0
+    error: float | None = None
+    criticality: str | None = None
+    coefficients: Mapping[str, Any] = field(default_factory=dict)
+    admissible: bool = True
+    margin: Mapping[str, float] = field(default_factory=dict)
+    note: str | None = None
+    unknowns: tuple[float, ...] = ()
+    tangent: tuple[float, ...] = ()
+    name: str = ""
+    index: int = -1
+
+    def __repr__(self) -> str:
+        return f"<{told_point(self)}>"
+
+    def _repr_html_(self) -> str:
+        return tables.html("", table_of_point(self))
+
+
+def told_point(point: SpecialPoint) -> str:
+    """`PD1: period doubling, supercritical, located, error 3e-12`."""
+    parts = [MEANINGS.get(point.label, point.label), point.kind, point.criticality, point.status]
+    error = f"error {point.error:.1e}" if point.error is not None else None
+    said = ", ".join(part for part in (*parts, error) if part)
+    return f"{point.name or point.label}: {said}"
+
+
+def table_of_point(point: SpecialPoint) -> tables.Table:
+    """What is known of one special point."""
+    rows = [[told_point(point), ""]]
+    rows += [[name, f"{value:.12g}"] for name, value in {**point.parameters, **point.state}.items()]
+    if point.period is not None:
+        rows.append(["period", f"{point.period:.12g}"])
+    for number, value in enumerate(point.spectrum, start=1):
+        text = f"{value.real:.8g}" + (f"{value.imag:+.8g}i" if value.imag else "")
+        rows.append([f"eigenvalue or multiplier {number}", text])
+    if point.note:
+        rows.append(["note", point.note])
+    return rows
