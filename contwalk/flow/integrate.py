@@ -10,12 +10,13 @@ import numpy as np
 from contwalk.flow.compiled.compiled_field import CompiledField
 from contwalk.flow.explicit import runge_kutta as explicit
 from contwalk.flow.explicit import stages
+from contwalk.flow.gauss import gauss_collocation as gauss
 from contwalk.flow.path import ErrorControl, Path, Tangents
 from contwalk.flow.radau import radau_iia as radau
 
 Vector = Sequence[float] | np.ndarray
 
-METHODS = (*stages.TABLEAUS, *radau.TABLEAUS)
+METHODS = (*stages.TABLEAUS, *radau.TABLEAUS, *gauss.TABLEAUS)
 """Names of the methods."""
 
 
@@ -24,13 +25,21 @@ def _family(method: str) -> ModuleType:
         return explicit
     if method in radau.TABLEAUS:
         return radau
+    if method in gauss.TABLEAUS:
+        return gauss
     raise ValueError(f"'{method}' is none of {', '.join(METHODS)}")
+
+
+def implicit(method: str) -> bool:
+    """Whether the steps of a method are solved for, so that the field's Jacobian is needed for them."""
+    return _family(method) is not explicit
 
 
 def warmup() -> None:
     """Compile what all fields share, or find it compiled in the cache."""
     explicit.warmup()
     radau.warmup()
+    gauss.warmup()
 
 
 def adaptive(

@@ -31,6 +31,7 @@ def warm() -> tuple[list[Warmed], Path]:
     from contwalk.fields import object_cache
     from contwalk.flow.ensemble import sampling
     from contwalk.flow.explicit import runge_kutta as explicit
+    from contwalk.flow.gauss import gauss_collocation as gauss
     from contwalk.flow.hybrid import event_integrator
     from contwalk.flow.radau import radau_iia as radau
     from contwalk.problems.hybrid import condensed
@@ -38,6 +39,7 @@ def warm() -> tuple[list[Warmed], Path]:
     parts: dict[str, Callable[[], None]] = {
         "explicit methods (dop853, verner98)": explicit.warmup,
         "implicit methods (radau5, radau9)": radau.warmup,
+        "collocation (gauss4 to gauss14)": gauss.warmup,
         "sampling": sampling.warmup,
         "hybrid machines": event_integrator.warmup,
         "condensed linear systems": condensed.warmup,

@@ -75,7 +75,7 @@ class Piece:
         return np.concatenate([scalars, self.fixed, *directions])
 
     def _field(self, lift: str) -> flow.CompiledField:
-        return self.passage.field(lift, implicit=self.method.startswith("radau"))
+        return self.passage.field(lift, implicit=flow.implicit(self.method))
 
     def before(self, lift: str, y: np.ndarray, scalars: np.ndarray, *directions: np.ndarray) -> np.ndarray:
         """A lift's states at the end, before the transition."""
@@ -151,7 +151,7 @@ class Piece:
         """The tangent lift before the transition, and its derivative."""
         y, n, k = np.concatenate([x, direction[0]]), len(x), len(scalars)
         start = np.concatenate([along[0], np.zeros(n)])
-        if not self.method.startswith("radau"):
+        if not flow.implicit(self.method):
             end = self.before(MIXED, np.concatenate([y, start]), scalars, direction[1], along[1])
             return end[: 2 * n], end[2 * n :]
         # Of the tangent lift implicit steps have the Jacobian; of a further lift it takes long to compile.

@@ -15,6 +15,7 @@ WALKING, LOCATING, MARKING = 100.0, 1.0, 0.03
 SOLVED = 1e-3
 # Evaluations of the field in a step of each method (of the implicit ones, about).
 STAGES = {"dop853": 12, "verner98": 16, "radau5": 24, "radau9": 40}
+STAGES |= {f"gauss{2 * degree}": 5 * degree for degree in range(2, 8)}
 
 
 @dataclass(frozen=True)

@@ -101,7 +101,7 @@ class Shooting:
     ) -> np.ndarray:
         """A lift's states at the end of a segment, the closure applied to the last one."""
         values = self.values(scalars, directions)
-        field = self.motion.field(lift, implicit=self.mesh.method.startswith("radau"))
+        field = self.motion.field(lift, implicit=flow.implicit(self.mesh.method))
         steps, method = self.mesh.steps[segment], self.mesh.method
         end = flow.along(field, field.constants(values), steps, y, method)[-1]
         return self.closure.end(lift, end, values) if segment == self.mesh.segments - 1 else end
@@ -139,7 +139,7 @@ class Shooting:
     ) -> tuple[np.ndarray, np.ndarray]:
         """As `carried`, with the derivatives `columns`, each driven by the scalar in `sources` (-1: none)."""
         values = self.values(scalars, directions)
-        field = self.motion.field(lift, implicit=self.mesh.method.startswith("radau"))
+        field = self.motion.field(lift, implicit=flow.implicit(self.mesh.method))
         steps, method = self.mesh.steps[segment], self.mesh.method
         end, moved = flow.tangents(field, field.constants(values), steps, y, columns, sources, method)
         if segment < self.mesh.segments - 1:

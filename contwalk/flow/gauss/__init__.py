@@ -1,0 +1,1 @@
+"""Orthogonal collocation at Gauss points: given steps, their exact derivatives, and error control."""
