@@ -11,7 +11,7 @@ import numpy as np
 
 @dataclass(frozen=True, eq=False)
 class StoredWord:
-    """The legs of a stored orbit, as `hybrid.word.stored_leg` has them, and its unknowns.
+    """The legs of a stored orbit, as `orbit.word.stored_leg` has them, and its unknowns.
 
     `image` is the symmetry up to which it closes, `pins` are the names of the directions that are held.
     """

@@ -24,7 +24,6 @@ from contwalk.problems.hybrid.least import least, unused_symmetries
 from contwalk.problems.hybrid.obstacles import collapsed as collapsed_event
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit, applies, softened
 from contwalk.problems.hybrid.switching import discretized
-from contwalk.problems.hybrid.word import named_word
 from contwalk.problems.initial.event_recurrence import lap_from
 from contwalk.problems.initial.orbit_from_recurrence import orbit_of
 from contwalk.problems.initial.orbit_from_state import orbit_at, repetitions, symmetric
@@ -34,6 +33,7 @@ from contwalk.problems.orbit.conservation import off_its_value
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
+from contwalk.problems.orbit.word import named_word
 from contwalk.problems.parameter_line import Ends, ParameterLine
 from contwalk.problems.problem import equations_at
 from contwalk.problems.sample import NO_MARGIN

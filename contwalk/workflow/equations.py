@@ -57,8 +57,8 @@ def _equations_text(run_file: RunFile) -> str:
         return Equilibrium(*given).kernels.residual.text
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 
-    motion = PeriodicOrbit(*given).motion
-    return source(motion.program, (*motion.groups, "u", "t"))
+    passage = PeriodicOrbit(*given).passage
+    return source(passage.program, (*passage.groups, "u", "t"))
 
 
 def function_texts(function: Callable[..., Any]) -> Iterator[str]:

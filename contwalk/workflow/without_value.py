@@ -77,7 +77,7 @@ def _events(branch: Branch, system: System, place: ReportAt | None) -> tuple[str
     settings = branch.info.settings
     if "legs" not in settings:
         return ()
-    from contwalk.problems.hybrid.word import named_word  # of machines with events alone
+    from contwalk.problems.orbit.word import named_word  # of machines with events alone
 
     word = named_word(system, settings["legs"], settings["image"]).unfolded(system)
     asked = {observable.at: branch[observable.name] for observable in system.observables}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hybrid_systems import DAMPER
 
-from contwalk.problems.hybrid.word import Leg, Word
+from contwalk.problems.orbit.word import Leg, Word
 
 
 def test_it_is_the_one_that_ends_the_leg_before():

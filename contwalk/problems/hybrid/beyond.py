@@ -21,11 +21,11 @@ from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.least import least
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.hybrid.telling import first_sentence, told_once
-from contwalk.problems.hybrid.word import Word
 from contwalk.problems.initial.event_recurrence import lap_from
 from contwalk.problems.initial.orbit_from_recurrence import orbit_of
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.orbit.solving import newton_on
+from contwalk.problems.orbit.word import Word
 from contwalk.problems.problem import Seed
 from contwalk.signatures import folded
 

@@ -12,9 +12,9 @@ import numpy as np
 
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit, applies
-from contwalk.problems.hybrid.word import Leg, Word
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.problems.orbit.section import Section
+from contwalk.problems.orbit.word import Leg, Word
 from contwalk.problems.problem import Seed
 
 

@@ -17,8 +17,8 @@ import numpy as np
 from contwalk import flow
 from contwalk.errors import NotFinite
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind
-from contwalk.problems.hybrid.shooting import Piece
-from contwalk.problems.orbit.motion import PLAIN
+from contwalk.problems.orbit.lifts import PLAIN
+from contwalk.problems.orbit.shooting import Piece
 from contwalk.problems.orbit.transport import STRETCHED, TOO_MUCH, closed, segments_of_growth
 from contwalk.problems.problem import Sample
 

@@ -19,15 +19,16 @@ from contwalk.problems.angles import whole_turns
 from contwalk.problems.hybrid.effort import Effort
 from contwalk.problems.hybrid.layout import Layout, Segment, joined
 from contwalk.problems.hybrid.margins import Guarded, Limit, Margins
-from contwalk.problems.hybrid.passage import Passage, passage_of
-from contwalk.problems.hybrid.shooting import LegMesh, Piece
+from contwalk.problems.hybrid.shooting import LegMesh
 from contwalk.problems.hybrid.stretch import Stretch
 from contwalk.problems.hybrid.view import LegView
-from contwalk.problems.hybrid.word import Word
 from contwalk.problems.kinks import Course, Kink
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.orbit_data import OrbitData
+from contwalk.problems.orbit.passage import Passage, passage_of
 from contwalk.problems.orbit.section import Section
+from contwalk.problems.orbit.shooting import Piece
+from contwalk.problems.orbit.word import Word
 from contwalk.problems.parameter_line import Ends
 from contwalk.system import Condition, Neutral, System, Transition
 
@@ -406,10 +407,7 @@ class DiscretizedOrbit(OrbitData):
         """The legs as they are looked at for kinks of their fields, and the kinks known of each."""
         if all(passage.switching is None for passage in self.passages):
             return []
-        parameters = self.values_of(z)
-        return [
-            (course, leg.piece.passage.kinks) for leg in self.view(z) for course in leg.course(parameters)
-        ]
+        return [(course, leg.piece.passage.kinks) for leg in self.view(z) for course in leg.course()]
 
     def duration_gradient(self, z: np.ndarray) -> np.ndarray:
         """Derivative of the closure's duration by unknowns and free parameter, shape (N + 1,)."""

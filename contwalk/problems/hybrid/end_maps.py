@@ -12,9 +12,9 @@ from contwalk.fields.blame import first_switched
 from contwalk.fields.switching import Inputs, Switching
 from contwalk.problems.event_kinks import EndMap, Met, between, on_a_jump
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
-from contwalk.problems.hybrid.passage import Passage
 from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.kinks import Kink
+from contwalk.problems.orbit.passage import Passage
 
 Written = Callable[[Any, Any, Any, Any], None]
 
@@ -128,7 +128,7 @@ def functions_at_end(passage: Passage) -> list[tuple[str, Written]]:
     before = None if transition is None else transition.reset
     if transition is not None and before is not None:
         found.append((f"the reset of transition '{transition.name}'", before))
-    for name in (None if transition is None else transition.relabel, passage.image):
+    for name in (None if transition is None else transition.relabel, *passage.images):
         if name:
             before = after(passage.system.symmetry(name).map, before)
             found.append((f"the map of symmetry '{name}'", before))

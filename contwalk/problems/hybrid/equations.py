@@ -14,7 +14,7 @@ from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.layout import Segment
 from contwalk.problems.hybrid.metric import cycle_scales
 from contwalk.problems.orbit.discretization import SOLVED, STAGES
-from contwalk.problems.orbit.motion import PLAIN
+from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.multipliers import GLOBAL
 from contwalk.problems.orbit.period import period_and_slope
 from contwalk.problems.problem import Linearization

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.problems.hybrid.layout import Layout
-from contwalk.problems.hybrid.word import Word
+from contwalk.problems.orbit.word import Word
 
 # A little time, in parts of the closure's.
 NO_TIME = 1e-6

@@ -41,7 +41,6 @@ from contwalk.problems.hybrid.margins import Guarded, Limit, Margins
 from contwalk.problems.hybrid.mirror_image import HybridMirror, mirror_of
 from contwalk.problems.hybrid.return_map import EventMap
 from contwalk.problems.hybrid.stretch import Stretch
-from contwalk.problems.hybrid.word import stored_leg
 from contwalk.problems.kinks import Kink
 from contwalk.problems.orbit import augmented, describing, rates
 from contwalk.problems.orbit.kinks_met import kinks_along
@@ -52,6 +51,7 @@ from contwalk.problems.orbit.points.catalogue import LIMIT_TYPES, POINT_TYPES
 from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.orbit.section import Section
 from contwalk.problems.orbit.slow_place import SlowPlace
+from contwalk.problems.orbit.word import stored_leg
 from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed, Test
 from contwalk.system import System
 

@@ -16,8 +16,8 @@ from contwalk.fields.switching import Switching
 from contwalk.problems.event_kinks import Met, between
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.end_maps import Written, after, functions_at_end, map_at, place_of, written
-from contwalk.problems.hybrid.passage import Passage
 from contwalk.problems.hybrid.view import LegView
+from contwalk.problems.orbit.passage import Passage
 from contwalk.system import Condition
 
 

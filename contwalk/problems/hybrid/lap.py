@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contwalk.problems.hybrid.mirrors import Span
-from contwalk.problems.hybrid.word import Word
+from contwalk.problems.orbit.word import Word
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,8 +13,8 @@ from contwalk.problems.hybrid import cutting, families
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind
 from contwalk.problems.hybrid.mirrors import Span, carries, why_not_carried
 from contwalk.problems.hybrid.switching import discretized, shifted
-from contwalk.problems.hybrid.word import Leg, Word, has_image, imaged_leg
 from contwalk.problems.orbit.closure import imaged, order_of
+from contwalk.problems.orbit.word import Leg, Word, has_image, imaged_leg
 from contwalk.system import Symmetry, System
 from contwalk.system.declarations import ParameterValues
 

@@ -31,14 +31,14 @@ from contwalk.flow.events.guard_derivatives import MOST_ORDER
 from contwalk.memory import computed_once
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.margins import KINDS, Guarded, Limit, Margins
-from contwalk.problems.hybrid.shooting import Piece
 from contwalk.problems.hybrid.view import LegView
-from contwalk.problems.hybrid.watching import Watched
-from contwalk.problems.hybrid.word import imaged_leg
 from contwalk.problems.orbit import augmented
 from contwalk.problems.orbit.branching import filled_magnitudes
-from contwalk.problems.orbit.motion import PLAIN
+from contwalk.problems.orbit.lifts import PLAIN
+from contwalk.problems.orbit.shooting import Piece
 from contwalk.problems.orbit.solving import newton_on
+from contwalk.problems.orbit.watching import Watched
+from contwalk.problems.orbit.word import imaged_leg
 from contwalk.problems.problem import Located, Sample
 from contwalk.system import System, Transition
 
@@ -718,7 +718,7 @@ def _rows(
         map_ = piece.passage.condition(problem.named_conditions[limit.name])
         piece, x, scalars = _ending(problem, i, z)
         end, moved = piece.before_differentiated(PLAIN, x, scalars)
-        values, derivative = piece.through(map_, end, moved, piece.values(scalars))
+        values, derivative = piece.through_map(map_, end, moved, piece.values(scalars))
         return values, layout.along(layout.segments_of(i)[-1], derivative)
     transition = transition_of(problem, limit)
     if limit.test == "leaving":

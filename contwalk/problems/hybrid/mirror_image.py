@@ -16,10 +16,10 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.limits import LABELS as LIMITS
-from contwalk.problems.hybrid.word import Leg, has_image, image_of
 from contwalk.problems.images import Product, point_of_image, products, row_of_image
 from contwalk.problems.orbit.mirror import AS_WELL, KEPT, MOVED, REVERSED, SOLVED, coefficients_of
 from contwalk.problems.orbit.stored_discretizations import StoredDiscretizations, vectors_of
+from contwalk.problems.orbit.word import Leg, has_image, image_of
 from contwalk.problems.problem import Sample
 from contwalk.system.declarations import ParameterValues
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from contwalk.flow.hybrid.machine import HybridMachine
-from contwalk.problems.hybrid.word import Leg, has_image, image_of
 from contwalk.problems.orbit.closure import imaged
+from contwalk.problems.orbit.word import Leg, has_image, image_of
 from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
 

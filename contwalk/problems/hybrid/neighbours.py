@@ -28,10 +28,10 @@ from contwalk.problems.hybrid.least import least
 from contwalk.problems.hybrid.margins import Limit, Margins
 from contwalk.problems.hybrid.switching import discretized, rotated
 from contwalk.problems.hybrid.telling import first_sentence, told_once
-from contwalk.problems.hybrid.word import Leg, Word, continued, imaged_leg
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.solving import newton_on
+from contwalk.problems.orbit.word import Leg, Word, continued, imaged_leg
 from contwalk.problems.problem import Seed
 from contwalk.signatures import folded
 from contwalk.system import Transition

@@ -11,14 +11,14 @@ from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.margins import Margins
 from contwalk.problems.hybrid.stretch import Stretch
-from contwalk.problems.hybrid.word import imaged_leg
 from contwalk.problems.images import imaged
 from contwalk.problems.orbit.closure import images_of
 from contwalk.problems.orbit.extrema import extremes_of
-from contwalk.problems.orbit.motion import PLAIN
+from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.sampling import MOST_BISECTIONS
 from contwalk.problems.orbit.slow_place import AROUND, SlowPlace, slow_places_on
+from contwalk.problems.orbit.word import imaged_leg
 from contwalk.problems.passing import Place
 from contwalk.system.declarations import ParameterValues
 

@@ -11,7 +11,7 @@ from contwalk.problems.hybrid import cutting, limits
 from contwalk.problems.hybrid.discretized_orbit import Kind
 from contwalk.problems.hybrid.shooting import AT_REST, meshed, most_steps
 from contwalk.problems.orbit.discretization import STAGES
-from contwalk.problems.orbit.motion import PLAIN
+from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.section import Section, section_at
 from contwalk.problems.orbit.segmented_orbit import PARTS
 from contwalk.problems.orbit.solving import newton_on

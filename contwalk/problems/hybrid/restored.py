@@ -6,8 +6,8 @@ import numpy as np
 
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit, applies
-from contwalk.problems.hybrid.word import named_word
 from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.orbit.word import named_word
 from contwalk.problems.restoring import Facts
 
 

@@ -17,7 +17,7 @@ from contwalk import flow
 from contwalk.numerics.spectrum import complement
 from contwalk.problems.hybrid import families, monodromy
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
-from contwalk.problems.orbit.motion import JET, PLAIN, TANGENT
+from contwalk.problems.orbit.lifts import JET, PLAIN, TANGENT
 from contwalk.problems.orbit.normal_forms import SectionMap, units
 from contwalk.problems.orbit.period import period_map
 

@@ -33,12 +33,12 @@ from contwalk.problems.hybrid.shooting import most_steps
 from contwalk.problems.hybrid.stretch import Stretch
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.hybrid.view import LegView
-from contwalk.problems.hybrid.word import Word
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.orbit.section import Section
 from contwalk.problems.orbit.slow_place import SlowPlace
+from contwalk.problems.orbit.word import Word
 from contwalk.problems.problem import Linearization, Located, Sample, Seed, Test
 from contwalk.system import System
 

@@ -15,8 +15,8 @@ from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind
 from contwalk.problems.hybrid.grouping import NO_TIME
 from contwalk.problems.hybrid.limits import ZERO, Limit, largest, limits_of_leg
 from contwalk.problems.hybrid.switching import discretized, rotated, shifted
-from contwalk.problems.hybrid.word import Leg, Word, modes_around
 from contwalk.problems.orbit.closure import imaged
+from contwalk.problems.orbit.word import Leg, Word, modes_around
 from contwalk.system import System
 from contwalk.system.declarations import ParameterValues
 

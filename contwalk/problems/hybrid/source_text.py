@@ -11,9 +11,9 @@ from contwalk.fields.codegen import source
 from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow.compiled.traced import CONSTANT, TIME, arguments, field_program, shared_program
-from contwalk.problems.hybrid.passage import TIME as OF_LEG
-from contwalk.problems.hybrid.passage import passage_of
-from contwalk.problems.hybrid.word import Leg
+from contwalk.problems.orbit.passage import TIME as OF_LEG
+from contwalk.problems.orbit.passage import passage_of
+from contwalk.problems.orbit.word import Leg
 from contwalk.problems.tracing import (
     parameter_symbols,
     refuse_time,

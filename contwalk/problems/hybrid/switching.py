@@ -11,11 +11,11 @@ from contwalk import flow
 from contwalk.problems.hybrid import cutting, monodromy
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind
 from contwalk.problems.hybrid.shooting import AT_REST
-from contwalk.problems.hybrid.word import imaged_leg
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.orbit.closure import imaged
-from contwalk.problems.orbit.motion import PLAIN
+from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.null_vectors import null_vectors
+from contwalk.problems.orbit.word import imaged_leg
 from contwalk.problems.problem import Seed
 from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues

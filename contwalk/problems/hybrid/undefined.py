@@ -11,7 +11,7 @@ from contwalk.flow.hybrid.blaming import functions_of, line_without_value
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.margins import Margins
 from contwalk.problems.hybrid.view import LegView
-from contwalk.problems.orbit.motion import PLAIN
+from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.python_functions import line_of
 from contwalk.system import Transition
 

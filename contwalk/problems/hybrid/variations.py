@@ -6,7 +6,7 @@ import numpy as np
 
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.equations import period_of
-from contwalk.problems.orbit.motion import TANGENT
+from contwalk.problems.orbit.lifts import TANGENT
 
 
 def cycle_matrix(orbit: DiscretizedOrbit, jacobian: np.ndarray, multiplier: complex) -> np.ndarray:

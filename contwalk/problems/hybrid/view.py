@@ -7,22 +7,20 @@ tells, and the state there is that of the integrator's own interpolation.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from contwalk import flow
 from contwalk.errors import UnsupportedOperation
-from contwalk.fields.blame import first_switched
-from contwalk.fields.switching import Inputs
 from contwalk.memory import computed_once
 from contwalk.numerics.linear import EPSILON
 from contwalk.problems.hybrid.layout import Segment
-from contwalk.problems.hybrid.shooting import Piece
-from contwalk.problems.kinks import Course, inputs
+from contwalk.problems.kinks import Course
 from contwalk.problems.orbit.extrema import PARTS, Smooth, sampled, turns
-from contwalk.problems.orbit.motion import PLAIN
+from contwalk.problems.orbit.lifts import PLAIN
+from contwalk.problems.orbit.shooting import Piece
 from contwalk.system import Transition
 
 # A guard that leaves zero slowly may turn twice before the first sample: it is looked at earlier too, at
@@ -284,23 +282,13 @@ class LegView:
 
         return Smooth(self.times, self.full(self.states), self.full(self.rates), at, rate_at)
 
-    def course(self, parameters: Mapping[str, float]) -> list[Course]:
+    def course(self) -> list[Course]:
         """The leg as it is looked at for kinks of its field, where it may have any and lasts."""
         passage, values = self.piece.passage, self._values
         if passage.switching is None or not self.duration > 0.0:
             return []
-        mode = passage.system.mode(passage.leg.mode)
-        known = {**parameters, **mode.constants}
-
-        def where(before: tuple[float, np.ndarray], after: tuple[float, np.ndarray]) -> str:
-            places = [(self.start + self.duration * t, self.full(x).tolist()) for t, x in (before, after)]
-            return first_switched(mode.field, places[0], places[1], known)
-
-        def evaluate(times: np.ndarray, states: np.ndarray) -> Inputs:
-            return inputs(passage.groups, values, times, states)
-
-        events = passage.leg.transition is not None
-        return [Course(passage.switching, evaluate, self.times, self.states, self.at, where, events)]
+        course = passage.course(values, self.times, self.states, self.at)
+        return [] if course is None else [course]
 
     def _extrema(self) -> np.ndarray:
         """Instants at which a state turns on the leg, in growing order."""

@@ -10,7 +10,7 @@ from contwalk import flow
 from contwalk.flow.hybrid.motions import MotionSegment, hybrid_machine
 from contwalk.problems.hybrid.lap import Lap
 from contwalk.problems.hybrid.mirrors import Span
-from contwalk.problems.hybrid.word import Leg
+from contwalk.problems.orbit.word import Leg
 from contwalk.system import System
 
 RETURNED, NEARLY = 1e-5, 0.2

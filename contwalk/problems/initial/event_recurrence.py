@@ -29,12 +29,12 @@ from contwalk.problems.forcing import period_at
 from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.lap import Lap
 from contwalk.problems.hybrid.mirrors import Span, carries
-from contwalk.problems.hybrid.word import Leg
 from contwalk.problems.initial.coming_to_rest import check_moves
 from contwalk.problems.initial.event_free import strobes
 from contwalk.problems.initial.recurrence import recurrent
 from contwalk.problems.initial.volume import Volume
 from contwalk.problems.orbit.closure import imaged, order_of
+from contwalk.problems.orbit.word import Leg
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
 

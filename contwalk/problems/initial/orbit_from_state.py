@@ -14,7 +14,7 @@ from contwalk.problems.forcing import period_at
 from contwalk.problems.hybrid import families
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.discretization import Discretization
-from contwalk.problems.orbit.motion import PLAIN
+from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.own_image import OWN_IMAGE, carries
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.problems.orbit.shooting import Mesh, arrived, velocity
@@ -143,7 +143,7 @@ def _check_moves(problem: PeriodicOrbit, x: np.ndarray, values: np.ndarray) -> N
     StartError
         If the field vanishes at the state.
     """
-    if not problem.forced and not np.any(velocity(problem.motion, x, 0.0, values)):
+    if not problem.forced and not np.any(velocity(problem.passage, x, 0.0, values)):
         raise StartError(
             "The field is zero at the start: an equilibrium, which is no periodic orbit.",
             "Start at another state, or continue the equilibrium with start: {state: {...}}.",
@@ -152,11 +152,11 @@ def _check_moves(problem: PeriodicOrbit, x: np.ndarray, values: np.ndarray) -> N
 
 def _once_round(problem: PeriodicOrbit, x: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, Mesh]:
     """By how much angles grow in one period, in whole turns, and the steps of a first look at the motion."""
-    field = problem.motion.field(PLAIN)
+    field = problem.passage.field(PLAIN)
     largest = float(np.abs(x).max())
     size = np.maximum(np.abs(x), 1e-3 * largest if largest > 0.0 else 1.0)
     choice = choose(field, field.constants(values), 0.0, x, 1.0, ROUGH, size)
-    path = arrived(choice.path, problem.motion, values)
+    path = arrived(choice.path, problem.passage, values)
     own = np.array([s.period or 0.0 for s in problem.system.states])
     grown = path.states[-1] - path.states[0]
     turns = np.where(own > 0.0, np.round(np.divide(grown, own, out=np.zeros_like(grown), where=own > 0)), 0.0)

@@ -12,7 +12,8 @@ from contwalk.errors import NotFinite, StartError
 from contwalk.flow.method import Choice, choose
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.forcing import period_at
-from contwalk.problems.orbit.motion import PLAIN, Motion, motion_of
+from contwalk.problems.orbit.lifts import PLAIN
+from contwalk.problems.orbit.passage import Passage, closure_of
 from contwalk.problems.orbit.shooting import roughness
 from contwalk.system import System
 
@@ -58,24 +59,24 @@ class Simulation:
         return np.concatenate([scalars, [fixed[0]], fixed, np.zeros(len(names))])
 
     @property
-    def motion(self) -> Motion:
+    def passage(self) -> Passage:
         """The field in units of a second, or of a period."""
-        return motion_of(self.system, self.system.parameter_names[0], (), (), 1.0)
+        return closure_of(self.system, self.system.parameter_names[0], (), (), 1.0, holding=False)
 
     def run(self, t: float, x: np.ndarray, end: float, weights: np.ndarray) -> Choice:
         """The motion from t to `end` by the method that works least; `path.status`: what became of it."""
-        field = self.motion.field(PLAIN)
+        field = self.passage.field(PLAIN)
         c = field.constants(self.constants())
         return choose(field, c, t, x, end, TOLERANCE, weights)
 
     def velocity(self, t: float, x: np.ndarray) -> np.ndarray:
         """dx/dt."""
-        field = self.motion.field(PLAIN)
+        field = self.passage.field(PLAIN)
         return field(t, x, field.constants(self.constants()))
 
     def at(self, run: Choice, times: np.ndarray) -> np.ndarray:
         """States at any times of a motion."""
-        field = self.motion.field(PLAIN)
+        field = self.passage.field(PLAIN)
         c = field.constants(self.constants())
         return flow.dense(field, c, run.path.times, run.path.states, times, run.method)
 
@@ -160,7 +161,7 @@ def _checked(simulation: Simulation, run: Choice, unit: float) -> Choice:
         }[path.status]
         raise NotFinite(
             f"The simulation ends after {system.lasting(path.times[-1] * unit)}: {what}."
-            + roughness(simulation.motion, simulation.constants(), path),
+            + roughness(simulation.passage, simulation.constants(), path),
             "Start elsewhere, or mend the plugin.",
         )
     return run

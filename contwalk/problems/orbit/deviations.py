@@ -10,8 +10,8 @@ import numpy as np
 from contwalk import flow
 from contwalk.problems.orbit import monodromy
 from contwalk.problems.orbit.closure import images_of
+from contwalk.problems.orbit.lifts import TANGENT
 from contwalk.problems.orbit.modes import Mode, chosen_multiplier, eigenvector, linear_part
-from contwalk.problems.orbit.motion import TANGENT
 from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
 from contwalk.system.declarations import ParameterValues
 
@@ -64,9 +64,9 @@ class SmoothDeviations:
     def closure(self, start: np.ndarray, which: int, shares: Sequence[np.ndarray]) -> list[np.ndarray]:
         """Deviations along a closure, (k, n), as a list of this one array; see `HybridDeviations`."""
         problem, (at,) = self.problem, shares
-        scalars, mesh, n = problem.scalars(self.z), problem.mesh, problem.states
-        field = problem.motion.field(TANGENT)
-        c = field.constants(problem.shooting.values(scalars, (np.zeros(len(scalars)),)))
+        mesh, n, field = problem.mesh, problem.states, problem.passage.field(TANGENT)
+        still = np.zeros(len(problem.passage.columns))
+        c = field.constants(np.concatenate([problem.given(self.z), still]))
         found, d = np.zeros((len(at), 2 * n)), start
         segments = np.clip((at * problem.segments).astype(int), 0, problem.segments - 1)
         for i, (x, steps) in enumerate(zip(problem.starts(self.z), mesh.steps, strict=True)):

@@ -12,7 +12,7 @@ from contwalk.problems import neutral as neutrals
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.conservation import not_conserved
 from contwalk.problems.orbit.homoclinic import homoclinic
-from contwalk.problems.orbit.motion import PLAIN
+from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
 from contwalk.problems.orbit.slow_place import AROUND, SlowPlace, slow_places_on
 from contwalk.problems.orbit.transport import carried_to
@@ -94,8 +94,8 @@ def _extent(problem: SegmentedOrbit, sample: Sample) -> float:
 
 def slow_places(problem: SegmentedOrbit, z: np.ndarray) -> list[SlowPlace]:
     """Where the orbit is slower than beside, and the field there; the slowest place first."""
-    field = problem.motion.field(PLAIN)
-    c = field.constants(np.concatenate([problem.scalars(z), problem.line.constants]))
+    field = problem.passage.field(PLAIN)
+    c = field.constants(problem.given(z))
     times, path = problem.curve(z).sampled(AROUND)
     names = problem.system.state_names
     return slow_places_on(field, c, problem.duration(z), times, path, problem.mesh.variation, names)

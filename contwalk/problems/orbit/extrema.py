@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.problems.orbit.shooting import Curve
+from contwalk.problems.orbit.solution import Curve
 
 # Samples of each step.
 PARTS = 4

@@ -21,7 +21,7 @@ from contwalk.problems.images import Product, point_of_image, products, row_of_i
 from contwalk.problems.orbit import monodromy, normal_forms
 from contwalk.problems.orbit.discretization import FINEST
 from contwalk.problems.orbit.kinks_met import kinks_along
-from contwalk.problems.orbit.motion import PLAIN, TANGENT
+from contwalk.problems.orbit.lifts import PLAIN, TANGENT
 from contwalk.problems.orbit.protocol import Orbit
 from contwalk.problems.orbit.sampling import measured_along
 from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
@@ -119,8 +119,8 @@ class OrbitMirror:
         )
         scale, at = problem.mesh.variation, 0.3
         x = problem.starts(z)[0] + 0.1 * scale * np.cos(np.arange(1.0, problem.states + 1.0))
-        moved = self._linear @ velocity(problem.motion, x, at + self._share, values)
-        there = velocity(problem.motion, self._product.state(x, p), at, values)
+        moved = self._linear @ velocity(problem.passage, x, at + self._share, values)
+        there = velocity(problem.passage, self._product.state(x, p), at, values)
         return bool(np.linalg.norm((moved - there) / scale) <= 1e-8 * np.linalg.norm(moved / scale))
 
     def _image(
@@ -170,7 +170,7 @@ class OrbitMirror:
         width = 2.0 * float(np.max(np.diff(times)))
         for _ in range(MOST_SHIFTS):
             x, _ = passed.at(instant)
-            rate = self._linear @ velocity(there.motion, x, instant % 1.0, values)
+            rate = self._linear @ velocity(there.passage, x, instant % 1.0, values)
             step = cut.section.residual(self._product.state(x, p)) / float(cut.section.normal @ rate)
             instant -= step
             if not abs(instant - first) <= width:
@@ -330,10 +330,8 @@ class Passed:
             problem, n, m = self._problem, self._problem.states, self._problem.segments
             own = np.concatenate([self._tangent[i * n : (i + 1) * n], self._tangent[m * n :]])
             if np.any(own):
-                k, start = len(problem.motion.columns), problem.starts(self._z)[i]
-                columns = np.hstack([np.eye(n), np.zeros((n, k))])
-                sources = np.array([-1] * n + list(range(k)))
-                states, moved = problem.shooting.nodes(i, start, columns, sources, problem.scalars(self._z))
+                start, scalars = problem.starts(self._z)[i], problem.scalars(self._z)
+                states, moved = problem.pieces[i].along(start, scalars)
                 self._known[i] = states, moved @ own
             else:
                 last = int(problem.mesh.ends[i]) + 1
@@ -345,10 +343,10 @@ class Passed:
         self, x: np.ndarray, v: np.ndarray, begin: float, end: float
     ) -> tuple[np.ndarray, np.ndarray]:
         problem, mesh, n = self._problem, self._problem.mesh, self._problem.states
-        values = np.concatenate([problem.scalars(self._z), problem.line.constants])
-        field, y, weights = problem.motion.field(PLAIN), x, mesh.variation
+        values = problem.given(self._z)
+        field, y, weights = problem.passage.field(PLAIN), x, mesh.variation
         if np.any(self._tangent):
-            field, y = problem.motion.field(TANGENT), np.concatenate([x, v])
+            field, y = problem.passage.field(TANGENT), np.concatenate([x, v])
             values = np.concatenate([values, self._tangent[problem.segments * n :]])
             size = max(float(np.linalg.norm(v / mesh.variation)), 1e-12)
             weights = np.concatenate([mesh.variation, size * mesh.variation])

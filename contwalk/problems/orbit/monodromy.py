@@ -33,7 +33,7 @@ def arriving_directions(
     starts = orbit.starts(z)
     gaps = residual[: starts.size].reshape(starts.shape)
     arriving = starts + np.roll(gaps, 1, axis=0)  # where each segment starts
-    flow = orbit.shooting.velocities(arriving, orbit.scalars(z))
+    flow = orbit.solution(z).velocities_at(arriving)
     ends, flow = np.roll(arriving, -1, axis=0), np.roll(flow, -1, axis=0)
     return _with_pins(orbit, z, ends, [] if orbit.forced else list(flow))
 

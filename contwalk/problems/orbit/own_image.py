@@ -18,14 +18,14 @@ OWN_IMAGE = 1e-5
 def carries(problem: SegmentedOrbit, z: np.ndarray, symmetry: Symmetry, power: int, order: int) -> bool:
     """Whether the field itself has the symmetry, a part of the period later, at a state off the orbit."""
     p = ParameterValues(**problem.values_of(z))
-    values = np.concatenate([problem.scalars(z), problem.line.constants])
+    values = problem.given(z)
     x = problem.starts(z)[0] + 0.1 * problem.mesh.variation * np.cos(np.arange(1.0, problem.states + 1.0))
     time, step = 0.3, 1e-6
-    f = velocity(problem.motion, x, time, values)
+    f = velocity(problem.passage, x, time, values)
     image = imaged(symmetry, x, p, power)
     size = float(np.linalg.norm(f / problem.mesh.variation)) or 1.0
     moved = (imaged(symmetry, x + step / size * f, p, power) - image) / (step / size)
-    there = velocity(problem.motion, image, time - 1.0 / order, values)
+    there = velocity(problem.passage, image, time - 1.0 / order, values)
     return bool(np.linalg.norm((moved - there) / problem.mesh.variation) < 1e-4 * size)
 
 

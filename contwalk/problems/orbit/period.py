@@ -10,7 +10,7 @@ from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import Tracer, trace
 from contwalk.flow import Field
 from contwalk.problems.forcing import positive
-from contwalk.problems.orbit.motion import DIRECTIONS, lifted
+from contwalk.problems.orbit.lifts import DIRECTIONS, lifted
 from contwalk.problems.tracing import parameter_symbols
 from contwalk.system import System
 

@@ -18,9 +18,9 @@ from contwalk.problems import neutral as neutrals
 from contwalk.problems.orbit import augmented, describing, ending, monodromy, rates, switching
 from contwalk.problems.orbit.discretization import SOLVED, STAGES
 from contwalk.problems.orbit.kinks_met import kinks_along
+from contwalk.problems.orbit.lifts import MIXED, TANGENT
 from contwalk.problems.orbit.meeting import distance
 from contwalk.problems.orbit.mirror import OrbitMirror, mirror_of
-from contwalk.problems.orbit.motion import MIXED, TANGENT
 from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers
 from contwalk.problems.orbit.orbit_problem import OrbitProblem
 from contwalk.problems.orbit.period import period_and_slope
@@ -30,7 +30,7 @@ from contwalk.problems.orbit.return_map import ReturnMap
 from contwalk.problems.orbit.sampling import crossing, extremes, measured_along
 from contwalk.problems.orbit.section import Reference, better_phase, reference_of
 from contwalk.problems.orbit.segmented_orbit import MOST_KEPT, SAMPLES, SegmentedOrbit
-from contwalk.problems.orbit.shooting import meshed
+from contwalk.problems.orbit.shooting import meshed, passed
 from contwalk.problems.orbit.slow_place import SlowPlace
 from contwalk.problems.orbit.smooth_diagnosis import SmoothDiagnosis
 from contwalk.problems.orbit.stretching import stretched
@@ -114,11 +114,11 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         return Factored(matrix, weights)
 
     def _equations(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        n, m, k = self.states, self.segments, len(self.motion.columns)
+        n, m = self.states, self.segments
         starts, scalars, solution = self.starts(z), self.scalars(z), self.solution(z)
         residual, jacobian, identity = np.zeros(self.size), np.zeros((self.size, self.size + 1)), np.eye(n)
-        columns, sources = np.hstack([identity, np.zeros((n, k))]), np.array([-1] * n + list(range(k)))
-        solution.nodes, ends, moved = self.shooting.passed(starts, columns, sources, scalars)
+        solution.nodes, ends, moved = passed(self.pieces[-1], self.mesh, starts, scalars)
+        ends[-1] -= self.closure.turns
         residual[: m * n] = (ends - np.concatenate([starts[1:], starts[:1]])).ravel()
         jacobian[: m * n, m * n :] = moved[:, :, n:].reshape(m * n, -1)
         for i in range(m):
@@ -139,7 +139,7 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         """Right-hand sides of one pass with derivatives, each column counted as one."""
         stages = STAGES[self.mesh.method]
         steps = sum(len(times) - 1 for times in self.mesh.steps)
-        return steps * stages * (1 + self.states + len(self.motion.columns))
+        return steps * stages * (1 + self.states + len(self.passage.columns))
 
     def _phase(self, starts: np.ndarray, scalars: np.ndarray, row: np.ndarray) -> float:
         """Residual of the phase condition; its gradient is written into `row`."""
@@ -148,10 +148,9 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
             assert self.section is not None
             row[:n] = self.section.normal
             return self.section.residual(starts[0])
-        k, total = len(scalars), 0.0
-        columns, sources = np.hstack([np.eye(n), np.zeros((n, k))]), np.array([-1] * n + list(range(k)))
-        for i in range(m):
-            x, moved = self.shooting.nodes(i, starts[i], columns, sources, scalars)
+        total = 0.0
+        for i, piece in enumerate(self.pieces):
+            x, moved = piece.along(starts[i], scalars)
             points, rows = self._reference.points[i], self._reference.rows[i]
             total += float(np.sum(rows * (x - points)))
             gradient = np.einsum("sn,snq->q", rows, moved)
@@ -232,7 +231,7 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
     @property
     def _most_unknowns(self) -> int:
         """Unknowns of an orbit in as many segments as it may be cut into along its branch."""
-        return max(ROOM, 2 * self.segments) * self.states + len(self.motion.columns) - 1
+        return max(ROOM, 2 * self.segments) * self.states + len(self.passage.columns) - 1
 
     def beginnings(self, z: np.ndarray) -> np.ndarray:
         """Typical magnitudes for the first corrections of a start, shape (N + 1,)."""
@@ -383,13 +382,13 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         NotFinite
             If the motion from z ends before the closure does.
         """
-        m = segments or (len(z) - len(self.motion.columns)) // self.states
+        m = segments or (len(z) - len(self.passage.columns)) // self.states
         starts, scalars = z[: m * self.states].reshape(m, self.states), z[m * self.states :]
         magnitudes = weights[: self.states] / np.sqrt(m)
         tolerance = tolerance or self.discretization.walking
         method = self.discretization.method
         values = np.concatenate([scalars, self.line.constants])
-        mesh = meshed(self.motion, starts, values, magnitudes, tolerance, method, self.parts)
+        mesh = meshed(self.passage, starts, values, magnitudes, tolerance, method, self.parts)
         self._tally[0] += 2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps)
         problem = self.on(mesh, self.section_through(starts[0], values, magnitudes))
         # An orbit that is a point still has no velocities to compare with: its section holds the phase.
@@ -434,7 +433,7 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
 
     def cycle_derivative(self, z: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Derivative by z of L v for a real v, shape (m n, N + 1)."""
-        return self._second(z, v.reshape(self.segments, self.states), np.zeros(len(self.motion.columns)))
+        return self._second(z, v.reshape(self.segments, self.states), np.zeros(len(self.passage.columns)))
 
     def derivative_along(self, z: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Derivative by z of DF(z) v for a real v of length N + 1, shape (N, N + 1)."""
@@ -445,15 +444,11 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
 
     def _second(self, z: np.ndarray, vectors: np.ndarray, scalars: np.ndarray) -> np.ndarray:
         """Derivative by z of the segments' derivative in one direction, shape (m n, N + 1)."""
-        n, m, k = self.states, self.segments, len(self.motion.columns)
-        starts, own = self.starts(z), self.scalars(z)
-        columns = np.zeros((2 * n, n + k))
-        columns[:n, :n] = np.eye(n)
-        sources = np.array([-1] * n + list(range(k)))
+        n, m, starts = self.states, self.segments, self.starts(z)
         derivative = np.zeros((m * n, len(z)))
-        for i in range(m):
+        for i, piece in enumerate(self.pieces):
             y = np.concatenate([starts[i], vectors[i]])
-            _, moved = self.shooting.differentiated(TANGENT, i, y, columns, sources, own, scalars)
+            _, moved = piece.differentiated(TANGENT, y, self.scalars(z), scalars)
             rows = slice(i * n, (i + 1) * n)
             derivative[rows, rows] = moved[n:, :n]
             derivative[rows, m * n :] = moved[n:, n:]
@@ -461,12 +456,12 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
 
     def cycle_rate(self, z: np.ndarray, v: np.ndarray, tangent: np.ndarray) -> np.ndarray:
         """Derivative of L v along a direction, for a real v, shape (m n,)."""
-        n, m, k = self.states, self.segments, len(self.motion.columns)
+        n, m, k = self.states, self.segments, len(self.passage.columns)
         along, starts, still = tangent[: m * n].reshape(m, n), self.starts(z), np.zeros(k)
         moved = np.zeros(m * n)
         for i, vector in enumerate(v.reshape(m, n)):
             y = np.concatenate([starts[i], vector, along[i], np.zeros(n)])
-            end = self.shooting.carried(MIXED, i, y, self.scalars(z), still, tangent[m * n :])
+            end = self.pieces[i].end(MIXED, y, self.scalars(z), still, tangent[m * n :])
             moved[i * n : (i + 1) * n] = end[3 * n :]
         return moved
 

@@ -9,7 +9,7 @@ import numpy as np
 from contwalk import flow
 from contwalk.numerics.spectrum import complement
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.orbit.motion import JET, PLAIN, TANGENT
+from contwalk.problems.orbit.lifts import JET, PLAIN, TANGENT
 from contwalk.problems.orbit.normal_forms import SectionMap, units
 from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
 from contwalk.system.declarations import ParameterValues
@@ -50,7 +50,7 @@ class ReturnMap(SectionMap):
         problem, m, n = self.problem, self.problem.segments, self.problem.states
         jacobian = problem.linearize(self.z).jacobian
         factors = problem.factors(jacobian)
-        total = np.zeros((n, len(problem.motion.columns)))
+        total = np.zeros((n, len(problem.passage.columns)))
         for i in range(m):
             total = factors[i] @ total + jacobian[i * n : (i + 1) * n, m * n :]
         return total
@@ -69,7 +69,7 @@ class ReturnMap(SectionMap):
         s lam.
         """
         problem, n = self.problem, self.problem.states
-        k = len(problem.motion.columns)
+        k = len(problem.passage.columns)
         directions = [np.zeros(k) for _ in range(3)]
         directions[0][-1] = lam
         start = [self.basis @ x1, np.zeros(n) if x2 is None else self.basis @ x2, np.zeros(n)]
@@ -84,11 +84,11 @@ class ReturnMap(SectionMap):
     def _jet(self, start: list[np.ndarray], directions: list[np.ndarray]) -> list[np.ndarray]:
         """Derivatives 1, 2, 3 of the end along a curve of starts and scalars."""
         problem, n = self.problem, self.problem.states
-        starts, scalars = problem.starts(self.z), problem.scalars(self.z)
+        starts, scalars, pieces = problem.starts(self.z), problem.scalars(self.z), problem.pieces
         jets = np.concatenate(start)
         for i in range(problem.segments):
             y = np.concatenate([starts[i], jets])
-            jets = problem.shooting.carried(JET, i, y, scalars, *directions)[n:]
+            jets = pieces[i].end(JET, y, scalars, *directions)[n:]
         return [jets[:n], jets[n : 2 * n], jets[2 * n :]]
 
     @cached_property
@@ -116,9 +116,8 @@ class ReturnMap(SectionMap):
 
     def _mean_square(self, v: np.ndarray) -> float:
         problem, n = self.problem, self.problem.states
-        scalars, shooting = problem.scalars(self.z), problem.shooting
-        field, still = problem.motion.field(TANGENT), np.zeros(len(problem.motion.columns))
-        c = field.constants(shooting.values(scalars, (still,)))
+        field, values = problem.passage.field(TANGENT), problem.given(self.z)
+        c = field.constants(np.concatenate([values, np.zeros(len(problem.passage.columns))]))
         even = np.arange(SAMPLES) / SAMPLES
         sampled = []
         for steps, x in zip(problem.mesh.steps, problem.starts(self.z), strict=True):
@@ -133,7 +132,7 @@ class ReturnMap(SectionMap):
         scale = units(problem.system, whole, problem.mesh.magnitudes)
         deviations = states[:, n:] / scale
         if not problem.forced:
-            plain, values = problem.motion.field(PLAIN), shooting.values(scalars, ())
+            plain = problem.passage.field(PLAIN)
             own = plain.constants(values)
             along = np.array([plain(t, x, own) for t, x in zip(even, states[:, :n], strict=True)]) / scale
             along /= np.linalg.norm(along, axis=1, keepdims=True)

@@ -19,11 +19,11 @@ from contwalk.problems.kinks import Course, Kink
 from contwalk.problems.orbit.closure import Closure
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.extrema import with_extrema
-from contwalk.problems.orbit.motion import Motion, motion_of
 from contwalk.problems.orbit.orbit_data import OrbitData
+from contwalk.problems.orbit.passage import Passage, closure_of
 from contwalk.problems.orbit.section import Reference, Section, section_at
-from contwalk.problems.orbit.shooting import Curve, Mesh, Shooting, velocity
-from contwalk.problems.orbit.solution import Solution
+from contwalk.problems.orbit.shooting import Mesh, Piece, velocity
+from contwalk.problems.orbit.solution import Curve, Solution
 from contwalk.problems.parameter_line import Ends
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
@@ -56,22 +56,25 @@ class SegmentedOrbit(OrbitData):
         discretization: Discretization | None = None,
     ) -> None:
         super().__init__(system, parameters, free, path, pins, reference, subharmonic, discretization)
-        self.closure = self._closed(np.zeros(self.states))
+        self._close(Closure(np.zeros(self.states)))
         self.parts = PARTS  # of the closure in which the steps are alike
         self._reference: Reference | None = None
         self._mesh: Mesh | None = None
         self._tally = [0]
 
-    def _motion(self, fold: int) -> Motion:
-        line, share = self.line, self.subharmonic / fold
-        return motion_of(self.system, line.own, line.moving, self.pins, share, holding=True)
-
-    def _closed(self, turns: np.ndarray, symmetry: Any = None, power: int = 1, fold: int = 1) -> Closure:
-        return Closure(self._motion(fold), turns, symmetry, power, fold)
+    def _close(self, closure: Closure) -> None:
+        line, lasting = self.line, self.subharmonic / closure.fold
+        image = "" if closure.symmetry is None else closure.symmetry.name
+        given = self.system, line.own, line.moving, self.pins, lasting
+        self.closure = closure
+        # The field over one closure, and the map at its end.
+        self.passage: Passage = closure_of(*given, image=image, power=closure.power)
 
     def closing(self, turns: np.ndarray, symmetry: Any = None, power: int = 1, fold: int = 1) -> Self:
         """The same orbits closed up to a symmetry (or to none), with angles that turn."""
-        return self._varied(closure=self._closed(turns, symmetry, power, fold))
+        other = self._varied()
+        other._close(Closure(turns, symmetry, power, fold))
+        return other
 
     def on(self, mesh: Mesh, section: Section | None) -> Self:
         """The same problem on another mesh, with another section."""
@@ -85,14 +88,17 @@ class SegmentedOrbit(OrbitData):
         return self._mesh
 
     @property
-    def motion(self) -> Motion:
-        """The field over one closure."""
-        return self.closure.motion
+    def pieces(self) -> list[Piece]:
+        """The segments on their steps, in times of the closure."""
+        mesh, last = self.mesh, self.segments - 1
+        return [
+            Piece(self.passage, steps, mesh.method, self.line.constants, inner=i < last)
+            for i, steps in enumerate(mesh.steps)
+        ]
 
-    @property
-    def shooting(self) -> Shooting:
-        """Integration over the segments."""
-        return Shooting(self.motion, self.closure, self.mesh, self.line.constants)
+    def given(self, z: np.ndarray) -> np.ndarray:
+        """What the field depends on at z: scalars and fixed parameters."""
+        return np.concatenate([self.scalars(z), self.line.constants])
 
     @property
     def segments(self) -> int:
@@ -102,7 +108,7 @@ class SegmentedOrbit(OrbitData):
     @property
     def size(self) -> int:
         """Number of unknowns without the free parameter."""
-        return self.segments * self.states + len(self.motion.columns) - 1
+        return self.segments * self.states + len(self.passage.columns) - 1
 
     @property
     def method(self) -> str:
@@ -119,7 +125,7 @@ class SegmentedOrbit(OrbitData):
         return z[: self.segments * self.states].reshape(self.segments, self.states)
 
     def scalars(self, z: np.ndarray) -> np.ndarray:
-        """Period (where unknown), drifts and free parameter: the columns of `Motion`."""
+        """Period (where unknown), drifts and free parameter: the columns of the passage."""
         return z[self.segments * self.states :]
 
     def values_of(self, z: np.ndarray) -> dict[str, float]:
@@ -136,14 +142,14 @@ class SegmentedOrbit(OrbitData):
     def periods(self) -> np.ndarray:
         """Periods of the states that are angles, 0 for the others, shape (N + 1,)."""
         own = np.array([s.period or 0.0 for s in self.system.states])
-        return np.concatenate([np.tile(own, self.segments), np.zeros(len(self.motion.columns))])
+        return np.concatenate([np.tile(own, self.segments), np.zeros(len(self.passage.columns))])
 
     def solution(self, z: np.ndarray) -> Solution:
         """The motion of z on these steps, of which every part is integrated once."""
 
         def made() -> Solution:
             own = z.copy()
-            return Solution(self.shooting, self.starts(own), self.scalars(own))
+            return Solution(self.passage, self.mesh, self.given(own), self.starts(own))
 
         return self.known.at("solution", z, MOST_KEPT, made)
 
@@ -234,12 +240,11 @@ class SegmentedOrbit(OrbitData):
 
     def courses(self, z: np.ndarray) -> list[tuple[Course, dict[bytes, Kink]]]:
         """The motion as it is looked at for kinks of the field, and those that are known."""
-        motion = self.motion
-        if motion.switching is None:
+        if self.passage.switching is None:
             return []
-        curve, values = self.curve(z), np.concatenate([self.scalars(z), self.line.constants])
-        course = motion.course(values, *curve.sampled(SAMPLES), curve.at)
-        return [] if course is None else [(course, motion.kinks)]
+        curve = self.curve(z)
+        course = self.passage.course(self.given(z), *curve.sampled(SAMPLES), curve.at)
+        return [] if course is None else [(course, self.passage.kinks)]
 
     def motion_of(self, z: np.ndarray, number: int = SAMPLES) -> tuple[np.ndarray, np.ndarray]:
         """The whole motion: times in seconds, shape (k,), and states, shape (k, n)."""
@@ -256,7 +261,7 @@ class SegmentedOrbit(OrbitData):
         """The section through a state, across the flow there; of an orbit that is a point, the one it has."""
         if self.forced:
             return None
-        own = velocity(self.motion, x, 0.0, values)
+        own = velocity(self.passage, x, 0.0, values)
         if np.linalg.norm(own / magnitudes) <= 1e-9 and self.section is not None:
             return self.section
         return section_at(x, own, magnitudes)

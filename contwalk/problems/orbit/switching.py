@@ -20,7 +20,7 @@ def discretized(problem: SegmentedOrbit, z: np.ndarray) -> SegmentedOrbit:
     """The problem on fine steps for a stored solution, which may have other segments than the branch
     began with.
     """
-    n, k = problem.states, len(problem.motion.columns)
+    n, k = problem.states, len(problem.passage.columns)
     m = (len(z) - k) // n
     sizes = np.maximum(np.abs(z[: m * n].reshape(m, n)).max(axis=0), 1e-6)
     rough = problem.adapted_to(z, np.concatenate([np.tile(sizes, m) * np.sqrt(m), np.abs(z[m * n :])]))

@@ -10,7 +10,7 @@ import numpy as np
 
 from contwalk import flow
 from contwalk.problems.orbit.closure import imaged
-from contwalk.problems.orbit.motion import PLAIN, TANGENT
+from contwalk.problems.orbit.lifts import PLAIN, TANGENT
 from contwalk.problems.orbit.protocol import Orbit
 from contwalk.problems.orbit.segmented_orbit import Kind, SegmentedOrbit
 from contwalk.problems.orbit.shooting import arrived
@@ -43,11 +43,11 @@ def carried_to(
     if time - begin < 1e-12:
         return x.copy(), v.copy()
     mesh = problem.mesh
-    values = np.concatenate([problem.scalars(z), problem.line.constants])
+    values = problem.given(z)
     if not np.any(tangent):
-        field, y, weights = problem.motion.field(PLAIN), x, mesh.variation
+        field, y, weights = problem.passage.field(PLAIN), x, mesh.variation
     else:
-        field, y = problem.motion.field(TANGENT), np.concatenate([x, v])
+        field, y = problem.passage.field(TANGENT), np.concatenate([x, v])
         values = np.concatenate([values, tangent[m * n :]])
         size = max(float(np.linalg.norm(v / mesh.variation)), 1e-12)
         weights = np.concatenate([mesh.variation, size * mesh.variation])
@@ -65,10 +65,10 @@ def growth(problem: SegmentedOrbit, z: np.ndarray, times: int = 1) -> float:
     The orbit goes through its closure so many `times`.
     """
     n, m = problem.states, problem.segments
-    field = problem.motion.field(PLAIN)
-    values = np.concatenate([problem.scalars(z), problem.line.constants])
+    field = problem.passage.field(PLAIN)
+    values = problem.given(z)
     c = field.constants(values)
-    sources, variation = np.full(n, -1), problem.mesh.variation
+    sources, variation, last = np.full(n, -1), problem.mesh.variation, problem.pieces[-1]
     factors = []
     for i, (steps, start) in enumerate(zip(problem.mesh.steps, problem.starts(z), strict=True)):
         x = start
@@ -77,7 +77,7 @@ def growth(problem: SegmentedOrbit, z: np.ndarray, times: int = 1) -> float:
             part = steps[low : high + 1]
             x, moved = flow.tangents(field, c, part, x, np.eye(n), sources, problem.mesh.method)
             if i == m - 1 and high == cuts[-1]:
-                _, moved = problem.closure.end_with_columns(PLAIN, x, moved, sources, values)
+                moved = last.at_the_end(x, moved, values)
             factors.append(moved / variation[:, None] * variation)
     factors = times * factors
     largest, since = 1.0, np.eye(n)

@@ -19,7 +19,7 @@ from scipy.integrate import solve_ivp
 
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit
-from contwalk.problems.hybrid.word import Leg
+from contwalk.problems.orbit.word import Leg
 from contwalk.system import Mode, State, Symmetry, System, Transition
 
 

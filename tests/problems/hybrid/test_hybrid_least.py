@@ -16,7 +16,7 @@ from scipy.linalg import expm
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.least import least, own_image
 from contwalk.problems.hybrid.switching import discretized
-from contwalk.problems.hybrid.word import Word
+from contwalk.problems.orbit.word import Word
 from contwalk.system import State, Symmetry, Transition
 
 OMEGA, ZETA = 2.6, 0.1

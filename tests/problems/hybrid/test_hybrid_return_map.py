@@ -14,7 +14,7 @@ from hybrid_machines import CASES, orbit, simulated
 from hybrid_runs import solution
 
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
-from contwalk.problems.orbit.motion import PLAIN
+from contwalk.problems.orbit.lifts import PLAIN
 
 # A polynomial of this degree through points along a curve; its length is in units of the orbit's variation,
 # and shorter where maps bend more. eps / h^j and the next power limit what derivatives are known to.

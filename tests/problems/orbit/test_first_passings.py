@@ -25,7 +25,7 @@ def round_once(share):
 
 def orbit(at=round_once, closure=None):
     """As much of an orbit as is asked for: of a closure that is a part of it, if one is given."""
-    closure = closure or Closure(None, np.zeros(2))
+    closure = closure or Closure(np.zeros(2))
     return SimpleNamespace(
         states=2,
         closure=closure,
@@ -99,7 +99,7 @@ def test_images_of_what_is_integrated_are_as_exact(value, direction):
     def opposite(t, x, p, image):
         image[:] = -x
 
-    closure = Closure(None, np.zeros(2), Symmetry("opposite", "spatial", opposite), 1, 2)
+    closure = Closure(np.zeros(2), Symmetry("opposite", "spatial", opposite), 1, 2)
     shares = np.linspace(0.0, 1.0, 9)
     times = 0.5 * PERIOD * np.concatenate([shares, 1.0 + shares])
     half = orbit(lambda s: round_once(0.5 * np.asarray(s)), closure)

@@ -7,8 +7,11 @@ import numpy as np
 import pytest
 from small_systems import small_system
 
+import contwalk as cw
 from contwalk.problems.orbit.closure import Closure, imaged, order_of
-from contwalk.problems.orbit.motion import JET, MIXED, PLAIN, TANGENT, motion_of
+from contwalk.problems.orbit.lifts import JET, MIXED, PLAIN, TANGENT
+from contwalk.problems.orbit.passage import closure_of
+from contwalk.problems.orbit.shooting import Piece
 from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
 
@@ -33,8 +36,12 @@ P = ParameterValues(lam=0.3)
 
 @pytest.fixture
 def closure():
-    motion = motion_of(SYSTEM, "lam", (), (), 1.0)
-    return Closure(motion, np.zeros(2), TURN, 1, 3)
+    return Closure(np.zeros(2), TURN, 1, 3)
+
+
+@pytest.fixture
+def passage():
+    return closure_of(SYSTEM, "lam", (), (), 1.0, image="turn")
 
 
 def test_the_order_of_a_symmetry():
@@ -67,7 +74,7 @@ def test_the_pieces_of_a_motion_follow_each_other(closure):
     np.testing.assert_allclose(whole[-1][-1], start, rtol=0, atol=1e-15)
 
 
-def test_lifts_of_the_map_are_its_derivatives(closure):
+def test_lifts_of_the_map_are_its_derivatives(passage):
     """Against central differences, whose error with a step of 1e-4 is 1e-8 of the third derivatives."""
     lam, x = 0.3, np.array([0.4, -0.7])
     v, w = np.array([0.2, 1.1]), 0.7  # directions of state and parameter
@@ -79,33 +86,39 @@ def test_lifts_of_the_map_are_its_derivatives(closure):
     first = (at(h) - at(-h)) / (2 * h)
     second = (at(h) - 2 * at(0.0) + at(-h)) / h**2
     own = np.array([0.0, w])  # of T and lam
-    assert np.array_equal(closure.end(PLAIN, x, values(lam)), at(0.0))
-    tangent = closure.end(TANGENT, np.concatenate([x, v]), values(lam, own))
+
+    def image(lift, y, given):
+        map_ = passage.end(lift)
+        return map_(1.0, y, map_.constants(given))
+
+    assert np.array_equal(image(PLAIN, x, values(lam)), at(0.0))
+    tangent = image(TANGENT, np.concatenate([x, v]), values(lam, own))
     np.testing.assert_allclose(tangent[2:], first, rtol=0, atol=1e-7)
-    mixed = closure.end(MIXED, np.concatenate([x, v, v, np.zeros(2)]), values(lam, own, own))
+    mixed = image(MIXED, np.concatenate([x, v, v, np.zeros(2)]), values(lam, own, own))
     np.testing.assert_allclose(mixed[6:], second, rtol=0, atol=1e-6)
     still = np.zeros(2)
-    jet = closure.end(JET, np.concatenate([x, v, still, still]), values(lam, own, still, still))
+    jet = image(JET, np.concatenate([x, v, still, still]), values(lam, own, still, still))
     np.testing.assert_allclose(jet[2:4], first, rtol=0, atol=1e-7)
     np.testing.assert_allclose(jet[4:6], second, rtol=0, atol=1e-6)
 
 
-def test_columns_are_carried_through_the_map(closure):
+def test_columns_are_carried_through_the_map(passage):
     lam, x, h = 0.3, np.array([0.4, -0.7]), 1e-5
-    columns = np.array([[1.0, 0.0, 0.3], [0.0, 1.0, 0.1]])
-    sources = np.array([-1, -1, 1])  # the third is driven by lam
-    end, moved = closure.end_with_columns(PLAIN, x, columns, sources, values(lam))
-    for j in range(3):
-        up = imaged(TURN, x + h * columns[:, j], ParameterValues(lam=lam + h * (j == 2)))
-        down = imaged(TURN, x - h * columns[:, j], ParameterValues(lam=lam - h * (j == 2)))
+    columns = np.array([[1.0, 0.0, 0.2, 0.3], [0.0, 1.0, 0.5, 0.1]])  # the last two are those of T and lam
+    piece = Piece(passage, np.array([0.0, 1.0]), "dop853", values(lam)[2:])
+    end, moved = piece.through(PLAIN, x, columns, values(lam))
+    for j in range(4):
+        up = imaged(TURN, x + h * columns[:, j], ParameterValues(lam=lam + h * (j == 3)))
+        down = imaged(TURN, x - h * columns[:, j], ParameterValues(lam=lam - h * (j == 3)))
         np.testing.assert_allclose(moved[:, j], (up - down) / (2 * h), rtol=0, atol=1e-8)
     assert np.array_equal(end, imaged(TURN, x, P))
 
 
 def test_turns_of_angles_are_taken_off():
-    motion = motion_of(SYSTEM, "lam", (), (), 1.0)
-    closure = Closure(motion, np.array([0.0, 2 * math.pi]))
-    y = np.array([1.0, 7.0])
-    np.testing.assert_allclose(closure.end(PLAIN, y, values(0.3)), [1.0, 7.0 - 2 * math.pi])
-    assert np.array_equal(y, [1.0, 7.0])
-    assert closure.name == "full"
+    problem, turns = cw.PeriodicOrbit(SYSTEM, SYSTEM.defaults(), "lam"), np.array([0.0, 2 * math.pi])
+    z = np.array([1.0, 7.0, 2.0, 0.3])
+    there = problem.adapted_to(z, np.ones(4))
+    turned = problem.closing(turns).adapted_to(z, np.ones(4))
+    gap = there.linearize(z).residual - turned.linearize(z).residual
+    np.testing.assert_allclose(gap, [*turns, 0.0], rtol=0, atol=1e-13)
+    assert turned.closure.name == "full"

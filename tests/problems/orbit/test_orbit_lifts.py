@@ -9,7 +9,8 @@ import pytest
 from small_systems import small_system
 
 from contwalk import flow
-from contwalk.problems.orbit.motion import JET, MIXED, PLAIN, TANGENT, motion_of
+from contwalk.problems.orbit.lifts import JET, MIXED, PLAIN, TANGENT
+from contwalk.problems.orbit.passage import closure_of
 
 
 def oscillator(t, x, p, dx):
@@ -26,9 +27,8 @@ FIXED = np.array([1.0, 0.4, 0.0, 0.0])
 
 
 def carried(lift, y, scalars, *directions):
-    motion = motion_of(SYSTEM, "k", (), (), 1.0)
-    field = motion.field(lift)
-    c = motion.constants(lift, np.asarray(scalars), FIXED, *directions)
+    field = closure_of(SYSTEM, "k", (), (), 1.0).field(lift)
+    c = field.constants(np.concatenate([scalars, FIXED, *directions]))
     return flow.along(field, c, STEPS, np.asarray(y, dtype=float), "dop853")[-1]
 
 
@@ -107,9 +107,9 @@ def test_forced_motions_take_their_duration_from_the_parameters(cycles):
         dx[0] = np.cos(p.w * t)
 
     system = small_system(field, "x", {"w": 3.0}, period=lambda p: 2.0 * math.pi / p.w)
-    motion = motion_of(system, "w", (), (), cycles)
-    assert motion.columns == [("l", 0)]
-    lift = motion.field(TANGENT)
-    c = motion.constants(TANGENT, np.array([3.0]), np.array([3.0, 0.0]), np.array([1.0]))
+    passage = closure_of(system, "w", (), (), cycles)
+    assert passage.columns == [("l", 0)]
+    lift = passage.field(TANGENT)
+    c = lift.constants(np.array([3.0, 3.0, 0.0, 1.0]))
     end = flow.along(lift, c, np.linspace(0.0, 1.0, 41), np.array([1.0, 0.0]), "dop853")[-1]
     np.testing.assert_allclose(end, [1.0, 0.0], rtol=0, atol=1e-12)

@@ -50,7 +50,7 @@ def from_hopf(equilibrium: EquilibriumEquations, point: SpecialPoint) -> Sequenc
     method = orbit.discretization.method
 
     def cut(m: int) -> tuple[PeriodicOrbit, np.ndarray, np.ndarray]:
-        mesh = meshed(orbit.motion, np.tile(x, (m, 1)), values, magnitudes, tolerance, method, orbit.parts)
+        mesh = meshed(orbit.passage, np.tile(x, (m, 1)), values, magnitudes, tolerance, method, orbit.parts)
         turns = np.exp(1j * omega * period * np.arange(m) / m)
         problem, start = orbit.on(mesh, section), np.concatenate([np.tile(x, m), scalars])
         tangent = np.concatenate([*[(q * turn).real for turn in turns], np.zeros(len(scalars))])

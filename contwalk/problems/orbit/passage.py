@@ -1,10 +1,12 @@
 """One kind of leg as traced and compiled functions: its field, the map at its end, and what is watched on it.
 
-Time runs from 0 to 1 over a leg, as it does over the closure of a smooth orbit: the field is
-T f(s + T t, x, p), where the duration T and (of forced machines) the starting time s are inputs like
-parameters. Only states that exist in the mode are integrated. The map at the end applies the transition's
-reset and relabelling, and evaluates its guard. All of them come as `PLAIN`, and lifted as `TANGENT` and
-`JET`.
+Time runs from 0 to 1 over a leg: the field is T f(s + T t, x, p), where the duration T and (of forced
+machines) the starting time s are inputs like parameters; in this form derivatives by them need no formulas of
+their own. Only states that exist in the mode are integrated. The map at the end applies the transition's
+reset and relabelling, and evaluates its guard. All of them come as `PLAIN`, and lifted: see `lifts`.
+
+The closure of a smooth orbit is a leg that no transition ends. Where it begins with the force's period, T is
+a multiple of period(p), which is traced, and neither it nor s is an input.
 """
 
 from __future__ import annotations
@@ -16,24 +18,27 @@ from typing import Any
 import numpy as np
 
 from contwalk.errors import SystemDefinitionError, UnsupportedOperation
+from contwalk.fields.blame import first_switched
 from contwalk.fields.derivative import directional
 from contwalk.fields.rebind import rebound
-from contwalk.fields.switching import Switching, choices_of
+from contwalk.fields.switching import Inputs, Switching, choices_of
 from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow import CompiledField, Field, Restricted
 from contwalk.flow.events.guard_derivatives import MOST_NODES
 from contwalk.memory import remembered
 from contwalk.problems import conserving
-from contwalk.problems.hybrid.watching import Watched
-from contwalk.problems.hybrid.word import Leg
-from contwalk.problems.kinks import Kink
-from contwalk.problems.orbit.motion import DIRECTIONS, PLAIN, STATES, TANGENT, lifted
+from contwalk.problems.forcing import period_at
+from contwalk.problems.kinks import Course, Kink, inputs
+from contwalk.problems.orbit.lifts import DIRECTIONS, PLAIN, STATES, TANGENT, lifted
+from contwalk.problems.orbit.watching import Watched
+from contwalk.problems.orbit.word import Leg
 from contwalk.problems.tracing import parameter_symbols, refuse_time, refuse_time_of, time_refused
 from contwalk.system import Condition, Neutral, System, Transition
 from contwalk.system.declarations import ParameterValues
 
 Scalar = Callable[[Any, Any, Any], Any]
-ORDERS = {"plain": 1, "tangent": 2, "jet": 4}
+At = Callable[[np.ndarray], np.ndarray]
+ORDERS = {"plain": 1, "tangent": 2, "mixed": 4, "jet": 4}
 # The time in a system that nobody has declared to depend on it.
 TIME = "time"
 
@@ -57,6 +62,12 @@ class Passage:
     pins : sequence of Neutral
     image : str
         Symmetry that is applied after the transition; none if empty.
+    power : int
+        How many times it is applied.
+    periods : float, optional
+        The leg begins with the force's period and lasts so many of them: T and s are no inputs.
+    holding : bool
+        Whether conserved quantities are held at their values, as the equations of an orbit ask for.
     """
 
     def __init__(
@@ -68,18 +79,22 @@ class Passage:
         moving: Sequence[int],
         pins: Sequence[Neutral],
         image: str = "",
+        power: int = 1,
+        periods: float | None = None,
+        holding: bool = True,
     ) -> None:
-        self.system, self.leg, self.target, self.image = system, leg, target, image
+        self.system, self.leg, self.target, self.images = system, leg, target, [image] * power
+        self._periods, self._holding = periods, holding and bool(system.conserved)
         self.forced = system.period is not None
         self.states = system.states_of(leg.mode)
         self._own = np.array(self.states, dtype=int)
         self._every = self._own.tolist() == list(range(len(system.states)))
         self.following = system.states_of(target)
         self._free, self._moving, self.pins = free, frozenset(moving), tuple(pins)
-        count = len(system.parameters)
+        count, timed = len(system.parameters), periods is None
         self.groups = {
-            "T": 1,
-            "s": int(self.forced),
+            "T": int(timed),
+            "s": int(timed and self.forced),
             "a": len(self.pins),
             "l": 1,
             "b": count,
@@ -92,8 +107,12 @@ class Passage:
     @property
     def columns(self) -> list[tuple[str, int]]:
         """Inputs of the scalars, in their order."""
-        start = [("s", 0)] if self.forced else []
-        return [("T", 0), *start, *[("a", j) for j in range(len(self.pins))], ("l", 0)]
+        return [(group, j) for group in "Tsal" for j in range(self.groups[group])]
+
+    @property
+    def mapped(self) -> bool:
+        """Whether anything happens at its end."""
+        return self.leg.transition is not None or bool(self.images[0])
 
     # -- tracing -----------------------------------------------------------------------------------------
 
@@ -102,13 +121,20 @@ class Passage:
         x = np.full(len(self.system.states), 0.0, dtype=object)
         for k, i in enumerate(self.states):
             x[i] = tracer.symbol("u", k)
-        constants = self.system.mode(self.leg.mode).constants
-        return self._time(tracer), x, self._parameters(tracer, constants)
+        p = self._parameters(tracer, self.system.mode(self.leg.mode).constants)
+        return self._time(tracer, p), x, p
 
-    def _time(self, tracer: Tracer) -> Any:
+    def _duration(self, tracer: Tracer, p: ParameterValues) -> Any:
+        if self._periods is None:
+            return tracer.symbol("T", 0)
+        assert self.system.period is not None
+        return self._periods * rebound(self.system.period)(p)
+
+    def _time(self, tracer: Tracer, p: ParameterValues) -> Any:
         if not self.forced:  # whatever reads it is refused: see `_compiled`
             return tracer.symbol(TIME, 0)
-        return tracer.symbol("s", 0) + tracer.symbol("T", 0) * tracer.symbol("t", 0)
+        since = self._duration(tracer, p) * tracer.symbol("t", 0)
+        return since if self._periods is not None else tracer.symbol("s", 0) + since
 
     def _parameters(self, tracer: Tracer, constants: Mapping[str, Any]) -> ParameterValues:
         p = parameter_symbols(tracer, self.system.parameter_names, self._free, self._moving)
@@ -132,8 +158,9 @@ class Passage:
         for j, pin in enumerate(self.pins):
             out = _written(rebound(pin.generator), f"'{pin.name}'", states, t, x, p)
             rates = [r + tracer.symbol("a", j) * v for r, v in zip(rates, out, strict=True)]
-        rates = [tracer.symbol("T", 0) * r for r in rates]
-        if not self.system.conserved:
+        duration = self._duration(tracer, p)
+        rates = [duration * r for r in rates]
+        if not self._holding:
             return rates
         away = conserving.returning(tracer, self.system, mode.name, t, x, p)
         return [r - away[i] for r, i in zip(rates, states, strict=True)]
@@ -160,10 +187,10 @@ class Passage:
         if transition is not None and transition.reset is not None:
             out = np.full(len(x), None, dtype=object)
             rebound(transition.reset)(t, x, p, out)
-        for name in (None if transition is None else transition.relabel, self.image):
+        for name in (None if transition is None else transition.relabel, *self.images):
             if name:
                 given = np.array([0.0 if entry is None else entry for entry in out], dtype=object)
-                out = np.full(len(x), None, dtype=object)
+                out = np.full(len(x), 0.0 if transition is None else None, dtype=object)
                 rebound(self.system.symmetry(name).map)(t, given, p, out)
         for i in self.following:
             if out[i] is None:
@@ -215,6 +242,39 @@ class Passage:
                 self._switching[key] = Switching(program, unknowns, ("t", 0)) if chooses else None
         return self._switching[key]
 
+    def course(
+        self, values: np.ndarray, times: np.ndarray, states: np.ndarray, at: At | None = None
+    ) -> Course | None:
+        """A motion over it as it is looked at for kinks of the field; None where it has none.
+
+        Parameters
+        ----------
+        values : ndarray
+            Scalars and fixed parameters.
+        times, states : ndarray, shapes (k,) and (k, n_i)
+        at : callable, optional
+            States at any times.
+        """
+        if self.switching is None:
+            return None
+        mode, given = self.system.mode(self.leg.mode), inputs(self.groups, values, times, states)
+        lam, start = given["l", 0], given.get(("s", 0), 0.0)
+        names = self.system.parameter_names
+        known = {name: given["b", k] + lam * given["d", k] for k, name in enumerate(names)}
+        if self._free is not None:
+            known[self._free] = lam
+        lasting = given["T", 0] if self._periods is None else self._periods * period_at(self.system, known)
+
+        def where(before: tuple[float, np.ndarray], after: tuple[float, np.ndarray]) -> str:
+            places = [(start + lasting * t, self.full(x).tolist()) for t, x in (before, after)]
+            return first_switched(mode.field, places[0], places[1], {**known, **mode.constants})
+
+        def evaluate(times: np.ndarray, states: np.ndarray) -> Inputs:
+            return inputs(self.groups, values, times, states)
+
+        ends = self.leg.transition is not None
+        return Course(self.switching, evaluate, times, states, at or _nowhere, where, ends)
+
     # -- compiled ----------------------------------------------------------------------------------------
 
     def _compiled(self, key: tuple, program: Program, lift: str, outputs: int | None) -> Field:
@@ -240,6 +300,11 @@ class Passage:
         if program.reads(TIME):
             mode = self.system.mode(self.leg.mode)
             refuse_time(self.system, mode.name, mode.field, f"field of mode '{mode.name}'")
+            for quantity in self.system.conserved:
+                what = f"conserved quantity '{quantity.name}'"
+                refuse_time_of(self.system, mode.name, quantity.of(mode.name), what)
+            for pin in self.pins:
+                refuse_time(self.system, mode.name, pin.generator, f"neutral direction '{pin.name}'")
             transition = self.leg.transition
             if transition is not None:
                 what = f"transition '{transition.name}'"
@@ -269,7 +334,8 @@ class Passage:
         mode, free = self.system.mode(self.leg.mode), (self._free, self._moving)
         kept = tuple(quantity.of(mode.name) for quantity in self.system.conserved)
         pins = tuple(id(pin) for pin in self.pins)
-        key = id(self.system), mode.field, tuple(mode.constants), free, pins, kept
+        kind = self._periods, self._holding
+        key = id(self.system), mode.field, tuple(mode.constants), free, pins, kept, kind
         return remembered(_SHARED, key, _MOST_SHARED, lambda: SharedField(self))
 
     def whole_program(self) -> Program:
@@ -280,8 +346,8 @@ class Passage:
             n = len(self.system.states)
             x = np.array([tracer.symbol("u", i) for i in range(n)], dtype=object)
             constants = {name: tracer.symbol("m", k) for k, name in enumerate(names)}
-            given = self._time(tracer), x, self._parameters(tracer, constants)
-            return self._moving_states(tracer, range(n), *given, rest=0.0)
+            p = self._parameters(tracer, constants)
+            return self._moving_states(tracer, range(n), self._time(tracer, p), x, p, rest=0.0)
 
         return trace(whole)
 
@@ -442,6 +508,10 @@ class Passage:
         return result
 
 
+def _nowhere(times: np.ndarray) -> np.ndarray:
+    raise ValueError("the motion is known at its own times only")
+
+
 def _written(
     function: Callable[..., Any],
     what: str,
@@ -508,10 +578,29 @@ def passage_of(
     moving: Sequence[int],
     pins: Sequence[Neutral],
     image: str = "",
+    power: int = 1,
+    periods: float | None = None,
+    holding: bool = True,
 ) -> Passage:
     """As `Passage(...)`, traced and compiled only once for the same arguments."""
-    key = (id(system), leg, target, free, tuple(moving), tuple(id(pin) for pin in pins), image)
+    kind = image, power, periods, holding
+    key = (id(system), leg, target, free, tuple(moving), tuple(id(pin) for pin in pins), kind)
     # It keeps its system, and so its id.
     return remembered(
-        _KNOWN, key, _MOST_KNOWN, lambda: Passage(system, leg, target, free, moving, pins, image)
+        _KNOWN, key, _MOST_KNOWN, lambda: Passage(system, leg, target, free, moving, pins, *kind)
     )
+
+
+def closure_of(
+    system: System,
+    free: str | None,
+    moving: Sequence[int],
+    pins: Sequence[Neutral],
+    periods: float,
+    holding: bool = True,
+    image: str = "",
+    power: int = 1,
+) -> Passage:
+    """The one leg of a smooth system's orbits: of a forced one, over so many periods of the force."""
+    mode, lasting = system.modes[0].name, None if system.period is None else periods
+    return passage_of(system, Leg(mode), mode, free, moving, pins, image, power, lasting, holding)
