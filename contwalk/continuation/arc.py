@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from contwalk.numerics.linear import norm_in
+
 
 class Arc:
     """Cubic Hermite interpolation between two solutions, by position theta in 0..1 along the chord.
@@ -25,10 +27,10 @@ class Arc:
     ) -> None:
         self.ends, self.tangents, self.weights = ends, tangents, weights
         self.chord = ends[1] - ends[0]
-        self.length = float(np.linalg.norm(self.chord / weights))
+        self.length = norm_in(self.chord, weights)
         self.normal = self.chord / weights**2 / max(self.length, 1e-300) ** 2
         # Lengths of the end tangents for an interpolation by theta.
-        self._scales = [self.length / np.linalg.norm(tangent / weights) for tangent in tangents]
+        self._scales = [self.length / norm_in(tangent, weights) for tangent in tangents]
 
     def position(self, z: np.ndarray) -> float:
         """theta of the foot of z on the chord."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contwalk.errors import PluginError
+from contwalk.numerics.linear import norm_in
 from contwalk.problems.problem import Linearization, Problem, equations_at
 
 # Residuals this many times above their rounding error still count as solved: the bound is of first order.
@@ -133,7 +134,7 @@ def _with_fitted(
         if not lin.finite:
             return found
         step = _newton_step(lin, lin.residual, normal, normal @ (z - guess), weights)
-        size = np.inf if step is None else float(np.linalg.norm(step / weights))
+        size = np.inf if step is None else norm_in(step, weights)
         if size < ON_PLANE or (size < NEARLY and size > 0.25 * previous):
             return equations.ended(z, lin, effort) if lin.excess <= ROUNDED else found
         if step is None or size > 0.7 * previous:
@@ -187,7 +188,7 @@ def _iterated(
         if step is None:
             sentence = "The bordered Jacobian is singular."
             return equations.ended(z, lin, iteration, "no_convergence", sentence)
-        size = float(np.linalg.norm(step / weights))
+        size = norm_in(step, weights)
         if (size < NEARLY or iteration >= 2) and lin.excess <= 2.0:
             return equations.ended(z, lin, iteration)
         if size < 1e-11 or (size > 0.25 * previous and size < 1e-7):
@@ -223,7 +224,7 @@ def _followed(
     iterations need no new ones.
     """
     guess, normal, weights = condition
-    z, size = z - step, float(np.linalg.norm(step / weights))
+    z, size = z - step, norm_in(step, weights)
     if lin.nearby is None:
         return z
     residual = lin.nearby()
@@ -231,7 +232,7 @@ def _followed(
         if not NOTHING < size < NEAR:
             break
         following = _newton_step(lin, residual(z), normal, normal @ (z - guess), weights)
-        before, size = size, np.inf if following is None else float(np.linalg.norm(following / weights))
+        before, size = size, np.inf if following is None else norm_in(following, weights)
         if following is None or not size < CONTRACTS * before:
             break
         z = z - following
@@ -243,11 +244,11 @@ def _newton_step(
 ) -> np.ndarray | None:
     """What Newton's method subtracts, shape (N + 1,); None where the bordered Jacobian is singular."""
     try:
-        step = lin.bordered(normal, weights).solve(np.append(residual, offset))
+        step = lin.bordered(normal, weights).solve(np.concatenate([residual, [offset]]))
     except np.linalg.LinAlgError:
         return None
     # Beyond 1e150 its length would overflow.
-    return step if np.all(np.abs(step) < 1e150) else None
+    return step if (np.abs(step) < 1e150).all() else None
 
 
 def _settled(
@@ -264,7 +265,7 @@ def _settled(
         step = _newton_step(lin, lin.residual, normal, normal @ (z - guess), weights)
         if step is None:
             break
-        before, size = size, float(np.linalg.norm(step / weights))
+        before, size = size, norm_in(step, weights)
         there = equations.at(z - step)
         gains = there.finite and (there.excess <= 0.5 * lin.excess or NOTHING < size < 0.1 * before)
         if not gains:
@@ -291,7 +292,7 @@ def _damped(
     (the natural monotonicity test, P. Deuflhard, Newton Methods for Nonlinear Problems, 2004, section 3.3).
     """
     guess, normal, weights = condition
-    size = float(np.linalg.norm(step / weights))
+    size = norm_in(step, weights)
     fraction = 1.0
     while True:
         moved = z - fraction * step
@@ -300,9 +301,6 @@ def _damped(
             return moved, there
         if there.finite:
             following = _newton_step(lin, there.residual, normal, normal @ (moved - guess), weights)
-            if (
-                following is not None
-                and np.linalg.norm(following / weights) <= (1.0 - 0.25 * fraction) * size
-            ):
+            if following is not None and norm_in(following, weights) <= (1.0 - 0.25 * fraction) * size:
                 return moved, there
         fraction /= 2.0

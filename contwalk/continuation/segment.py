@@ -6,6 +6,7 @@ import numpy as np
 
 from contwalk.continuation.arc import Arc
 from contwalk.continuation.newton import Correction, correct
+from contwalk.numerics.linear import norm_in
 from contwalk.problems.problem import Linearization, Problem, Sample
 
 # Near a branch point solutions are known to rounding over their distance from it, and along a branch that
@@ -94,4 +95,4 @@ class Segment(Arc):
         """
         known = self._known.get(theta)
         there = self._corrected(self.problem, self.guess(theta))[0].z if known is None else known.z
-        return float(np.linalg.norm((there - z) / self.weights)) / max(self.length, 1e-300)
+        return norm_in(there - z, self.weights) / max(self.length, 1e-300)

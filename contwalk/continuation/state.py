@@ -11,7 +11,7 @@ from contwalk.continuation.initial_scales import initial_magnitudes, later_magni
 from contwalk.continuation.metric import UNKNOWN, crowded, parameter_weight, updated
 from contwalk.continuation.newton import Correction, correct
 from contwalk.continuation.settings import Settings
-from contwalk.numerics.linear import kernel_direction
+from contwalk.numerics.linear import kernel_direction, norm_in
 from contwalk.problems.problem import Problem, Sample
 
 # A magnitude this many times an unknown's size and how far it moves is none.
@@ -113,6 +113,6 @@ def grown(problem: Problem, sample: Sample, state: ContinuationState, settings: 
     if problem.meshed is None and np.any(new[:-1]):
         magnitudes = later_magnitudes(problem, sample, known)
     weights = updated(known, crowded(problem, magnitudes), settings, sizes, float(sample.z[-1]))
-    factor = float(np.linalg.norm(sample.tangent / weights))
+    factor = norm_in(sample.tangent, weights)
     rates = sample.rates.scaled(1.0 / factor)
     return replace(sample, weights=weights, tangent=sample.tangent / factor, rates=rates)

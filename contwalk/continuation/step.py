@@ -18,6 +18,7 @@ from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState
 from contwalk.continuation.told_by_value import told_by_value
 from contwalk.errors import NotFinite, PluginError
+from contwalk.numerics.linear import norm_in
 from contwalk.problems.event_kinks import Met
 from contwalk.problems.kinks import refusal
 from contwalk.problems.problem import Linearization, Located, Problem, Sample, Test
@@ -241,7 +242,7 @@ def _check_shape(
 ) -> None:
     """Refuse a step on which the branch turns too much, or that may have ended on another branch."""
     angle = control.turn(a, tangent)
-    moved = float(np.linalg.norm((z - prediction.guess) / a.weights))
+    moved = norm_in(z - prediction.guess, a.weights)
     if angle > settings.max_angle or moved > 0.5 * prediction.length:
         raise TooLong(f"The branch turns by {angle:.0f} degrees in one step.")
     if control.bend(a, z, tangent) > max(0.25 * np.radians(angle), 0.02):

@@ -38,10 +38,15 @@ def symplectic(values: np.ndarray) -> bool:
 
 
 def _balanced(values: np.ndarray, partners: np.ndarray, powers: range, allowed: float) -> bool:
-    if len(values) < 4 or len(values) % 2 or not np.all(np.isfinite(values)):
+    if len(values) < 4 or len(values) % 2 or not np.isfinite(values).all():
         return False
-    sums = ((values**k, partners**k) for k in powers)
-    return all(abs(np.sum(a - b)) <= allowed * float(np.sum(np.abs(a) + np.abs(b))) for a, b in sums)
+    return all(_cancel(values**k, partners**k, allowed) for k in powers)
+
+
+def _cancel(values: np.ndarray, partners: np.ndarray, allowed: float) -> bool:
+    """Whether the sums of both are one, to this part of those of their moduli."""
+    moduli = np.abs(values) + np.abs(partners)
+    return bool(abs((values - partners).sum()) <= allowed * moduli.sum())
 
 
 def parted(values: np.ndarray, s: np.ndarray) -> float:

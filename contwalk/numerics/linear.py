@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
@@ -122,6 +123,15 @@ class LeastSquares:
         return self.columns * (self._inverse @ (self.rows * right))
 
 
+def norm_in(step: np.ndarray, weights: np.ndarray) -> float:
+    """Norm of a step in the metric of `weights`, both of shape (n,): that of step / weights.
+
+    `numpy.linalg.norm` gives the same bits; of short vectors most of its time is looking at what it is given.
+    """
+    scaled = step / weights
+    return math.sqrt(scaled.dot(scaled))
+
+
 def kernel_direction(matrix: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """The vector, shape (n + 1,), that an (n, n + 1) matrix takes to zero, a unit in the metric.
 
@@ -140,17 +150,17 @@ def balanced(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     Eigenvalues of a matrix whose states have very different units are accurate only after this
     (E. E. Osborne, J. ACM 7, 338, 1960).
     """
-    d = np.ones(len(matrix))
-    scaled = matrix.copy()
-    np.fill_diagonal(scaled, 0.0)
-    magnitude = np.abs(scaled)
+    size = len(matrix)
+    d = np.ones(size)
+    magnitude = np.abs(matrix)
+    magnitude.flat[:: size + 1] = 0.0
     for _ in range(20):
         rows, columns = magnitude.sum(axis=1), magnitude.sum(axis=0)
-        usable = (rows > 0) & (columns > 0)
-        factor = np.ones(len(d))
-        factor[usable] = np.exp2(np.round(0.5 * np.log2(rows[usable] / columns[usable]) * 0.5))
-        if np.all(factor == 1.0):
+        ratio = np.divide(rows, columns, out=np.ones(size), where=(rows > 0) & (columns > 0))
+        exponents = np.rint(0.25 * np.log2(ratio))
+        if not exponents.any():
             break
+        factor = np.exp2(exponents)
         magnitude = magnitude / factor[:, None] * factor
         d *= factor
     return matrix / d[:, None] * d, d

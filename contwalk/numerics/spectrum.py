@@ -48,14 +48,19 @@ class Spectrum:
         One whose sign is not certain in double precision counts as it did at the neighbouring point
         (`before`), so that rounding never looks like a bifurcation.
         """
-        real, errors = self.measures, self.errors
-        free = np.ones(len(real), dtype=bool) if self.bordering is None else ~self.bordering
+        real, errors, bordering = self.measures, self.errors, self.bordering
         if self.still:
-            real, errors, free = real[:-1], errors[:-1], free[:-1]
+            real, errors = real[:-1], errors[:-1]
+        certain = real > errors
         if before is None:
-            return int(np.sum(real > errors))
-        counted = free & (np.cumsum(free) <= before)  # what stays on the axis is none of those that count
-        return int(np.sum(np.where(np.abs(real) > errors, real > 0, counted)))
+            return int(np.count_nonzero(certain))
+        if bordering is None:
+            counted = np.arange(len(real)) < before
+        else:  # what stays on the axis is none of those that count
+            free = ~bordering[: len(real)]
+            counted = free & (np.cumsum(free) <= before)
+        doubtful = ~(np.abs(real) > errors)
+        return int(np.count_nonzero(certain | (doubtful & counted)))
 
 
 def complement(generators: np.ndarray) -> np.ndarray:
@@ -110,7 +115,8 @@ def spectrum(
         sensitivity = _quotients(np.abs(left), rounded, np.abs(right))
         norms = np.linalg.norm(left, axis=1) * np.linalg.norm(right, axis=0)
         backward = EPSILON * np.linalg.norm(scaled) * norms
-        gaps = np.abs(values[:, None] - values) + np.diag(np.full(len(values), np.inf))
+        gaps = np.abs(values[:, None] - values)
+        gaps.flat[:: len(values) + 1] = np.inf
         left_behind = backward**2 / np.maximum(gaps.min(axis=1), 1e-300)
         errors = sensitivity + np.minimum(backward, left_behind)
         rates = _quotients(left, rate / d[:, None] * d, right).real
@@ -121,11 +127,12 @@ def spectrum(
     values[first + 1] = np.conj(values[first])
     errors[first] = errors[first + 1] = np.maximum(errors[first], errors[first + 1])
     rates[first + 1] = rates[first]
-    kept = np.sort(np.argsort(np.abs(values), kind="stable")[zeros:])
-    values, errors, rates = values[kept], errors[kept], rates[kept]
+    if zeros:
+        kept = np.sort(np.argsort(np.abs(values), kind="stable")[zeros:])
+        values, errors, rates = values[kept], errors[kept], rates[kept]
     order = np.lexsort((-values.imag, -values.real))
     errors = np.where(np.isfinite(errors), errors, np.inf)
-    return _bordering(Spectrum(values[order].astype(complex), errors[order], rates[order]))
+    return _bordering(Spectrum(values[order], errors[order], rates[order]))
 
 
 def _bordering(found: Spectrum) -> Spectrum:
@@ -146,4 +153,4 @@ def _bordering(found: Spectrum) -> Spectrum:
 
 def _quotients(left: np.ndarray, matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     """left_i . matrix . right_i for rows of `left` and columns of `right`: one product and one sum."""
-    return np.sum((left @ matrix) * right.T, axis=1)
+    return ((left @ matrix) * right.T).sum(axis=1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -65,7 +66,7 @@ class Linearization:
         """
         key = row.tobytes() + weights.tobytes()
         if self._bordered is None or self._bordered[0] != key:
-            self._bordered = key, self._factor(np.vstack([self.jacobian, row]), weights)
+            self._bordered = key, self._factor(np.concatenate([self.jacobian, row[None]]), weights)
         return self._bordered[1]
 
     def tangent(self, border: np.ndarray, weights: np.ndarray) -> np.ndarray:
@@ -93,15 +94,15 @@ class Linearization:
     @property
     def finite(self) -> bool:
         """Whether residual and Jacobian are."""
-        return bool(np.all(np.isfinite(self.residual)) and np.all(np.isfinite(self.jacobian)))
+        return bool(np.isfinite(self.residual).all() and np.isfinite(self.jacobian).all())
 
     def excess_in(self, weights: np.ndarray) -> float:
         """As `excess`, where unknowns too are only known to the rounding of their weights."""
         level = self.levels[0] + EPSILON * (np.abs(self.jacobian) @ weights)
-        return float(np.max(np.abs(self.residual) / level))
+        return float((np.abs(self.residual) / level).max())
 
     @computed_once
     def excess(self) -> float:
         """Largest residual in units of its rounding level; at most a few at a solution."""
-        ratio = float(np.max(np.abs(self.residual) / self.levels[0]))
-        return ratio if np.isfinite(ratio) else float("inf")
+        ratio = float((np.abs(self.residual) / self.levels[0]).max())
+        return ratio if math.isfinite(ratio) else float("inf")

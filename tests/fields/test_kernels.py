@@ -7,12 +7,14 @@ import math
 import mpmath
 import numpy as np
 import pytest
+from small_systems import small_system
 from traced_kernels import kernel_of, program_of
 
 from contwalk.fields import kernel as kernel_module
 from contwalk.fields.derivative import directional, jacobian
 from contwalk.fields.kernel import Kernel
 from contwalk.problems.equilibrium.equations import Equations
+from contwalk.problems.equilibrium.equilibrium import Equilibrium
 from contwalk.system import Mode, Parameter, State, System, load_system
 
 
@@ -123,6 +125,28 @@ def test_adjoint_is_the_transposed_jacobian(machine):
     psi = v[:8]
     found = equations.adjoint(*inputs, psi)
     np.testing.assert_allclose(found, np.array(psi) @ table, rtol=1e-12, atol=1e-12 * np.abs(found).max())
+
+
+def test_one_pass_gives_the_equations_their_slopes_and_their_rounding_to_the_same_bits(machine):
+    equations, inputs, _ = machine
+    table = equations.linearization_and_rounding(*inputs)
+    np.testing.assert_array_equal(table[:, :-1], equations.linearization(*inputs))
+    np.testing.assert_array_equal(table[:, -1], equations.rounding(*inputs))
+
+
+def test_equations_have_a_value_where_the_bound_of_their_rounding_has_none():
+    """x' = sqrt(a b) - x at a = 0: the root's slope is infinite, by what no unknown is."""
+
+    def field(t, x, p, dx):
+        dx[0] = math.sqrt(p.a * p.b) - p.c * x[0]
+
+    at = {"a": 0.0, "b": 2.0, "c": 3.0}
+    problem = Equilibrium(small_system(field, ("x",), at), at, "c")
+    found = problem.linearize(np.array([0.5, 3.0]))
+    assert found.residual.tolist() == [-1.5]
+    assert found.jacobian.tolist() == [[-3.0, -0.5]]
+    assert found.finite
+    assert found.excess == math.inf
 
 
 def long_sum(x):

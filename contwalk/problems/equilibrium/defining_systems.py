@@ -91,9 +91,8 @@ def real_eigenvalue(
 
     def residual(u: np.ndarray) -> np.ndarray:
         z, v = split(u)
-        f = problem.kernels.linearization(*problem.inputs(z))
         product = problem.kernels.first(*problem.inputs(z), v)[:m] - sigma * v[:m]
-        return np.concatenate([f[:, 0], product, [c @ v[:m] - 1.0]])
+        return np.concatenate([problem.linearize(z).residual, product, [c @ v[:m] - 1.0]])
 
     def jacobian(u: np.ndarray) -> np.ndarray:
         z, v = split(u)

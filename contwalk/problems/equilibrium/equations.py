@@ -128,23 +128,36 @@ class Equations:
         """F, shape (N,)."""
         return self._kernel(lambda o: o)
 
+    def _beside_each_other(self, outputs: tuple[int, ...]) -> list[list[int]]:
+        """For each equation F and its row of the Jacobian."""
+        inputs = self._inputs()
+        flat, width = self._dense_rows(outputs, inputs), len(inputs)
+        return [[o, *flat[i * width : (i + 1) * width]] for i, o in enumerate(outputs)]
+
     @cached_property
     def linearization(self) -> Kernel:
         """F and its Jacobian side by side, shape (N, N + 2): column 0 is F, the last is dF/dlambda."""
-        inputs = self._inputs()
-
-        def change(outputs: tuple[int, ...]) -> list[int]:
-            flat = self._dense_rows(outputs, inputs)
-            width = len(inputs)
-            return [node for i, o in enumerate(outputs) for node in (o, *flat[i * width : (i + 1) * width])]
-
-        return self._kernel(change, shape=(self.size, self.size + 2))
+        return self._kernel(
+            lambda o: [node for row in self._beside_each_other(o) for node in row],
+            shape=(self.size, self.size + 2),
+        )
 
     @cached_property
     def rounding(self) -> Kernel:
         """Bounds of the rounding error of F, in units of the machine epsilon, shape (N,)."""
         graph = self.program.graph
         return self._kernel(lambda o: error_bounds(graph, o))
+
+    @cached_property
+    def linearization_and_rounding(self) -> Kernel:
+        """Both of these in one pass, shape (N, N + 3): the last column are the bounds."""
+        graph = self.program.graph
+
+        def change(outputs: tuple[int, ...]) -> list[int]:
+            rows, bounds = self._beside_each_other(outputs), error_bounds(graph, outputs)
+            return [node for row, bound in zip(rows, bounds, strict=True) for node in (*row, bound)]
+
+        return self._kernel(change, shape=(self.size, self.size + 3))
 
     def _along(self, group: str, with_parameter: bool = True) -> dict[int, int]:
         graph = self.program.graph

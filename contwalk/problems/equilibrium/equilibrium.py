@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.errors import NotFinite
+from contwalk.numerics.linear import norm_in
 from contwalk.numerics.spectrum import EPSILON, Spectrum, spectrum
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.equilibrium import defining_systems as defining
@@ -88,7 +89,7 @@ class Equilibrium(EquilibriumEquations):
         before: int | None,
     ) -> Sample:
         """Everything that is watched at a solution."""
-        length = float(np.linalg.norm(tangent / weights))
+        length = norm_in(tangent, weights)
         # A stored tangent is a unit vector already; dividing again would change its last digits.
         unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
         orientation, error = linearization.orientation_and_error(unit, weights, linearization.levels[0])

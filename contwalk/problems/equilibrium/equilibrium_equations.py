@@ -112,9 +112,16 @@ class EquilibriumEquations(Problem):
 
     def linearize(self, z: np.ndarray) -> Linearization:
         """The equations at z."""
-        inputs = self.inputs(z)
-        table = self.kernels.linearization(*inputs)
-        return Linearization(table[:, 0], table[:, 1:], lambda: self._levels(z, inputs, table[:, 1:]))
+        table, rounding = self._evaluated(self.inputs(z))
+        jacobian = table[:, 1:]
+        return Linearization(table[:, 0], jacobian, lambda: self._levels(z, jacobian, rounding))
+
+    def _evaluated(self, inputs: tuple[list[float], ...]) -> tuple[np.ndarray, np.ndarray]:
+        """F beside its Jacobian, shape (N, N + 2), and the bounds of F's rounding in epsilons, shape (N,)."""
+        table = self.kernels.linearization_and_rounding(*inputs)
+        if np.isnan(table[0, 0]):  # where a bound has no value F may have one
+            return self.kernels.linearization(*inputs), self.kernels.rounding(*inputs)
+        return table[:, :-1], table[:, -1]
 
     def jacobian(self, z: np.ndarray) -> np.ndarray:
         """DF(z), shape (N, N + 1), for critical vectors: entries of df/dx that are rounding noise are zero.
@@ -123,7 +130,7 @@ class EquilibriumEquations(Problem):
         matrix.
         """
         inputs, n = self.inputs(z), self.states
-        jacobian = self.kernels.linearization(*inputs)[:, 1:]
+        jacobian = self._evaluated(inputs)[0][:, 1:]
         noise = 4.0 * EPSILON * self.kernels.rounding_of_matrix(*inputs)
         jacobian[:n, :n][np.abs(jacobian[:n, :n]) <= noise] = 0.0
         return jacobian
@@ -181,44 +188,46 @@ class EquilibriumEquations(Problem):
     # -- rounding, and magnitudes ----------------------------------------------------------------------------
 
     def _levels(
-        self, z: np.ndarray, inputs: tuple[list[float], ...], jacobian: np.ndarray
+        self, z: np.ndarray, jacobian: np.ndarray, rounding: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """Rounding levels of the equations and typical magnitudes of z."""
         derivatives, sizes = np.abs(jacobian), np.abs(z)
         # Beside the rounding of the evaluation: z itself is only known to half an ulp ...
-        level = EPSILON * (self.kernels.rounding(*inputs) + derivatives @ sizes) + TINY
-        shares = derivatives * sizes
-        telling = self._telling(z, derivatives, shares, level / EPSILON)
-        magnitudes = self._magnitudes(z, derivatives, shares, telling)
+        level = EPSILON * (rounding + derivatives @ sizes) + TINY
+        shares, some = derivatives * sizes, derivatives > 1e-100
+        telling = self._telling(z, shares, some, level / EPSILON)
+        magnitudes = self._magnitudes(z, derivatives, shares, some, telling)
         # ... and an unknown that is zero only to half an ulp of what would matter.
         level = level + EPSILON * (derivatives @ np.where(magnitudes > 0, magnitudes, 0.0))
         return level, magnitudes
 
-    def _telling(
-        self, z: np.ndarray, derivatives: np.ndarray, shares: np.ndarray, terms: np.ndarray
-    ) -> np.ndarray:
+    def _telling(self, z: np.ndarray, shares: np.ndarray, some: np.ndarray, terms: np.ndarray) -> np.ndarray:
         """The sizes of the equations' terms, shape (N,), zero where they are nothing but noise of zero.
 
         An unknown that another equation cannot tell from zero may be zero; an equation that has no terms
         then tells no magnitudes either, as where it is zero exactly.
         """
-        unseen = (shares > 0.0) & (shares < EPSILON * terms[:, None]) & (derivatives > 1e-100)
+        unseen = (shares > 0.0) & (shares < EPSILON * terms[:, None]) & some
         noise = np.logical_or.reduce(unseen, axis=0)
         noise[-1] = False  # the parameter is what it is
         if not noise.any():
             return terms
         zeroed = np.where(noise, 0.0, z)
-        inputs = self.inputs(zeroed)
-        rounding = self.kernels.rounding(*inputs)
+        table, rounding = self._evaluated(self.inputs(zeroed))
         if (rounding > 0.0).all():  # each has terms still
             return terms
-        sizes = np.abs(self.kernels.linearization(*inputs)[:, 1:]) @ np.abs(zeroed)
+        sizes = np.abs(table[:, 1:]) @ np.abs(zeroed)
         if ((rounding == 0.0) & (sizes > 0.0)).any():  # of slopes that are no noise themselves?
             sizes = np.abs(self.jacobian(zeroed)) @ np.abs(zeroed)
         return np.where(rounding + sizes > 0.0, terms, 0.0)
 
     def _magnitudes(
-        self, z: np.ndarray, derivatives: np.ndarray, shares: np.ndarray, terms: np.ndarray
+        self,
+        z: np.ndarray,
+        derivatives: np.ndarray,
+        shares: np.ndarray,
+        some: np.ndarray,
+        terms: np.ndarray,
     ) -> np.ndarray:
         """Typical magnitudes of z, shape (N + 1,); NaN where neither z nor the equations tell.
 
@@ -226,20 +235,35 @@ class EquilibriumEquations(Problem):
         that would matter in some equation (against the size of its terms, shape (N,)), whichever is larger.
         An equation in which the unknown itself is the largest term, as x' = v, tells nothing about it.
         """
-        tells, column, size = np.isfinite(terms) & (terms > 1e-290), terms[:, None], np.abs(z)
-        told = np.isfinite(derivatives) & (derivatives > 1e-100) & tells[:, None]
-        told &= shares < 0.4 * column
-        matters = (np.where(told, column, np.inf) / np.where(told, derivatives, 1.0)).min(axis=0)
-        natural = np.maximum(size, np.where(matters < np.inf, matters, 0.0))
+        # Comparisons do not hold of NaN, nor of shares of a slope that is infinite: these tell nothing.
+        column, size = terms[:, None], np.abs(z)
+        told = some & (column > 1e-290) & (shares < 0.4 * column)
+        matters = np.divide(column, derivatives, out=np.full(told.shape, np.inf), where=told).min(axis=0)
+        silent = matters == np.inf
+        matters[silent] = 0.0
+        natural = np.maximum(size, matters)
         # What no equation tells and is this small is rounding noise of zero, of unknown magnitude.
-        natural[(matters == np.inf) & (natural < 1e-13)] = np.nan
-        natural[self._declared] = self._scales
+        natural[silent & (natural < 1e-13)] = np.nan
+        if self._declared:
+            natural[self._declared] = self._scales
         natural[self.states : self.size] = np.nan  # drifts are zero; what they are is noise
-        # The parameter, and unknowns that may be noise of zero, where so little of them is much.
-        far = (natural > FAR * size) & ((z != 0.0) | (np.arange(len(z)) == self.size))
+        far = natural > FAR * size
+        return self._near(z, far, derivatives, terms, natural) if far.any() else natural
+
+    def _near(
+        self,
+        z: np.ndarray,
+        far: np.ndarray,
+        derivatives: np.ndarray,
+        terms: np.ndarray,
+        natural: np.ndarray,
+    ) -> np.ndarray:
+        """Magnitudes with those looked at again that are far larger than what they are of.
+
+        These are the parameter, and unknowns that may be noise of zero, where so little of them is much.
+        """
+        far &= (z != 0.0) | (np.arange(len(z)) == self.size)
         far[self._declared] = False
-        if not far.any():
-            return natural
         natural[far] = np.nan
         for i in np.flatnonzero(far):
             natural[i] = self._magnitude(z, int(i), derivatives[:, i], terms, natural)
