@@ -2,6 +2,7 @@
 # make test   all tests
 # make check  tests, lint, format, types and import directions
 # make bench  what continuing costs, beside peers: docs/benchmarks.md
+# make docs   the picture and the table of modules in docs/, from the code
 #
 # Everything goes into .venv, which is made when it is first needed. `make test PYTHON=python3.12` chooses the Python.
 
@@ -13,7 +14,7 @@ TEST_OPTIONS ?=
 # Makes the environment and installs into it what is not there yet; silent and quick where all is.
 PROVIDE = @sh tools/make_venv.sh $(VENV) $(PYTHON) && sh tools/install.sh $(VENV)
 
-.PHONY: help demo test check bench static format docs-image clean install install-test install-dev install-bench
+.PHONY: help demo test check bench docs static format docs-image clean install install-test install-dev install-bench
 .NOTPARALLEL:
 .DEFAULT_GOAL := help
 
@@ -61,6 +62,10 @@ bench: install-bench
 	$(BIN)/python benchmarks/equilibria.py
 	$(BIN)/python benchmarks/orbit_and_monodromy.py
 	$(BIN)/python benchmarks/cascade.py
+
+# What of docs/ is written from the code: tests compare it.
+docs: install
+	$(BIN)/python -m tools.house
 
 # The pictures of the README.
 docs-image: demo

@@ -1,0 +1,1 @@
+"""What `make docs` draws and lists of the code: the picture of the layers, and the table of modules."""
