@@ -548,4 +548,4 @@ class _Search:
             )
         found = recurrent(self.system, self.parameters, x)
         stretch = Span(Leg(mode), 0.0, found.state, found.period, found.state)
-        return Lap((stretch,), found.variation, 0.0, found.state)
+        return Lap((stretch,), found.magnitudes, 0.0, found.state)

@@ -12,6 +12,7 @@ from contwalk.flow.method import choose
 from contwalk.problems.conserving import with_own_values
 from contwalk.problems.forcing import period_at
 from contwalk.problems.hybrid import families
+from contwalk.problems.initial.magnitudes import magnitudes_on
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.lifts import PLAIN
@@ -22,10 +23,6 @@ from contwalk.problems.orbit.transport import carried_to, segments_for
 from contwalk.problems.parameter_line import ParameterLine
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
-
-# A state that moves less than this part of what others do, in units of its size, is constant but for the
-# error of steps.
-CONSTANT = 1e-5
 
 # An orbit may be begun with so many times its period, and be told with its own.
 MOST_REPETITIONS = 12
@@ -160,14 +157,7 @@ def _once_round(problem: PeriodicOrbit, x: np.ndarray, values: np.ndarray) -> tu
     own = np.array([s.period or 0.0 for s in problem.system.states])
     grown = path.states[-1] - path.states[0]
     turns = np.where(own > 0.0, np.round(np.divide(grown, own, out=np.zeros_like(grown), where=own > 0)), 0.0)
-    ranges, sizes = 0.5 * np.ptp(path.states, axis=0), np.maximum(np.abs(path.states).max(axis=0), 1e-300)
-    declared = np.array([s.scale or np.nan for s in problem.system.states])
-    shares = ranges / np.maximum(sizes, 1e-9 * sizes.max())
-    still = (shares <= CONSTANT * shares.max()) | (shares <= 10.0 * ROUGH)
-    at_rest = np.where(
-        np.isfinite(declared), declared, np.where(sizes > max(1e-9 * sizes.max(), 1e-250), sizes, 1.0)
-    )
-    ranges = np.where(still, at_rest, ranges)
+    ranges = magnitudes_on(problem.system, path.states, ROUGH)
     return turns * own, Mesh((path.times,), choice.method, ROUGH, ranges, ranges)
 
 

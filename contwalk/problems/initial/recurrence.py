@@ -12,6 +12,7 @@ from contwalk.errors import NotFinite, StartError
 from contwalk.flow.method import Choice, choose
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.forcing import period_at
+from contwalk.problems.initial.magnitudes import magnitudes_on
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.passage import Passage, closure_of
 from contwalk.problems.orbit.shooting import roughness
@@ -37,11 +38,15 @@ STILL = 1e-9
 
 @dataclass(frozen=True)
 class Recurrence:
-    """A state on (nearly) a periodic orbit, its period in seconds, and the range of each state on it."""
+    """A state on (nearly) a periodic orbit, its period in seconds, and half the range of each state on it.
+
+    `magnitudes` are as `variation`, but positive where a state is at rest.
+    """
 
     state: np.ndarray
     period: float
     variation: np.ndarray
+    magnitudes: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -130,7 +135,8 @@ def recurrent(
         _check_moves(simulation, path, variation)
         found = _return(simulation, run, variation, forced)
         if found is not None:
-            return Recurrence(found[0], found[1] * unit, 0.5 * variation)
+            sizes = magnitudes_on(system, path.states, TOLERANCE)
+            return Recurrence(found[0], found[1] * unit, 0.5 * variation, sizes)
         reached = np.maximum(reached, np.abs(path.states).max(axis=0))
         # A stretch may see next to nothing of a slow motion: what it varies by does not tell all.
         weights = np.maximum(np.maximum(0.5 * variation, LEAST * reached), LEAST * weights)

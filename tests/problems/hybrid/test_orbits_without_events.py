@@ -126,3 +126,21 @@ def test_multipliers_where_a_cycle_is_born() -> None:
     np.testing.assert_allclose(first["spectrum"].real, expected, rtol=1e-5)
     for mu, found in zip(cycle["mu"], cycle.points["spectrum"], strict=True):
         assert sorted(found.real)[1] == pytest.approx(math.exp(-2.0 * mu * T), abs=1e-4) or mu > 0.15
+
+
+@pytest.mark.parametrize("until", [None, "settled"])
+@pytest.mark.parametrize("rest", [0.0, 1.0, 1e-300, 1e5])
+def test_states_that_stay_where_they_are_exactly(rest: float, until: str | None) -> None:
+    def field(t, x, p, dx):
+        s = p.mu - x[0] ** 2 - x[1] ** 2
+        dx[0] = s * x[0] - x[1]
+        dx[1] = x[0] + s * x[1]
+        dx[2] = -DECAYS * (x[2] - rest)
+
+    system = far_from_its_event(["x", "y", "z"], {"mu": 0.2}, field)
+    (branch,) = walked(system, "mu", [math.sqrt(0.2), 0.0, rest], (0.2, 0.4), 1, until=until)
+    T = 2.0 * math.pi
+    np.testing.assert_allclose(branch.points["state"][:, 2], rest, rtol=1e-12, atol=1e-290)
+    for mu, found in zip(branch["mu"], branch.points["spectrum"], strict=True):
+        expected = sorted([math.exp(-2.0 * mu * T), math.exp(-DECAYS * T)], reverse=True)
+        np.testing.assert_allclose(found.real, expected, rtol=1e-5)

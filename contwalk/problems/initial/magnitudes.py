@@ -1,0 +1,34 @@
+"""What the states of an orbit move by, those at rest included."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contwalk.problems.orbit.shooting import CONSTANT
+from contwalk.system import System
+
+# A state below this part of the largest one is rounding of it, and so is one below `LEAST`.
+ROUNDING, LEAST = 1e-9, 1e-250
+
+
+def magnitudes_on(system: System, states: np.ndarray, tolerance: float) -> np.ndarray:
+    """Half the range of each state on an orbit; of one at rest its declared scale, its size, or 1 if it is 0.
+
+    Parameters
+    ----------
+    system : System
+    states : ndarray, shape (k, n)
+        On the orbit.
+    tolerance : float
+        Of the integration that they are from.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+    """
+    ranges, sizes = 0.5 * np.ptp(states, axis=0), np.maximum(np.abs(states).max(axis=0), 1e-300)
+    declared = np.array([state.scale or np.nan for state in system.states])
+    shares = ranges / np.maximum(sizes, ROUNDING * sizes.max())
+    still = (shares <= CONSTANT * shares.max()) | (shares <= 10.0 * tolerance)
+    own = np.where(sizes > max(ROUNDING * sizes.max(), LEAST), sizes, 1.0)
+    return np.where(still, np.where(np.isfinite(declared), declared, own), ranges)
