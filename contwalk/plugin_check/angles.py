@@ -9,6 +9,7 @@ import numpy as np
 
 from contwalk.fields.derivative import ancestors
 from contwalk.fields.trace import roots
+from contwalk.plugin_check.digits import meant_with_pi, told_apart
 from contwalk.plugin_check.findings import Report, place_of
 from contwalk.plugin_check.functions import EPSILON
 from contwalk.plugin_check.modes import CheckedFields
@@ -25,14 +26,16 @@ def check_angles_of_fields(report: Report, system: System, fields: CheckedFields
     for index, state in _angles(system):
         what, compared, told = f"period of state '{state.name}'", 0, False
         for mode, field in fields.items():
-            found = _compared(field, index, samples, lambda change: np.abs(change))
+            found = _compared(field, index, samples, np.abs)
             compared += found[0]
             if found[1]:
+                remedy = _typed(field, index, samples, np.abs) or (
+                    "Correct the period or the field, or leave the period out."
+                )
                 report.error(
                     what,
                     f"The field of mode '{mode}' is another one a period of {state.period:.10g} later: "
-                    f"{found[1]}. States that differ by a period count as the same motion. Correct the "
-                    "period or the field, or leave the period out.",
+                    f"{found[1]}. States that differ by a period count as the same motion. {remedy}",
                     place_of(field.function),
                 )
                 told = True
@@ -57,11 +60,14 @@ def check_angles_at_event(
             if not differs:
                 continue
             later = f"It is another one a period of '{state.name}' ({state.period:.10g}) later: {differs}."
+            remedy = _typed(function, index, samples, changes) or (
+                "Write it with sine and cosine of the angle, or leave the period out; for motions that never "
+                "go round it is right."
+            )
             report.warning(
                 f"{kind} of transition '{name}'",
                 f"{later} States that differ by a period count as the same motion: an orbit that goes round "
-                "would be closed, though the event does not happen again as it did. Write it with sine and "
-                "cosine of the angle, or leave the period out; for motions that never go round it is right.",
+                f"would be closed, though the event does not happen again as it did. {remedy}",
                 place_of(function.function),
             )
 
@@ -87,13 +93,27 @@ def _reads(function: Traced, index: int) -> bool:
     return graph.input("x", index) in ancestors(graph, roots(function.program.tree))
 
 
+def _typed(function: Traced, index: int, samples: Samples, size: Callable[[np.ndarray], Any]) -> str:
+    """What to do about a period that was typed with too few digits; empty if it was not."""
+    period = function.system.states[index].period or 0.0
+    meant = meant_with_pi(period, lambda exact: not _compared(function, index, samples, size, exact)[1])
+    return meant and f"It is the same after {meant}: write period={meant}, with all digits."
+
+
 def _compared(
-    function: Traced, index: int, samples: Samples, size: Callable[[np.ndarray], Any]
+    function: Traced,
+    index: int,
+    samples: Samples,
+    size: Callable[[np.ndarray], Any],
+    after: float | None = None,
 ) -> tuple[int, str]:
-    """At how many states a function was compared with itself a period later, and what differs at one."""
+    """At how many states a function was compared with itself a period later, and what differs at one.
+
+    `after` is another period than the declared one.
+    """
     if index not in function.existing or not _reads(function, index):
         return 0, ""
-    compared, period = 0, function.system.states[index].period or 0.0
+    compared, period = 0, after or function.system.states[index].period or 0.0
     for t, x in zip(samples.times, samples.states, strict=True):
         x = function.given(x)
         later = x.copy()
@@ -112,7 +132,8 @@ def _compared(
         if (apart > allowed).any():
             i = int(np.argmax(apart - allowed))
             entry = function.form.entry(i) if function.form.argument else "its value"
-            return compared, f"{entry} is {now[i]:.6g} at {function.system.state_names[index]} = " + (
-                f"{x[index]:.4g} and {then[i]:.6g} a period later"
+            values = told_apart(float(now[i]), float(then[i]))
+            return compared, f"{entry} is {values[0]} at {function.system.state_names[index]} = " + (
+                f"{x[index]:.4g} and {values[1]} a period later"
             )
     return compared, ""

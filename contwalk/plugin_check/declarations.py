@@ -12,6 +12,7 @@ import numpy as np
 from contwalk.errors import ContwalkError, StartError
 from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import Tracer, trace
+from contwalk.plugin_check.digits import told_apart
 from contwalk.plugin_check.findings import NOWHERE, Place, Report, place_of, place_of_error, split_place
 from contwalk.plugin_check.samples import Samples
 from contwalk.plugin_check.traced import AGAIN, Traced, number_form, traced
@@ -188,9 +189,10 @@ def _repeats_not(field: Traced, samples: Samples, values: list[float], period: f
         allowed = 1e3 * np.finfo(float).eps * (rounding + slope * (t + period) + np.abs(now))
         if np.isfinite(now).all() and np.isfinite(later).all() and (np.abs(later - now) > allowed).any():
             i = int(np.argmax(np.abs(later - now) - allowed))
+            one, other = told_apart(float(now[i]), float(later[i]))
             return (
-                f"It does not repeat after period(p) = {period:.6g}: {_entry(field, i)} is "
-                f"{now[i]:.10g} at t = {t:.4g} and {later[i]:.10g} a period later"
+                f"It does not repeat after period(p) = {period:.10g}: {_entry(field, i)} is "
+                f"{one} at t = {t:.4g} and {other} a period later"
             )
     return ""
 

@@ -1005,6 +1005,24 @@ WRONG: dict[str, Wrong] = {
         "def turn",
         ("period=2.0 * math.pi", "period=360.0"),
     ),
+    "angle whose period was typed": _refused(
+        ROTOR,
+        "It is the same after 2 * math.pi: write period=2 * math.pi, with all digits.",
+        "def turn",
+        ("period=2.0 * math.pi", "period=6.283"),
+    ),
+    "angle whose period of half a turn was typed": _refused(
+        ROTOR,
+        "It is the same after math.pi: write period=math.pi, with all digits.",
+        "def turn",
+        ("period=2.0 * math.pi", "period=3.1415927"),
+    ),
+    "angle whose period was typed with ten digits": _refused(
+        ROTOR,
+        "dx[1] (state rate) is 0.7207464767 at angle = 0.3597 and 0.7207464769 a period later",
+        "def turn",
+        ("period=2.0 * math.pi", "period=6.283185307"),
+    ),
     "angle of a guard that happens once": _found(
         ROTOR,
         "warning",
