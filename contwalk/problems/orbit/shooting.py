@@ -377,8 +377,8 @@ def _refuse_steep_event(path: flow.Path, passage: Passage, values: np.ndarray) -
     raise NotFinite(
         # By how little is not said: steps end before the pole, and guesses of the duration beyond it.
         f"The motion ceases to exist right after '{transition.name}', as a spike does that runs to a pole: "
-        "so near to it the event's instant is not known well enough. Let the guard act earlier on the way up, "
-        "and the reset stand for the rest of it.",
+        "so near to it the event's instant is not known well enough. "
+        "Let the guard act earlier on the way up, and the reset stand for the rest of it.",
         "Start elsewhere, or mend the plugin.",
     )
 
