@@ -49,6 +49,11 @@ def choices_of(program: Program) -> tuple[int, ...]:
     return tuple(n for n in ancestors(graph, roots(program.tree)) if graph.nodes[n][0] in CHOICES)
 
 
+def may_jump(program: Program) -> bool:
+    """Whether a value of a program may jump, and not only its slopes."""
+    return any(program.graph.nodes[node][0] not in CONTINUOUS for node in choices_of(program))
+
+
 class Switching:
     """A program that is smooth by pieces.
 

@@ -191,7 +191,7 @@ def _map(
         return next(iter(functions)), NO_LINE
 
     switching = Switching(program, [("x", i) for i in range(len(system.states))], ("t", 0))
-    return EndMap(switching, acts, acts, evaluate, np.abs(places).max(axis=0)[:-1], blame)
+    return EndMap(switching, acts, acts, evaluate, np.abs(places).max(axis=0)[:-1], blame, not acts)
 
 
 def _pieces(

@@ -34,8 +34,10 @@ class EndMap:
         Of the state after the event and, where there is a guard, of that as the last output.
     guarded : bool
     acts : bool
-        Whether the motion depends on it. What is only told (a condition, say) matters where it jumps through
-        zero.
+        Whether the motion depends on it.
+    through_zero : bool
+        Whether it matters only where it jumps through zero: what is told (a condition, say), and guards of
+        other events.
     evaluate : callable
         Inputs of the program at places, shape (k, m): the states come first.
     sizes : ndarray
@@ -50,6 +52,7 @@ class EndMap:
     evaluate: Callable[[np.ndarray], Inputs]
     sizes: np.ndarray
     blame: Callable[[np.ndarray, np.ndarray], tuple[str, str]]
+    through_zero: bool = False
 
 
 @dataclass(frozen=True)
@@ -85,6 +88,12 @@ def on_a_jump(event: EndMap, at: np.ndarray, moving: np.ndarray) -> Kink | None:
     return next((kink for kink in kinks if kink.order == 0), None)
 
 
+def through_zero(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """Whether numbers jump through zero, or onto it, by what they are on either side of one place."""
+    apart = np.abs(before - after) > JUMPS[0] * np.maximum(np.abs(before), np.abs(after))
+    return np.asarray(apart & (before * after <= 0.0))
+
+
 def _straight(event: EndMap, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> Course:
     """The way from a to b, looked at as a motion is."""
 
@@ -103,12 +112,11 @@ def _told(event: EndMap, places: np.ndarray) -> Kink | None:
     before, after = (_single(event, place) for place in places)
     along = directions(switching, before, event.sizes)
     one, other = switching.beside(before, before, after, along)
-    if not event.acts:
-        apart = np.abs(one[0] - other[0]) > JUMPS[0] * np.maximum(np.abs(one[0]), np.abs(other[0]))
-        if not np.any(apart & (one[0] * other[0] <= 0.0)):
+    if event.through_zero:
+        if not np.any(through_zero(one[0], other[0])):
             return None
         of, where = event.blame(*places)
-        return Kink(0, where, of=of, acts=False)
+        return Kink(0, where, of=of, acts=event.acts, through_zero=True)
     if not (np.all(np.isfinite(one[:2])) and np.all(np.isfinite(other[:2]))):
         return None
     level = np.max(np.abs([*one[:2], *other[:2]]), axis=0)

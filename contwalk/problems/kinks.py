@@ -45,7 +45,8 @@ class Kink:
     """A crossing of such a place: the lowest derivative that jumps, and the plugin's line.
 
     `moves`: whether the instant depends on the unknowns. `of`: what jumps there, if not the field: a guard or
-    a reset, at the states of its own event; or, where nothing `acts` by it, what is told of the motion there.
+    a reset, at the states of its own event; or what matters only where it jumps `through_zero`: a guard of
+    another event, which `acts`, or what is told of the motion there.
     """
 
     order: int
@@ -53,6 +54,7 @@ class Kink:
     moves: bool = True
     of: str = ""
     acts: bool = True
+    through_zero: bool = False
 
     @property
     def refused(self) -> bool:
@@ -116,6 +118,12 @@ def refuse(kinks: tuple[Kink, ...]) -> None:
 
 def refusal(kink: Kink) -> NotSmooth:
     """Why orbits do not go on beyond a jump."""
+    if kink.through_zero:
+        return NotSmooth(
+            f"Away from its event {kink.of} jumps through zero: {kink.where}. The event happens there, or "
+            "ceases to, without a number that passes zero, which orbits are equations of. Return one that "
+            "passes zero evenly, as a distance does."
+        )
     if kink.of:
         return NotSmooth(
             f"At its event {kink.of} jumps: {kink.where}. Orbits beyond are not near to "

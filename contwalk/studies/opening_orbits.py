@@ -18,6 +18,7 @@ from contwalk.flow.hybrid.going_through import going_through
 from contwalk.flow.hybrid.machine import HybridMachine, hybrid_machine
 from contwalk.problems.conserving import with_own_values
 from contwalk.problems.hybrid.families import broken_by_events
+from contwalk.problems.hybrid.hopping import hops
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.lap import Lap
 from contwalk.problems.hybrid.least import least, unused_symmetries
@@ -271,16 +272,18 @@ def _hybrid(
             state = begin(problem, z, settings)
     except StartError as error:
         found = _one_of_a_family_near(problem, z)
-        return found or outcomes.refused(f"{error.sentence} (word: {word})", error.remedy)
+        sentence = _with_hops(problem, z, f"{error.sentence} (word: {word})")
+        return found or outcomes.refused(sentence, error.remedy)
     if not isinstance(state, ContinuationState):
         refuse(kinks_along(problem, z))
-        return _not_alone(problem, z, state) or outcomes.no_start(
-            state.reason, f"{state.sentence} (word: {word})", "a periodic orbit"
-        )
+        sentence = f"{state.sentence} (word: {word})"
+        if state.reason == "no_convergence":
+            sentence = _with_hops(problem, z, sentence)
+        return _not_alone(problem, z, state) or outcomes.no_start(state.reason, sentence, "a periodic orbit")
     problem, _ = equations_at(problem, state.sample.z)
     collapsed = collapsed_event(problem, state.sample.z)
     if collapsed:
-        return _family(problem, z) or _collapsed(problem, state.sample.z, collapsed, word)
+        return _family(problem, z) or _collapsed(problem, state.sample.z, collapsed, word, hops(problem, z))
     if is_one_of_a_family(problem, state.sample.z):
         return _family(problem, z) or _one_of_many()
     if name := off_its_value(problem, state.sample):
@@ -309,6 +312,11 @@ def _hybrid(
         names = ", ".join(f"'{name}'" for name in dict.fromkeys(lost))
         message = f"{message} The first orbit is not admissible: {names}.".strip()
     return Opening(adapted, ContinuationState(sample, state.s, state.step), message)
+
+
+def _with_hops(problem: HybridOrbit, z: np.ndarray, sentence: str) -> str:
+    """Why a start does not converge, with the plugin's line of what jumps on the way."""
+    return f"{sentence} {hops(problem, z)}".strip()
 
 
 def _not_alone(problem: HybridOrbit | PeriodicOrbit, z: np.ndarray, failure: Correction) -> Outcome | None:
@@ -376,20 +384,24 @@ def _hybrid_places(problem: HybridOrbit) -> Places:
     return Places(unknowns, {last.start + k: names[state] for k, state in enumerate(first)})
 
 
-def _collapsed(problem: HybridOrbit, z: np.ndarray, event: str, word: str) -> Outcome:
-    """Two events follow each other in no time: two that coincide, or one and a spurious zero after it."""
+def _collapsed(problem: HybridOrbit, z: np.ndarray, event: str, word: str, hopped: str) -> Outcome:
+    """Two events follow each other in no time: two that coincide, or one and a spurious zero after it.
+
+    `hopped`: what jumps on Newton's way there, in a sentence.
+    """
     legs = [i for i, leg in enumerate(problem.word.legs) if leg.name == event and not leg.collapsed]
     shortest = min(legs, key=lambda i: float(z[problem.layout.durations][i]))
     before = problem.word.leading_in(problem.system, shortest)
     if before == event:
         return outcomes.no_start(
             "no_convergence",
-            f"The correction lets the leg before '{event}' shrink to nothing (word: {word}).",
+            f"The correction lets the leg before '{event}' shrink to nothing (word: {word}). "
+            f"{hopped}".strip(),
             "a periodic orbit",
         )
     return outcomes.refused(
         f"'{before}' and '{event}' happen at once (word: {word}): which one comes first changes along a "
-        "branch there, and its equations hold on one side only.",
+        f"branch there, and its equations hold on one side only. {hopped}".strip(),
         "Begin at another value of a parameter, at which one comes before the other.",
     )
 

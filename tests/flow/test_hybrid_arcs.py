@@ -626,3 +626,25 @@ def test_a_quotient_that_is_zero_by_zero_just_where_an_event_happens_is_named_wi
     line = start + next(i for i, text in enumerate(lines) if "0/0" in text)
     assert (first.transition, first.status) == ("shut", "not_finite")
     assert f"test_hybrid_arcs.py, line {line}: " in first.reason
+
+
+def test_a_guard_that_keeps_steps_short_by_its_jump_is_named_with_its_line():
+    """A stop that is there for one way of the velocity only: the block comes to rest at its edge."""
+
+    def slides(t, x, p, dx):
+        dx[0], dx[1] = x[1], -0.3
+
+    def stop(t, x, p):
+        return 1.0 - x[0] if x[1] > 0.0 or x[0] > 0.7 else -1.0  # jumps
+
+    def rebound(t, x, p, x_plus):
+        x_plus[0], x_plus[1] = x[0], -0.6 * x[1]
+
+    hit = Transition("hit", "on", "on", stop, "falling", reset=rebound)
+    mover = machine(System("edge", (State("x"), State("v")), (), (Mode("on", slides),), (hit,)))
+    last = run(mover, [0.8, 0.1], 5.0)[-1]
+    lines, start = inspect.getsourcelines(stop)
+    line = start + next(i for i, text in enumerate(lines) if "jumps" in text)
+    assert last.status == "too_many_steps"
+    assert "guard of transition 'hit' is smooth by pieces only" in last.reason
+    assert f"test_hybrid_arcs.py, line {line} (a comparison)" in last.reason

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from contwalk.fields.blame import first_nearly_singular, first_not_finite
+from contwalk.errors import NO_LINE
+from contwalk.fields.blame import first_nearly_singular, first_not_finite, first_switched
 from contwalk.fields.rebind import rebound
 from contwalk.flow.hybrid.event_integrator import METHOD
 from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow
@@ -20,6 +22,8 @@ from contwalk.system import System, Transition
 SHARES = tuple(10.0**k for k in range(-12, -2))
 # Newton's steps onto a guard.
 TRIALS = 20
+# The last steps of a motion, and how much longer the next one is made, to see what keeps them short.
+LATELY, FURTHER = 40, (1e2, 1e4, 1e6)
 
 
 def line_without_value(
@@ -114,6 +118,32 @@ def nearly_singular(machine: HybridMachine, mode: str, t: float, x: np.ndarray) 
     function = machine.system.mode(mode).field
     found = first_nearly_singular(function, t, np.asarray(x, dtype=float).tolist(), known)
     return "" if found is None else f" The field of mode '{mode}': {found}."
+
+
+def what_jumps(machine: HybridMachine, segment: MotionSegment) -> str:
+    """` The NAME chooses otherwise there: file, line n (what).` of what keeps the last steps short.
+
+    The field of the segment's mode, or a guard out of it; empty if all are on one smooth piece.
+    """
+    functions = functions_of(machine.system, segment.mode)
+    known = {**machine.parameters, **machine.system.mode(segment.mode).constants}
+    places = list(zip(segment.times[-LATELY:].tolist(), segment.states[-LATELY:].tolist(), strict=True))
+    places += _ahead(machine, segment)
+    for name, function in functions.items():
+        for before, after in pairwise(places):
+            where = first_switched(function, before, after, known)
+            if where != NO_LINE:
+                return f" The {name} is smooth by pieces only, and chooses another one there: {where}."
+    return ""
+
+
+def _ahead(machine: HybridMachine, segment: MotionSegment) -> Iterator[tuple[float, list[float]]]:
+    """Where the last step leads if it is far longer: short steps may not come to what keeps them short."""
+    flow = machine.mode(segment.mode)
+    t, y = float(segment.times[-1]), segment.states[-1][flow.states]
+    rate, last = flow.field(t, y, flow.c), t - float(segment.times[-2])
+    for further in FURTHER:
+        yield t + further * last, machine.full(segment.mode, y + further * last * rate).tolist()
 
 
 @dataclass(frozen=True, eq=False)

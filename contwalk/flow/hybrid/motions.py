@@ -15,7 +15,13 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.flow.events.guard import EPSILON
-from contwalk.flow.hybrid.blaming import just_beyond, nearly_singular, why_not_finite, why_not_reached
+from contwalk.flow.hybrid.blaming import (
+    just_beyond,
+    nearly_singular,
+    what_jumps,
+    why_not_finite,
+    why_not_reached,
+)
 from contwalk.flow.hybrid.chatter import Pace, Verdict
 from contwalk.flow.hybrid.clocks import Clocks
 from contwalk.flow.hybrid.event_integrator import METHOD
@@ -91,6 +97,7 @@ def motion_segments(
         if not ends and steps >= most_steps:
             reason = f"A segment in mode '{part.mode}' has taken {steps} steps and met no transition."
             reason += nearly_singular(machine, part.mode, float(part.times[-1]), part.states[-1])
+            reason += what_jumps(machine, part)
             yield replace(_joined(collected), status="too_many_steps", reason=reason)
             return
         if ends:

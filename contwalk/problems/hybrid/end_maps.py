@@ -92,6 +92,7 @@ def map_at(
     *,
     guarded: bool = False,
     acts: bool = True,
+    through_zero: bool = False,
     share: float = 1.0,
 ) -> EndMap:
     """What is computed at an instant 0..1 of a leg, by a program made of a plugin's functions."""
@@ -116,7 +117,7 @@ def map_at(
         return f"what happens at '{passage.leg.name}'", NO_LINE
 
     sizes = problem.mesh.magnitudes[list(passage.states)]
-    return EndMap(switching, guarded, acts, evaluate, sizes, blame)
+    return EndMap(switching, guarded, acts, evaluate, sizes, blame, through_zero)
 
 
 def functions_at_end(passage: Passage) -> list[tuple[str, Written]]:

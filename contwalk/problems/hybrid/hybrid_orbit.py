@@ -330,12 +330,12 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         )
 
     def kinks_at_events(self, z: np.ndarray) -> tuple[Kink, ...]:
-        """Jumps of guards and resets that events lie on."""
-        return end_maps.lying(self, z)
+        """Jumps of guards and resets that events lie on, and of guards through zero on the way."""
+        return *end_maps.lying(self, z), *jumping_limits.along(self, z)
 
     def passed_at_events(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
-        """Jumps of guards and resets, and of their slopes, that events pass between two orbits; of what is
-        only told, jumps through zero.
+        """Jumps of guards and resets, and of their slopes, that events pass between two orbits; of other
+        guards and of what is only told, jumps through zero.
         """
         return *end_maps.passed(self, a, b), *jumping_limits.passed(self, a, b)
 

@@ -1,7 +1,8 @@
-"""Conditions, and watched guards at the ends of legs, that jump through zero between two orbits.
+"""Conditions, and guards away from their own event, that jump through zero: between two orbits, and on one.
 
-The motion goes on as if nothing had been; but `admissible` changes, and no special point is there: the
-equations by which a limit is located have no solution.
+The equations by which a limit is located have no solution there. Of what is only told the motion goes on as
+if nothing had been, but `admissible` changes, and no special point is there. Where the guard of a transition
+that acts jumps, its event happens, or ceases to, and no equation tells it.
 """
 
 from __future__ import annotations
@@ -11,24 +12,30 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contwalk.errors import NotFinite, PluginError
-from contwalk.fields.switching import Switching
-from contwalk.problems.event_kinks import Met, between
+from contwalk.errors import NO_LINE, NotFinite, PluginError
+from contwalk.fields.blame import first_switched
+from contwalk.fields.switching import Inputs, Switching
+from contwalk.problems.event_kinks import Met, between, through_zero
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.end_maps import Written, after, functions_at_end, map_at, place_of, written
 from contwalk.problems.hybrid.view import LegView
+from contwalk.problems.kinks import AT_END, Course, Kink, differ, directions, inputs, located
 from contwalk.problems.orbit.passage import Passage
-from contwalk.system import Condition
+from contwalk.system import Condition, Transition
+
+# A guard within this part of its size is zero.
+ROUNDED = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class _Told:
-    """A number that is smooth by pieces only: a condition, or a guard by its place out of the mode."""
+    """A number that may jump: a condition, or a guard by its place out of the mode."""
 
     name: str
     switching: Switching
     function: Written
     of: Condition | int
+    acts: bool = False
 
     def values(self, view: LegView) -> tuple[float, float]:
         """Where its leg starts and where it ends; of a condition, which has one place, twice the same."""
@@ -38,8 +45,11 @@ class _Told:
         return ends[0][0], ends[-1][0]
 
 
+# -- between two orbits ------------------------------------------------------------------------------------
+
+
 def passed(problem: DiscretizedOrbit, a: np.ndarray, b: np.ndarray) -> tuple[Met, ...]:
-    """What jumps through zero on the way from one orbit to another.
+    """What jumps through zero on the way from one orbit to another, at the ends of legs.
 
     Legs of soft transitions, which may come and go, are compared only where both orbits have the same ones.
     """
@@ -47,9 +57,14 @@ def passed(problem: DiscretizedOrbit, a: np.ndarray, b: np.ndarray) -> tuple[Met
         return ()
     try:
         views = [problem.view(z) for z in (a, b)]
-        return tuple(met for pair in _alike(*views) for met in _on_leg(problem, *pair))
+        found = tuple(met for pair in _alike(*views) for met in _on_leg(problem, *pair))
     except (NotFinite, PluginError, np.linalg.LinAlgError):
         return ()
+    if not any(met.kink.acts for met in found):
+        return found
+    # A guard that is armed again by its jump, as a sawtooth of the time is, changes nothing.
+    changes = problem.admissible_at(a) != problem.admissible_at(b)
+    return tuple(met for met in found if changes or not met.kink.acts)
 
 
 def _alike(before: tuple[LegView, ...], later: tuple[LegView, ...]) -> Iterator[tuple[LegView, LegView]]:
@@ -70,14 +85,15 @@ def _on_leg(problem: DiscretizedOrbit, one: LegView, other: LegView) -> Iterator
                 passage,
                 told.switching,
                 [(told.name, told.function)],
-                acts=False,
+                acts=told.acts,
+                through_zero=True,
                 share=float(share),
             )
             yield from between(event, place_of(one, start=start), place_of(other, start=start))
 
 
 def _told_on(passage: Passage) -> Iterator[_Told]:
-    """Conditions at the end of a leg, and what is watched on one that an event ends."""
+    """Conditions at the end of a leg, and guards that do not end it."""
     mapped = functions_at_end(passage)[1:]
     for condition in passage.conditions:
         found = passage.switching_of(f"condition {condition.name}", condition.function, condition.side)
@@ -86,10 +102,89 @@ def _told_on(passage: Passage) -> Iterator[_Told]:
             if condition.side == "after" and mapped:
                 function = after(function, mapped[-1][1])
             yield _Told(f"condition '{condition.name}'", found, function, condition)
-    if passage.leg.transition is None or passage.leg.collapsed:
+    if not passage.leg.collapsed:
+        yield from (told for own, told in _guards_on(passage) if own != passage.leg.transition)
+
+
+def _guards_on(passage: Passage) -> Iterator[tuple[Transition, _Told]]:
+    """The guards out of a leg's mode that may jump."""
+    if not passage.guards_jump:
         return
-    for place, other in enumerate(passage.leaving):
-        if other.role == "watched":
-            found = passage.switching_of(f"guard {other.name}", other.guard)
-            if found is not None:
-                yield _Told(f"the guard of transition '{other.name}'", found, written(other.guard), place)
+    for place, own in enumerate(passage.leaving):
+        found = passage.switching_of(f"guard {own.name}", own.guard)
+        if found is not None and found.jumps(range(len(found.choices))):
+            name, function = f"the guard of transition '{own.name}'", written(own.guard)
+            yield own, _Told(name, found, function, place, own.role != "watched")
+
+
+# -- on the way of one orbit -------------------------------------------------------------------------------
+
+
+def along(problem: DiscretizedOrbit, z: np.ndarray) -> tuple[Kink, ...]:
+    """Guards that jump through zero on the way of an orbit: where their event happens, or after it has."""
+    if not any(passage.guards_jump for passage in problem.passages):
+        return ()
+    return tuple(dict.fromkeys(kink for view in problem.view(z) for kink in _along_leg(problem, view, z)))
+
+
+def _along_leg(problem: DiscretizedOrbit, view: LegView, z: np.ndarray) -> Iterator[Kink]:
+    passage = view.piece.passage
+    if not view.duration > 0.0:
+        return
+    for own, told in _guards_on(passage):
+        course = _course(problem, view, told, z)
+        sides = course.sides(course.times, course.states)
+        for k in np.flatnonzero(np.any(differ(sides[:-1], sides[1:]), axis=1)).tolist():
+            low, high = located(course, k)
+            if low <= AT_END or high >= 1.0 - AT_END:
+                continue
+            values = _beside(course, low, high)
+            if _happens(own, *values) or (
+                through_zero(*values) and _has_been_before(own, course, k, float(values[0]))
+            ):
+                states = course.at(np.array([low, high]))
+                where = course.where((low, states[0]), (high, states[1]))
+                yield Kink(0, where, of=told.name, acts=told.acts, through_zero=True)
+
+
+def _course(problem: DiscretizedOrbit, view: LegView, told: _Told, z: np.ndarray) -> Course:
+    """A leg, as one of its guards is looked at."""
+    passage, values = view.piece.passage, view.piece.values(view.scalars)
+    known = {**problem.values_of(z), **passage.system.mode(passage.leg.mode).constants}
+
+    def evaluate(times: np.ndarray, states: np.ndarray) -> Inputs:
+        return inputs(passage.groups, values, times, states)
+
+    def where(before: tuple[float, np.ndarray], after: tuple[float, np.ndarray]) -> str:
+        ends = [(view.start + view.duration * t, view.full(x).tolist()) for t, x in (before, after)]
+        found = first_switched(told.function, ends[0], ends[1], known)
+        return found if found != NO_LINE else told.name
+
+    return Course(told.switching, evaluate, view.times, view.states, view.at, where)
+
+
+def _beside(course: Course, low: float, high: float) -> tuple[np.ndarray, np.ndarray]:
+    """A guard on either side of a place at which it may jump, by what it is there on both pieces."""
+    times = np.array([low, high])
+    states = course.at(times)
+    before, later = (course.evaluate(times[k : k + 1], states[k : k + 1]) for k in range(2))
+    along_ = directions(course.switching, before, np.abs(course.states).max(axis=0))
+    one, other = course.switching.beside(before, before, later, along_)
+    return one[0, 0], other[0, 0]
+
+
+def _happens(transition: Transition, before: np.ndarray, later: np.ndarray) -> bool:
+    """Whether a jump from one value to another is its event."""
+    ways = {"falling": bool(before > later), "rising": bool(before < later)}
+    return bool(through_zero(before, later)) and ways.get(transition.direction, True)
+
+
+def _has_been_before(transition: Transition, course: Course, k: int, last: float) -> bool:
+    """Whether a guard that is past zero after sample k has been before its zero on the same leg.
+
+    It has passed it on the way: its event comes earlier, and the jump alone hides it.
+    """
+    values = course.switching.values(course.evaluate(course.times[: k + 1], course.states[: k + 1]))[:, 0]
+    size = max(float(np.nanmax(np.abs(values))), abs(last))
+    way = -1.0 if transition.direction == "rising" else 1.0
+    return bool(np.nanmax(way * values) > ROUNDED * size)

@@ -21,7 +21,7 @@ from contwalk.errors import SystemDefinitionError, UnsupportedOperation
 from contwalk.fields.blame import first_switched
 from contwalk.fields.derivative import directional
 from contwalk.fields.rebind import rebound
-from contwalk.fields.switching import Inputs, Switching, choices_of
+from contwalk.fields.switching import Inputs, Switching, choices_of, may_jump
 from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow import CompiledField, Field, Restricted
 from contwalk.flow.events.guard_derivatives import MOST_NODES
@@ -396,7 +396,15 @@ class Passage:
             time=("t", 0),
             outputs=2 * len(copies),
         )
-        return Watched(lambda: self.field(PLAIN), len(self.columns), map_)
+        return Watched(lambda: self.field(PLAIN), len(self.columns), map_, may_jump(program))
+
+    @cached_property
+    def guards_jump(self) -> bool:
+        """Whether a guard out of the mode may jump."""
+        try:
+            return self.guards().jumps
+        except UnsupportedOperation:  # together they compare too often; each is looked at by itself
+            return True
 
     @cached_property
     def leaving(self) -> tuple[Transition, ...]:

@@ -246,7 +246,7 @@ class Orbit(Problem, Meshed, Observed, Equivalence, Protocol):
         ...
 
     def kinks_at_events(self, z: np.ndarray) -> tuple[Kink, ...]:
-        """Jumps of guards and resets that events lie on."""
+        """Jumps of guards and resets that events lie on, and of guards through zero on the way."""
         ...
 
     def adapted_to(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> Any:

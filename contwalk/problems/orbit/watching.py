@@ -24,10 +24,15 @@ class Watched:
         Number of the leg's own scalars.
     map_ : Field
         Of the states and their rates, these after those.
+    jumps : bool
+        Whether one of them may jump.
     """
 
-    def __init__(self, field: Callable[[], CompiledField], columns: int, map_: Field) -> None:
+    def __init__(
+        self, field: Callable[[], CompiledField], columns: int, map_: Field, jumps: bool = False
+    ) -> None:
         self._field, self._columns, self._map = field, columns, map_
+        self.jumps = jumps
 
     def along(
         self, times: np.ndarray, states: np.ndarray, values: np.ndarray, rates: np.ndarray | None = None

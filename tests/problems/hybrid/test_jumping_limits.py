@@ -1,46 +1,16 @@
-"""Conditions and watched guards that jump through zero along a branch: told with their line, and passed."""
+"""Conditions and guards that jump through zero along a branch: told with their line.
+
+Those that only tell something are passed; where the guard of a transition that acts jumps, the branch ends.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+from block_machine import PLUGIN
 
 import contwalk as cw
 
-# A driven block between two stops, with what is declared of it put in.
-PLUGIN = """\
-import math
-import numpy as np
-from contwalk.system import Condition, Mode, Parameter, State, System, Transition
-
-def slide(t, x, p, dx):
-    dx[0] = x[1]
-    dx[1] = p.force * math.cos(t) - 0.2 * x[1] - 0.1 * x[0]
-
-def right(t, x, p):
-    return 1.0 - x[0]
-
-def left(t, x, p):
-    return 1.0 + x[0]
-
-def rebound(t, x, p, after):
-    after[0] = x[0]
-    after[1] = -0.6 * x[1]
-
-SYSTEM = System(
-    "block",
-    states=(State("x"), State("v")),
-    parameters=(Parameter("force", 1.0),),
-    modes=(Mode("only", slide),),
-    transitions=(
-        Transition("right", "only", "only", right, reset=rebound),
-        Transition("left", "only", "only", left, reset=rebound),
-        MORE
-    ),
-    conditions=(CONDITIONS),
-    period=lambda p: 2.0 * math.pi,
-)
-"""
 RUN = """\
 contwalk: 1
 system: ./block.py
@@ -119,6 +89,63 @@ def test_a_watched_guard_that_jumps_through_zero_at_an_event_is_told(tmp_path):
     assert not np.array_equal(branch["admissible"], np.full(len(branch), branch["admissible"][0]))
     assert "the guard of transition 'near' jumps through zero" in told
     assert f"block.py, line {line} (a comparison)" in told
+
+
+JUMPING = [
+    "(3.0 if x[1] < 1.45 else -3.0) - x[0]",  # in the middle of legs
+    "(3.0 if p.force < 1.05 or x[0] < 0.999 else -3.0) - x[0]",  # right before they end
+    "(3.0 if p.force < 1.05 or x[1] > 0.0 else -3.0) - x[0]",  # right after they begin
+    "(3.0 if p.force < 1.05 or math.sin(t) > 0.5 else -3.0) - x[0]",  # at an instant
+]
+
+
+@pytest.mark.parametrize("guard", JUMPING)
+def test_the_guard_of_another_transition_that_jumps_through_zero_ends_the_branch(tmp_path, guard):
+    branch, told, line = study(tmp_path, more=watched(guard).replace("role='watched'", "reset=rebound"))
+    assert told == []
+    assert (branch.outcome.status, branch.outcome.reason) == ("failed", "plugin_error")
+    assert "the guard of transition 'near' jumps through zero" in branch.outcome.message
+    assert f"block.py, line {line} (a comparison)" in branch.outcome.message
+    assert branch["admissible"].all()
+    if "p.force" in guard:
+        assert 0.0 < 1.05 - branch["force"].max() < 1e-7
+
+
+@pytest.mark.parametrize("guard", JUMPING)
+def test_a_watched_guard_that_jumps_through_zero_on_a_leg_is_told(tmp_path, guard):
+    branch, (told,), line = study(tmp_path, more=watched(guard))
+    assert branch.outcome.reason == "bound"
+    assert not branch["admissible"].all()
+    assert "the guard of transition 'near' jumps through zero" in told
+    assert f"block.py, line {line} (a comparison)" in told
+
+
+@pytest.mark.parametrize(
+    "guard",
+    [
+        "(3.0 if x[1] < 1.45 else 5.0) - x[0]",  # not through zero
+        "(t / (2.0 * math.pi) + 0.3) % 1.0 - 2.0",  # a sawtooth that does not come to zero
+        "3.0 - max(x[0], 2.0 * x[0])",  # no jump
+        "(3.0 if p.force < 1.05 else -9.0) - x[0]",  # never above zero beyond: its event cannot happen
+    ],
+)
+def test_guards_of_other_transitions_that_jump_otherwise_end_nothing(tmp_path, guard):
+    branch, told, _ = study(tmp_path, more=watched(guard).replace("role='watched'", "reset=rebound"))
+    assert branch.outcome.reason == "bound"
+    assert told == []
+    assert branch["admissible"].all()
+
+
+def test_a_guard_that_is_armed_again_by_its_own_jump_hides_no_event(tmp_path):
+    """A stop that is declared for one way of the velocity only: where it is touched, it jumps."""
+    source = PLUGIN.replace("CONDITIONS", "").replace("MORE", "")
+    source = source.replace("return 1.0 - x[0]", "return 1.0 - x[0] if x[1] > 0.0 else 1.0")
+    (tmp_path / "block.py").write_text(source)
+    (tmp_path / "run.yaml").write_text(RUN)
+    branch, _ = walked(tmp_path, overrides=["continue.range=[1.0, 1.6]"])
+    assert branch.outcome.reason == "plugin_error"
+    assert "the guard of transition 'right' jumps through zero" in branch.outcome.message
+    assert branch["force"].max() == pytest.approx(1.2170636, abs=1e-6)  # its grazing, were it smooth
 
 
 def test_what_is_told_is_the_same_after_resuming(tmp_path):
