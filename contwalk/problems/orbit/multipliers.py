@@ -132,7 +132,8 @@ def multipliers(
     sizes = [max(float(np.linalg.norm(factor, 2)), LEAST) for factor in scaled]
     begin = [directions / magnitudes[:, None] for directions in neutral]
     end = begin[1:] + begin[:1] if arriving is None else [ends / magnitudes[:, None] for ends in arriving]
-    quotients = _quotients(scaled, begin, end)
+    bases = [complement(directions) for directions in begin] if begin[0].shape[1] else []
+    quotients = _quotients(scaled, bases, end)
     if not len(quotients[0]):
         return Multipliers(np.zeros(0, dtype=complex), np.zeros(0), 0.0)
     values, errors = _eigenvalues(quotients, sizes)
@@ -140,7 +141,7 @@ def multipliers(
     accuracy = float(errors[0] * coarser)
     leak = np.zeros(len(values))
     if arriving is not None and neutral[0].shape[1]:
-        leak = _leak(scaled, begin, end, quotients, values, gradients)
+        leak = _leak(scaled, begin, end, bases, quotients, values, gradients)
     lost = leak > UNKNOWN * np.abs(values)
     found = Multipliers(
         values, np.where(lost, np.maximum(errors, leak / UNKNOWN), errors), max(accuracy, float(leak[0]))
@@ -233,13 +234,15 @@ def _eigenvalues(quotients: Sequence[np.ndarray], sizes: Sequence[float]) -> tup
 
 
 def _quotients(
-    factors: Sequence[np.ndarray], begin: Sequence[np.ndarray], end: Sequence[np.ndarray]
+    factors: Sequence[np.ndarray], bases: Sequence[np.ndarray], end: Sequence[np.ndarray]
 ) -> list[np.ndarray]:
-    """Each factor between the quotient spaces at its ends, in the orthonormal bases of the starts."""
-    if not begin[0].shape[1]:
+    """Each factor between the quotient spaces at its ends, in orthonormal bases of those at the starts.
+
+    Without bases nothing is left out.
+    """
+    if not bases:
         return list(factors)
-    bases, m = [complement(directions) for directions in begin], len(factors)
-    result = []
+    m, result = len(factors), []
     for i, factor in enumerate(factors):
         moved = factor @ bases[i]
         directions, _ = np.linalg.qr(end[i])
@@ -251,6 +254,7 @@ def _leak(
     factors: Sequence[np.ndarray],
     begin: Sequence[np.ndarray],
     end: Sequence[np.ndarray],
+    bases: Sequence[np.ndarray],
     quotients: Sequence[np.ndarray],
     values: np.ndarray,
     gradients: int,
@@ -269,15 +273,16 @@ def _leak(
     ]
     if not all(np.all(np.any(directions, axis=0)) for directions in carried):
         return np.zeros(len(values))
-    others = _quotients(factors, begin, carried)
+    others = _quotients(factors, bases, carried)
     changes = [
         float(np.linalg.norm(a - b)) / max(float(np.linalg.norm(a)), LEAST)
         for a, b in zip(quotients, others, strict=True)
     ]
     if len(factors) > 1 and sum(changes) < LITTLE:
         return sum(changes) * np.abs(values)
-    found, _ = _eigenvalues(others, [1.0] * len(others))
-    return np.abs(np.abs(values) - np.abs(found))
+    # Of one factor without vectors, which take longer than the eigenvalues.
+    found = product_eigenvalues(others) if len(others) == 1 else _product(others, [1.0] * len(others))[0]
+    return np.abs(np.abs(values) - np.sort(np.abs(found))[::-1])
 
 
 def _single(matrix: np.ndarray, size: float) -> tuple[np.ndarray, np.ndarray]:

@@ -130,3 +130,35 @@ def test_a_multiplier_with_a_small_error_is_known_with_it():
     assert 0.99e-3 <= found.accuracy <= 0.1
     assert found.errors[0] <= 1e-9
     assert found.unstable(0) == 1
+
+
+@pytest.mark.parametrize("segments", [1, 3])
+def test_what_steps_leak_into_the_flow_is_told_and_costs_no_second_set_of_eigenvectors(segments, monkeypatch):
+    """Moduli of the quotient by what factors carry along, instead of by what is there: of plain matrices."""
+    asked = []
+    monkeypatch.setattr(np.linalg, "eig", lambda m, plain=np.linalg.eig: asked.append(1) or plain(m))
+    random = np.random.default_rng(segments)
+    flows = [random.standard_normal((3, 1)) for _ in range(segments)]
+    ahead = flows[1:] + flows[:1]
+    factors = []
+    for here, there in zip(flows, ahead, strict=True):
+        rest = 0.4 * random.standard_normal((3, 3))
+        carried = there + 1e-3 * random.standard_normal((3, 1))  # the gap of coarse steps
+        onto = here.T / (here.T @ here)
+        factors.append(rest @ (np.eye(3) - here @ onto) + carried @ onto)
+    found = multipliers(factors, flows, ONE, 1e-12, arriving=ahead)
+    assert len(asked) <= 1
+
+    def moduli(ends):
+        bases = [np.linalg.svd(flow)[0][:, 1:] for flow in flows]
+        product = np.eye(2)
+        for k, factor in enumerate(factors):
+            unit = ends[k] / np.linalg.norm(ends[k])
+            across = (np.eye(3) - unit @ unit.T) @ factor @ bases[k]
+            product = bases[(k + 1) % segments].T @ across @ product
+        return np.sort(np.abs(np.linalg.eigvals(product)))[::-1]
+
+    exact = moduli(ahead)
+    np.testing.assert_allclose(np.abs(found.values), exact, rtol=1e-9)
+    leak = np.abs(exact - moduli([factor @ flow for factor, flow in zip(factors, flows, strict=True)]))
+    assert found.accuracy == pytest.approx(leak[0], rel=1e-6)
