@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from contwalk.branch import Branch
-    from contwalk.storage import Database, Hdf5Database
+    from contwalk.storage import Database, FileDatabase
 
 
 @click.command("show")
@@ -65,7 +65,7 @@ def _keep_point(entry: dict[str, Any], index: int, name: str | None) -> None:
         entry["points"] = entry["points"][index : index + 1]
 
 
-def _print_text(database: Hdf5Database, branch_name: str, point_name: str, points: bool, trust: bool) -> None:
+def _print_text(database: FileDatabase, branch_name: str, point_name: str, points: bool, trust: bool) -> None:
     from contwalk.cli.summary import print_branches, print_notes
     from contwalk.cli.terminal import console
 
@@ -85,7 +85,7 @@ def _print_text(database: Hdf5Database, branch_name: str, point_name: str, point
 
 
 def _print_point(
-    out: Console, database: Hdf5Database, branch_name: str, point_name: str, trust: bool
+    out: Console, database: FileDatabase, branch_name: str, point_name: str, trust: bool
 ) -> None:
     from contwalk.cli.point_page import print_row, print_special, row_of, special_of
 

@@ -11,7 +11,7 @@ from contwalk.errors import ContwalkError
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from contwalk.storage import Hdf5Database
+    from contwalk.storage import FileDatabase
     from contwalk.system import System
 
 
@@ -22,7 +22,7 @@ def trust_option(command: Callable[..., Any]) -> Callable[..., Any]:
     )(command)
 
 
-def required_system(database: Hdf5Database, trust: bool) -> System:
+def required_system(database: FileDatabase, trust: bool) -> System:
     """The system of a run.
 
     Raises
@@ -38,7 +38,7 @@ def required_system(database: Hdf5Database, trust: bool) -> System:
     return stored.system
 
 
-def optional_system(database: Hdf5Database, trust: bool, needed_for: str) -> System | None:
+def optional_system(database: FileDatabase, trust: bool, needed_for: str) -> System | None:
     """The same; where it cannot be had, what is not shown is said on stderr."""
     from contwalk.cli.entry import say
 
@@ -49,7 +49,7 @@ def optional_system(database: Hdf5Database, trust: bool, needed_for: str) -> Sys
         return None
 
 
-def units_of_run(database: Hdf5Database, trust: bool) -> Mapping[str, str]:
+def units_of_run(database: FileDatabase, trust: bool) -> Mapping[str, str]:
     """Units by name: as stored, or else the system's."""
     from contwalk.plotting.quantities import units_of
 

@@ -3,7 +3,8 @@
 Rules of the contract
 ---------------------
 1. A database holds one run: its `RunHeader`, its branches in the order of their creation, and its notes.
-   `Hdf5Database` (a file) and `MemoryDatabase` obey the same `Database` protocol; every test runs over both.
+   `Hdf5Database` (a file) and `MemoryDatabase` obey the same `Database` protocol; every test runs over both,
+   and over the one of the page that says how another is added.
 2. `start_branch`, `append`, `append_special`, `finish` and `write_note` are on disk when they return.
 3. A record is stored complete or not at all. What a kill leaves half-written is ignored by readers and
    removed when the file is next opened for writing.
@@ -23,8 +24,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from contwalk.storage.backends import backend_of
 from contwalk.storage.database import Database, RunHeader
 from contwalk.storage.document import document, interface_schema
+from contwalk.storage.file_database import FileDatabase
 from contwalk.storage.memory import MemoryDatabase
 from contwalk.storage.tables import write_tables
 
@@ -33,6 +36,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Database",
+    "FileDatabase",
     "Hdf5Database",
     "MemoryDatabase",
     "RunHeader",
@@ -43,7 +47,7 @@ __all__ = [
 ]
 
 
-def open_database(path: str | Path, trust: bool = False) -> Hdf5Database:
+def open_database(path: str | Path, trust: bool = False) -> FileDatabase:
     """Open a stored run for reading. No code that it names is run.
 
     Parameters
@@ -57,9 +61,7 @@ def open_database(path: str | Path, trust: bool = False) -> Hdf5Database:
     DatabaseError
         If the file is missing, is not a contwalk database, or is damaged.
     """
-    from contwalk.storage.hdf5 import Hdf5Database
-
-    database = Hdf5Database.open(path)
+    database = backend_of(path).open(path)
     database.trust = trust
     return database
 

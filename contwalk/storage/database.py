@@ -1,15 +1,27 @@
-"""The protocol of a branch database, and what every database does alike."""
+"""What a branch database has to do, and what every database does alike."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Protocol
+from types import TracebackType
+from typing import Any, Self
 
 import numpy as np
 
-from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint, along, named, narrowed
+from contwalk import tables
+from contwalk.branch import (
+    Branch,
+    BranchInfo,
+    Outcome,
+    SpecialPoint,
+    along,
+    named,
+    narrowed,
+    table_of_branches,
+)
 from contwalk.errors import DatabaseError
 from contwalk.system.declarations import nearest
 
@@ -50,77 +62,124 @@ class RunHeader:
     provenance: Mapping[str, Any] = field(default_factory=dict)
 
 
-class Database(Protocol):
-    """A store of branches; the rules are stated in `contwalk.storage`.
+class Database(ABC):
+    """A store of branches, open for a while; the rules are stated in `contwalk.storage`.
 
     Every method that names a branch raises `DatabaseError` for one that does not exist; every method that
-    writes raises it for a database that is closed or open for reading only.
+    writes raises it for a database that is closed or open for reading only. Used as a context manager it is
+    closed at the end.
     """
 
     @property
+    @abstractmethod
     def header(self) -> RunHeader:
-        """The header given at creation."""
+        """The header given at creation, or the last one written."""
 
     @property
+    @abstractmethod
     def path(self) -> Path | None:
         """Where the database is; None in memory."""
 
+    @abstractmethod
+    def write_header(self, header: RunHeader) -> None:
+        """Replace the header: a run goes on with other settings."""
+
+    @abstractmethod
     def start_branch(self, info: BranchInfo) -> None:
         """Begin a branch. `DatabaseError` if its name is taken."""
 
+    @abstractmethod
     def append(self, name: str, row: np.ndarray | np.void) -> None:
         """Append one point, a record of dtype `info.point_dtype()`. `DatabaseError` on a finished branch."""
 
+    @abstractmethod
     def append_special(self, name: str, point: SpecialPoint) -> None:
         """Append a special point, whose row was appended before."""
 
+    @abstractmethod
     def finish(self, name: str, outcome: Outcome, cost: Mapping[str, float]) -> None:
         """Say how the branch ended and what it cost (`seconds`, `rhs`)."""
 
+    @abstractmethod
     def drop_outcome(self, name: str) -> None:
         """Reopen a finished branch."""
 
+    @abstractmethod
     def truncate(self, name: str, rows: int, specials: Sequence[int]) -> None:
         """Keep the first `rows` points, and the special points of these numbers, as they were appended."""
 
+    @abstractmethod
     def drop(self, name: str) -> None:
         """Remove a branch."""
 
+    @abstractmethod
     def rows(self, name: str) -> np.ndarray:
-        """Points in the order of appending."""
+        """Points in the order of appending, shape (k,), of dtype `info.point_dtype()`."""
 
+    @abstractmethod
     def specials(self, name: str) -> list[SpecialPoint]:
         """Special points in the order of appending."""
 
+    @abstractmethod
     def branch_names(self) -> list[str]:
         """Names in the order of creation."""
 
+    @abstractmethod
     def branch(self, name: str) -> Branch:
         """The branch with its points sorted by `s` and its special points named."""
 
-    def __getitem__(self, name: str) -> Branch:
-        """As `branch`."""
-
-    def __iter__(self) -> Iterator[Branch]:
-        """All branches, as `branches`."""
-
-    def __len__(self) -> int:
-        """How many branches there are."""
-
-    def __contains__(self, name: object) -> bool:
-        """Whether there is a branch of this name."""
-
-    def branches(self) -> list[Branch]:
-        """All branches in the order of creation."""
-
+    @abstractmethod
     def write_note(self, key: str, text: str) -> None:
         """Keep a text under a key; the last one counts."""
 
+    @abstractmethod
     def notes(self) -> dict[str, str]:
         """All notes."""
 
+    @abstractmethod
     def close(self) -> None:
         """Release the file. Closing twice is allowed."""
+
+    def branches(self) -> list[Branch]:
+        """All branches in the order of creation."""
+        return [self.branch(name) for name in self.branch_names()]
+
+    def __getitem__(self, name: str) -> Branch:
+        """As `branch`."""
+        return self.branch(name)
+
+    def __iter__(self) -> Iterator[Branch]:
+        """All branches, as `branches`."""
+        return iter(self.branches())
+
+    def __len__(self) -> int:
+        """How many branches there are."""
+        return len(self.branch_names())
+
+    def __contains__(self, name: object) -> bool:
+        """Whether there is a branch of this name."""
+        return name in self.branch_names()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        """`<database cascade.h5 of autobalancer: b1 b2>`."""
+        where = "in memory" if self.path is None else str(self.path)
+        try:
+            names = " ".join(self.branch_names())
+        except DatabaseError:  # it is closed: that is no reason to fail here
+            return f"<database {where}, closed>"
+        return f"<database {where} of {self.header.system}: {names or 'no branches'}>"
+
+    def _repr_html_(self) -> str:
+        """The branches as a table of HTML."""
+        return tables.html(repr(self)[1:-1], table_of_branches(self.branches()))
 
 
 def assemble(

@@ -169,7 +169,16 @@ def refuse_existing(paths: Sequence[Path], force: bool, made: bool = False) -> N
 
 
 def check_input(path: Path) -> None:
-    """Refuse what is missing or is no file; recognise by its signature what is not HDF5."""
+    """Refuse what `check_file` refuses; recognise by its signature what is not HDF5."""
+    check_file(path)
+    with failures_of(path, "read"), path.open("rb") as file:
+        signature = file.read(8)
+    if signature != b"\x89HDF\r\n\x1a\n":
+        raise not_contwalk(path, "not an HDF5 file")
+
+
+def check_file(path: Path) -> None:
+    """Refuse what is missing or is no file."""
     with failures_of(path, "read"):
         directory, missing = path.is_dir(), not path.exists()
     if directory:
@@ -180,10 +189,6 @@ def check_input(path: Path) -> None:
         near = sorted(other.name for other in path.parent.glob("*.h5")) if path.parent.is_dir() else []
         known = f"In its directory are: {', '.join(near)}." if near else "Its directory holds no .h5 file."
         raise DatabaseError(f"{path} does not exist.", f"Name the file of a run. {known}")
-    with failures_of(path, "read"), path.open("rb") as file:
-        signature = file.read(8)
-    if signature != b"\x89HDF\r\n\x1a\n":
-        raise not_contwalk(path, "not an HDF5 file")
 
 
 def not_contwalk(path: Path, what: str, form: str = "") -> DatabaseError:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -27,27 +26,23 @@ from contwalk.storage.database import (
     unknown_branch,
 )
 from contwalk.storage.failures import check_input, check_output, check_space, failures_of
+from contwalk.storage.file_database import FileDatabase
 from contwalk.storage.hdf5_branch import StoredBranch
 from contwalk.storage.hdf5_file import CATALOGUE, NOTES, catalogued, create_file, dataset_in, read_header
 from contwalk.storage.locking import Lock, is_locked
 from contwalk.storage.locking import lock as acquire
-from contwalk.storage.named_branches import NamedBranches
 from contwalk.storage.records import RecordLog
 from contwalk.storage.schema import TEXT_DTYPE, decode, encode, joined, pieces
 from contwalk.storage.seal import append_seal
-from contwalk.storage.shown import html_of, line_of
 from contwalk.storage.snapshot import open_snapshot
-from contwalk.storage.stored_system import StoredSystem, system_of_run
-from contwalk.system import System
 
 OUTCOME = 8  # rows of text that an outcome takes, and more than any has taken
 
 
-class Hdf5Database(NamedBranches):
+class Hdf5Database(FileDatabase):
     """A `Database` in a file. Make one with `create` or `open`; use it as a context manager."""
 
     def __init__(self, path: Path, file: h5py.File, lock: Lock | None = None) -> None:
-        self.trust = False  # whether `system` may run code that is not trusted by itself
         self._path = path
         self._lock = lock  # that of a writer
         self._failed: DatabaseError | None = None  # why nothing can be written any more
@@ -118,12 +113,6 @@ class Hdf5Database(NamedBranches):
             file.close()
             raise
 
-    def __repr__(self) -> str:
-        return line_of(self)
-
-    def _repr_html_(self) -> str:
-        return html_of(self)
-
     @property
     def header(self) -> RunHeader:
         """The header given at creation."""
@@ -133,18 +122,6 @@ class Hdf5Database(NamedBranches):
     def path(self) -> Path:
         """The file."""
         return self._path
-
-    def stored_system(self, trust: bool = False) -> StoredSystem:
-        """The system of this run, loaded; see `system_of_run` for what may be loaded, and what it raises."""
-        given = self._header.provenance, self._header.model, self._header.system
-        return system_of_run(*given, self._path, trust or self.trust)
-
-    def system(self, trust: bool = False) -> System:
-        """The same as a `System`; a Python warning says where it has changed since the run."""
-        stored = self.stored_system(trust)
-        if stored.changed:
-            warnings.warn(stored.changed, stacklevel=2)
-        return stored.system
 
     def close(self) -> None:
         """Release the file. Everything was flushed before; what was written is sealed."""

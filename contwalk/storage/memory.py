@@ -13,6 +13,7 @@ import numpy as np
 from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint
 from contwalk.errors import DatabaseError
 from contwalk.storage.database import (
+    Database,
     RunHeader,
     assemble,
     check_new_name,
@@ -20,7 +21,6 @@ from contwalk.storage.database import (
     finished,
     unknown_branch,
 )
-from contwalk.storage.named_branches import NamedBranches
 from contwalk.storage.schema import (
     decode,
     encode,
@@ -33,7 +33,6 @@ from contwalk.storage.schema import (
     special_record_dtype,
     special_text,
 )
-from contwalk.storage.shown import html_of, line_of
 
 
 @dataclass
@@ -44,26 +43,40 @@ class _Stored:
     end: str | None = None
 
 
-class MemoryDatabase(NamedBranches):
-    """A `Database` without a file."""
+class MemoryDatabase(Database):
+    """A `Database` without a file.
 
-    path = None
+    Parameters
+    ----------
+    header : RunHeader
+    where : str
+        What it is called in messages.
+    """
 
-    def __init__(self, header: RunHeader) -> None:
-        self.header = RunHeader(**decode(encode(asdict(header), "the header")))
+    def __init__(self, header: RunHeader, where: str = "The database in memory") -> None:
+        self._where = where
+        self.write_header(header)
         self._branches: dict[str, _Stored] = {}
         self._notes: dict[str, str] = {}
         self._closed = False
 
-    def __repr__(self) -> str:
-        return line_of(self)
+    @property
+    def header(self) -> RunHeader:
+        """The header given at creation, or the last one written."""
+        return self._header
 
-    def _repr_html_(self) -> str:
-        return html_of(self)
+    @property
+    def path(self) -> None:
+        """None."""
+        return None
 
     def close(self) -> None:
         """Refuse further use, as a closed file does."""
         self._closed = True
+
+    def write_header(self, header: RunHeader) -> None:
+        """Replace the header."""
+        self._header = RunHeader(**decode(encode(asdict(header), "the header")))
 
     def start_branch(self, info: BranchInfo) -> None:
         """Begin a branch."""
@@ -131,12 +144,12 @@ class MemoryDatabase(NamedBranches):
 
     def _check_open(self) -> None:
         if self._closed:
-            raise DatabaseError("The database in memory is closed.", "Use it before close().")
+            raise DatabaseError(f"{self._where} is closed.", "Use it before close().")
 
     def _stored(self, name: str) -> _Stored:
         self._check_open()
         if name not in self._branches:
-            raise unknown_branch(name, self.branch_names(), "The database in memory")
+            raise unknown_branch(name, self.branch_names(), self._where)
         return self._branches[name]
 
     def _unfinished(self, name: str) -> _Stored:

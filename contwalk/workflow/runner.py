@@ -19,9 +19,10 @@ from contwalk.continuation.settings import Mark, Settings
 from contwalk.errors import ContwalkError, DatabaseError
 from contwalk.numerics.threads import one_thread
 from contwalk.problems.orbit.discretization import Discretization
+from contwalk.storage.backends import backend_of
 from contwalk.storage.database import Database, RunHeader
 from contwalk.storage.failures import refuse_existing
-from contwalk.storage.hdf5 import Hdf5Database
+from contwalk.storage.file_database import FileDatabase
 from contwalk.system.loading import plugin_files
 from contwalk.workflow.equations import equations_hash, equations_text
 from contwalk.workflow.figures import draw_figure
@@ -176,11 +177,11 @@ def _all_starts(studies: list[tuple[RunFile, list[Place]]]) -> Iterator[Start]:
         yield from starts(study, found, settings_of(study), discretization_of(study))
 
 
-def _database(run_file: RunFile, resume: bool, force: bool) -> Hdf5Database:
+def _database(run_file: RunFile, resume: bool, force: bool) -> FileDatabase:
     """The output, new or reopened."""
     path = run_file.output
     if resume and path.exists():
-        db = Hdf5Database.open(path, writable=True)
+        db = backend_of(path).open(path, writable=True)
         if differing := differences(run_file, db.header):
             db.close()
             raise DatabaseError(
@@ -200,7 +201,7 @@ def _database(run_file: RunFile, resume: bool, force: bool) -> Hdf5Database:
             db.write_header(header_of_both(run_file, db.header))
         return db
     header = RunHeader(run_file.system.name, dict(run_file.model), run_file.config(), provenance(run_file))
-    return Hdf5Database.create(path, header, overwrite=force)
+    return backend_of(path).create(path, header, overwrite=force)
 
 
 def _claims(db: Database) -> dict[str, Any]:

@@ -13,8 +13,8 @@ from pathlib import Path
 from contwalk.branch import Branch
 from contwalk.errors import ContwalkError
 from contwalk.numerics.threads import one_thread
+from contwalk.storage import open_database
 from contwalk.storage.failures import refuse_existing
-from contwalk.storage.hdf5 import Hdf5Database
 from contwalk.studies.verification import Comparison
 from contwalk.workflow.file_names import beside
 from contwalk.workflow.pairing import counted, paired, value_of
@@ -223,7 +223,7 @@ def _checked(
     run_file: RunFile, output: Path, branches: Sequence[Branch], told: Callable[[str], None]
 ) -> list[Comparison]:
     """The truth recomputed."""
-    with Hdf5Database.open(output) as db:
+    with open_database(output) as db:
         header = db.header
     points = [(branch, point) for branch, point in points_of(branches) if counted(point)]
     return verify(

@@ -1,4 +1,4 @@
-"""Both databases, and branches with every awkward value that a run can produce."""
+"""All databases, and branches with every awkward value that a run can produce."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from page_backend import json_lines
 
 from contwalk.branch import BranchInfo, SpecialPoint
 from contwalk.storage import Hdf5Database, MemoryDatabase, RunHeader
@@ -21,14 +22,15 @@ def header() -> RunHeader:
     )
 
 
-@pytest.fixture(params=["hdf5", "memory"])
+@pytest.fixture(params=["hdf5", "memory", "page"])
 def db(request, tmp_path, header):
-    """An empty database that can be written."""
-    made = (
-        Hdf5Database.create(tmp_path / "run.h5", header)
-        if request.param == "hdf5"
-        else MemoryDatabase(header)
-    )
+    """An empty database that can be written; `page`: the one of the page on storage backends."""
+    if request.param == "memory":
+        made = MemoryDatabase(header)
+    elif request.param == "hdf5":
+        made = Hdf5Database.create(tmp_path / "run.h5", header)
+    else:
+        made = json_lines().JsonLinesDatabase.create(tmp_path / "run.jsonl", header)
     yield made
     made.close()
 
@@ -41,7 +43,7 @@ def reread(tmp_path):
         if db.path is None:
             return db
         db.close()
-        return Hdf5Database.open(db.path, writable)
+        return type(db).open(db.path, writable)
 
     return again
 

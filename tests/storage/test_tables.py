@@ -10,7 +10,6 @@ import pytest
 from contwalk.branch import Outcome
 from contwalk.errors import ContwalkError, DatabaseError
 from contwalk.storage import write_tables
-from contwalk.storage.shown import html_of, line_of
 
 
 @pytest.fixture
@@ -102,8 +101,8 @@ def test_real_pandas(run):
 
 def test_a_database_shows_itself_by_its_line_and_its_branches(run):
     """In notebooks as a table of HTML: the line without its angle brackets is the caption."""
-    line = line_of(run)
+    line = repr(run)
     assert (line[0], line[-1]) == ("<", ">")
-    shown = html_of(run)
+    shown = run._repr_html_()
     assert line[1:-1].replace("&", "&amp;") in shown
     assert "b1" in shown

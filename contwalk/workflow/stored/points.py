@@ -9,7 +9,7 @@ import numpy as np
 
 from contwalk.errors import StartError
 from contwalk.problems.stored_word import StoredWord
-from contwalk.storage.hdf5 import Hdf5Database
+from contwalk.storage import open_database
 from contwalk.system import System
 
 
@@ -43,7 +43,7 @@ def stored_point(file: Path, point: str, system: System) -> StoredPoint:
         If the file cannot be read, is of another system, or has no such point.
     """
     names = system.state_names
-    with Hdf5Database.open(file) as db:
+    with open_database(file) as db:
         branch_name, point_name = point.split("/")
         branch = db.branch(branch_name)
         if branch.info.states != names:
