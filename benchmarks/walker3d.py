@@ -51,6 +51,7 @@ from contwalk.flow.explicit.runge_kutta import Call
 from contwalk.flow.hybrid.event_integrator import EventIntegrator
 from contwalk.flow.hybrid.event_map import StepMap
 from contwalk.flow.hybrid.event_records import ARRIVED
+from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import HybridMachine, MotionSegment, hybrid_machine, motion_segments
 from contwalk.system import load_system
 from contwalk.workflow.run_file.reading import read_run_file
@@ -178,10 +179,10 @@ def _stride() -> Stride:
     system = load_system("walker3d")
     machine = hybrid_machine(system, system.defaults() | dict(system.presets["overlap"]))
     weights = np.array([state.scale for state in system.states])
-    control, x, longest = (EXACT, weights, OTHER_METHOD), np.array(GAIT["x"]), 2.0 * GAIT["T"]
-    first = next(motion_segments(machine, 0.0, x, MODE, longest, *control))
+    control, x, longest = Control(EXACT, weights, OTHER_METHOD), np.array(GAIT["x"]), 2.0 * GAIT["T"]
+    first = next(motion_segments(machine, 0.0, x, MODE, longest, control))
     mode, last, x = system.transition(first.transition, MODE).target, str(first.transition), first.after
-    found = motion_segments(machine, 0.0, x, mode, longest, *control, last)
+    found = motion_segments(machine, 0.0, x, mode, longest, control, last)
     return Stride(machine, weights, mode, last, x, list(itertools.islice(found, len(GAIT["events"]))))
 
 
@@ -435,7 +436,7 @@ def _simulated(stride: Stride, events: int) -> Prepare:
 
     def prepare(tolerance: float) -> Callable[[], Result]:
         def call() -> Result:
-            found = motion_segments(*given, tolerance, stride.weights, METHOD, stride.last)
+            found = motion_segments(*given, Control(tolerance, stride.weights, METHOD), stride.last)
             *_, last = itertools.islice(found, events)
             return float(last.times[-1]), last.after, np.empty(0)
 

@@ -1,8 +1,115 @@
-"""No two files of the package know each other in a circle: in functions and for annotations neither."""
+"""The shape of the code: no circles, small classes and files, calls that can be read.
+
+What is over a bound stands in a list with its size. The lists may only shrink: who makes one of these smaller
+lowers its number, and takes it off where it is within the bound; a number is never raised.
+"""
 
 from __future__ import annotations
 
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import contwalk
+from contwalk.problems.problem import Problem
 from tools.house.imports import PACKAGE, House, circles
+
+ROOT = Path(contwalk.__file__).parent
+FILES = sorted(ROOT.rglob("*.py"))
+
+MOST_METHODS, MOST_LINES, MOST_ARGUMENTS, MOST_MEMBERS = 30, 400, 8, 14
+
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+
+# Methods, and lines, of classes.
+METHODS_OVER: dict[str, int] = {
+    "contwalk.problems.hybrid.discretized_orbit.DiscretizedOrbit": 61,
+    "contwalk.problems.hybrid.hybrid_orbit.HybridOrbit": 57,
+    "contwalk.problems.hybrid.soft_orbit.SoftOrbit": 52,
+    "contwalk.problems.hybrid.view.LegView": 31,
+    "contwalk.problems.initial.event_recurrence._Search": 36,
+    "contwalk.problems.orbit.passage.Passage": 35,
+    "contwalk.problems.orbit.periodic_orbit.PeriodicOrbit": 48,
+    "contwalk.problems.orbit.protocol.Orbit": 43,
+    "contwalk.problems.orbit.segmented_orbit.SegmentedOrbit": 38,
+    "contwalk.system.declarations.System": 36,
+}
+LINES_OVER: dict[str, int] = {
+    "contwalk.problems.hybrid.discretized_orbit.DiscretizedOrbit": 416,
+    "contwalk.problems.hybrid.soft_orbit.SoftOrbit": 481,
+    "contwalk.problems.orbit.passage.Passage": 471,
+    "contwalk.problems.orbit.periodic_orbit.PeriodicOrbit": 493,
+    "contwalk.system.declarations.System": 486,
+}
+# Lines of files.
+FILES_OVER: dict[str, int] = {
+    "contwalk.continuation.detection": 408,
+    "contwalk.continuation.diagram": 449,
+    "contwalk.flow.explicit.runge_kutta": 437,
+    "contwalk.plugin_check.events": 442,
+    "contwalk.problems.hybrid.discretized_orbit": 456,
+    "contwalk.problems.hybrid.hybrid_orbit": 466,
+    "contwalk.problems.hybrid.limits": 836,
+    "contwalk.problems.hybrid.neighbours": 734,
+    "contwalk.problems.hybrid.soft_orbit": 581,
+    "contwalk.problems.initial.event_recurrence": 553,
+    "contwalk.problems.orbit.passage": 614,
+    "contwalk.problems.orbit.periodic_orbit": 546,
+    "contwalk.problems.orbit.shooting": 479,
+    "contwalk.studies.verification": 469,
+    "contwalk.system.declarations": 1011,
+}
+# Arguments of functions that may be given by position; what is given by name alone explains itself.
+ARGUMENTS_OVER: dict[str, int] = {
+    "contwalk.problems.hybrid.discretized_orbit.DiscretizedOrbit.__init__": 9,
+    "contwalk.problems.orbit.passage.Passage.__init__": 10,
+    "contwalk.problems.orbit.passage.passage_of": 10,
+}
+
+
+def module_name(path: Path) -> str:
+    """`contwalk.problems.problem`."""
+    parts = path.relative_to(ROOT.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+TREES = {module_name(path): ast.parse(path.read_text(encoding="utf-8")) for path in FILES}
+
+
+def classes() -> Iterator[tuple[str, ast.ClassDef]]:
+    for name, tree in TREES.items():
+        yield from ((f"{name}.{c.name}", c) for c in ast.walk(tree) if isinstance(c, ast.ClassDef))
+
+
+def positional(function: Function) -> int:
+    """How many arguments may be given by position."""
+    arguments = [*function.args.posonlyargs, *function.args.args]
+    return len([a for a in arguments if a.arg not in ("self", "cls")])
+
+
+def functions(
+    body: list[ast.stmt], owner: str
+) -> Iterator[tuple[str, ast.FunctionDef | ast.AsyncFunctionDef]]:
+    """All functions below some statements, by the names of what they stand in."""
+    for node in body:
+        for child in ast.walk(node) if not isinstance(node, ast.ClassDef) else [node]:
+            if isinstance(child, Function):
+                yield f"{owner}.{child.name}", child
+            elif isinstance(child, ast.ClassDef):
+                yield from functions(child.body, f"{owner}.{child.name}")
+
+
+def over(sizes: Iterator[tuple[str, int]], bound: int) -> dict[str, int]:
+    return {name: size for name, size in sizes if size > bound}
+
+
+def only_shrinks(found: dict[str, int], listed: dict[str, int]) -> None:
+    grown = {name: size for name, size in found.items() if size > listed.get(name, 0)}
+    assert grown == {}, "over the bound, or more than is listed: split by idea"
+    within = [name for name in listed if name not in found]
+    assert within == [], "within the bound now: take them off the list"
 
 
 def test_no_files_import_each_other_in_a_circle():
@@ -29,3 +136,40 @@ def test_a_circle_over_an_annotation_and_a_lazy_import_is_seen(tmp_path):
         (folder / f"{name}.py").write_text(text, encoding="utf-8")
     house = House.read(tmp_path)
     assert circles(house.imports)["contwalk.a"] == {"contwalk.a", "contwalk.b", "contwalk.c"}
+
+
+def test_a_problem_has_about_a_dozen_members():
+    members = {name for name in (*vars(Problem), *Problem.__annotations__) if not name.startswith("_")}
+    assert len(members) <= MOST_MEMBERS, sorted(members)
+
+
+def test_classes_have_few_methods():
+    sizes = ((name, sum(isinstance(b, ast.FunctionDef) for b in c.body)) for name, c in classes())
+    only_shrinks(over(sizes, MOST_METHODS), METHODS_OVER)
+
+
+def test_classes_are_short():
+    sizes = ((name, (c.end_lineno or 0) - c.lineno + 1) for name, c in classes())
+    only_shrinks(over(sizes, MOST_LINES), LINES_OVER)
+
+
+def test_files_are_short():
+    sizes = ((module_name(path), len(path.read_text(encoding="utf-8").splitlines())) for path in FILES)
+    only_shrinks(over(sizes, MOST_LINES), FILES_OVER)
+
+
+def test_functions_have_few_arguments():
+    found = ((name, f) for module, tree in TREES.items() for name, f in functions(tree.body, module))
+    only_shrinks(over(((name, positional(f)) for name, f in found), MOST_ARGUMENTS), ARGUMENTS_OVER)
+
+
+@pytest.mark.parametrize(("found", "listed"), [({"a": 31}, {}), ({"a": 32}, {"a": 31}), ({}, {"a": 31})])
+def test_lists_of_what_is_over_only_shrink(found, listed):
+    with pytest.raises(AssertionError):
+        only_shrinks(found, listed)
+
+
+def test_methods_and_inner_functions_are_counted_without_self():
+    source = "class A:\n    def f(self, a, b, *, c): ...\n\ndef g(x):\n    def h(a, b, c): ...\n"
+    found = {name: positional(f) for name, f in functions(ast.parse(source).body, "m")}
+    assert found == {"m.A.f": 2, "m.g": 1, "m.h": 3}

@@ -50,6 +50,7 @@ if TYPE_CHECKING:
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @trust_option
 def command(
+    *,
     db: str,
     point: str,
     output: str,

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 @click.pass_context
 def command(
     context: click.Context,
+    *,
     file: str,
     overrides: tuple[str, ...],
     output: str | None,

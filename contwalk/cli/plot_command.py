@@ -53,6 +53,7 @@ WITH_AXES = ("bifurcation_diagram", "stability_map", "phase_portrait")
 @click.option("--force", is_flag=True, help="Replace a file that exists.")
 @trust_option
 def command(
+    *,
     db: str,
     x: str | None,
     several: tuple[str, ...],

@@ -17,6 +17,7 @@ from contwalk.flow.integrate import (
     adaptive,
     along,
     along_with_tangents,
+    controlled,
     dense,
     errors_on,
     implicit,
@@ -24,17 +25,19 @@ from contwalk.flow.integrate import (
     tangents,
     warmup,
 )
-from contwalk.flow.path import Path
+from contwalk.flow.path import ErrorControl, Path
 
 __all__ = [
     "METHODS",
     "CompiledField",
+    "ErrorControl",
     "Field",
     "Path",
     "Restricted",
     "adaptive",
     "along",
     "along_with_tangents",
+    "controlled",
     "dense",
     "errors_on",
     "implicit",

@@ -51,8 +51,6 @@ def adaptive(
     tolerance: float,
     weights: Vector,
     method: str = "dop853",
-    max_steps: int = 100_000,
-    far_out: bool = False,
 ) -> Path:
     """The path from (t0, x0) to t1, forwards or backwards, in steps whose estimated errors are allowed.
 
@@ -67,20 +65,35 @@ def adaptive(
         Typical magnitudes of the states.
     method : str
         One of `METHODS`.
-    max_steps : int
-    far_out : bool
-        Go on, with an explicit method, where roundings of the state are larger than the tolerance: where a
-        motion runs towards a pole. Else it ends there, one way or another.
 
     Raises
     ------
     ValueError
         If the method is unknown, shapes do not fit, or the tolerance is not positive.
     """
-    if not tolerance > 0.0:
+    return controlled(field, c, t0, x0, t1, ErrorControl(tolerance, np.asarray(weights)), method)
+
+
+def controlled(
+    field: CompiledField,
+    c: np.ndarray,
+    t0: float,
+    x0: Vector,
+    t1: float,
+    control: ErrorControl,
+    method: str = "dop853",
+) -> Path:
+    """As `adaptive`, with all that can be said of how long steps may be.
+
+    Raises
+    ------
+    ValueError
+        As `adaptive`.
+    """
+    if not control.tolerance > 0.0:
         raise ValueError("the tolerance is positive")
-    bound = ErrorControl(tolerance, np.ascontiguousarray(weights, dtype=float), max_steps, far_out)
-    return _family(method).adaptive(field, c, t0, x0, t1, bound, method)
+    control = control._replace(weights=np.ascontiguousarray(control.weights, dtype=float))
+    return _family(method).adaptive(field, c, t0, x0, t1, control, method)
 
 
 def along(

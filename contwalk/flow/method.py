@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from contwalk.flow.compiled.compiled_field import CompiledField
-from contwalk.flow.integrate import adaptive
-from contwalk.flow.path import FINER, STEADY, Path
+from contwalk.flow.integrate import controlled
+from contwalk.flow.path import FINER, STEADY, ErrorControl, Path
 
 IMPLICIT = "radau9"
 
@@ -87,34 +87,30 @@ def choose(
     t0: float,
     x0: Sequence[float] | np.ndarray,
     t1: float,
-    tolerance: float,
-    weights: Sequence[float] | np.ndarray,
-    max_steps: int = 100_000,
+    control: ErrorControl,
     carried: Carried | None = None,
-    far_out: bool = False,
 ) -> Choice:
-    """The method that does least work on the path from (t0, x0) to t1; arguments as for `adaptive`.
+    """The method that does least work on the path from (t0, x0) to t1; arguments as for `controlled`.
 
     `carried` are the tangents that are to be computed on the steps of the path, from neighbouring starts.
     Explicit steps at the limit of stability, taken again, would go beyond it: at a price they are made finer.
     """
 
     def run(method: str, most: float) -> Path:
-        most = int(min(most, max_steps))
-        return adaptive(field, c, t0, x0, t1, tolerance, weights, method, most, far_out)
+        return controlled(field, c, t0, x0, t1, control._replace(max_steps=int(min(most, longest))), method)
 
     def explicitly(path: Path) -> float:
         return explicit_work(field, path, carried)
 
-    pair = explicit_pair(tolerance)
+    longest, pair = control.max_steps, explicit_pair(control.tolerance)
     explicit = run(pair, TRIAL_STEPS)
     spent = explicitly(explicit)
     if explicit.status == "ok" and not _notable(explicit):
         return _chosen(pair, _limited(pair, explicit), explicit, explicit, spent)
-    implicit = run(IMPLICIT, max_steps)
+    implicit = run(IMPLICIT, longest)
     if implicit.status != "ok":
         if explicit.status == "too_many_steps":
-            explicit = run(pair, max_steps)
+            explicit = run(pair, longest)
         why = f"{_limited(pair, explicit)}; {_NAMES[IMPLICIT]} {_failure(implicit)}"
         return _chosen(pair, why, explicit, explicit, explicitly(explicit))
     work = implicit_work(field, implicit, carried)

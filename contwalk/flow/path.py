@@ -23,15 +23,17 @@ class ErrorControl(NamedTuple):
     weights : ndarray, shape (n,)
         Typical magnitudes of the states.
     max_steps : int
+        After which the path ends, wherever it is.
     far_out : bool
         Whether a path goes on where roundings of its state are larger than the tolerance, with errors as
-        small as they allow. Explicit methods only: where a motion runs towards a pole.
+        small as they allow: where a motion runs towards a pole. Explicit methods only; else it ends there,
+        one way or another.
     """
 
     tolerance: float
     weights: np.ndarray
-    max_steps: int
-    far_out: bool
+    max_steps: int = 100_000
+    far_out: bool = False
 
 
 class Tangents(NamedTuple):

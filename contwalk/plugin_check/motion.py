@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from contwalk.errors import PluginError, StartError
+from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import (
     HybridMachine,
     MotionSegment,
@@ -132,9 +133,8 @@ def _follow(
             past_zero(machine, t, x, mode, samples.scales)
     except (StartError, PluginError):  # a sampled state on the wrong side of a guard
         return
-    motion = motion_segments(
-        machine, t, x, mode, np.inf, TOLERANCE, samples.scales, just_after=last, most_steps=MOST_STEPS
-    )
+    control = Control(TOLERANCE, samples.scales)
+    motion = motion_segments(machine, t, x, mode, np.inf, control, last, MOST_STEPS)
     met = False
     try:
         for count, segment in enumerate(motion, start=1):

@@ -202,14 +202,12 @@ def _through_transitions(
     """The motion of a machine with transitions that act."""
     from contwalk.workflow.simulating_hybrid import Beginning, on_orbit, simulated
 
-    settings = run.simulation
     beginning = Beginning(state, run.start.mode or run.system.modes[0].name, run.start.at)
     if word is not None:
         beginning = on_orbit(run.system, word)
     beginning = replace(beginning, state=beginning.state + run.perturbation)
-    given = settings.until, settings.tolerance, settings.method, settings.points
     with _placed(run.start, str(run.path)):
-        return simulated(run.system, parameters, beginning, *given, run.report_at, progress)
+        return simulated(run.system, parameters, beginning, run.simulation, run.report_at, progress)
 
 
 def _trajectory(run: SimulationFile, parameters: Mapping[str, float], motion: Simulated) -> Any:

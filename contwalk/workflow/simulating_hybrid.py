@@ -19,6 +19,7 @@ from contwalk.flow.hybrid.scales import magnitudes
 from contwalk.problems.hybrid.layout import Layout
 from contwalk.problems.stored_word import StoredWord
 from contwalk.system import System, Transition
+from contwalk.workflow.run_file.motions import Simulation
 from contwalk.workflow.run_file.settings import ReportAt
 from contwalk.workflow.simulated import LONGEST, PARTS, Simulated, drawn_at
 
@@ -62,10 +63,7 @@ def simulated(
     system: System,
     parameters: Mapping[str, float],
     beginning: Beginning,
-    until: float | str,
-    tolerance: float,
-    method: str,
-    points: int,
+    asked: Simulation,
     place: ReportAt | None,
     progress: Callable[[float], None],
 ) -> Simulated:
@@ -78,8 +76,9 @@ def simulated(
     """
     watching, names = _with_sections(system, place)
     machine = hybrid_machine(watching, parameters)
-    settles, start = until == "settled", beginning.time
-    end = np.inf if settles else start + float(until)
+    method, points = asked.method, asked.points
+    settles, start = asked.until == "settled", beginning.time
+    end = np.inf if settles else start + float(asked.until)
     found: list[MotionSegment] = []
     state, mode = machine.existing(beginning.mode, beginning.state), beginning.mode
     if beginning.at is not None:
@@ -98,7 +97,7 @@ def simulated(
     settling, settled = Settling([s.period for s in system.states]), False
     steps = 0
     note = "" if last else past_zero(machine, start, state, mode, weights)
-    control = Control(tolerance, weights, method)
+    control = Control(asked.tolerance, weights, method)
     for part in parts(machine, start, state, mode, end, control, last):
         found.append(part)
         progress(float(part.times[-1]))

@@ -136,12 +136,16 @@ def starts(
     for place in found:
         given = system, place.parameters, free, place.state, settings, path, at, discretization
         if place.orbit or system.period is not None:
-            from contwalk.studies.opening_orbits import opened_orbit, opened_word  # compiled flows
+            from contwalk.studies.opening_eventful import opened_word  # compiled flows
+            from contwalk.studies.opening_orbits import opened_orbit
 
             if place.word is not None:
-                opening = opened_word(*given, place.word)
+                begins = system, place.parameters, free, settings
+                opening = opened_word(*begins, path, at, discretization, place.word)
             else:
-                opening = opened_orbit(*given, place.period, place.until, place.mode, place.event)
+                opening = opened_orbit(
+                    *given, period=place.period, until=place.until, mode=place.mode, event=place.event
+                )
         else:
             opening = opened(*given)
         orbit = place.orbit or system.period is not None

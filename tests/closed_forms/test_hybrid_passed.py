@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hybrid_runs import ACCURACY, assert_met, branch_of, machine
 
+from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments
 from contwalk.system import System, Transition
 
@@ -21,7 +22,7 @@ WALKED = 100.0 * ACCURACY
 def moved(system: System, x0: list[float], t1: float, method: str, after: str | None = None) -> list:
     there, weights = hybrid_machine(system, system.defaults()), np.ones(len(x0))
     mode = system.modes[0].name
-    return list(motion_segments(there, 0.0, np.array(x0), mode, t1, 1e-12, weights, method, after))
+    return list(motion_segments(there, 0.0, np.array(x0), mode, t1, Control(1e-12, weights, method), after))
 
 
 # -- a clock: x'' + 2 z x' + x = 0, and a push J where x rises through zero ----------------------------------

@@ -9,6 +9,7 @@ import pytest
 from hybrid_systems import BALL, COUNTERS, DAMPER, KICKS, STOP
 
 from contwalk.flow.hybrid.event_map import StepMap
+from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments
 from contwalk.system import Mode, Parameter, State, System, Transition
 
@@ -22,7 +23,7 @@ def machine(system, **values):
 def run(mover, x0, t1, *, t0=0.0, mode=None, tolerance=1e-11, method="dop853", weights=None, last=None):
     mode = mode or mover.system.modes[0].name
     weights = np.ones(len(mover.system.states)) if weights is None else np.array(weights)
-    return list(motion_segments(mover, t0, np.array(x0), mode, t1, tolerance, weights, method, last))
+    return list(motion_segments(mover, t0, np.array(x0), mode, t1, Control(tolerance, weights, method), last))
 
 
 def times_of(found):

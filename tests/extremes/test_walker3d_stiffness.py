@@ -75,7 +75,8 @@ def stance(scale: float) -> tuple[CompiledField, np.ndarray, np.ndarray, np.ndar
 def through(scale: float, method: str, tolerance: float) -> tuple[int, np.ndarray, np.ndarray]:
     """Number of steps, the state after the stance in units of its magnitudes, and its derivatives."""
     field, c, x, weights = stance(scale)
-    path = flow.adaptive(field, c, 0.0, x, STANCE, tolerance, weights, method, 2_000_000)
+    control = flow.ErrorControl(tolerance, weights, 2_000_000)
+    path = flow.controlled(field, c, 0.0, x, STANCE, control, method)
     assert path.status == "ok"
     end, moved = flow.tangents(field, c, path.times, x, np.diag(weights), [-1] * len(x), method)
     return len(path.times) - 1, end / weights, moved / weights[:, None]
@@ -116,6 +117,6 @@ def test_explicit_steps_grow_in_number_and_implicit_ones_hardly():
 @pytest.mark.parametrize("scale", SCALES[1:])
 def test_the_stiff_method_takes_over(scale):
     field, c, x, weights = stance(scale)
-    choice = choose(field, c, 0.0, x, STANCE, 1e-8, weights)
+    choice = choose(field, c, 0.0, x, STANCE, flow.ErrorControl(1e-8, weights))
     assert choice.method == "radau9"
     assert "stability" in choice.reason

@@ -174,7 +174,8 @@ def test_a_field_that_does_not_begin():
 
 @pytest.mark.parametrize("method", METHODS)
 def test_too_many_steps(oscillation, method):
-    path = flow.adaptive(*oscillation, 0.0, [2.0, 0.0], 100.0, 1e-8, [1.0, 1.0], method, max_steps=17)
+    control = flow.ErrorControl(1e-8, [1.0, 1.0], max_steps=17)
+    path = flow.controlled(*oscillation, 0.0, [2.0, 0.0], 100.0, control, method)
     assert path.status == "too_many_steps"
     assert len(path.times) == 18
     assert path.times[-1] < 100.0
@@ -233,8 +234,9 @@ def test_towards_a_pole_errors_below_rounding_are_not_asked_for():
     end is as right as the time that is left, 1e-7, which the errors on the way have moved by some 1e-15.
     """
     field = compiled(lambda t, x, p: [x[0] * x[0]], 1)
-    arguments = field, field.constants([]), 0.0, [1.0], 1.0 - 1e-7, 1e-13, [1.0], "verner98"
-    assert flow.adaptive(*arguments, max_steps=3000).status == "too_many_steps"
-    path = flow.adaptive(*arguments, max_steps=3000, far_out=True)
+    arguments = field, field.constants([]), 0.0, [1.0], 1.0 - 1e-7
+    control = flow.ErrorControl(1e-13, [1.0], max_steps=3000)
+    assert flow.controlled(*arguments, control, "verner98").status == "too_many_steps"
+    path = flow.controlled(*arguments, control._replace(far_out=True), "verner98")
     assert (path.status, len(path.times) < 600) == ("ok", True)
     assert path.states[-1, 0] == pytest.approx(1e7, rel=1e-6)

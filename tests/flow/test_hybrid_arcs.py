@@ -13,6 +13,7 @@ from hybrid_systems import BALL, CHANGING, COUNTERS, DAMPER, KICKS, STOP, SWAP
 
 from contwalk.errors import StartError, SystemDefinitionError
 from contwalk.flow import METHODS, along
+from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import applied, hybrid_machine, motion_segments
 from contwalk.flow.hybrid.past_zero import past_zero
 from contwalk.system import Mode, Parameter, State, System, Transition
@@ -27,7 +28,8 @@ def machine(system, **values):
 def run(mover, x0, t1, *, t0=0.0, mode=None, tolerance=1e-11, method="dop853", just_after=None):
     weights = np.ones(len(mover.system.states))
     mode = mode or mover.system.modes[0].name
-    return list(motion_segments(mover, t0, np.array(x0), mode, t1, tolerance, weights, method, just_after))
+    control = Control(tolerance, weights, method)
+    return list(motion_segments(mover, t0, np.array(x0), mode, t1, control, just_after))
 
 
 def times_of(found):
@@ -543,8 +545,8 @@ def test_a_reset_that_leaves_out_a_state_is_refused():
 
 
 def test_an_arc_without_end_is_given_up():
-    mover, weights = machine(STOP, gap=2.0), np.ones(2)
-    (only,) = motion_segments(mover, 0.0, np.array([1.0, 0.0]), "free", np.inf, 1e-6, weights, most_steps=500)
+    mover, control = machine(STOP, gap=2.0), Control(1e-6, np.ones(2))
+    (only,) = motion_segments(mover, 0.0, np.array([1.0, 0.0]), "free", np.inf, control, most_steps=500)
     assert only.status == "too_many_steps"
     assert 500 <= len(only.times) - 1 < 600
     assert "met no transition" in only.reason

@@ -12,6 +12,7 @@ from hybrid_systems import BALL, CHANGING, COUNTERS, DAMPER, KICKS, STOP, SWAP
 
 from contwalk.errors import NotFinite, StartError
 from contwalk.flow.hybrid.event_map import StepMap
+from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments
 from contwalk.flow.hybrid.saltation import saltation
 from contwalk.system import Mode, Parameter, State, System, Transition, load_system
@@ -288,7 +289,7 @@ def test_transitions_at_once_are_left_to_the_reference_integrator():
 def test_the_map_is_the_motion():
     mover = machine(STOP, e=0.9)
     found, _ = mapped(mover, [-1.0, 0.0], 4, tolerance=1e-10)
-    motion = motion_segments(mover, 0.0, np.array([-1.0, 0.0]), "free", 100.0, 1e-10, np.ones(2))
+    motion = motion_segments(mover, 0.0, np.array([-1.0, 0.0]), "free", 100.0, Control(1e-10, np.ones(2)))
     ends = [next(motion) for _ in range(4)]
     assert found.time == ends[-1].times[-1]
     np.testing.assert_array_equal(found.state, ends[-1].after)

@@ -10,13 +10,14 @@ from small_flows import field_of
 
 from contwalk.flow import Field, adaptive, along
 from contwalk.flow.method import Carried, Choice, choose, explicit_work, implicit_work
+from contwalk.flow.path import ErrorControl
 
 
 def chosen(mu: float, tolerance: float) -> Choice:
     field = field_of(lambda t, x, p: [x[1], p[0] * (1.0 - x[0] ** 2) * x[1] - x[0]], 2, 1)
     end = max(10.0, 2.0 * mu)
     weights = [2.0, max(1.0, 1.5 * mu)]
-    return choose(field, field.constants([mu]), 0.0, [2.0, 0.0], end, tolerance, weights)
+    return choose(field, field.constants([mu]), 0.0, [2.0, 0.0], end, ErrorControl(tolerance, weights))
 
 
 @pytest.mark.parametrize("mu", [0.01, 1.0, 5.0])
@@ -70,7 +71,7 @@ def test_a_chain_of_28_states(damping: float, end: float, method: str) -> None:
     c, start = field.constants([5.0, damping, 1.0]), np.zeros(28)
     start[:14] = np.sin(np.arange(14.0))
     carried = Carried(field, n + 2)
-    choice = choose(field, c, 0.0, start, end, 1e-8, np.ones(n), carried=carried)
+    choice = choose(field, c, 0.0, start, end, ErrorControl(1e-8, np.ones(n)), carried)
     assert choice.method == method
     assert choice.path.status == "ok"
 
@@ -90,7 +91,7 @@ def test_steps_to_be_taken_again_are_not_at_the_limit_of_stability() -> None:
     """At mu = 20 the explicit pair is cheaper, but on its own steps a neighbouring motion grows."""
     field = field_of(lambda t, x, p: [x[1], p[0] * (1.0 - x[0] ** 2) * x[1] - x[0]], 2, 1)
     c, weights = field.constants([20.0]), [2.0, 30.0]
-    choice = choose(field, c, 0.0, [2.0, 0.0], 40.0, 1e-6, weights, carried=Carried(field, 2))
+    choice = choose(field, c, 0.0, [2.0, 0.0], 40.0, ErrorControl(1e-6, weights), Carried(field, 2))
     assert choice.method == "dop853"
     assert "limited by stability" in choice.reason
     own, steady = choice.path.times, choice.path.steady

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from small_flows import field_of
 
-from contwalk.flow import Field, adaptive, along, dense, errors_on, interpolation
+from contwalk.flow import ErrorControl, Field, adaptive, along, controlled, dense, errors_on, interpolation
 from contwalk.flow.radau import radau_iia as radau
 from contwalk.flow.tableaus.radau import RADAU5, RADAU9, Collocation
 
@@ -290,9 +290,8 @@ def test_how_paths_end(method: str) -> None:
     assert path.status in ("step_too_small", "not_finite")
     assert path.times[-1] == pytest.approx(2.0 / 3.0, abs=1e-3)
     field = van_der_pol()
-    path = adaptive(
-        field, field.constants([1.0]), 0.0, [2.0, 0.0], 50.0, 1e-8, [1.0, 1.0], method, max_steps=7
-    )
+    control = ErrorControl(1e-8, [1.0, 1.0], max_steps=7)
+    path = controlled(field, field.constants([1.0]), 0.0, [2.0, 0.0], 50.0, control, method)
     assert (path.status, len(path.times)) == ("too_many_steps", 8)
     path = adaptive(field, field.constants([1.0]), 0.0, [np.nan, 0.0], 50.0, 1e-8, [1.0, 1.0], method)
     assert (path.status, len(path.times)) == ("not_finite", 1)

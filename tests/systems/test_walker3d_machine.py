@@ -10,6 +10,7 @@ from contwalk_systems.walker3d.observables import strides, way
 from matplotlib.figure import Figure
 from walker3d_motion import ENDS, GAITS, gait, mode_named, random_state, values, walker
 
+from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments
 from contwalk.plugin_check.traced import Traced, number_form, vector_form
 
@@ -252,8 +253,9 @@ def test_a_damper_that_switches_does_not_switch_back_at_once(preset, mode):
         for _ in range(8):
             start = x * (1.0 + 3e-6 * random.standard_normal(len(x)))
             weights = np.maximum(np.abs(x), 0.05)
+            control = Control(tolerance, weights)
             ends = [
                 arc.times[-1]
-                for arc in motion_segments(machine, 0.0, start, mode, 0.45 * known["T"], tolerance, weights)
+                for arc in motion_segments(machine, 0.0, start, mode, 0.45 * known["T"], control)
             ]
             assert np.diff(ends).min() > 1e-6

@@ -20,6 +20,7 @@ from scipy.optimize import linear_sum_assignment
 
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.flow.hybrid.event_map import Mapped, StepMap
+from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import HybridMachine, MotionSegment, hybrid_machine, motion_segments
 from contwalk.workflow.run_file.reading import RunFile, read_run_file
 
@@ -95,7 +96,9 @@ def stride(name: str) -> tuple[MotionSegment, ...]:
     """The reference's gait, for a stride."""
     begins, lasts = known_state(name), GAITS[name]["period"]
     return tuple(
-        motion_segments(machine(name), 0.0, begins, printed(name)[1], lasts, TOLERANCE, np.ones(len(begins)))
+        motion_segments(
+            machine(name), 0.0, begins, printed(name)[1], lasts, Control(TOLERANCE, np.ones(len(begins)))
+        )
     )
 
 
@@ -174,7 +177,9 @@ def test_stride_from_the_printed_state():
     The tests of the system have the same by an integrator that is not contwalk's.
     """
     begins, mode = printed("overlap")
-    motion = motion_segments(machine("overlap"), 0.0, begins, mode, 1.43, TOLERANCE, sizes("overlap"))
+    motion = motion_segments(
+        machine("overlap"), 0.0, begins, mode, 1.43, Control(TOLERANCE, sizes("overlap"))
+    )
     hard = [arc for arc in motion if arc.transition and not arc.transition.endswith("loads")]
     first = ["knee1_locks", "toe11_on", "toe12_on", "toe21_off", "toe22_off", "knee2_unlocks"]
     (mirror,) = machine("overlap").system.symmetries
@@ -191,7 +196,8 @@ def test_multipliers_of_a_stride_are_squares(name):
     """The derivative over all events of a stride, one after another, from right after one of them on."""
     _, point = gait(name, "engine.method=dop853")
     begins, units = state_of(name, point), sizes(name)
-    (arc,) = islice(motion_segments(machine(name), 0.0, begins, printed(name)[1], 1.0, TOLERANCE, units), 1)
+    control = Control(TOLERANCE, units)
+    (arc,) = islice(motion_segments(machine(name), 0.0, begins, printed(name)[1], 1.0, control), 1)
     first, mode = arc.transition, machine(name).transition(arc.transition, arc.mode).target
     whole = stepped(name, mode=mode, events=2 * EVENTS[name], just_after=first)
     after = whole.mapped(float(arc.times[-1]), arc.after, TOLERANCE)
@@ -240,7 +246,7 @@ def apart(found: np.ndarray, expected: np.ndarray) -> float:
 
 def simulated(name: str, x: np.ndarray, word: tuple[str, ...]) -> np.ndarray:
     """State and time after half a stride that has these events."""
-    motion = motion_segments(machine(name), 0.0, x, printed(name)[1], 1.0, TOLERANCE, sizes(name))
+    motion = motion_segments(machine(name), 0.0, x, printed(name)[1], 1.0, Control(TOLERANCE, sizes(name)))
     passed = list(islice(motion, EVENTS[name]))
     assert tuple(arc.transition for arc in passed) == word
     return np.append(passed[-1].after, passed[-1].times[-1])

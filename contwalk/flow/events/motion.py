@@ -10,7 +10,8 @@ import numpy as np
 from contwalk.flow.compiled.compiled_field import CompiledField
 from contwalk.flow.events.crossings import Event, crossings
 from contwalk.flow.events.guard import Guard
-from contwalk.flow.integrate import adaptive
+from contwalk.flow.integrate import controlled
+from contwalk.flow.path import ErrorControl
 
 STEPS_AT_ONCE = 50
 PILOT_STEPS = 200
@@ -81,12 +82,11 @@ def segment_parts(
         One of `flow.METHODS`.
     """
     t, x = t0, np.asarray(x0, dtype=float)
+    control = ErrorControl(tolerance, weights, STEPS_AT_ONCE)
     while t < t1:
         # Where the end is unknown, ask for more time than the steps can pass through.
         end = t1 if np.isfinite(t1) else t + _far(machine, t, x, weights)
-        path = adaptive(
-            machine.field, machine.c, t, x, end, tolerance, weights, method, max_steps=STEPS_AT_ONCE
-        )
+        path = controlled(machine.field, machine.c, t, x, end, control, method)
         found = crossings(
             machine.field, machine.c, machine.p, path.times, path.states, machine.guards, method
         )
@@ -127,7 +127,8 @@ def magnitudes(
         return known
     first = np.where(np.isnan(known), np.where(x0 == 0.0, 1.0, np.abs(x0)), known)
     end = t1 if np.isfinite(t1) else t0 + _far(machine, t0, x0, first)
-    path = adaptive(machine.field, machine.c, t0, x0, end, 1e-6, first, method, max_steps=PILOT_STEPS)
+    control = ErrorControl(1e-6, first, PILOT_STEPS)
+    path = controlled(machine.field, machine.c, t0, x0, end, control, method)
     if path.status not in ("ok", "too_many_steps"):
         return first  # what it came to on its way out of the numbers is not typical
     # Twice the mean over time, not the largest value: that of a motion on its way to infinity says nothing.

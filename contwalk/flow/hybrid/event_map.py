@@ -16,7 +16,7 @@ from contwalk.errors import NotFinite
 from contwalk.flow.hybrid.event_integrator import METHOD, EventIntegrator
 from contwalk.flow.hybrid.event_records import ARRIVED
 from contwalk.flow.hybrid.machine import HybridMachine, applied
-from contwalk.flow.hybrid.motion_segment import MotionSegment, far
+from contwalk.flow.hybrid.motion_segment import Control, MotionSegment, far
 from contwalk.flow.hybrid.motions import motion_segments
 from contwalk.flow.hybrid.past_zero import past_zero
 from contwalk.flow.hybrid.saltation import saltation
@@ -175,9 +175,8 @@ class StepMap:
             columns, shift, x = matrix, own, applied(self.machine, self.at, t, x)
             mode, last, itinerary = self.at.target, self.at.name, [self.at.name]
         if len(itinerary) < self.events:
-            motion = motion_segments(
-                self.machine, t, x, mode, t + self.longest, tolerance, self.weights, self.method, last
-            )
+            control = Control(tolerance, self.weights, self.method)
+            motion = motion_segments(self.machine, t, x, mode, t + self.longest, control, last)
             for segment in motion:
                 columns = self._along(segment, columns)
                 if segment.transition is None or segment.after is None:

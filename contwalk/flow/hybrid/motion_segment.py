@@ -72,7 +72,8 @@ class Control:
     method : str
         One of `flow.METHODS`.
     watched : bool
-        Whether crossings of watched transitions are located; steps are the same if they are not.
+        Whether crossings of watched transitions are located, which costs as much as events do; steps are the
+        same if they are not.
     """
 
     tolerance: float

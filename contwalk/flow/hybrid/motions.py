@@ -55,12 +55,9 @@ def motion_segments(
     x0: np.ndarray,
     mode: str,
     t1: float,
-    tolerance: float,
-    weights: np.ndarray,
-    method: str = "dop853",
+    control: Control,
     just_after: str | None = None,
     most_steps: int = MOST_STEPS,
-    watched: bool = True,
 ) -> Iterator[MotionSegment]:
     """The segments of a motion from t0 until t1, which may be infinite if the caller stops asking.
 
@@ -70,18 +67,11 @@ def motion_segments(
     t0, x0, mode
         Time, full-length state and mode of the start.
     t1 : float
-    tolerance : float
-        Local error of each step, in units of `weights`.
-    weights : ndarray, shape (n,)
-        Typical magnitudes of the states, of full length.
-    method : str
-        One of `flow.METHODS`.
+    control : Control
     just_after : str, optional
         The transition that has just led to the start.
     most_steps : int
         Of one segment.
-    watched : bool
-        Whether crossings of watched transitions are located, which costs as much as events do.
 
     Yields
     ------
@@ -89,7 +79,6 @@ def motion_segments(
         The last one has no transition, or a status that is not `ok`.
     """
     collected: list[MotionSegment] = []
-    control = Control(tolerance, np.asarray(weights, dtype=float), method, watched)
     for part in parts(machine, t0, x0, mode, t1, control, just_after):
         collected.append(part)
         steps = sum(len(each.times) - 1 for each in collected)

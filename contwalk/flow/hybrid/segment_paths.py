@@ -16,7 +16,8 @@ from contwalk.flow.events.guard import EPSILON
 from contwalk.flow.hybrid.guard_status import GuardStatus, leaving_zero
 from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow
 from contwalk.flow.hybrid.motion_segment import FAR, Control, MotionSegment, far, part_of, why
-from contwalk.flow.integrate import adaptive, along
+from contwalk.flow.integrate import along, controlled
+from contwalk.flow.path import ErrorControl
 
 FIRST_STEPS, STEPS_AT_ONCE = 12, 50
 
@@ -50,7 +51,7 @@ def by_paths(
         instant, still = (np.array([t]), y[None], flow.p), np.zeros((1, n))
         values = [guard.along(*instant, still)[0, 0] for guard in flow.guards]
         start = np.concatenate([y, values])
-        path = adaptive(resolving, c, t, start, end, control.tolerance, sizes, method, max_steps=most)
+        path = controlled(resolving, c, t, start, end, ErrorControl(control.tolerance, sizes, most), method)
         times = path.times
         states = along(flow.field, flow.c, times, y, method)
         assert states.shape[1] == n

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.flow.hybrid.machine import HybridMachine
-from contwalk.flow.hybrid.motion_segment import MotionSegment
+from contwalk.flow.hybrid.motion_segment import Control, MotionSegment
 from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments
 from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
@@ -38,9 +38,8 @@ def _round(problem: DiscretizedOrbit, machine: HybridMachine, z: np.ndarray) -> 
     x = problem.passages[0].full(problem.layout.inputs(0, z)[0])
     last = problem.word.leading_in(problem.system, 0) or None
     end = float(times[-1]) + _room(problem, z) if problem.word.eventful else float(times[-1])
-    run = motion_segments(
-        machine, float(times[0]), x, legs[0].mode, end, TOLERANCE, problem.mesh.variation, just_after=last
-    )
+    control = Control(TOLERANCE, problem.mesh.variation)
+    run = motion_segments(machine, float(times[0]), x, legs[0].mode, end, control, last)
     for i, leg in enumerate(legs):
         arc = next(run, None)
         if arc is None:
@@ -59,8 +58,8 @@ def _along(problem: DiscretizedOrbit, machine: HybridMachine, z: np.ndarray, seg
     ends_here = segment.last and leg.transition is not None
     last = (problem.word.leading_in(problem.system, i) or None) if segment.begin == 0.0 else None
     until = end + _room(problem, z) if ends_here else end
-    x, weights = passage.full(z[segment.states]), problem.mesh.variation
-    arc = next(motion_segments(machine, start, x, leg.mode, until, TOLERANCE, weights, just_after=last), None)
+    x, control = passage.full(z[segment.states]), Control(TOLERANCE, problem.mesh.variation)
+    arc = next(motion_segments(machine, start, x, leg.mode, until, control, last), None)
     if arc is None:
         return f"it ends before '{leg.name}'"
     if ends_here:

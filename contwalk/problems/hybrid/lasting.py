@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.flow.hybrid.machine import HybridMachine
+from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.layout import Segment
@@ -70,8 +71,9 @@ def _until_met(
     if not longest > 0.0:
         return None
     last = (problem.word.leading_in(problem.system, i) or None) if segment.begin == 0.0 else None
-    start, given = problem.passages[i].full(x), (mesh.tolerance, mesh.variation, mesh.method, last)
-    arc = next(motion_segments(machine, 0.0, start, leg.mode, longest, *given, watched=False), None)
+    start = problem.passages[i].full(x)
+    control = Control(mesh.tolerance, mesh.variation, mesh.method, watched=False)
+    arc = next(motion_segments(machine, 0.0, start, leg.mode, longest, control, last), None)
     if arc is None or arc.status != "ok" or arc.transition != leg.name or arc.collapsed:
         return None
     return float(arc.times[-1])

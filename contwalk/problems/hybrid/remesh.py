@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from contwalk import flow
 from contwalk.errors import NotFinite
 from contwalk.problems.hybrid import cutting, limits
 from contwalk.problems.hybrid.discretized_orbit import Kind
@@ -40,18 +41,17 @@ def adapted_to(
         return fitting
     inputs = [orbit.layout.inputs_of(segment, z) for segment in orbit.layout.segments]
     magnitudes = orbit.magnitudes_of(weights)
-    most = orbit._most_steps or most_steps(orbit._mesh, tolerance or orbit.discretization.walking)
+    asked = tolerance or orbit.discretization.walking
+    most = orbit._most_steps or most_steps(orbit._mesh, asked)
     try:
         mesh = meshed(
             [orbit.passages[segment.leg] for segment in orbit.layout.segments],
             [x for x, _ in inputs],
             [scalars for _, scalars in inputs],
             orbit.line.constants,
-            magnitudes,
-            tolerance or orbit.discretization.walking,
+            flow.ErrorControl(asked, magnitudes, most),
             orbit.discretization.method,
             orbit.word.has_halves(orbit.system),
-            most,
             1 if orbit.word.eventful or len(orbit.word) > 1 else PARTS,
         )
     except NotFinite:

@@ -53,11 +53,9 @@ def meshed(
     starts: Sequence[np.ndarray],
     scalars: Sequence[np.ndarray],
     fixed: np.ndarray,
-    magnitudes: np.ndarray,
-    tolerance: float,
+    control: flow.ErrorControl,
     method: str,
     alike: bool,
-    most: int = MOST_STEPS,
     parts: int = 1,
 ) -> LegMesh:
     """Steps on which each segment, and a generic neighbour of it, are integrated to a tolerance.
@@ -66,12 +64,11 @@ def meshed(
     ----------
     passages, starts, scalars : sequences
         One for each segment.
-    magnitudes : ndarray, shape (n,)
-        Typical magnitudes of all states. Where one varies less along the orbit, its variation counts.
+    control : ErrorControl
+        How finely; the steps that a leg may take. Weights are typical magnitudes of all states, shape (n,):
+        where one varies less along the orbit, its variation counts.
     alike : bool
         The second half of the legs repeats the first, or its image: steps are made the same in both.
-    most : int
-        Steps that a leg may take.
     parts : int
         Of a closure that is one leg: its steps are made alike in so many parts.
 
@@ -80,6 +77,7 @@ def meshed(
     NotFinite
         If the motion ends before a leg does, or takes too many steps.
     """
+    tolerance, magnitudes, most = control.tolerance, control.weights, control.max_steps
     given = zip(passages, starts, scalars, strict=True)
     runs, variation = [Run(p, x, own, 2 * len(x)) for p, x, own in given], magnitudes
     paths, chosen, reason = stepped(runs, fixed, variation, tolerance, method, most, far_out=True)

@@ -8,6 +8,7 @@ import numpy as np
 
 from contwalk.errors import NotFinite
 from contwalk.flow.hybrid.machine import HybridMachine
+from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments
 from contwalk.memory import remembered
 from contwalk.problems.hybrid import families
@@ -202,7 +203,7 @@ def _pieces(
     found: list[Piece] = []
     if end <= begin:
         return [(Leg(mode), x, end - begin)], x
-    for arc in motion_segments(machine, begin, x, mode, end, TOLERANCE, magnitudes):
+    for arc in motion_segments(machine, begin, x, mode, end, Control(TOLERANCE, magnitudes)):
         if arc.status != "ok":
             raise NotFinite(f"The motion ends at t = {arc.times[-1]:.6g} s: {arc.reason or arc.status}", "")
         transition = None

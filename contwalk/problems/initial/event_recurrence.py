@@ -13,6 +13,7 @@ import numpy as np
 
 from contwalk.errors import NotFinite, StartError
 from contwalk.flow.hybrid.event_integrator import METHOD
+from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import (
     HybridMachine,
     MotionSegment,
@@ -87,6 +88,7 @@ def lap_from(
     mode: str | None = None,
     at: str | None = None,
     until: float | str | None = "settled",
+    *,
     time: float = 0.0,
     after: str | None = None,
     least: float = 0.0,
@@ -155,8 +157,8 @@ def _motion(
     while True:
         weights = search.weights(x)
         length = min(search.stretch(machine, t, x, mode, weights), end - t)
-        given = machine, t, x, mode, t + length, TOLERANCE, weights
-        for arc in motion_segments(*given, just_after=last, watched=False):
+        control = Control(TOLERANCE, weights, watched=False)
+        for arc in motion_segments(machine, t, x, mode, t + length, control, last):
             yield arc
             search.check_moves(machine, arc)
             if arc.status != "ok" or search.hopeless(machine, arc):

@@ -9,6 +9,7 @@ import numpy as np
 from contwalk.errors import StartError
 from contwalk.flow.hybrid.machine import hybrid_machine
 from contwalk.flow.method import choose
+from contwalk.flow.path import ErrorControl
 from contwalk.problems.conserving import with_own_values
 from contwalk.problems.forcing import period_at
 from contwalk.problems.hybrid import families
@@ -152,7 +153,7 @@ def _once_round(problem: PeriodicOrbit, x: np.ndarray, values: np.ndarray) -> tu
     field = problem.passage.field(PLAIN)
     largest = float(np.abs(x).max())
     size = np.maximum(np.abs(x), 1e-3 * largest if largest > 0.0 else 1.0)
-    choice = choose(field, field.constants(values), 0.0, x, 1.0, ROUGH, size)
+    choice = choose(field, field.constants(values), 0.0, x, 1.0, ErrorControl(ROUGH, size))
     path = arrived(choice.path, problem.passage, values)
     own = np.array([s.period or 0.0 for s in problem.system.states])
     grown = path.states[-1] - path.states[0]

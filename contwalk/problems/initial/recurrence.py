@@ -10,6 +10,7 @@ import numpy as np
 from contwalk import flow
 from contwalk.errors import NotFinite, StartError
 from contwalk.flow.method import Choice, choose
+from contwalk.flow.path import ErrorControl
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.forcing import period_at
 from contwalk.problems.initial.magnitudes import magnitudes_on
@@ -72,7 +73,7 @@ class Simulation:
         """The motion from t to `end` by the method that works least; `path.status`: what became of it."""
         field = self.passage.field(PLAIN)
         c = field.constants(self.constants())
-        return choose(field, c, t, x, end, TOLERANCE, weights)
+        return choose(field, c, t, x, end, ErrorControl(TOLERANCE, weights))
 
     def velocity(self, t: float, x: np.ndarray) -> np.ndarray:
         """dx/dt."""

@@ -325,12 +325,13 @@ def stepped(
         field, sizes = run.passage.field(TANGENT), variation[list(run.passage.states)]
         generic = np.concatenate([run.x, sizes * np.cos(np.arange(1.0, len(sizes) + 1.0))])
         c = field.constants(np.concatenate([own, np.zeros(len(run.scalars))]))
-        given.append((field, c, run.begin, generic, run.end, tolerance, np.concatenate([sizes, sizes])))
+        control = flow.ErrorControl(tolerance, np.concatenate([sizes, sizes]), most, far_out)
+        given.append((field, c, run.begin, generic, run.end, control))
     if method == "auto":
         choices = []
         for run, own, there in zip(runs, values, given, strict=True):
             carried = Carried(run.passage.field(PLAIN), run.carried)
-            choices.append(choose(*there, most, carried, far_out))
+            choices.append(choose(*there, carried))
             # Where one ends on the way, the others need not be tried.
             arrived(choices[-1].path, run.passage, own)
         stiffest = max(choices, key=lambda choice: choice.stability_limited)
@@ -340,7 +341,7 @@ def stepped(
     else:
         reason = "as the run file says"
     paths = [
-        arrived(flow.adaptive(*there, method, most, far_out), run.passage, own)
+        arrived(flow.controlled(*there, method), run.passage, own)
         for run, own, there in zip(runs, values, given, strict=True)
     ]
     return paths, method, reason

@@ -16,6 +16,7 @@ from scipy.optimize import brentq
 
 from contwalk.branch import Outcome
 from contwalk.continuation.opening import Opening
+from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments
 from contwalk.system import Symmetry, System, Transition
 
@@ -75,10 +76,10 @@ def test_releases_keep_the_pest_away_from_the_known_number_on(name):
 def test_each_instant_has_one_event(clock):
     """Also far from t = 0, where an instant is known to many roundings of the phase."""
     given = hybrid_machine(pests(clock), {"m": 0.1, "T": 0.1})
-    begin, weights = 1000.0 + 1.0 / 3.0, np.ones(2)
+    begin, control = 1000.0 + 1.0 / 3.0, Control(1e-9, np.ones(2))
     times = [
         float(arc.times[-1])
-        for arc in motion_segments(given, begin, np.array([0.3, 0.3]), "field", begin + 5.0, 1e-9, weights)
+        for arc in motion_segments(given, begin, np.array([0.3, 0.3]), "field", begin + 5.0, control)
         if arc.transition
     ]
     assert len(times) == 50
@@ -270,7 +271,7 @@ def test_what_follows_a_clock_at_once_does_not_bring_it_back():
         period=lambda p: p.T,
     )
     given, events = hybrid_machine(system, system.defaults()), []
-    for arc in motion_segments(given, 0.3, np.array([0.5]), "open", 5.5, 1e-9, np.ones(1)):
+    for arc in motion_segments(given, 0.3, np.array([0.5]), "open", 5.5, Control(1e-9, np.ones(1))):
         assert arc.status == "ok", arc.reason
         events += [arc.transition] if arc.transition else []
     assert events == ["close", *["cut", "close"] * 5]

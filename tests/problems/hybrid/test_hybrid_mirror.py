@@ -24,7 +24,7 @@ from contwalk.problems.hybrid.following import follows
 from contwalk.problems.hybrid.switching import rotated
 from contwalk.problems.orbit.discretization import SOLVED
 from contwalk.problems.stored_word import StoredWord
-from contwalk.studies.opening_orbits import opened_word
+from contwalk.studies.opening_eventful import opened_word
 from contwalk.system import Neutral, Symmetry, System, Transition
 from contwalk.workflow.stored.orbits import orbit_at
 
@@ -175,9 +175,7 @@ def test_a_half_cycle_is_stored_and_taken_up_again(tmp_path):
     stored = StoredWord(parent.info.settings["legs"], 1, parent.unknowns(3), "mirror", ("aside", "up"))
     values = {"rho": float(sample.z[-1])}
     settings = Settings(range=RANGE)
-    opening = opened_word(
-        system, values, "rho", parent.points["state"][3], settings, None, None, None, stored
-    )
+    opening = opened_word(system, values, "rho", settings, None, None, None, stored)
     assert isinstance(opening, Opening)
     np.testing.assert_allclose(opening.state.sample.eigenvalues, sample.eigenvalues, rtol=1e-6)
 
