@@ -8,7 +8,17 @@ import pytest
 from flow_fields import compiled, forced, forced_flow, lorenz, van_der_pol
 from small_flows import field_of
 
-from contwalk.flow import Field, adaptive, along, along_with_tangents, errors_on, interpolation, tangents
+from contwalk.flow import (
+    ErrorControl,
+    Field,
+    adaptive,
+    along,
+    along_with_tangents,
+    controlled,
+    errors_on,
+    interpolation,
+    tangents,
+)
 from contwalk.flow.tableaus.gauss import gauss_points
 
 DEGREES = range(2, 8)
@@ -188,7 +198,8 @@ def test_how_paths_end() -> None:
         "step_too_small",
         "not_finite",
     )
-    assert adaptive(pole, c, 0.0, [1.0], 0.9, 1e-8, [1.0], "gauss10", max_steps=2).status == "too_many_steps"
+    control = ErrorControl(1e-8, [1.0], max_steps=2)
+    assert controlled(pole, c, 0.0, [1.0], 0.9, control, "gauss10").status == "too_many_steps"
     root = field_of(lambda t, x, p: [-p[0] * np.sqrt(x[0])], 1, 1)
     ended = adaptive(root, root.constants([1.0]), 0.0, [-1.0], 1.0, 1e-8, [1.0], "gauss10")
     assert ended.status == "not_finite"

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from contwalk.flow.hybrid import segment_events
+from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments
 from contwalk.flow.hybrid.past_zero import past_zero
 from contwalk.plugin_check.motion import _longest
@@ -48,7 +49,7 @@ STARTS = [np.array([0.1 * k, 0.4 + 0.2 * k]) for k in range(6)]
 
 
 def motion(machine, x, weights=(1.0, 1.0), tolerance=1e-9):
-    return motion_segments(machine, 0.0, x, "m0", np.inf, tolerance, np.array(weights))
+    return motion_segments(machine, 0.0, x, "m0", np.inf, Control(tolerance, np.array(weights)))
 
 
 def bits(segments):
