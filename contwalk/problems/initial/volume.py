@@ -4,7 +4,9 @@ Deviations span a volume, whose logarithm grows by the divergence of the field, 
 logarithm of the determinant of its saltation matrix. Where it does not tend to minus infinity a motion has
 no attractor, and returns do not become better by waiting (Liouville's theorem; Arnold, Mathematical Methods
 of Classical Mechanics, section 16). In coordinates that are not canonical it goes up and down with the
-motion; so its trend decides, which is known for quasi-periodic motions, and less well for irregular ones.
+motion; so its trend decides. That of a quasi-periodic motion averages out. Of an irregular one it does not,
+but what is kept is a density times the volume: the logarithm is a function of the state, and what the states
+at one kind of event tell of it is taken off before the trend is asked for.
 """
 
 from __future__ import annotations
@@ -14,11 +16,17 @@ import numpy as np
 from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow
 from contwalk.flow.hybrid.motion_segment import MotionSegment
 from contwalk.flow.hybrid.saltation import saltation
+from contwalk.system import System
 
 # Events before volumes are looked at, so that what settles soon costs nothing, and events that are looked at.
 FIRST, WATCHED = 200, 200
 # Logarithm of a volume that is kept: what it would change by in the whole search.
 KEPT = 1.0
+# Functions of the state are at most this part of the events; the time is none of them if this part of it is
+# left beside them.
+FUNCTIONS, LEFT = 0.25, 0.5
+# So many standard errors, and a function that the others give to this part of itself.
+SURE, SAME = 3.0, 1e-8
 
 
 class Volume:
@@ -26,12 +34,14 @@ class Volume:
 
     Attributes
     ----------
-    rate : float
-        Its trend per second; NaN as long as it is not known, and where it is never.
+    rates : tuple of (float, float)
+        Its trend per second with an error, as far as it is known in one way or another.
     """
 
     def __init__(self) -> None:
-        self.rate = np.nan
+        self.rates: tuple[tuple[float, float], ...] = ()
+        self._events: list[tuple[str, str]] = []
+        self._states: list[np.ndarray] = []
         self._times: list[float] = []
         self._logarithms: list[float] = []
         self._now = 0.0
@@ -49,12 +59,23 @@ class Volume:
         self._now += _through(machine, segment)
         self._times.append(float(segment.times[-1]))
         self._logarithms.append(self._now)
+        self._states.append(segment.states[-1])
+        self._events.append((segment.transition, segment.mode))
         if len(self._times) > WATCHED and np.isfinite(self._now):
-            self.rate = _trend(np.array(self._times), np.array(self._logarithms))
+            times, logarithms = np.array(self._times), np.array(self._logarithms)
+            alike = self._of_one_kind()
+            functions = _functions(machine.system, np.array(self._states)[alike])
+            beside = () if functions is None else _trend_beside(times[alike], logarithms[alike], functions)
+            self.rates = ((_trend(times, logarithms), 0.0), *beside)
+
+    def _of_one_kind(self) -> np.ndarray:
+        """Which of the events are of the kind that happens most often."""
+        often = max(self._passed, key=lambda kind: (self._events.count(kind), kind))
+        return np.array([kind == often for kind in self._events])
 
     def kept(self, span: float) -> bool:
         """Whether a volume stays what it is within so many seconds of the motion, as far as is known."""
-        return abs(self.rate) * span <= KEPT
+        return any((abs(rate) + error) * span <= KEPT for rate, error in self.rates)
 
     def seen_all(self, machine: HybridMachine) -> bool:
         """Whether all that may happen has: what has not may lose something."""
@@ -72,6 +93,45 @@ def _trend(times: np.ndarray, values: np.ndarray) -> float:
     weights = np.exp(-1.0 / (share * (1.0 - share)))
     t = times[1:-1] - np.average(times[1:-1], weights=weights)
     return float((weights * t) @ values[1:-1] / ((weights * t) @ t))
+
+
+def _functions(system: System, states: np.ndarray) -> np.ndarray | None:
+    """Functions of states, shape (k, n), a column each: their products by two; of many states, themselves.
+
+    None where even these are too many for so few events.
+    """
+    turns = np.array([state.period or 0.0 for state in system.states])
+    phases = 2.0 * np.pi * states[:, turns > 0.0] / turns[turns > 0.0]
+    columns = np.hstack([states[:, turns == 0.0], np.cos(phases), np.sin(phases)])
+    half = 0.5 * np.ptp(columns, axis=0)
+    moves = half > SAME * np.abs(columns).max(axis=0)
+    moved = (columns[:, moves] - columns[:, moves].mean(axis=0)) / half[moves]
+    n, most = moved.shape[1], FUNCTIONS * len(states)
+    if n + 1 > most:
+        return None
+    both = [moved[:, i] * moved[:, j] for i in range(n) for j in range(i, n)]
+    if n + 1 + len(both) > most:
+        both = []
+    return np.column_stack([np.ones(len(states)), moved, *both])
+
+
+def _trend_beside(
+    times: np.ndarray, values: np.ndarray, functions: np.ndarray
+) -> tuple[tuple[float, float], ...]:
+    """Slope of values beside functions of the state, by least squares, with some standard errors.
+
+    None where the functions go with the time themselves, as an amplitude does that decays.
+    """
+    u, sizes, _ = np.linalg.svd(functions, full_matrices=False)
+    u = u[:, sizes > SAME * sizes[0]]
+    t = times - times.mean()
+    own, rest = t - u @ (u.T @ t), values - u @ (u.T @ values)
+    if np.linalg.norm(own) < LEFT * np.linalg.norm(t):
+        return ()
+    rate = float(own @ rest / (own @ own))
+    left = rest - rate * own
+    variance = float(left @ left) / (len(times) - u.shape[1] - 1)
+    return ((rate, SURE * float(np.sqrt(variance / (own @ own)))),)
 
 
 def _along(flow: ModeFlow, segment: MotionSegment) -> float:

@@ -9,7 +9,7 @@ from hybrid_runs import machine
 from contwalk.errors import StartError
 from contwalk.problems.initial.event_recurrence import MOST_STEPS, lap_from
 from contwalk.problems.initial.recurrence import AtRest
-from contwalk.system import Conserved, System, Transition
+from contwalk.system import Conserved, State, System, Transition
 
 VALUES = {"k": 0.3, "c": 0.0, "e": 1.0, "push": 0.0}
 START = np.array([0.5, 1.0, 2.0, 0.0])
@@ -66,8 +66,8 @@ def told(system: System, **values: float) -> StartError:
 
 @pytest.mark.parametrize(
     ("system", "k"),
-    [(HARD, 0.3), (HARD, 0.0), (SOFT, 0.3), (SOFT, 0.0), (CURVED, 0.0)],
-    ids=["wall", "wall, uncoupled", "spring", "spring, uncoupled", "coordinates, uncoupled"],
+    [(HARD, 0.3), (HARD, 0.0), (SOFT, 0.3), (SOFT, 0.0), (CURVED, 0.3), (CURVED, 0.0)],
+    ids=["wall", "wall, uncoupled", "spring", "spring, uncoupled", "coordinates", "coordinates, uncoupled"],
 )
 def test_a_machine_with_two_frequencies_that_loses_nothing_says_that_it_conserves_something(system, k):
     error = told(system, k=k)
@@ -124,3 +124,41 @@ def test_a_driven_machine_without_losses_is_not_said_to_conserve_its_energy():
     error = told(system)
     assert "nothing is lost" in error.sentence
     assert "conserve" not in error.sentence + error.remedy
+
+
+def swinging(t, x, p, dx):
+    """A mass on a spring that swings, in polar coordinates and their rates: volumes go with 1 / r^2."""
+    r, angle, u, w = x[0], x[1], x[2], x[3]
+    dx[0], dx[1] = u, w
+    dx[2] = r * w * w + math.cos(angle) - 8.0 * (r - 1.0) - p.c * u
+    dx[3] = (-math.sin(angle) - 2.0 * u * w) / r - p.c * w
+
+
+ROPE = Transition(
+    "rope", "free", "free", lambda t, x, p: 1.3 - x[0], reset=lambda t, x, p, after: bounced(x, p, after)
+)
+
+
+def bounced(x, p, after):
+    after[0], after[1], after[2], after[3] = x[0], x[1], -p.e * x[2], x[3]
+
+
+def swing(angle: float, period: float | None, **values: float) -> StartError:
+    states = ["r", State("angle", period=period), "u", "w"]
+    system = machine(states, VALUES, {"free": swinging}, [ROPE])
+    with pytest.raises(StartError) as raised:
+        lap_from(system, {**VALUES, **values}, np.array([1.2, angle, 0.4, 0.0]))
+    return raised.value
+
+
+@pytest.mark.parametrize("angle", [1.5, 2.0])
+@pytest.mark.parametrize("period", [None, 2.0 * math.pi])
+def test_an_irregular_motion_in_coordinates_that_are_not_canonical_is_told_soon(angle, period):
+    error = swing(angle, period)
+    assert "did not come back within 401 events" in error.sentence
+    assert "seems to conserve a quantity" in error.sentence
+
+
+@pytest.mark.parametrize("changed", [{"c": 1e-3}, {"e": 0.999}, {"e": 0.99}], ids=str)
+def test_an_irregular_motion_that_loses_something_is_not_said_to_lose_nothing(changed):
+    assert "conserve" not in swing(1.5, None, **changed).sentence
