@@ -6,11 +6,12 @@ import math
 
 import numpy as np
 import pytest
+from cut_branches import Appended, assert_same, kept
 from small_systems import labelled, small_problem, small_system
 
 import contwalk as cw
-from contwalk.continuation.branch_in_progress import Start, Stored
-from contwalk.continuation.diagram import Diagram, Found, Noted, Plan
+from contwalk.continuation.branch_in_progress import Start
+from contwalk.continuation.diagram import Diagram, Noted, Plan
 from contwalk.continuation.settings import Mark, Settings
 from contwalk.problems.equilibrium import mirror as mirrors
 from contwalk.studies.opening import opened
@@ -248,12 +249,6 @@ def test_where_an_image_does_not_satisfy_the_equations_the_walk_goes_on(monkeypa
     assert [p.name for p in branch.special_points] == [p.name for p in other.special_points]
 
 
-def bits(branch):
-    rows = branch.points.copy()
-    rows["seconds"] = 0.0
-    return rows.tobytes()
-
-
 @pytest.mark.parametrize("name", ["lorenz", "folding"])
 @pytest.mark.parametrize("trusted", [True, False])
 def test_a_run_that_is_killed_anywhere_goes_on_to_the_same_bits(name, trusted, monkeypatch):
@@ -270,22 +265,9 @@ def test_a_run_that_is_killed_anywhere_goes_on_to_the_same_bits(name, trusted, m
         return diagram, list(diagram.events())
 
     whole, events = run({})
-    rows, points = [], []
-    log = []
-    for event in events:
-        if isinstance(event, Found) and event.info.name == "b2":
-            rows += [] if event.row is None else [event.row]
-            points += [] if event.special is None else [event.special]
-            log.append((len(rows), len(points)))
-    images = [k for k, (n, _) in enumerate(log) if rows[n - 1]["s"][0] < 0.0]
+    appended = Appended.of(events, "b2")
+    images = appended.images
     cuts = [0, images[0] - 1, *images[:: max(len(images) // 4, 1)], images[-2], images[-1]]
-    first = whole.branches[0]
-    order = first.points[np.argsort(first.points["s"] < 0.0, kind="stable")]
-    kept = Stored(order, list(first.special_points), first.outcome)
     for k in cuts:
-        n, m = log[k]
-        cut = Stored(np.concatenate(rows[:n]), points[:m], None)
-        again, _ = run({"b1": kept, "b2": cut})
-        assert bits(again.branches[1]) == bits(whole.branches[1]), k
-        assert again.branches[1].special_points == whole.branches[1].special_points, k
-        assert again.branches[1].outcome == whole.branches[1].outcome
+        again, _ = run({"b1": kept(whole.branches[0]), "b2": appended.cut(k)})
+        assert_same(again.branches[1], whole.branches[1], k)

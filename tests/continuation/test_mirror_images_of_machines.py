@@ -6,11 +6,12 @@ from functools import cache
 
 import numpy as np
 import pytest
+from cut_branches import Appended, assert_same, kept
 from forced_mirrors import block, half, pair
 from hybrid_runs import ACCURACY, opened
 
-from contwalk.continuation.branch_in_progress import Start, Stored
-from contwalk.continuation.diagram import Diagram, Found, Noted, Plan
+from contwalk.continuation.branch_in_progress import Start
+from contwalk.continuation.diagram import Diagram, Noted, Plan
 from contwalk.continuation.settings import Settings
 from contwalk.problems.hybrid import mirror_image as mirrors
 
@@ -108,12 +109,6 @@ def test_a_limit_is_located_by_a_walk_of_its_own():
     assert any("a limit (GR) has to be located" in note for note in notes)
 
 
-def bits(branch):
-    rows = branch.points.copy()
-    rows["seconds"] = 0.0
-    return rows.tobytes()
-
-
 @pytest.mark.parametrize("trusted", [True, False])
 def test_a_run_that_is_killed_goes_on_to_the_same_bits(trusted, monkeypatch):
     if not trusted:
@@ -122,19 +117,8 @@ def test_a_run_that_is_killed_goes_on_to_the_same_bits(trusted, monkeypatch):
         monkeypatch.setattr(mirrors.HybridMirror, "row", limited)
     whole, notes, events = made("pair") if not trusted else known("pair")
     assert any("do not satisfy" in note for note in notes) == (not trusted)
-    rows, points, log = [], [], []
-    for event in events:
-        if isinstance(event, Found) and event.info.name == "b2":
-            rows += [] if event.row is None else [event.row]
-            points += [] if event.special is None else [event.special]
-            log.append((len(rows), len(points)))
-    images = [k for k, (n, _) in enumerate(log) if rows[n - 1]["s"][0] < 0.0]
-    first = whole[0]
-    order = first.points[np.argsort(first.points["s"] < 0.0, kind="stable")]
-    kept = Stored(order, list(first.special_points), first.outcome)
+    appended = Appended.of(events, "b2")
+    images = appended.images
     for k in (images[0] - 1, images[0], images[len(images) // 2], images[-2]):
-        n, m = log[k]
-        again, _, _ = made("pair", {"b1": kept, "b2": Stored(np.concatenate(rows[:n]), points[:m], None)})
-        assert bits(again[1]) == bits(whole[1]), k
-        assert again[1].special_points == whole[1].special_points, k
-        assert again[1].outcome == whole[1].outcome
+        again, _, _ = made("pair", {"b1": kept(whole[0]), "b2": appended.cut(k)})
+        assert_same(again[1], whole[1], k)

@@ -6,11 +6,12 @@ import math
 
 import numpy as np
 import pytest
+from cut_branches import Appended, assert_same, kept
 from scipy.integrate import solve_ivp
 from small_systems import small_system
 
-from contwalk.continuation.branch_in_progress import Start, Stored
-from contwalk.continuation.diagram import Diagram, Found, Noted, Plan
+from contwalk.continuation.branch_in_progress import Start
+from contwalk.continuation.diagram import Diagram, Noted, Plan
 from contwalk.continuation.settings import Mark, Settings
 from contwalk.problems.orbit import mirror as mirrors
 from contwalk.studies.opening import opened
@@ -181,12 +182,6 @@ def test_extremes_are_exchanged(both):
     assert branch[there][s < 0.0][::-1] == pytest.approx(sign * ahead, rel=1e-5)
 
 
-def bits(branch):
-    rows = branch.points.copy()
-    rows["seconds"] = 0.0
-    return rows.tobytes()
-
-
 @pytest.mark.parametrize("trusted", [True, False])
 def test_a_run_that_is_killed_goes_on_to_the_same_bits(trusted, monkeypatch):
     if not trusted:
@@ -195,22 +190,11 @@ def test_a_run_that_is_killed_goes_on_to_the_same_bits(trusted, monkeypatch):
         monkeypatch.setattr(mirrors.OrbitMirror, "row", limited)
     whole, notes, events = made("pendulum")
     assert any("do not satisfy" in note for note in notes) == (not trusted)
-    rows, points, log = [], [], []
-    for event in events:
-        if isinstance(event, Found) and event.info.name == "b2":
-            rows += [] if event.row is None else [event.row]
-            points += [] if event.special is None else [event.special]
-            log.append((len(rows), len(points)))
-    images = [k for k, (n, _) in enumerate(log) if rows[n - 1]["s"][0] < 0.0]
-    first = whole[0]
-    order = first.points[np.argsort(first.points["s"] < 0.0, kind="stable")]
-    kept = Stored(order, list(first.special_points), first.outcome)
+    appended = Appended.of(events, "b2")
+    images = appended.images
     for k in (images[0] - 1, images[0], images[len(images) // 2], images[-2], images[-1]):
-        n, m = log[k]
-        again, _, _ = made("pendulum", {"b1": kept, "b2": Stored(np.concatenate(rows[:n]), points[:m], None)})
-        assert bits(again[1]) == bits(whole[1]), k
-        assert again[1].special_points == whole[1].special_points, k
-        assert again[1].outcome == whole[1].outcome
+        again, _, _ = made("pendulum", {"b1": kept(whole[0]), "b2": appended.cut(k)})
+        assert_same(again[1], whole[1], k)
 
 
 def test_a_marked_value_that_differs_on_the_image_is_found_there():

@@ -90,12 +90,17 @@ class Multipliers:
         return replace(self, errors=errors)
 
     def unstable(self, before: int | None) -> int:
-        """Number of multipliers outside the unit circle; doubtful ones count as at the neighbouring point."""
+        """Number of multipliers outside the unit circle.
+
+        As many of the doubtful ones count as there were at the neighbouring point; none of a pair, and none
+        that stays on the circle.
+        """
         measures = self.measures
-        if before is None or self.paired is not None:
-            return int(np.sum(measures > self.errors))
-        known = np.abs(measures) > self.errors
-        return int(np.sum(np.where(known, measures > 0.0, np.arange(len(measures)) < before)))
+        certain = int(np.count_nonzero(measures > self.errors))
+        doubtful = ~(np.abs(measures) > self.errors)
+        for staying in (self.paired, self.bordering):
+            doubtful = doubtful if staying is None else doubtful & ~staying
+        return certain if before is None else int(np.clip(before, certain, certain + doubtful.sum()))
 
 
 def multipliers(

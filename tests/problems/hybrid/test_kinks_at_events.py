@@ -4,48 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from arm_machine import ARM
 
 import contwalk as cw
 
-# An arm that is thrown back by a pad, with a load that lags: -0.8 at the pad where the force is 1.39.
-PLUGIN = """\
-import math
-import numpy as np
-from contwalk.system import Mode, Parameter, State, System, Transition
-
-def swing(t, x, p, dx):
-    dx[0] = x[1]
-    dx[1] = p.force * math.cos(t) - 0.3 * x[1] - x[0]
-    dx[2] = 0.5 * (x[0] - x[2])
-
-def pad(t, x, p):
-    return {guard}
-
-def throw(t, x, p, after):
-    after[0] = x[0]
-    after[1] = {speed}
-    after[2] = x[2]
-
-SYSTEM = System("arm",
-    states=(State("q"), State("w"), State("load")),
-    parameters=(Parameter("force", 1.3),),
-    modes=(Mode("free", swing),),
-    transitions=(Transition("pad", "free", "free", pad, reset=throw),),
-    period=lambda p: 2.0 * math.pi)
-"""
 RUN = """\
 contwalk: 1
 system: ./arm.py
 start: {simulate: {state: {q: 0.0, w: 0.5, load: 0.0}, until: settled}}
 continue: {parameter: force, range: [1.2, 1.5], max_points: 60, direction: forward}
 """
-GUARD, SPEED = "0.6 - x[0]", "-0.5 * x[1]"
-LINES = {"guard": 11, "reset": 15}
+GUARD, SPEED = "0.6 - x[0]", "-0.5 * speed"
+LINES = {"guard": 11, "reset": 16}
 
 
 def study(folder, guard=GUARD, speed=SPEED):
     """The branch, the load at its last event, and the notes about kinks."""
-    (folder / "arm.py").write_text(PLUGIN.format(guard=guard, speed=speed))
+    (folder / "arm.py").write_text(ARM.replace(GUARD, guard).replace(SPEED, speed))
     (folder / "run.yaml").write_text(RUN)
     result = cw.run(cw.read_run_file(folder / "run.yaml", output=folder / "run.h5"), figures=False)
     with cw.open_database(folder / "run.h5") as db:
@@ -147,7 +122,7 @@ def test_a_point_beside_a_jump_is_found_again_when_the_run_is_resumed(tmp_path):
 def test_a_jump_along_a_path_ends_the_branch_there(tmp_path):
     """Between two parameter sets: what jumps depends on both parameters."""
     speed = f"{SPEED} - (0.0 if p.force - p.lag < 0.85 else 0.1)"
-    source = PLUGIN.format(guard=GUARD, speed=speed)
+    source = ARM.replace(SPEED, speed)
     source = source.replace('Parameter("force", 1.3),', 'Parameter("force", 1.3), Parameter("lag", 0.5),')
     source = source.replace("0.5 * (x[0] - x[2])", "p.lag * (x[0] - x[2])")
     (tmp_path / "arm.py").write_text(source)
@@ -209,7 +184,7 @@ def test_a_jump_of_the_map_that_relabels_is_told(tmp_path, change):
 
 def test_a_jump_at_the_end_of_a_collapsed_leg_ends_the_branch(tmp_path):
     """The pad holds the arm until it is let go, which is at once here: a leg of no time."""
-    source = PLUGIN.format(guard=GUARD, speed=f"{SPEED} - (0.0 if x[2] > -0.8 else 0.1)")
+    source = ARM.replace(SPEED, f"{SPEED} - (0.0 if x[2] > -0.8 else 0.1)")
     source = source.replace(
         'Transition("pad", "free", "free", pad, reset=throw)',
         'Transition("pad", "free", "held", pad), '

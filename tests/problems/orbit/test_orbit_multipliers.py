@@ -74,6 +74,17 @@ def test_doubtful_ones_count_as_at_the_neighbour():
     assert found.unstable(None) == 1
 
 
+def test_doubtful_ones_beside_pairs_count_as_at_the_neighbour_too():
+    """A pair on the circle never counts, however little is known of it; a pair off it does."""
+    values = np.array([1.0 + 1e-12, 0.6 + 0.8j, 0.6 - 0.8j, 0.5], dtype=complex)
+    paired = np.array([False, True, True, False])
+    found = Multipliers(values, np.full(4, 1e-9), 1e-9, paired)
+    assert [found.unstable(before) for before in (None, 0, 1, 2)] == [0, 0, 1, 1]
+    values = np.array([2.0, 1.0 + 1e-12, 0.5], dtype=complex)
+    found = Multipliers(values, np.full(3, 1e-9), 1e-9, np.array([True, False, True]))
+    assert [found.unstable(before) for before in (None, 0, 1, 2, 3)] == [1, 1, 1, 2, 2]
+
+
 def test_what_is_not_known_to_its_size_is_not_counted_as_unstable():
     found = Multipliers(np.array([6e6 + 0j, 0.1 + 0j]), np.array([1e-8, 1e-14]), 3.6)
     assert found.unstable(0) == found.unstable(None) == 1
