@@ -63,7 +63,7 @@ def one_of_many() -> Outcome:
 
 def _smooth_places(problem: PeriodicOrbit) -> Places:
     """States at the starts of segments, and the equations of the last segment's end."""
-    n, m, names = problem.states, problem.segments, problem.system.state_names
+    n, m, names = problem.states, problem.mesh.segments, problem.system.state_names
     unknowns = {i: names[i % n] for i in range(m * n)}
     return Places(unknowns, {(m - 1) * n + i: name for i, name in enumerate(names)})
 

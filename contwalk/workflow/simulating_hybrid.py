@@ -16,7 +16,7 @@ from contwalk.flow.hybrid.motions import HybridMachine, MotionSegment, applied, 
 from contwalk.flow.hybrid.on_guard import check_on_guard
 from contwalk.flow.hybrid.past_zero import past_zero
 from contwalk.flow.hybrid.scales import magnitudes
-from contwalk.problems.hybrid.layout import Layout
+from contwalk.problems.orbit.layout import Layout
 from contwalk.problems.stored_word import StoredWord
 from contwalk.system import System, Transition
 from contwalk.workflow.run_file.motions import Simulation

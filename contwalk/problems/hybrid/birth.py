@@ -27,7 +27,7 @@ def eventful(born: Seed) -> Seed:
     smooth = born.problem
     assert isinstance(smooth, PeriodicOrbit)
     assert smooth.section is not None
-    m, n = smooth.segments, smooth.states
+    m, n = smooth.mesh.segments, smooth.states
     system, x = smooth.system, born.z[:n]
     word = Word((Leg(system.modes[0].name),))
     if smooth.pins or (m > 1 and (smooth.whole[1] > 1 or applies(system, word))):

@@ -19,7 +19,7 @@ import numpy as np
 from contwalk.flow.compiled.addresses import address
 from contwalk.flow.compiled.entry_points import Entry
 from contwalk.numerics.linear import Factored, Factorization
-from contwalk.problems.hybrid.layout import Layout
+from contwalk.problems.orbit.layout import Layout
 
 _LOOPS = "contwalk.problems.hybrid.elimination"
 ELIMINATE = Entry(_LOOPS, "eliminate", "d", "qqqqqqqq")

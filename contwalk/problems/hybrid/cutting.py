@@ -18,7 +18,7 @@ from contwalk import flow
 from contwalk.errors import NotFinite
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind
 from contwalk.problems.orbit.lifts import PLAIN
-from contwalk.problems.orbit.shooting import Piece
+from contwalk.problems.orbit.piece import Piece
 from contwalk.problems.orbit.transport import STRETCHED, TOO_MUCH, closed, segments_of_growth
 from contwalk.problems.problem import Sample
 

@@ -14,20 +14,18 @@ from typing import Self, TypeVar
 
 import numpy as np
 
-from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
-from contwalk.problems.hybrid.effort import Effort
-from contwalk.problems.hybrid.layout import Layout, Segment, joined
 from contwalk.problems.hybrid.margins import Guarded, Limit, Margins
 from contwalk.problems.hybrid.shooting import LegMesh
 from contwalk.problems.hybrid.stretch import Stretch
 from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.kinks import Course, Kink
 from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.orbit.layout import Layout, Segment, joined
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.passage import Passage, passage_of
+from contwalk.problems.orbit.piece import Piece
 from contwalk.problems.orbit.section import Section
-from contwalk.problems.orbit.shooting import Piece
 from contwalk.problems.orbit.word import Word
 from contwalk.problems.parameter_line import Ends
 from contwalk.system import Condition, Neutral, System, Transition
@@ -40,6 +38,8 @@ Kind = TypeVar("Kind", bound="DiscretizedOrbit")
 
 class DiscretizedOrbit(OrbitData):
     """Orbits of one word on given steps; see `HybridOrbit` for its parameters."""
+
+    layout: Layout
 
     def __init__(
         self,
@@ -58,7 +58,6 @@ class DiscretizedOrbit(OrbitData):
         self.turns = np.zeros(self.states)
         self._mesh: LegMesh | None = None
         self._most_steps: int | None = None
-        self.effort = Effort()
         # Segments of each leg; how many a stored branch has room for.
         self.cuts, self.room, self.layout = 1, None, self._laid_out(1)
 
@@ -168,21 +167,6 @@ class DiscretizedOrbit(OrbitData):
             for own, steps in zip(self.layout.segments, mesh.steps, strict=True)
         )
 
-    @property
-    def size(self) -> int:
-        """Number of unknowns without the free parameter."""
-        return self.layout.size
-
-    @property
-    def method(self) -> str:
-        """How motions are integrated, and why so."""
-        return f"{self.mesh.method}, {self.mesh.reason}"
-
-    @property
-    def evaluations(self) -> int:
-        """Steps of integration so far, in right-hand sides."""
-        return self.effort.spent
-
     def view(self, z: np.ndarray) -> tuple[LegView, ...]:
         """A solution looked at leg by leg."""
         return self.known.at("view", z, MOST_VIEWS, lambda: self._looked_at(z))
@@ -231,10 +215,6 @@ class DiscretizedOrbit(OrbitData):
         """Whether events happen on it."""
         return self.word.eventful
 
-    def values_of(self, z: np.ndarray) -> dict[str, float]:
-        """All parameters at z, by name."""
-        return self.line.at(float(z[-1]))
-
     def duration(self, z: np.ndarray) -> float:
         """Duration of the closure, seconds."""
         return float(z[self.layout.durations].sum())
@@ -270,20 +250,6 @@ class DiscretizedOrbit(OrbitData):
         """Periods of the forcing in a closure: a half of them, if the closure is half of a cycle."""
         return self.subharmonic / self.rounds
 
-    @property
-    def periods(self) -> np.ndarray:
-        """Periods of the states that are angles, 0 for the others, shape (N + 1,)."""
-        result = np.zeros(self.size + 1)
-        own = np.array([s.period or 0.0 for s in self.system.states])
-        for place, passage in self.places:
-            result[place] = own[list(passage.states)]
-        return result
-
-    @property
-    def places(self) -> list[tuple[slice, Passage]]:
-        """Where the states at the starts of all segments stand, and of which legs they are."""
-        return [(segment.states, self.passages[segment.leg]) for segment in self.layout.segments]
-
     def assembled(
         self,
         states: Sequence[np.ndarray],
@@ -304,43 +270,12 @@ class DiscretizedOrbit(OrbitData):
             z[self.layout.start] = start
         return z
 
-    def weighted(self, magnitudes: np.ndarray) -> np.ndarray:
-        """Weights of the unknowns for typical magnitudes of all states; 1 for what is no state."""
-        weights = np.ones(self.layout.size + 1)
-        for place, passage in self.places:
-            weights[place] = magnitudes[list(passage.states)] * np.sqrt(len(self.layout.segments))
-        return weights
-
     def magnitudes_of(self, weights: np.ndarray) -> np.ndarray:
         """Typical magnitudes of all states, of weights of the unknowns; 1 for those of no leg."""
         magnitudes = np.ones(self.states)
         for place, passage in zip(self.layout.states, self.passages, strict=True):
             magnitudes[list(passage.states)] = weights[place] / np.sqrt(len(self.layout.segments))
         return magnitudes
-
-    def first_state(self, z: np.ndarray) -> np.ndarray:
-        """The state at the start of the first leg, shape (n,)."""
-        return self.passages[0].full(z[self.layout.states[0]])
-
-    def held(self, pin: Neutral, x: np.ndarray, values: Mapping[str, float]) -> tuple[np.ndarray, float]:
-        """Across which direction, (n,), a full state is held, and how far it is from there."""
-        assert self.reference is not None
-        normal = np.zeros(self.states)
-        if pin.pin is None:
-            g = neutrals.generator_at(pin, self.reference, self.parameters)
-            normal = g / np.linalg.norm(g)
-            return normal, float(normal @ (x - self.reference))
-        k = self.system.state_names.index(pin.pin)
-        normal[k] = 1.0
-        return normal, float(x[k] - (self.reference[k] if pin.value is None else values[pin.value]))
-
-    def state_of(self, which: int) -> str | None:
-        """Name of the state that an unknown is a value of, None if it is an angle's or none's."""
-        for place, passage in zip(self.layout.states, self.passages, strict=True):
-            if place.start <= which < place.stop:
-                state = self.system.states[passage.states[which - place.start]]
-                return None if state.period else state.name
-        return None
 
     @property
     def smallest(self) -> int:
@@ -395,13 +330,6 @@ class DiscretizedOrbit(OrbitData):
         """Modes of the legs, and full states at their starts."""
         each = zip(self.passages, self.layout.states, strict=True)
         return [(passage.leg.mode, passage.full(z[place])) for passage, place in each]
-
-    def state_errors(self, errors: np.ndarray) -> np.ndarray:
-        """Of estimated errors of the equations, the sum over the ends of legs for each state, shape (n,)."""
-        most = np.zeros(self.states)
-        for passage, rows in zip(self.passages, self.layout.matches, strict=True):
-            most[list(passage.following)] += errors[rows]
-        return most
 
     def courses(self, z: np.ndarray) -> list[tuple[Course, dict[bytes, Kink]]]:
         """The legs as they are looked at for kinks of their fields, and the kinks known of each."""

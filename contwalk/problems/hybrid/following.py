@@ -9,8 +9,8 @@ from contwalk.flow.hybrid.motion_segment import Control, MotionSegment
 from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments
 from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
-from contwalk.problems.hybrid.layout import Segment
 from contwalk.problems.orbit.closure import imaged
+from contwalk.problems.orbit.layout import Segment
 from contwalk.system.declarations import ParameterValues
 
 TOLERANCE = 1e-12

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contwalk.problems.hybrid.layout import Layout
+from contwalk.problems.orbit.layout import Layout
 from contwalk.problems.orbit.word import Word
 
 # A little time, in parts of the closure's.

@@ -20,7 +20,6 @@ from contwalk.problems.hybrid import (
     condensed,
     cutting,
     end_maps,
-    equations,
     equivalence,
     jumping_limits,
     lasting,
@@ -33,7 +32,6 @@ from contwalk.problems.hybrid import (
     remesh,
     switching,
     undefined,
-    variations,
 )
 from contwalk.problems.hybrid.diagnosis import HybridDiagnosis
 from contwalk.problems.hybrid.discretized_orbit import MOST_VIEWS, DiscretizedOrbit
@@ -42,7 +40,7 @@ from contwalk.problems.hybrid.mirror_image import HybridMirror, mirror_of
 from contwalk.problems.hybrid.return_map import EventMap
 from contwalk.problems.hybrid.stretch import Stretch
 from contwalk.problems.kinks import Kink
-from contwalk.problems.orbit import augmented, describing, rates
+from contwalk.problems.orbit import augmented, describing, equations, rates
 from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.normal_forms import SectionMap
@@ -173,11 +171,6 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         """Right-hand sides of one pass with derivatives, each column counted as one."""
         return equations.cost(self)
 
-    @property
-    def equation_scales(self) -> np.ndarray:
-        """Units of the equations, shape (N,)."""
-        return metric.equation_scales(self)
-
     def magnitudes_near(self, z: np.ndarray) -> np.ndarray:
         """Half the range of each state over the orbit; declared scales where there are any."""
         return metric.magnitudes_near(self, z)
@@ -217,33 +210,6 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
                 "room": cutting.room(self),
             },
         }
-
-    # -- second derivatives: see `variations` ------------------------------------------------------------
-
-    @property
-    def cycle_scales(self) -> tuple[np.ndarray, np.ndarray]:
-        """Units of the rows and of the columns of `cycle_matrix`."""
-        return metric.cycle_scales(self)
-
-    def cycle_matrix(self, jacobian: np.ndarray, multiplier: complex) -> np.ndarray:
-        """L(mu), singular where mu is a multiplier."""
-        return variations.cycle_matrix(self, jacobian, multiplier)
-
-    def cycle_return(self, psi: np.ndarray, v: np.ndarray) -> complex:
-        """-psi* L' v, where L' is the derivative of `cycle_matrix` by the multiplier."""
-        return variations.cycle_return(self, psi, v)
-
-    def cycle_derivative(self, z: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """Derivative by z of L v for a real v, shape (N, N + 1)."""
-        return variations.cycle_derivative(self, z, v)
-
-    def cycle_rate(self, z: np.ndarray, v: np.ndarray, tangent: np.ndarray) -> np.ndarray:
-        """Derivative of L v along a direction, for a real v, shape (N,)."""
-        return variations.cycle_rate(self, z, v, tangent)
-
-    def derivative_along(self, z: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """Derivative by z of DF(z) v for a real v of length N + 1, shape (N, N + 1)."""
-        return variations.derivative_along(self, z, v)
 
     def admissible_at(self, z: np.ndarray) -> bool:
         """Whether a solution is one that the machine can move on."""
@@ -364,10 +330,6 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
     def velocity(self, z: np.ndarray) -> np.ndarray:
         """dx/dt at the start."""
         return self.flow_direction(z, 0)
-
-    def errors_at(self, z: np.ndarray) -> np.ndarray:
-        """Estimated error of each equation at a solution."""
-        return equations.errors(self, self.linearize(z))
 
     def adapted(self, sample: Sample) -> tuple[Self, Sample]:
         """The problem on steps made for a solution, and the solution's sample on it."""

@@ -17,8 +17,8 @@ from contwalk.flow.hybrid.machine import HybridMachine
 from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
-from contwalk.problems.hybrid.layout import Segment
-from contwalk.problems.orbit.shooting import Piece
+from contwalk.problems.orbit.layout import Segment
+from contwalk.problems.orbit.piece import Piece
 
 # Durations are fitted on steps that are theirs at least by this part of the square of the length: where the
 # parameter counts relative to itself, it falls by two parts while the period grows by one.

@@ -35,7 +35,7 @@ from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.orbit import augmented
 from contwalk.problems.orbit.branching import filled_magnitudes
 from contwalk.problems.orbit.lifts import PLAIN
-from contwalk.problems.orbit.shooting import Piece
+from contwalk.problems.orbit.piece import Piece
 from contwalk.problems.orbit.solving import newton_on
 from contwalk.problems.orbit.watching import Watched
 from contwalk.problems.orbit.word import imaged_leg

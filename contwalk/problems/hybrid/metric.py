@@ -1,4 +1,4 @@
-"""Units of an orbit's equations and unknowns, and typical magnitudes of the unknowns."""
+"""Typical magnitudes of the unknowns of an orbit through events."""
 
 from __future__ import annotations
 
@@ -9,29 +9,6 @@ from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.shooting import AT_REST
 from contwalk.problems.orbit.closure import imaged
 from contwalk.system.declarations import ParameterValues
-
-
-def equation_scales(orbit: DiscretizedOrbit) -> np.ndarray:
-    """Units of the equations, shape (N,)."""
-    scales, variation = np.ones(orbit.size), orbit.mesh.variation
-    for i, rows in enumerate(orbit.layout.matches):
-        scales[rows] = variation[list(orbit.passages[i].following)]
-    for segment in orbit.layout.segments:
-        if not segment.last:
-            scales[segment.ends] = variation[list(orbit.passages[segment.leg].states)]
-    scales[orbit.layout.guards : orbit.layout.guards + orbit.layout.legs] = orbit.guard_scales
-    return scales
-
-
-def cycle_scales(orbit: DiscretizedOrbit) -> tuple[np.ndarray, np.ndarray]:
-    """Units of the rows and of the columns of `cycle_matrix`."""
-    columns = np.ones(orbit.size)
-    for place, passage in orbit.places:
-        columns[place] = orbit.mesh.variation[list(passage.states)]
-    columns[orbit.layout.durations] = orbit.mesh.total
-    if orbit.layout.start is not None:
-        columns[orbit.layout.start] = orbit.mesh.total
-    return orbit.equation_scales, columns
 
 
 def magnitudes_near(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ import numpy as np
 from contwalk.problems import conserving
 from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
-from contwalk.problems.hybrid.layout import Segment
+from contwalk.problems.orbit.layout import Segment
 from contwalk.problems.orbit.multipliers import Multipliers, multipliers, of_sections
 
 # A guard that changes by less than this part of itself in a closure, at its rate at the event, has no rate.

@@ -44,8 +44,12 @@ class LegMesh(Mesh):
     """
 
     grown: tuple[float, ...] = ()
-    total: float = 1.0
     guards: np.ndarray | None = None
+
+    @property
+    def amplified(self) -> float:
+        """What local errors grow by on their way to the end of a segment."""
+        return self.growth
 
 
 def meshed(
@@ -101,7 +105,7 @@ def meshed(
     if parts > 1:
         steps = _alike(steps, parts)
     grown = tuple(_growth([p], [path], variation) for p, path in zip(passages, paths, strict=True))
-    return LegMesh(tuple(steps), chosen, tolerance, variation, magnitudes, amplified, reason, grown)
+    return LegMesh(tuple(steps), chosen, tolerance, variation, magnitudes, amplified, reason, grown=grown)
 
 
 def _alike(steps: Sequence[np.ndarray], parts: int) -> list[np.ndarray]:

@@ -16,11 +16,11 @@ from contwalk import flow
 from contwalk.errors import UnsupportedOperation
 from contwalk.memory import computed_once
 from contwalk.numerics.linear import EPSILON
-from contwalk.problems.hybrid.layout import Segment
 from contwalk.problems.kinks import Course
 from contwalk.problems.orbit.extrema import PARTS, Smooth, sampled, turns
+from contwalk.problems.orbit.layout import Segment
 from contwalk.problems.orbit.lifts import PLAIN
-from contwalk.problems.orbit.shooting import Piece
+from contwalk.problems.orbit.piece import Piece
 from contwalk.system import Transition
 
 # A guard that leaves zero slowly may turn twice before the first sample: it is looked at earlier too, at

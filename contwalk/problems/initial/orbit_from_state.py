@@ -196,6 +196,6 @@ def symmetric(
             scalars = problem.scalars(z).copy()
             scalars[:-1] /= order  # period and drifts
             part = np.concatenate([x, scalars])
-            single = np.concatenate([weights[:n] / np.sqrt(problem.segments), np.abs(scalars)])
+            single = np.concatenate([weights[:n] / np.sqrt(problem.mesh.segments), np.abs(scalars)])
             return cut(other.adapted_to(part, single, segments=1), part, single[:n])
     return None

@@ -132,7 +132,7 @@ class OrbitMirror:
         shift: float = 0.0,
     ) -> tuple[np.ndarray, np.ndarray]:
         """Image of an orbit and of a deviation of it, each of shape (N + 1,), beginning later by a share."""
-        n, m = there.states, there.segments
+        n, m = there.states, there.mesh.segments
         parameters, by_parameter = self._parameters(there, z, weights)
         passed = self._passed_by(there, z, tangent)
         states, deviations = [], []
@@ -197,7 +197,7 @@ class OrbitMirror:
         return np.sqrt((self._linear * self._linear) @ (values * values))
 
     def _weights(self, there: SegmentedOrbit, weights: np.ndarray) -> np.ndarray:
-        n, m = there.states, there.segments
+        n, m = there.states, there.mesh.segments
         return np.concatenate([np.tile(self._metric(weights[:n]), m), weights[m * n :]])
 
     def _mirrored(self, there: SegmentedOrbit, image: np.ndarray) -> SegmentedOrbit:
@@ -314,7 +314,7 @@ class Passed:
 
     def at(self, instant: float) -> tuple[np.ndarray, np.ndarray]:
         """State and deviation at an instant in parts of the period, each of shape (n,)."""
-        problem, m = self._problem, self._problem.segments
+        problem, m = self._problem, self._problem.mesh.segments
         instant = instant % 1.0
         i = min(int((instant + AT_STEP) * m), m - 1)
         steps = problem.mesh.steps[i]
@@ -327,11 +327,11 @@ class Passed:
     def _segment(self, i: int) -> tuple[np.ndarray, np.ndarray]:
         """States and deviations at the steps of a segment, each of shape (s, n)."""
         if i not in self._known:
-            problem, n, m = self._problem, self._problem.states, self._problem.segments
+            problem, n, m = self._problem, self._problem.states, self._problem.mesh.segments
             own = np.concatenate([self._tangent[i * n : (i + 1) * n], self._tangent[m * n :]])
             if np.any(own):
                 start, scalars = problem.starts(self._z)[i], problem.scalars(self._z)
-                states, moved = problem.pieces[i].along(start, scalars)
+                states, moved = problem.segments[i].along(start, scalars)
                 self._known[i] = states, moved @ own
             else:
                 last = int(problem.mesh.ends[i]) + 1
@@ -347,7 +347,7 @@ class Passed:
         field, y, weights = problem.passage.field(PLAIN), x, mesh.variation
         if np.any(self._tangent):
             field, y = problem.passage.field(TANGENT), np.concatenate([x, v])
-            values = np.concatenate([values, self._tangent[problem.segments * n :]])
+            values = np.concatenate([values, self._tangent[problem.mesh.segments * n :]])
             size = max(float(np.linalg.norm(v / mesh.variation)), 1e-12)
             weights = np.concatenate([mesh.variation, size * mesh.variation])
         tolerance, c = max(BETWEEN * mesh.tolerance, FINEST), field.constants(values)

@@ -90,7 +90,7 @@ def trivial_error(orbit: SegmentedOrbit, z: np.ndarray, jacobian: np.ndarray) ->
     """
     if orbit.forced or not orbit.moves(z):
         return float("nan")
-    m, variation = orbit.segments, orbit.mesh.variation
+    m, variation = orbit.mesh.segments, orbit.mesh.variation
     own = orbit.solution(z).velocities / variation
     sizes, worst = [float(np.linalg.norm(v)) for v in own], 0.0
     if 0.0 in sizes:

@@ -3,20 +3,32 @@
 from __future__ import annotations
 
 import copy
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import Any, Self
 
 import numpy as np
 
+from contwalk.problems import neutral as neutrals
 from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.orbit.effort import Effort
 from contwalk.problems.orbit.evaluations import Evaluations
+from contwalk.problems.orbit.layout import Positions, Segment
+from contwalk.problems.orbit.passage import Passage
+from contwalk.problems.orbit.piece import Piece
 from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.orbit.section import Reference
 from contwalk.problems.parameter_line import Ends, ParameterLine
 from contwalk.system import Neutral, System
 
 
 class OrbitData(Orbit):
     """A system, the line of its parameters, what is pinned, and how finely orbits are computed."""
+
+    layout: Positions
+    turns: np.ndarray
+    # Of an integral phase condition, the orbit to which the phase is nearest.
+    reference_orbit: Reference | None = None
 
     def __init__(
         self,
@@ -37,7 +49,107 @@ class OrbitData(Orbit):
         self.states = len(system.states)
         self.forced = system.period is not None
         self.section = None
-        self.known = Evaluations()
+        self.known, self.effort = Evaluations(), Effort()
+
+    @property
+    @abstractmethod
+    def passages(self) -> tuple[Passage, ...]:
+        """The legs' compiled functions."""
+
+    @property
+    @abstractmethod
+    def segments(self) -> tuple[Piece, ...]:
+        """The segments of the legs on their steps."""
+
+    @property
+    @abstractmethod
+    def forcings(self) -> float:
+        """Periods of the forcing in a closure: a part of them, if the closure is part of a cycle."""
+
+    def passes(self, z: np.ndarray) -> Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """Of each segment the states at its steps, its end, and the derivatives of that."""
+        each = zip(self.layout.segments, self.segments, strict=True)
+        return [piece.passed(*self.layout.inputs_of(segment, z)) for segment, piece in each]
+
+    @property
+    def places(self) -> list[tuple[slice, Passage]]:
+        """Where the states at the starts of all segments stand, and of which legs they are."""
+        return [(segment.states, self.passages[segment.leg]) for segment in self.layout.segments]
+
+    @property
+    def guard_scales(self) -> np.ndarray:
+        """Units of the legs' guards, shape (m,)."""
+        return np.ones(self.layout.legs)
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns without the free parameter."""
+        return self.layout.size
+
+    @property
+    def method(self) -> str:
+        """How motions are integrated, and why so."""
+        return f"{self.mesh.method}, {self.mesh.reason}"
+
+    @property
+    def evaluations(self) -> int:
+        """Steps of integration so far, in right-hand sides."""
+        return self.effort.spent
+
+    @property
+    def periods(self) -> np.ndarray:
+        """Periods of the states that are angles, 0 for the others, shape (N + 1,)."""
+        result = np.zeros(self.size + 1)
+        own = np.array([s.period or 0.0 for s in self.system.states])
+        for place, passage in self.places:
+            result[place] = own[list(passage.states)]
+        return result
+
+    def values_of(self, z: np.ndarray) -> dict[str, float]:
+        """All parameters at z, by name."""
+        return self.line.at(float(z[-1]))
+
+    def first_state(self, z: np.ndarray) -> np.ndarray:
+        """The state at the start of the first leg, shape (n,)."""
+        return self.passages[0].full(z[self.layout.states[0]])
+
+    def held(self, pin: Neutral, x: np.ndarray, values: Mapping[str, float]) -> tuple[np.ndarray, float]:
+        """Across which direction, (n,), a full state is held, and how far it is from there."""
+        assert self.reference is not None
+        normal = np.zeros(self.states)
+        if pin.pin is None:
+            g = neutrals.generator_at(pin, self.reference, self.parameters)
+            normal = g / np.linalg.norm(g)
+            return normal, float(normal @ (x - self.reference))
+        k = self.system.state_names.index(pin.pin)
+        normal[k] = 1.0
+        return normal, float(x[k] - (self.reference[k] if pin.value is None else values[pin.value]))
+
+    def state_of(self, which: int) -> str | None:
+        """Name of the state that an unknown is a value of, None if it is an angle's or none's."""
+        for place, passage in self.places:
+            if place.start <= which < place.stop:
+                state = self.system.states[passage.states[which - place.start]]
+                return None if state.period else state.name
+        return None
+
+    def weighted(self, magnitudes: np.ndarray) -> np.ndarray:
+        """Weights of the unknowns for typical magnitudes of all states; 1 for what is no state."""
+        weights = np.ones(self.size + 1)
+        for place, passage in self.places:
+            weights[place] = magnitudes[list(passage.states)] * np.sqrt(len(self.layout.segments))
+        return weights
+
+    def state_errors(self, errors: np.ndarray) -> np.ndarray:
+        """Of estimated errors of the equations, the sum over the ends of segments for each state, (n,)."""
+        most = np.zeros(self.states)
+        for segment in self.layout.segments:
+            most[list(self._states_at_end(segment))] += errors[segment.ends]
+        return most
+
+    def _states_at_end(self, segment: Segment) -> Sequence[int]:
+        passage = self.passages[segment.leg]
+        return passage.following if segment.last else passage.states
 
     def _varied(self, **changes: Any) -> Self:
         """The same with some attributes changed; nothing that is remembered of this one is true of it."""

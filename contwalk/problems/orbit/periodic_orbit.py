@@ -11,17 +11,16 @@ import numpy as np
 from contwalk import quantities
 from contwalk.branch import SpecialPoint
 from contwalk.errors import measured
-from contwalk.memory import unowned
-from contwalk.numerics.linear import EPSILON, Factored
+from contwalk.memory import of_unowned, unowned
+from contwalk.numerics.linear import Factored
 from contwalk.problems import kinks
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.orbit import augmented, describing, ending, monodromy, rates, switching
-from contwalk.problems.orbit.discretization import SOLVED, STAGES
+from contwalk.problems.orbit import augmented, describing, ending, equations, monodromy, rates, switching
+from contwalk.problems.orbit.discretization import STAGES
 from contwalk.problems.orbit.kinks_met import kinks_along
-from contwalk.problems.orbit.lifts import MIXED, TANGENT
 from contwalk.problems.orbit.meeting import distance
 from contwalk.problems.orbit.mirror import OrbitMirror, mirror_of
-from contwalk.problems.orbit.multipliers import GLOBAL, Multipliers
+from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.orbit_problem import OrbitProblem
 from contwalk.problems.orbit.period import period_and_slope
 from contwalk.problems.orbit.points.catalogue import POINT_TYPES
@@ -30,7 +29,7 @@ from contwalk.problems.orbit.return_map import ReturnMap
 from contwalk.problems.orbit.sampling import crossing, extremes, measured_along
 from contwalk.problems.orbit.section import Reference, better_phase, reference_of
 from contwalk.problems.orbit.segmented_orbit import MOST_KEPT, SAMPLES, SegmentedOrbit
-from contwalk.problems.orbit.shooting import meshed, passed
+from contwalk.problems.orbit.shooting import meshed
 from contwalk.problems.orbit.slow_place import SlowPlace
 from contwalk.problems.orbit.smooth_diagnosis import SmoothDiagnosis
 from contwalk.problems.orbit.stretching import stretched
@@ -38,7 +37,6 @@ from contwalk.problems.orbit.transport import closed, moved, recut
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.passing import Place
 from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed
-from contwalk.system import Neutral
 from contwalk.system.declarations import ParameterValues
 
 # Segments that a branch has room for, if it does not begin with more.
@@ -105,58 +103,14 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
 
     def _linearized(self, z: np.ndarray) -> Linearization:
         self._forcing(z)
-        residual, jacobian = self._equations(z)
-        levels, magnitudes = unowned(self._levels), unowned(self.magnitudes_near)
+        residual, jacobian, nodes = equations.with_derivatives(self, z)
+        self.solution(z).nodes = np.concatenate(nodes) if len(nodes) > 1 else nodes[0]
+        levels, magnitudes = of_unowned(equations.levels, self), unowned(self.magnitudes_near)
         return Linearization(residual, jacobian, lambda: (levels(z, jacobian), None), lambda: magnitudes(z))
 
     def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factored:
         """A matrix of these equations and unknowns, and of borders that come last, factored."""
         return Factored(matrix, weights)
-
-    def _equations(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        n, m = self.states, self.segments
-        starts, scalars, solution = self.starts(z), self.scalars(z), self.solution(z)
-        residual, jacobian, identity = np.zeros(self.size), np.zeros((self.size, self.size + 1)), np.eye(n)
-        solution.nodes, ends, moved = passed(self.pieces[-1], self.mesh, starts, scalars)
-        ends[-1] -= self.closure.turns
-        residual[: m * n] = (ends - np.concatenate([starts[1:], starts[:1]])).ravel()
-        jacobian[: m * n, m * n :] = moved[:, :, n:].reshape(m * n, -1)
-        for i in range(m):
-            rows, following = slice(i * n, (i + 1) * n), (i + 1) % m * n
-            jacobian[rows, i * n : (i + 1) * n] += moved[i, :, :n]
-            jacobian[rows, following : following + n] -= identity
-        self._tally[0] += self._cost
-        row = m * n
-        if not self.forced:
-            residual[row] = self._phase(starts, scalars, jacobian[row])
-            row += 1
-        for j, pin in enumerate(self.pins):
-            residual[row + j] = self.pinned(pin, z, jacobian[row + j])
-        return residual, jacobian
-
-    @property
-    def _cost(self) -> int:
-        """Right-hand sides of one pass with derivatives, each column counted as one."""
-        stages = STAGES[self.mesh.method]
-        steps = sum(len(times) - 1 for times in self.mesh.steps)
-        return steps * stages * (1 + self.states + len(self.passage.columns))
-
-    def _phase(self, starts: np.ndarray, scalars: np.ndarray, row: np.ndarray) -> float:
-        """Residual of the phase condition; its gradient is written into `row`."""
-        n, m = self.states, self.segments
-        if self._reference is None:
-            assert self.section is not None
-            row[:n] = self.section.normal
-            return self.section.residual(starts[0])
-        total = 0.0
-        for i, piece in enumerate(self.pieces):
-            x, moved = piece.along(starts[i], scalars)
-            points, rows = self._reference.points[i], self._reference.rows[i]
-            total += float(np.sum(rows * (x - points)))
-            gradient = np.einsum("sn,snq->q", rows, moved)
-            row[i * n : (i + 1) * n] += gradient[:n]
-            row[m * n :] += gradient[n:]
-        return total
 
     def _own_reference(self, z: np.ndarray) -> Reference:
         """The orbit of z as the reference of the integral phase condition."""
@@ -164,45 +118,9 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         points, rates = (np.split(x, begins) for x in (curve.nodes, curve.rates(curve.times, curve.nodes)))
         return reference_of(self.mesh.steps, points, rates, self.mesh.variation)
 
-    def pinned(self, pin: Neutral, z: np.ndarray, row: np.ndarray) -> float:
-        """Residual of a pinned direction; its gradient is written into `row`."""
-        assert self.reference is not None
-        x = z[: self.states]
-        if pin.pin is None:
-            g = neutrals.generator_at(pin, self.reference, self.parameters)
-            row[: self.states] = g / np.linalg.norm(g)
-            return float(row[: self.states] @ (x - self.reference))
-        k = self.system.state_names.index(pin.pin)
-        row[k] = 1.0
-        if pin.value is None:
-            return float(x[k] - self.reference[k])
-        row[-1] = -self.line.slope(pin.value)
-        return float(x[k] - self.values_of(z)[pin.value])
-
-    def _levels(self, z: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
-        """What of each residual is rounding, or error of the steps."""
-        n, m = self.states, self.segments
-        variation = self.mesh.variation
-        steps = sum(len(times) for times in self.mesh.steps)
-        terms = np.abs(jacobian) @ np.abs(z)
-        # In the Jacobian of a single segment, derivative and identity have cancelled.
-        terms[: m * n] += np.abs(z[: m * n])
-        rounding = (8.0 + steps) * EPSILON * terms
-        level = np.concatenate(
-            [np.tile(SOLVED * self.mesh.tolerance * variation, m), np.zeros(self.size - m * n)]
-        )
-        return level + rounding + 1e-300
-
-    def _errors(self, linearization: Linearization) -> np.ndarray:
-        """Estimated error of each equation: that of the steps, beside what it is solved to."""
-        n, m = self.states, self.segments
-        errors = linearization.levels[0].copy()
-        errors[: m * n] += GLOBAL * self.mesh.tolerance * np.tile(self.mesh.variation, m)
-        return errors
-
     def magnitudes_near(self, z: np.ndarray) -> np.ndarray:
         """Half the range of each state over the orbit; declared scales where there are any."""
-        m = self.segments
+        m = self.mesh.segments
         nodes = self.solution(z).nodes
         half = 0.5 * np.ptp(nodes, axis=0)
         shares = half / np.maximum(np.abs(nodes).max(axis=0), self.mesh.variation)
@@ -231,13 +149,13 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
     @property
     def _most_unknowns(self) -> int:
         """Unknowns of an orbit in as many segments as it may be cut into along its branch."""
-        return max(ROOM, 2 * self.segments) * self.states + len(self.passage.columns) - 1
+        return self._laid_out(max(ROOM, 2 * self.mesh.segments)).size
 
     def beginnings(self, z: np.ndarray) -> np.ndarray:
         """Typical magnitudes for the first corrections of a start, shape (N + 1,)."""
         scalars = np.maximum(np.abs(self.scalars(z)), 1e-300)
         scalars[1 - self.forced : -1] = 1.0
-        return np.concatenate([np.tile(self.mesh.variation, self.segments), scalars])
+        return np.concatenate([np.tile(self.mesh.variation, self.mesh.segments), scalars])
 
     def branch_facts(self) -> dict[str, Any]:
         """What is true of a whole branch of these orbits, as fields of `BranchInfo`."""
@@ -251,7 +169,7 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
             "subharmonic": self.subharmonic,
             "settings": {
                 **neutrals.kept(self.pins, self.line, self.states),
-                "segments": self.segments,
+                "segments": self.mesh.segments,
                 "fold": self.closure.fold,
                 "parts": self.parts,
                 "power": self.closure.power,
@@ -284,7 +202,8 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         found = found.beside(float(unit[-1] / weights[-1]))
         met = kinks_along(self, z) if known is None else ()
         kinks.refuse(met)
-        orientation, error = linearization.orientation_and_error(unit, weights, self._errors(linearization))
+        errors = equations.errors(self, linearization)
+        orientation, error = linearization.orientation_and_error(unit, weights, errors)
         return Sample(
             z=z,
             tangent=unit,
@@ -347,7 +266,7 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
             better = better_phase(times, speeds, lengths)
             if better is not None:
                 problem, sample = closed(*moved(problem, sample, better)) or (problem, sample)
-        if 2 * problem.segments <= max(ROOM, problem.segments) and stretched(problem, sample.z):
+        if 2 * problem.mesh.segments <= max(ROOM, problem.mesh.segments) and stretched(problem, sample.z):
             problem, sample = closed(*recut(problem, sample)) or (problem, sample)
         tangent = problem.into_section(sample.z, sample.tangent)
         # Both ends of the next step are seen on the same steps: what they tell differs by the branch alone.
@@ -362,12 +281,12 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
             return tangent
         assert self.section is not None
         tangent, n, own = tangent.copy(), self.states, self.solution(z).velocities.ravel()
-        if self._reference is None:
+        if self.reference_orbit is None:
             normal = self.section.normal
             shift = -float(normal @ tangent[:n]) / float(normal @ own[:n])
         else:
             row = np.zeros(len(z))
-            self._phase(self.starts(z), self.scalars(z), row)
+            equations.phase(self, z, row)
             shift = -float(row @ tangent) / float(row[: len(own)] @ own)
         tangent[: len(own)] += shift * own
         return tangent
@@ -389,11 +308,11 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         method = self.discretization.method
         values = np.concatenate([scalars, self.line.constants])
         mesh = meshed(self.passage, starts, values, magnitudes, tolerance, method, self.parts)
-        self._tally[0] += 2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps)
+        self.effort.spend(2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps))
         problem = self.on(mesh, self.section_through(starts[0], values, magnitudes))
         # An orbit that is a point still has no velocities to compare with: its section holds the phase.
         integral = self.discretization.phase == "integral" and not self.forced and problem.moves(z)
-        problem._reference = problem._own_reference(z) if integral else None
+        problem.reference_orbit = problem._own_reference(z) if integral else None
         return problem
 
     def refined(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> PeriodicOrbit:
@@ -403,68 +322,6 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
 
     # -- second derivatives ------------------------------------------------------------------------------
 
-    @property
-    def equation_scales(self) -> np.ndarray:
-        """Units of the equations, shape (N,). Their own rows would not do: one that vanishes at a special
-        point is the critical one.
-        """
-        scales = np.ones(self.size)
-        scales[: self.segments * self.states] = np.tile(self.mesh.variation, self.segments)
-        return scales
-
-    @property
-    def cycle_scales(self) -> tuple[np.ndarray, np.ndarray]:
-        """Units of the rows and of the columns of `cycle_matrix`."""
-        own = np.tile(self.mesh.variation, self.segments)
-        return own, own
-
-    def cycle_matrix(self, jacobian: np.ndarray, multiplier: complex) -> np.ndarray:
-        """L(mu), shape (m n, m n): singular where mu is a multiplier, v_i+1 = A_i v_i, mu v_0 =
-        A_m-1 v_m-1.
-        """
-        size, n = self.segments * self.states, self.states
-        matrix = jacobian[:size, :size].astype(complex if np.imag(multiplier) else float)
-        matrix[size - n :, :n] += (1.0 - multiplier) * np.eye(n)
-        return matrix
-
-    def cycle_return(self, psi: np.ndarray, v: np.ndarray) -> complex:
-        """-psi* L' v, where L' is the derivative of `cycle_matrix` by the multiplier."""
-        return complex(psi[-self.states :].conj() @ v[: self.states])
-
-    def cycle_derivative(self, z: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """Derivative by z of L v for a real v, shape (m n, N + 1)."""
-        return self._second(z, v.reshape(self.segments, self.states), np.zeros(len(self.passage.columns)))
-
-    def derivative_along(self, z: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """Derivative by z of DF(z) v for a real v of length N + 1, shape (N, N + 1)."""
-        size = self.segments * self.states
-        result = np.zeros((self.size, self.size + 1))
-        result[:size] = self._second(z, v[:size].reshape(self.segments, self.states), v[size:])
-        return result
-
-    def _second(self, z: np.ndarray, vectors: np.ndarray, scalars: np.ndarray) -> np.ndarray:
-        """Derivative by z of the segments' derivative in one direction, shape (m n, N + 1)."""
-        n, m, starts = self.states, self.segments, self.starts(z)
-        derivative = np.zeros((m * n, len(z)))
-        for i, piece in enumerate(self.pieces):
-            y = np.concatenate([starts[i], vectors[i]])
-            _, moved = piece.differentiated(TANGENT, y, self.scalars(z), scalars)
-            rows = slice(i * n, (i + 1) * n)
-            derivative[rows, rows] = moved[n:, :n]
-            derivative[rows, m * n :] = moved[n:, n:]
-        return derivative
-
-    def cycle_rate(self, z: np.ndarray, v: np.ndarray, tangent: np.ndarray) -> np.ndarray:
-        """Derivative of L v along a direction, for a real v, shape (m n,)."""
-        n, m, k = self.states, self.segments, len(self.passage.columns)
-        along, starts, still = tangent[: m * n].reshape(m, n), self.starts(z), np.zeros(k)
-        moved = np.zeros(m * n)
-        for i, vector in enumerate(v.reshape(m, n)):
-            y = np.concatenate([starts[i], vector, along[i], np.zeros(n)])
-            end = self.pieces[i].end(MIXED, y, self.scalars(z), still, tangent[m * n :])
-            moved[i * n : (i + 1) * n] = end[3 * n :]
-        return moved
-
     def return_map(self, z: np.ndarray) -> ReturnMap:
         """The map that takes the section once round the orbit, for normal forms."""
         return ReturnMap(self, z)
@@ -473,9 +330,9 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         """Derivative of the closure's duration by unknowns and free parameter, shape (N + 1,)."""
         gradient = np.zeros(len(z))
         if self.forced:
-            gradient[-1] = self.subharmonic / self.closure.fold * self._forcing(z)[1]
+            gradient[-1] = self.forcings * self._forcing(z)[1]
         else:
-            gradient[self.segments * self.states] = 1.0
+            gradient[self.layout.durations] = 1.0
         return gradient
 
     def _forcing(self, z: np.ndarray) -> tuple[float, float]:
@@ -484,10 +341,6 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
             return 0.0, 0.0
         line = self.line
         return period_and_slope(self.system, line.own, line.direction, float(z[-1]), line.constants)
-
-    def errors_at(self, z: np.ndarray) -> np.ndarray:
-        """Estimated error of each equation at a solution."""
-        return self._errors(self.linearize(z))
 
     def admissible_at(self, z: np.ndarray) -> bool:
         """Whether a solution is one that the machine can move on: without events, all are."""

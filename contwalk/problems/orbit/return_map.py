@@ -47,7 +47,7 @@ class ReturnMap(SectionMap):
     @cached_property
     def _by_scalars(self) -> np.ndarray:
         """Derivative of the end by period, drifts and free parameter, shape (n, k)."""
-        problem, m, n = self.problem, self.problem.segments, self.problem.states
+        problem, m, n = self.problem, self.problem.mesh.segments, self.problem.states
         jacobian = problem.linearize(self.z).jacobian
         factors = problem.factors(jacobian)
         total = np.zeros((n, len(problem.passage.columns)))
@@ -84,9 +84,9 @@ class ReturnMap(SectionMap):
     def _jet(self, start: list[np.ndarray], directions: list[np.ndarray]) -> list[np.ndarray]:
         """Derivatives 1, 2, 3 of the end along a curve of starts and scalars."""
         problem, n = self.problem, self.problem.states
-        starts, scalars, pieces = problem.starts(self.z), problem.scalars(self.z), problem.pieces
+        starts, scalars, pieces = problem.starts(self.z), problem.scalars(self.z), problem.segments
         jets = np.concatenate(start)
-        for i in range(problem.segments):
+        for i in range(problem.mesh.segments):
             y = np.concatenate([starts[i], jets])
             jets = pieces[i].end(JET, y, scalars, *directions)[n:]
         return [jets[:n], jets[n : 2 * n], jets[2 * n :]]

@@ -19,10 +19,12 @@ from contwalk.problems.kinks import Course, Kink
 from contwalk.problems.orbit.closure import Closure
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.extrema import with_extrema
+from contwalk.problems.orbit.layout import ClosureLayout
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.passage import Passage, closure_of
-from contwalk.problems.orbit.section import Reference, Section, section_at
-from contwalk.problems.orbit.shooting import Mesh, Piece, velocity
+from contwalk.problems.orbit.piece import Piece, passed
+from contwalk.problems.orbit.section import Section, section_at
+from contwalk.problems.orbit.shooting import Mesh, velocity
 from contwalk.problems.orbit.solution import Curve, Solution
 from contwalk.problems.parameter_line import Ends
 from contwalk.system import Neutral, System
@@ -58,15 +60,14 @@ class SegmentedOrbit(OrbitData):
         super().__init__(system, parameters, free, path, pins, reference, subharmonic, discretization)
         self._close(Closure(np.zeros(self.states)))
         self.parts = PARTS  # of the closure in which the steps are alike
-        self._reference: Reference | None = None
         self._mesh: Mesh | None = None
-        self._tally = [0]
+        self.layout = self._laid_out(1)
 
     def _close(self, closure: Closure) -> None:
-        line, lasting = self.line, self.subharmonic / closure.fold
+        line = self.line
         image = "" if closure.symmetry is None else closure.symmetry.name
-        given = self.system, line.own, line.moving, self.pins, lasting
-        self.closure = closure
+        self.closure, self.turns = closure, closure.turns
+        given = self.system, line.own, line.moving, self.pins, self.forcings
         # The field over one closure, and the map at its end.
         self.passage: Passage = closure_of(*given, image=image, power=closure.power)
 
@@ -78,7 +79,12 @@ class SegmentedOrbit(OrbitData):
 
     def on(self, mesh: Mesh, section: Section | None) -> Self:
         """The same problem on another mesh, with another section."""
-        return self._varied(_mesh=mesh, section=section)
+        return self._varied(
+            _mesh=mesh, section=section, reference_orbit=None, layout=self._laid_out(mesh.segments)
+        )
+
+    def _laid_out(self, cuts: int) -> ClosureLayout:
+        return ClosureLayout(self.states, self.forced, len(self.pins), cuts)
 
     @property
     def mesh(self) -> Mesh:
@@ -88,61 +94,50 @@ class SegmentedOrbit(OrbitData):
         return self._mesh
 
     @property
-    def pieces(self) -> list[Piece]:
+    def passages(self) -> tuple[Passage, ...]:
+        """The one leg's compiled functions."""
+        return (self.passage,)
+
+    @property
+    def segments(self) -> tuple[Piece, ...]:
         """The segments on their steps, in times of the closure."""
-        mesh, last = self.mesh, self.segments - 1
-        return [
-            Piece(self.passage, steps, mesh.method, self.line.constants, inner=i < last)
-            for i, steps in enumerate(mesh.steps)
-        ]
+        return self.known.once("segments", self._segments)
+
+    def _segments(self) -> tuple[Piece, ...]:
+        mesh, each = self.mesh, zip(self.layout.segments, self.mesh.steps, strict=True)
+        return tuple(
+            Piece(self.passage, steps, mesh.method, self.line.constants, inner=not segment.last)
+            for segment, steps in each
+        )
+
+    def passes(self, z: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """Of each segment the states at its steps, its end, and the derivatives of that: all in one pass."""
+        times, ends = self.mesh.times, self.mesh.ends
+        nodes, ended, moved = passed(self.segments[-1], times, ends, self.starts(z), self.scalars(z))
+        return list(zip(np.split(nodes, ends[:-1] + 1), ended, moved, strict=True))
+
+    @property
+    def forcings(self) -> float:
+        """Periods of the forcing in a closure."""
+        return self.subharmonic / self.closure.fold
 
     def given(self, z: np.ndarray) -> np.ndarray:
         """What the field depends on at z: scalars and fixed parameters."""
         return np.concatenate([self.scalars(z), self.line.constants])
 
-    @property
-    def segments(self) -> int:
-        """Number of segments."""
-        return self.mesh.segments
-
-    @property
-    def size(self) -> int:
-        """Number of unknowns without the free parameter."""
-        return self.segments * self.states + len(self.passage.columns) - 1
-
-    @property
-    def method(self) -> str:
-        """How motions are integrated, and why so."""
-        return f"{self.mesh.method}, {self.mesh.reason}"
-
-    @property
-    def evaluations(self) -> int:
-        """Steps of integration so far, in right-hand sides."""
-        return self._tally[0]
-
     def starts(self, z: np.ndarray) -> np.ndarray:
         """States at the starts of the segments, shape (m, n)."""
-        return z[: self.segments * self.states].reshape(self.segments, self.states)
+        return z[: self.mesh.segments * self.states].reshape(self.mesh.segments, self.states)
 
     def scalars(self, z: np.ndarray) -> np.ndarray:
         """Period (where unknown), drifts and free parameter: the columns of the passage."""
-        return z[self.segments * self.states :]
-
-    def values_of(self, z: np.ndarray) -> dict[str, float]:
-        """All parameters at z, by name."""
-        return self.line.at(float(z[-1]))
+        return z[self.mesh.segments * self.states :]
 
     def duration(self, z: np.ndarray) -> float:
         """Duration of the closure, seconds."""
         if not self.forced:
             return float(self.scalars(z)[0])
-        return self.subharmonic / self.closure.fold * period_at(self.system, self.values_of(z))
-
-    @property
-    def periods(self) -> np.ndarray:
-        """Periods of the states that are angles, 0 for the others, shape (N + 1,)."""
-        own = np.array([s.period or 0.0 for s in self.system.states])
-        return np.concatenate([np.tile(own, self.segments), np.zeros(len(self.passage.columns))])
+        return self.forcings * period_at(self.system, self.values_of(z))
 
     def solution(self, z: np.ndarray) -> Solution:
         """The motion of z on these steps, of which every part is integrated once."""
@@ -169,14 +164,10 @@ class SegmentedOrbit(OrbitData):
 
     def factors(self, jacobian: np.ndarray) -> list[np.ndarray]:
         """Derivative of each segment's end by its start, from DF(z)."""
-        n, m = self.states, self.segments
+        n, m = self.states, self.mesh.segments
         if m == 1:
             return [jacobian[:n, :n] + np.eye(n)]
         return [jacobian[i * n : (i + 1) * n, i * n : (i + 1) * n] for i in range(m)]
-
-    def first_state(self, z: np.ndarray) -> np.ndarray:
-        """The state at the start, shape (n,)."""
-        return z[: self.states]
 
     @property
     def whole(self) -> tuple[str, int]:
@@ -216,23 +207,9 @@ class SegmentedOrbit(OrbitData):
         """The same problem with the section of another one; an integral condition is its own on each mesh."""
         return self._varied(section=other.section)
 
-    def state_of(self, which: int) -> str | None:
-        """Name of the state that an unknown is a value of, None if it is an angle's or none's."""
-        if which >= self.segments * self.states:
-            return None
-        state = self.system.states[which % self.states]
-        return None if state.period else state.name
-
     def leg_starts(self, z: np.ndarray) -> list[tuple[str, np.ndarray]]:
         """The mode, and states at the starts of the segments."""
         return [(self.system.modes[0].name, x) for x in self.starts(z)]
-
-    def state_errors(self, errors: np.ndarray) -> np.ndarray:
-        """Of estimated errors of the equations, the sum over the segments for each state, shape (n,)."""
-        most: np.ndarray = (
-            errors[: self.segments * self.states].reshape(self.segments, self.states).sum(axis=0)
-        )
-        return most
 
     def kinks_at_events(self, z: np.ndarray) -> tuple[Kink, ...]:
         """None: there are no events."""
@@ -269,7 +246,7 @@ class SegmentedOrbit(OrbitData):
     def imaged_on(self, mesh: Mesh, x: np.ndarray, values: np.ndarray) -> Self:
         """The same problem on another mesh, with a section of its own through a state."""
         section = self.section_through(x, values, mesh.magnitudes)
-        return self._varied(_mesh=mesh, section=section, _reference=None)
+        return self.on(mesh, section)
 
     def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
         """The same solution with its angles turned as near as possible to those of another one."""

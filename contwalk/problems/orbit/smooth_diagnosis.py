@@ -32,7 +32,7 @@ class SmoothDiagnosis(OrbitDiagnosis):
             return met[0].sentence("orbits")
         if not stretched(orbit, z):
             return ""
-        m = orbit.segments
+        m = orbit.mesh.segments
         where = f"over one of {m} segments of the orbit" if m > 1 else "over the orbit"
         return (
             f"Deviations grow by {orbit.mesh.growth:.0e} {where}: begin the branch with more segments "

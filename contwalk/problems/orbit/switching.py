@@ -52,10 +52,9 @@ def _followed(
     """A closure followed several times, the deviation changing its sign each time: an orbit of the other
     problem on steps, and the tangent there.
     """
-    n, m = problem.states, problem.segments
     matrix = problem.cycle_matrix(problem.linearize(z).jacobian, -1.0)
     v, _ = null_vectors(problem, matrix, *problem.cycle_scales)
-    direction = np.concatenate([v.real, np.zeros(len(z) - m * n)])
+    direction = np.append(v.real, 0.0)
     scalars = problem.scalars(z).copy()
     if not problem.forced:
         scalars[0] *= times

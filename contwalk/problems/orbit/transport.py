@@ -36,7 +36,7 @@ def carried_to(
     problem: SegmentedOrbit, z: np.ndarray, tangent: np.ndarray, time: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """State and tangent of the orbit at a time in 0..1 of the closure, each of shape (n,)."""
-    n, m = problem.states, problem.segments
+    n, m = problem.states, problem.mesh.segments
     segment = min(int(time * m), m - 1)
     begin = segment / m
     x, v = problem.starts(z)[segment], tangent[segment * n : (segment + 1) * n]
@@ -64,11 +64,11 @@ def growth(problem: SegmentedOrbit, z: np.ndarray, times: int = 1) -> float:
     What grows in between and is forgotten again, as at the jumps of a relaxation oscillation, does no harm.
     The orbit goes through its closure so many `times`.
     """
-    n, m = problem.states, problem.segments
+    n, m = problem.states, problem.mesh.segments
     field = problem.passage.field(PLAIN)
     values = problem.given(z)
     c = field.constants(values)
-    sources, variation, last = np.full(n, -1), problem.mesh.variation, problem.pieces[-1]
+    sources, variation, last = np.full(n, -1), problem.mesh.variation, problem.segments[-1]
     factors = []
     for i, (steps, start) in enumerate(zip(problem.mesh.steps, problem.starts(z), strict=True)):
         x = start
@@ -108,7 +108,7 @@ def segments_of_growth(exponent: float) -> int:
 
 def recut(problem: Kind, sample: Sample) -> tuple[Kind, Sample]:
     """The same solution in twice as many segments, its tangent and the sign of its Jacobian with it."""
-    n, m, z = problem.states, problem.segments, sample.z
+    n, m, z = problem.states, problem.mesh.segments, sample.z
     starts, tangents = [], []
     for j in range(2 * m):
         x, v = carried_to(problem, z, sample.tangent, j / (2 * m))
@@ -127,7 +127,7 @@ def recut(problem: Kind, sample: Sample) -> tuple[Kind, Sample]:
 
 def moved(problem: Kind, sample: Sample, time: float) -> tuple[Kind, Sample]:
     """The same solution, beginning at another time in 0..1 of its closure."""
-    n, m, z = problem.states, problem.segments, sample.z
+    n, m, z = problem.states, problem.mesh.segments, sample.z
     p = ParameterValues(**problem.values_of(z))
     starts, tangents = [], []
     for j in range(m):

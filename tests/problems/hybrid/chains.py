@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contwalk.problems.hybrid.layout import Layout
+from contwalk.problems.orbit.layout import Layout
 
 
 def random_matrix(layout: Layout, borders: int, rng: np.random.Generator) -> np.ndarray:

@@ -6,7 +6,7 @@ from chains import random_matrix
 
 from contwalk.numerics.linear import Factored
 from contwalk.problems.hybrid.condensed import FEW, Chain, Condensed, factored
-from contwalk.problems.hybrid.layout import Layout
+from contwalk.problems.orbit.layout import Layout
 
 SHAPES = [
     ((4, 4), False, 0, 1),

@@ -51,7 +51,7 @@ def test_a_motion_is_integrated_once_with_derivatives_and_once_densely(integrate
         math.pi,
         discretization=chosen,
     )
-    assert problem.segments == segments
+    assert problem.mesh.segments == segments
     problem = problem.alike(problem.parts)  # remembers nothing
     integrated.clear()
     linearization = problem.linearize(z)

@@ -11,7 +11,7 @@ import contwalk as cw
 from contwalk.problems.orbit.closure import Closure, imaged, order_of
 from contwalk.problems.orbit.lifts import JET, MIXED, PLAIN, TANGENT
 from contwalk.problems.orbit.passage import closure_of
-from contwalk.problems.orbit.shooting import Piece
+from contwalk.problems.orbit.piece import Piece
 from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
 

@@ -10,6 +10,7 @@ from contwalk.branch import SpecialPoint
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.points.cycle_sizes import CycleSizes
 from contwalk.problems.neutral import generator_at
+from contwalk.problems.orbit import equations
 from contwalk.problems.orbit.closure import imaged, order_of
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.problems.orbit.section import section_at
@@ -78,11 +79,11 @@ def _along_pins(problem: PeriodicOrbit, start: np.ndarray, tangent: np.ndarray) 
     """The part of a tangent at an equilibrium that moves the orbit along pinned directions: all of it at
     once, as they are neutral there.
     """
-    part, n, m = np.zeros(len(start)), problem.states, problem.segments
+    part, n, m = np.zeros(len(start)), problem.states, problem.mesh.segments
     if problem.pins:
         rows = np.zeros((len(problem.pins), len(start)))
         for pin, row in zip(problem.pins, rows, strict=True):
-            problem.pinned(pin, start, row)
+            equations.pinned(problem, pin, start, row)
         values = problem.values_of(start)
         ways = np.column_stack([generator_at(pin, start[:n], values) for pin in problem.pins])
         part[: m * n] = np.tile(ways @ np.linalg.solve(rows[:, :n] @ ways, rows @ tangent), m)

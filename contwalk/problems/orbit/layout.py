@@ -1,7 +1,8 @@
-"""Where what stands in the vector of unknowns of a hybrid orbit, and in its equations.
+"""Where what stands in the vector of unknowns of an orbit, and in its equations.
 
-Unknowns: the states at the starts of the legs, each as long as its mode has states; the legs' durations; of a
-forced system the time at which the first leg starts; a drift for each pinned direction; the free parameter.
+Unknowns of an orbit of legs: the states at the starts of the legs, each as long as its mode has states; the
+legs' durations; of a forced system the time at which the first leg starts; a drift for each pinned direction;
+the free parameter.
 Equations: each leg's end is the next one's start; each leg ends where its guard is zero; of a forced system
 the durations add up to whole periods; each pinned direction is held.
 
@@ -13,6 +14,7 @@ it does without them.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -41,8 +43,103 @@ class Segment:
         return self.end == 1.0
 
 
-class Layout:
+class Positions(ABC):
     """Positions of unknowns and equations.
+
+    Attributes
+    ----------
+    legs, cuts
+        Number of legs, and of segments of each.
+    size
+        Number of unknowns without the free parameter, which comes last.
+    segments
+        All segments, leg by leg.
+    states, matches
+        Starts of the legs among the unknowns, their ends among the equations.
+    durations, drifts, rest
+        Durations, drifts along pinned directions, and all that is no state, among the unknowns.
+    start
+        The time at which the first leg starts, where it is unknown.
+    guards, phase, sum, held
+        Where the equations of events begin; those of the phase and of the period of a force, if there are
+        any; where those of pinned directions begin.
+    exact
+        The equations that no motion is integrated for.
+    """
+
+    legs: int
+    cuts: tuple[int, ...]
+    size: int
+    segments: list[Segment]
+    states: list[slice]
+    matches: list[slice]
+    durations: slice
+    drifts: slice
+    rest: slice
+    exact: slice
+    guards: int
+    held: int
+    start: int | None
+    phase: int | None
+    sum: int | None
+
+    def segments_of(self, i: int) -> list[Segment]:
+        """The segments of a leg."""
+        first = sum(self.cuts[:i])
+        return self.segments[first : first + self.cuts[i]]
+
+    @abstractmethod
+    def inputs_of(self, segment: Segment, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """State and scalars of a segment, of z or of a direction like it."""
+
+    @abstractmethod
+    def along(self, segment: Segment, rows: np.ndarray) -> np.ndarray:
+        """Derivatives by a segment's inputs, (r, n_i + k), as derivatives by z, (r, N + 1)."""
+
+
+class ClosureLayout(Positions):
+    """Positions for a smooth orbit: one leg, whose segments are in times of the closure.
+
+    Unknowns: states at the starts of the segments; the period, of autonomous systems; a drift for each pinned
+    direction; the free parameter. All but the states belong to all segments alike.
+
+    Parameters
+    ----------
+    states : int
+    forced : bool
+    pins : int
+    cuts : int
+        Number of segments.
+    """
+
+    def __init__(self, states: int, forced: bool, pins: int, cuts: int) -> None:
+        total, timed = cuts * states, int(not forced)
+        places = [slice(i * states, (i + 1) * states) for i in range(cuts)]
+        self.legs, self.cuts, self.size = 1, (cuts,), total + timed + pins
+        self.states, self.matches, self._scalars = places[:1], places[-1:], slice(total, None)
+        self.durations, self.drifts = slice(total, total + timed), slice(total + timed, self.size)
+        self.rest = self.exact = slice(total, self.size)
+        self.guards, self.held = total, total + timed
+        self.start, self.sum, self.phase = None, None, None if forced else total
+        following = places[1:] + places[:1]
+        self.segments = [
+            Segment(0, i / cuts, (i + 1) / cuts, own, own, there)
+            for i, (own, there) in enumerate(zip(places, following, strict=True))
+        ]
+
+    def inputs_of(self, segment: Segment, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """State and scalars of a segment, of z or of a direction like it."""
+        return z[segment.states], z[self._scalars]
+
+    def along(self, segment: Segment, rows: np.ndarray) -> np.ndarray:
+        """Derivatives by a segment's inputs, (r, n + k), as derivatives by z, (r, N + 1)."""
+        n, result = segment.states.stop - segment.states.start, np.zeros((len(rows), self.size + 1))
+        result[:, segment.states], result[:, self._scalars] = rows[:, :n], rows[:, n:]
+        return result
+
+
+class Layout(Positions):
+    """Positions for an orbit of legs, each in its own time.
 
     Parameters
     ----------
@@ -72,8 +169,10 @@ class Layout:
         rows = np.cumsum([0, *following])
         self.matches = [slice(int(a), int(b)) for a, b in pairwise(rows)]
         self.guards = total
+        self.phase = total + m - 1  # of a last leg that no event ends
         self.sum = total + m if forced else None
         self.held = first
+        self.exact = slice(total + m, self.rest.stop)
         self.cuts = (1,) * m if cuts is None else tuple(cuts)
         places = np.cumsum([first + pins, *(n * (c - 1) for n, c in zip(sizes, self.cuts, strict=True))])
         self.inner = [self._inner(i, int(places[i])) for i in range(m)]
@@ -95,11 +194,6 @@ class Layout:
             Segment(i, j / count, (j + 1) / count, *places)
             for j, places in enumerate(zip(starts, ends, following, strict=True))
         ]
-
-    def segments_of(self, i: int) -> list[Segment]:
-        """The segments of a leg."""
-        first = sum(self.cuts[:i])
-        return self.segments[first : first + self.cuts[i]]
 
     def _positions(self, i: int) -> tuple[np.ndarray, np.ndarray]:
         own = np.concatenate(

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
-from contwalk.problems.hybrid.equations import period_of
+from contwalk.problems.orbit.equations import period_of
 from contwalk.problems.orbit.lifts import TANGENT
+from contwalk.problems.orbit.orbit_data import OrbitData
 
 
-def cycle_matrix(orbit: DiscretizedOrbit, jacobian: np.ndarray, multiplier: complex) -> np.ndarray:
+def cycle_matrix(orbit: OrbitData, jacobian: np.ndarray, multiplier: complex) -> np.ndarray:
     """L(mu): F_u, but what closes is mu times what began. Singular where mu is a multiplier."""
     matrix = jacobian[:, : orbit.size].astype(complex if np.imag(multiplier) else float)
     rows, place = orbit.layout.matches[-1], orbit.layout.states[0]
@@ -19,7 +19,7 @@ def cycle_matrix(orbit: DiscretizedOrbit, jacobian: np.ndarray, multiplier: comp
     return matrix
 
 
-def cycle_return(orbit: DiscretizedOrbit, psi: np.ndarray, v: np.ndarray) -> complex:
+def cycle_return(orbit: OrbitData, psi: np.ndarray, v: np.ndarray) -> complex:
     """-psi* L' v, where L' is the derivative of `cycle_matrix` by the multiplier."""
     result = complex(psi[orbit.layout.matches[-1]].conj() @ v[orbit.layout.states[0]])
     if orbit.layout.sum is not None and orbit.layout.start is not None:
@@ -27,12 +27,12 @@ def cycle_return(orbit: DiscretizedOrbit, psi: np.ndarray, v: np.ndarray) -> com
     return result
 
 
-def cycle_derivative(orbit: DiscretizedOrbit, z: np.ndarray, v: np.ndarray) -> np.ndarray:
+def cycle_derivative(orbit: OrbitData, z: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Derivative by z of L v for a real v, shape (N, N + 1)."""
     return derivative_along(orbit, z, np.append(v, 0.0))
 
 
-def cycle_rate(orbit: DiscretizedOrbit, z: np.ndarray, v: np.ndarray, tangent: np.ndarray) -> np.ndarray:
+def cycle_rate(orbit: OrbitData, z: np.ndarray, v: np.ndarray, tangent: np.ndarray) -> np.ndarray:
     """Derivative of L v along a direction, for a real v, shape (N,)."""
     layout, lifted, result = orbit.layout, np.append(v, 0.0), np.zeros(orbit.size)
     for segment, piece in zip(layout.segments, orbit.segments, strict=True):
@@ -46,7 +46,7 @@ def cycle_rate(orbit: DiscretizedOrbit, z: np.ndarray, v: np.ndarray, tangent: n
     return result
 
 
-def derivative_along(orbit: DiscretizedOrbit, z: np.ndarray, v: np.ndarray) -> np.ndarray:
+def derivative_along(orbit: OrbitData, z: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Derivative by z of DF(z) v for a real v of length N + 1, shape (N, N + 1)."""
     layout, result = orbit.layout, np.zeros((orbit.size, orbit.size + 1))
     for segment, piece in zip(layout.segments, orbit.segments, strict=True):

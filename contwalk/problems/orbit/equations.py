@@ -1,4 +1,4 @@
-"""The equations of an orbit through events: what ends where the next one starts, guards, phase, period and
+"""The equations of an orbit: what ends where the next one starts, guards, phase, period and
 pins.
 """
 
@@ -10,18 +10,19 @@ from typing import Any
 import numpy as np
 
 from contwalk.numerics.linear import EPSILON
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
-from contwalk.problems.hybrid.layout import Segment
-from contwalk.problems.hybrid.metric import cycle_scales
 from contwalk.problems.orbit.discretization import SOLVED, STAGES
+from contwalk.problems.orbit.layout import Segment
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.multipliers import GLOBAL
+from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.period import period_and_slope
+from contwalk.problems.orbit.scales import cycle_scales
+from contwalk.problems.orbit.section import Reference
 from contwalk.problems.problem import Linearization
 from contwalk.system import Neutral
 
 
-def residual(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
+def residual(orbit: OrbitData, z: np.ndarray) -> np.ndarray:
     """F(z), shape (N,), for far less than with its derivatives."""
     residual = np.zeros(orbit.size)
     for segment, piece in zip(orbit.layout.segments, orbit.segments, strict=True):
@@ -31,15 +32,11 @@ def residual(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
     return residual
 
 
-def with_derivatives(
-    orbit: DiscretizedOrbit, z: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
+def with_derivatives(orbit: OrbitData, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
     """F(z), DF(z), and the states at the steps of each segment."""
     layout, nodes = orbit.layout, []
     residual, jacobian = np.zeros(orbit.size), np.zeros((orbit.size, orbit.size + 1))
-    for segment, piece in zip(layout.segments, orbit.segments, strict=True):
-        x, scalars = layout.inputs_of(segment, z)
-        along, end, moved = piece.passed(x, scalars)
+    for segment, (along, end, moved) in zip(layout.segments, orbit.passes(z), strict=True):
         nodes.append(along)
         _match(orbit, segment, z, end, residual)
         rows, derivative = segment.ends, layout.along(segment, moved)
@@ -53,9 +50,7 @@ def with_derivatives(
     return residual, jacobian, nodes
 
 
-def _match(
-    orbit: DiscretizedOrbit, segment: Segment, z: np.ndarray, end: np.ndarray, residual: np.ndarray
-) -> None:
+def _match(orbit: OrbitData, segment: Segment, z: np.ndarray, end: np.ndarray, residual: np.ndarray) -> None:
     """Write the equations of the end of a segment: it is the next one's start, and a leg's guard is zero
     there.
     """
@@ -68,23 +63,24 @@ def _match(
         residual[layout.guards + segment.leg] = end[n]
 
 
-def _closed(orbit: DiscretizedOrbit, z: np.ndarray, residual: np.ndarray, jacobian: np.ndarray) -> None:
+def _closed(orbit: OrbitData, z: np.ndarray, residual: np.ndarray, jacobian: np.ndarray) -> None:
     """Write the equations of the closure, of phase or period and of pins, with their gradients."""
     layout = orbit.layout
-    if not orbit.word.eventful:
-        last = layout.guards + layout.legs - 1
-        residual[last] = _phase(orbit, z, jacobian[last])
+    if not orbit.eventful and layout.phase is not None:
+        residual[layout.phase] = phase(orbit, z, jacobian[layout.phase])
     if layout.sum is not None:
         period, slope = period_of(orbit, z)
         residual[layout.sum] = z[layout.durations].sum() - period
         jacobian[layout.sum, layout.durations] = 1.0
         jacobian[layout.sum, -1] = -slope
     for j, pin in enumerate(orbit.pins):
-        residual[layout.held + j] = _pinned(orbit, pin, z, jacobian[layout.held + j])
+        residual[layout.held + j] = pinned(orbit, pin, z, jacobian[layout.held + j])
 
 
-def _phase(orbit: DiscretizedOrbit, z: np.ndarray, row: np.ndarray) -> float:
+def phase(orbit: OrbitData, z: np.ndarray, row: np.ndarray) -> float:
     """What fixes the phase where no event does; its gradient is written into `row`."""
+    if orbit.reference_orbit is not None:
+        return _against(orbit, orbit.reference_orbit, z, row)
     if orbit.layout.start is not None:  # forced: it is looked at when the force begins its period
         row[orbit.layout.start] = 1.0
         return float(z[orbit.layout.start])
@@ -93,7 +89,7 @@ def _phase(orbit: DiscretizedOrbit, z: np.ndarray, row: np.ndarray) -> float:
     return orbit.section.residual(z[orbit.layout.states[0]])
 
 
-def period_of(orbit: DiscretizedOrbit, z: np.ndarray, lift: str = PLAIN, *directions: np.ndarray) -> Any:
+def period_of(orbit: OrbitData, z: np.ndarray, lift: str = PLAIN, *directions: np.ndarray) -> Any:
     """Duration of the closure of a forced orbit, and its derivative by the free parameter."""
     own, direction = orbit.line.own, orbit.line.direction
     given = np.concatenate([orbit.line.constants, *directions])
@@ -101,7 +97,18 @@ def period_of(orbit: DiscretizedOrbit, z: np.ndarray, lift: str = PLAIN, *direct
     return orbit.forcings * value, orbit.forcings * slope
 
 
-def _pinned(orbit: DiscretizedOrbit, pin: Neutral, z: np.ndarray, row: np.ndarray) -> float:
+def _against(orbit: OrbitData, reference: Reference, z: np.ndarray, row: np.ndarray) -> float:
+    """How far the phase is from the one nearest to another orbit, over the whole period."""
+    total = 0.0
+    given = zip(orbit.layout.segments, orbit.segments, reference.points, reference.rows, strict=True)
+    for segment, piece, points, rows in given:
+        x, moved = piece.along(*orbit.layout.inputs_of(segment, z))
+        total += float(np.sum(rows * (x - points)))
+        row += orbit.layout.along(segment, np.einsum("sn,snq->q", rows, moved)[None])[0]
+    return total
+
+
+def pinned(orbit: OrbitData, pin: Neutral, z: np.ndarray, row: np.ndarray) -> float:
     """Residual of a pinned direction, at the start of the first leg; its gradient is written
     into `row`.
     """
@@ -113,7 +120,7 @@ def _pinned(orbit: DiscretizedOrbit, pin: Neutral, z: np.ndarray, row: np.ndarra
     return apart
 
 
-def cost(orbit: DiscretizedOrbit) -> int:
+def cost(orbit: OrbitData) -> int:
     """Right-hand sides of one pass with derivatives, each column counted as one."""
     stages = STAGES[orbit.mesh.method]
     return sum(
@@ -122,7 +129,7 @@ def cost(orbit: DiscretizedOrbit) -> int:
     )
 
 
-def levels(orbit: DiscretizedOrbit, z: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
+def levels(orbit: OrbitData, z: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
     """What of each residual is rounding, or error of the steps."""
     steps = max(len(times) for times in orbit.mesh.steps)
     terms = np.abs(jacobian) @ np.abs(z)
@@ -132,21 +139,16 @@ def levels(orbit: DiscretizedOrbit, z: np.ndarray, jacobian: np.ndarray) -> np.n
     # A state that is held at zero is known to the rounding of what it is elsewhere.
     terms[held] += np.abs(jacobian[held, : orbit.size]) @ cycle_scales(orbit)[1]
     own = SOLVED * orbit.mesh.tolerance * orbit.equation_scales
-    own[exact(orbit)] = 0.0
+    own[orbit.layout.exact] = 0.0
     return own + (8.0 + steps) * EPSILON * terms + 1e-300
 
 
-def errors(orbit: DiscretizedOrbit, linearization: Linearization) -> np.ndarray:
+def errors(orbit: OrbitData, linearization: Linearization) -> np.ndarray:
     """Estimated error of each equation: that of the steps, beside what it is solved to."""
     errors = linearization.levels[0].copy()
-    steps = GLOBAL * orbit.mesh.growth * orbit.mesh.tolerance * orbit.equation_scales
-    steps[exact(orbit)] = 0.0
+    steps = GLOBAL * orbit.mesh.amplified * orbit.mesh.tolerance * orbit.equation_scales
+    steps[orbit.layout.exact] = 0.0
     return errors + steps
-
-
-def exact(orbit: DiscretizedOrbit) -> slice:
-    """The equations that no motion is integrated for."""
-    return slice(orbit.layout.guards + orbit.layout.legs, orbit.layout.rest.stop)
 
 
 @cache
