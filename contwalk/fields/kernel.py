@@ -14,8 +14,9 @@ from typing import Any
 
 import numpy as np
 
+from contwalk import object_cache
 from contwalk.errors import PluginError
-from contwalk.fields import elimination, object_cache
+from contwalk.fields import elimination
 from contwalk.fields.codegen import source
 from contwalk.fields.exact_functions import maximum, minimum
 from contwalk.fields.functions import FUNCTIONS

@@ -16,7 +16,7 @@ from typing import Any
 import llvmlite
 from llvmlite import binding
 
-from contwalk.fields import object_cache
+from contwalk import object_cache
 from contwalk.fields.special_functions import called_in
 
 _LOCK = threading.RLock()

@@ -9,12 +9,17 @@ from __future__ import annotations
 
 import ast
 import hashlib
+import marshal
 import os
+import sys
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from importlib.metadata import EntryPoint
 from importlib.util import find_spec
 from pathlib import Path
+from typing import NamedTuple
+
+from contwalk import object_cache
 
 # What `ast.parse` raises for text that is no Python, or is nested beyond its means.
 _UNREADABLE = (SyntaxError, ValueError, RecursionError, MemoryError)
@@ -67,19 +72,28 @@ def _closure(folder: Path, package: str, first: list[Path]) -> dict[Path, bytes]
     return found
 
 
+class Import(NamedTuple):
+    """An import statement: `from ..a.b import c, d` has two dots, `origin` a.b and `names` c and d.
+
+    `import a.b, c` has names only, and an `origin` of None; that of `from . import c` is empty.
+    """
+
+    dots: int
+    origin: str | None
+    names: tuple[str, ...]
+
+
 def _imports(content: bytes, path: Path, folder: Path, package: str) -> Iterator[list[str]]:
     """Names that a file imports, split at their dots, as seen from `folder`."""
-    for node in _import_statements(content):
-        if isinstance(node, ast.Import):
-            absolute = [alias.name.split(".") for alias in node.names]
-        elif isinstance(node, ast.ImportFrom):
-            base = node.module.split(".") if node.module else []
-            # What is imported from a package may be a module of it.
-            absolute = [base, *([*base, alias.name] for alias in node.names)]
+    for statement in _import_statements(content):
+        if statement.origin is None:
+            absolute = [name.split(".") for name in statement.names]
         else:
-            continue
-        if isinstance(node, ast.ImportFrom) and node.level:
-            yield from _relative(absolute, node.level, path, folder)
+            base = statement.origin.split(".") if statement.origin else []
+            # What is imported from a package may be a module of it.
+            absolute = [base, *([*base, name] for name in statement.names)]
+        if statement.dots:
+            yield from _relative(absolute, statement.dots, path, folder)
         elif not package:
             yield from absolute
         else:
@@ -87,20 +101,34 @@ def _imports(content: bytes, path: Path, folder: Path, package: str) -> Iterator
 
 
 @lru_cache(maxsize=256)
-def _import_statements(content: bytes) -> tuple[ast.Import | ast.ImportFrom, ...]:
-    """Import statements of a text wherever they stand; none of one that is no Python."""
+def _import_statements(content: bytes) -> tuple[Import, ...]:
+    """Import statements of a text wherever they stand; none of one that is no Python.
+
+    They are kept on disk under the text: to read a plugin takes ten times as long.
+    """
+    name = object_cache.key("imports", sys.version, hashlib.sha256(content).hexdigest())
+    kept = object_cache.load(name)
+    if kept is not None:
+        return tuple(Import(*statement) for statement in marshal.loads(kept))
     try:
-        waiting: list[ast.AST] = [ast.parse(content)]
-        found = []
-        while waiting:
-            node = waiting.pop()
-            if isinstance(node, ast.Import | ast.ImportFrom):
-                found.append(node)
-            # Statements stand in statements only: expressions, most of a text, need not be looked at.
-            waiting += [child for name in _BLOCKS for child in getattr(node, name, ())]
-        return tuple(found)
+        found = tuple(_read(ast.parse(content)))
     except _UNREADABLE:
         return ()
+    object_cache.store(name, marshal.dumps([tuple(statement) for statement in found]))
+    return found
+
+
+def _read(tree: ast.AST) -> Iterator[Import]:
+    """The import statements of a parsed text."""
+    waiting = [tree]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, ast.Import):
+            yield Import(0, None, tuple(alias.name for alias in node.names))
+        elif isinstance(node, ast.ImportFrom):
+            yield Import(node.level, node.module or "", tuple(alias.name for alias in node.names))
+        # Statements stand in statements only: expressions, most of a text, need not be looked at.
+        waiting += [child for block in _BLOCKS for child in getattr(node, block, ())]
 
 
 def _relative(names: list[list[str]], level: int, path: Path, folder: Path) -> Iterator[list[str]]:

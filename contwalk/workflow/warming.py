@@ -28,7 +28,7 @@ class Warmed:
 
 def warm() -> tuple[list[Warmed], Path]:
     """Compile the integrators that do not depend on a system, or find them in the cache; its folder."""
-    from contwalk.fields import object_cache
+    from contwalk import object_cache
     from contwalk.flow.ensemble import sampling
     from contwalk.flow.explicit import runge_kutta as explicit
     from contwalk.flow.gauss import gauss_collocation as gauss

@@ -7,7 +7,7 @@ import marshal
 import numpy as np
 import pytest
 
-from contwalk.fields import object_cache
+from contwalk import object_cache
 from contwalk.fields.trace import trace
 from contwalk.flow.compiled import derived as kept
 from contwalk.flow.compiled import field as compiled

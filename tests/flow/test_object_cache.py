@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from contwalk.fields import llvm, object_cache
+from contwalk import object_cache
+from contwalk.fields import llvm
 
 _TEXT = "define double @twice(double %x) {\n  %y = fadd double %x, %x\n  ret double %y\n}\n"
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contwalk.system import load_system
+from contwalk.system import plugin_files as plugin_files_module
 from contwalk.system.loading import plugin_files
 from contwalk.system.plugin_files import hash_of, hashes_of_file
 
@@ -46,6 +47,22 @@ def test_imports_are_found_wherever_statements_stand(tmp_path):
     write(tmp_path, machine=text, **dict.fromkeys(blocks.values(), ""))
     found = hashes_of_file(tmp_path / "machine.py")
     assert sorted(found) == sorted(["machine.py", *(f"{name}.py" for name in blocks.values())])
+
+
+def test_statements_are_kept_under_the_text(tmp_path, monkeypatch):
+    monkeypatch.setenv("CONTWALK_CACHE_DIR", str(tmp_path / "cache"))
+    plugin_files_module._import_statements.cache_clear()
+    folder = tmp_path / "plugin"
+    folder.mkdir()
+    write(folder, machine="from . import masses, springs as s\n", masses="", springs="", dampers="")
+    first = hashes_of_file(folder / "machine.py")
+    assert list(first) == ["machine.py", "masses.py", "springs.py"]
+    plugin_files_module._import_statements.cache_clear()
+    monkeypatch.setattr(plugin_files_module, "_read", None)  # a text that has been read is not parsed again
+    assert hashes_of_file(folder / "machine.py") == first
+    monkeypatch.undo()
+    write(folder, machine="from . import masses, dampers\n")
+    assert list(hashes_of_file(folder / "machine.py")) == ["dampers.py", "machine.py", "masses.py"]
 
 
 def test_the_hash_depends_on_each_of_them(tmp_path):

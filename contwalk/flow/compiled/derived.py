@@ -12,7 +12,7 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any, NamedTuple
 
-from contwalk.fields import object_cache
+from contwalk import object_cache
 from contwalk.flow.compiled.entry_points import text_behind
 
 

@@ -1,8 +1,9 @@
-"""Compiled code kept on disk, under a hash of everything that it was made from.
+"""Compiled code, and what else is made of texts, kept on disk under a hash of all that it was made from.
 
-A key covers the text that was compiled, the machine and the compiler; what is found under it can therefore
-not be out of date. Every file begins with a digest of the rest, since a damaged object file would end the
-process in the linker. A directory that cannot be read or written means that nothing is kept, and is no error.
+A key covers the text, and of what is compiled the machine and the compiler; what is found under it can
+therefore not be out of date. Every file begins with a digest of the rest, since a damaged object file would
+end the process in the linker. A directory that cannot be read or written means that nothing is kept, and is
+no error.
 """
 
 from __future__ import annotations
