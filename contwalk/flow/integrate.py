@@ -9,37 +9,36 @@ import numpy as np
 
 from contwalk.flow.compiled.compiled_field import CompiledField
 from contwalk.flow.explicit import runge_kutta as explicit
-from contwalk.flow.explicit import stages
 from contwalk.flow.gauss import gauss_collocation as gauss
 from contwalk.flow.path import ErrorControl, Path, Tangents
 from contwalk.flow.radau import radau_iia as radau
 
 Vector = Sequence[float] | np.ndarray
 
-METHODS = (*stages.TABLEAUS, *radau.TABLEAUS, *gauss.TABLEAUS)
+FAMILIES: tuple[ModuleType, ...] = (explicit, radau, gauss)
+"""Modules that integrate, each by the methods that are named in its `TABLEAUS`."""
+
+METHODS = tuple(name for family in FAMILIES for name in family.TABLEAUS)
 """Names of the methods."""
 
 
 def _family(method: str) -> ModuleType:
-    if method in stages.TABLEAUS:
-        return explicit
-    if method in radau.TABLEAUS:
-        return radau
-    if method in gauss.TABLEAUS:
-        return gauss
+    for family in FAMILIES:
+        if method in family.TABLEAUS:
+            return family
     raise ValueError(f"'{method}' is none of {', '.join(METHODS)}")
 
 
 def implicit(method: str) -> bool:
     """Whether the steps of a method are solved for, so that the field's Jacobian is needed for them."""
-    return _family(method) is not explicit
+    found: bool = _family(method).IMPLICIT
+    return found
 
 
 def warmup() -> None:
     """Compile what all fields share, or find it compiled in the cache."""
-    explicit.warmup()
-    radau.warmup()
-    gauss.warmup()
+    for family in FAMILIES:
+        family.warmup()
 
 
 def adaptive(

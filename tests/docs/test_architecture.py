@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from functools import cache
+from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
@@ -15,6 +16,14 @@ from tools.house.modules import MODULES, page
 from tools.house.picture import PICTURE, arrows, boxes, inner_place, outer_place
 
 PAGE = ROOT / "docs" / "architecture.md"
+# Pages for who changes the code: files and functions that they name exist.
+PAGES = (PAGE, *(ROOT / "docs" / "howto").glob("*.md"), ROOT / "docs" / "theory.md", ROOT / "CONTRIBUTING.md")
+# Files that the reader makes.
+MADE = {
+    "contwalk/flow/classical.py",
+    "contwalk/problems/equilibrium/points/neutral_equilibrium.py",
+    "contwalk/storage/json_lines.py",
+}
 PACKAGE = ROOT / "contwalk"
 SVG = "{http://www.w3.org/2000/svg}"
 ANEW = "Write it anew with `make docs`."
@@ -81,12 +90,18 @@ def test_the_page_of_all_modules_names_each_once():
 
 @cache
 def quoted() -> tuple[str, ...]:
-    """What the page has in back-quotes, outside its indented blocks."""
-    return tuple(re.findall(r"`([^`\n]+)`", PAGE.read_text(encoding="utf-8")))
+    """What these pages have in back-quotes."""
+    return tuple(text for page in PAGES for text in in_quotes(page))
+
+
+def in_quotes(page: Path) -> list[str]:
+    return re.findall(r"`([^`\n]+)`", page.read_text(encoding="utf-8"))
 
 
 def written_places() -> list[str]:
-    return sorted({text for text in quoted() if re.fullmatch(r"[\w/*]+\.py(:[\w.]+)?", text)})
+    """Those with a folder or a function: other names of files may be the reader's own."""
+    found = {q for q in quoted() if re.fullmatch(r"[\w/*]+\.py(:[\w.]+)?", q) and ("/" in q or ":" in q)}
+    return sorted(found - MADE)
 
 
 def written_folders() -> list[str]:
@@ -132,7 +147,7 @@ def known() -> dict[str, list[set[str]]]:
 
 def dotted() -> list[str]:
     """What is written as `module.name`, of modules of the package."""
-    found = [re.fullmatch(r"([a-z_]+)\.(\w+)(\(.*\))?", text) for text in quoted()]
+    found = [re.fullmatch(r"([a-z_]+)\.(\w+)(\(.*\))?", text) for text in in_quotes(PAGE)]
     return sorted({f"{m[1]}.{m[2]}" for m in found if m and m[1] in known() and m[2] != "py"})
 
 

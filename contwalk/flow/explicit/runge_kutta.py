@@ -33,6 +33,10 @@ Vector = Sequence[float] | np.ndarray
 # Steps that there is room for at first.
 _ROOM = 512
 
+TABLEAUS = stages.TABLEAUS
+# Whether its steps are solved for, with the Jacobian of the field.
+IMPLICIT = False
+
 # Numbers in a line of the processor's cache.
 _LINE = 8
 

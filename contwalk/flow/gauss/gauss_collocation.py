@@ -27,6 +27,9 @@ Vector = Sequence[float] | np.ndarray
 TABLEAUS = {f"gauss{2 * degree}": gauss_points(degree) for degree in range(LEAST_DEGREE, MOST_DEGREE)}
 """The methods by their names, which have the order. One degree more tells the errors of each."""
 
+# Whether its steps are solved for, with the Jacobian of the field.
+IMPLICIT = True
+
 # Steps for which memory is set aside before it is known how many there are.
 _ROOM = 256
 _STATUS = ("ok", "not_finite", "too_many_steps", "step_too_small")

@@ -24,6 +24,8 @@ from contwalk.flow.tableaus.radau import RADAU5, RADAU9, Collocation
 Vector = Sequence[float] | np.ndarray
 
 TABLEAUS = {"radau5": RADAU5, "radau9": RADAU9}
+# Whether its steps are solved for, with the Jacobian of the field.
+IMPLICIT = True
 
 # Steps for which memory is set aside before it is known how many there are.
 _ROOM = 512
