@@ -30,9 +30,9 @@ class HybridDiagnosis(OrbitDiagnosis):
         reasons = (not_conserved, *shrinks, homoclinic, unbounded)
         return next((outcome for reason in reasons if (outcome := reason(orbit, a, b)) is not None), None)
 
-    def explain(self, z: np.ndarray) -> str:
-        """The plugin's line at which the motion of z has no value, if one is found."""
-        return undefined.where(self._eventful, z).removesuffix(".") or super().explain(z)
+    def without_value(self, z: np.ndarray) -> str:
+        """The plugin's line at which the motion of z has no value, as a sentence; empty if none is found."""
+        return undefined.where(self._eventful, z)
 
     def obstacle(self, z: np.ndarray) -> str:
         """Where the field is smooth by pieces only, or over which leg deviations grow."""

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.errors import measured
-from contwalk.problems.hybrid import families
+from contwalk.problems.hybrid import families, undefined
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.margins import Margins
 from contwalk.problems.hybrid.stretch import Stretch
@@ -18,6 +18,7 @@ from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.sampling import MOST_BISECTIONS
 from contwalk.problems.orbit.slow_place import AROUND, SlowPlace, slow_places_on
+from contwalk.problems.orbit.undefined import refusal
 from contwalk.problems.orbit.word import imaged_leg
 from contwalk.problems.passing import Place
 from contwalk.system.declarations import ParameterValues
@@ -74,6 +75,8 @@ def extremes(problem: DiscretizedOrbit, z: np.ndarray) -> tuple[np.ndarray, np.n
     """
     found = problem.stretches(z)
     low, high = extremes_of([s.smooth for s in found], [np.array(s.exists) for s in found])
+    if np.isnan(low).any():
+        raise refusal(undefined.where(problem, z))
     neither = (problem.turns != 0.0) | np.isinf(high)
     low[neither] = high[neither] = np.nan
     return low, high

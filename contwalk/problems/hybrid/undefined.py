@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 
 from contwalk.errors import NotFinite, PluginError
-from contwalk.flow.hybrid.blaming import functions_of, line_without_value
+from contwalk.flow.hybrid.blaming import functions_of
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.margins import Margins
 from contwalk.problems.hybrid.view import LegView
-from contwalk.problems.orbit.lifts import PLAIN
+from contwalk.problems.orbit import without_value
+from contwalk.problems.orbit.undefined import refusal
 from contwalk.python_functions import line_of
 from contwalk.system import Transition
 
@@ -28,7 +27,7 @@ def where(problem: DiscretizedOrbit, z: np.ndarray) -> str:
         views = problem.view(z)
     except BREAKDOWNS:
         return ""
-    return next((found for view in views if (found := _on_leg(problem, view, float(z[-1])))), "")
+    return next((found for view in views if (found := _on_leg(view))), "")
 
 
 def refuse_guards(problem: DiscretizedOrbit, z: np.ndarray, margins: Margins) -> None:
@@ -50,20 +49,21 @@ def refuse_guards(problem: DiscretizedOrbit, z: np.ndarray, margins: Margins) ->
             continue
         view = views[limit.leg]
         transition = problem.system.transition(limit.name, problem.word.legs[limit.leg].mode)
-        sentence = _of_guard(problem, view, transition, float(z[-1]))
+        sentence = _of_guard(view, transition)
         if sentence:
-            raise NotFinite(sentence, "Let it have a value wherever orbits of the range go.")
+            raise refusal(sentence)
 
 
-def _of_guard(problem: DiscretizedOrbit, view: LegView, transition: Transition, free: float) -> str:
+def _of_guard(view: LegView, transition: Transition) -> str:
     """Where a guard, or its rate along the motion, has no value on a leg."""
-    times, values, rates = view.guard(transition)
-    without = np.flatnonzero(~np.isfinite(values))
+    times, found, rates = view.guard(transition)
+    without = np.flatnonzero(~np.isfinite(found))
     name = f"guard of transition '{transition.name}'"
     if len(without):
-        share = times[without[:1]]
-        own = {name: functions_of(problem.system, view.piece.passage.leg.mode)[name]}
-        return _told(problem, view, free, float(share[0]), view.at(share)[0], own) or (
+        share, passage = times[without[:1]], view.piece.passage
+        own = {name: functions_of(passage.system, passage.leg.mode)[name]}
+        values = view.piece.values(view.scalars)
+        return without_value.at(passage, values, float(share[0]), view.at(share)[0], own) or (
             f"{line_of(transition.guard)}the {name} has no value."
         )
     if np.isfinite(rates).all():
@@ -71,45 +71,13 @@ def _of_guard(problem: DiscretizedOrbit, view: LegView, transition: Transition, 
     return f"{line_of(transition.guard)}the {name} has no finite derivative by the time along an orbit."
 
 
-def _on_leg(problem: DiscretizedOrbit, view: LegView, free: float) -> str:
-    """What has no value at the steps of a leg, beyond the last of them, or where it ends."""
-    leg = view.piece.passage.leg
-    functions = functions_of(problem.system, leg.mode)
-    for share, x in _places(view):
-        if found := _told(problem, view, free, share, x, functions):
-            return found
-    if leg.transition is None or leg.transition.reset is None or not np.isfinite(view.end).all():
+def _on_leg(view: LegView) -> str:
+    """What has no value at the steps of a leg, within one of them, or where it ends."""
+    piece, leg = view.piece, view.piece.passage.leg
+    values, functions = piece.values(view.scalars), functions_of(piece.passage.system, leg.mode)
+    if found := without_value.along(piece.passage, values, piece.steps, view.nodes, piece.method, functions):
+        return found
+    if leg.transition is None or leg.transition.reset is None:
         return ""
     reset = {f"reset of transition '{leg.name}'": leg.transition.reset}
-    return _told(problem, view, free, 1.0, view.end, reset)
-
-
-def _places(view: LegView) -> Iterator[tuple[float, np.ndarray]]:
-    """Instants 0..1 and states at steps of a leg; where it has none, the last one and its rate lead on."""
-    steps, nodes = view.piece.steps, view.nodes
-    for k, x in enumerate(nodes):
-        if np.isfinite(x).all():
-            yield float(steps[k]), x
-            continue
-        if k:
-            rate = view.piece.passage.field(PLAIN).along(steps[k - 1 : k], nodes[k - 1 : k], view.constants)[
-                0
-            ]
-            yield float(steps[k]), nodes[k - 1] + (steps[k] - steps[k - 1]) * rate
-        return
-
-
-def _told(
-    problem: DiscretizedOrbit,
-    view: LegView,
-    free: float,
-    share: float,
-    x: np.ndarray,
-    functions: dict,
-) -> str:
-    """As `line_without_value`, at an instant 0..1 of a leg; sentence without the blank before it."""
-    if not np.isfinite(x).all():
-        return ""
-    t = view.start + share * view.duration if problem.forced else 0.0
-    mode = view.piece.passage.leg.mode
-    return line_without_value(problem.system, mode, functions, t, view.full(x), problem.line.at(free)).strip()
+    return without_value.at(piece.passage, values, 1.0, view.end, reset)

@@ -28,9 +28,14 @@ class OrbitDiagnosis(ABC):
     def obstacle(self, z: np.ndarray) -> str:
         """What makes orbits beside z hard to find, and what helps; empty if nothing is known of that."""
 
+    @abstractmethod
+    def without_value(self, z: np.ndarray) -> str:
+        """The plugin's line at which the motion of z has no value, as a sentence; empty if none is found."""
+
     def explain(self, z: np.ndarray) -> str:
         """Where a residual at z is not finite."""
-        return "the motion from there ends or grows without bound within one period"
+        known = self.without_value(z).removesuffix(".")
+        return known or "the motion from there ends or grows without bound within one period"
 
     def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
         """Those that the second orbit crosses, and those that events pass on the step to it."""

@@ -73,7 +73,8 @@ class Smooth:
 def extremes_of(stretches: Sequence[Smooth], own: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """Least and largest value of each state over some stretches, shapes (n,).
 
-    `own` are the states that each has; where none has one, they are inf and -inf.
+    `own` are the states that each has; where none has one, they are inf and -inf. NaN where a stretch has no
+    value.
     """
     n = stretches[0].states.shape[1]
     low, high = np.full(n, np.inf), np.full(n, -np.inf)
@@ -97,8 +98,9 @@ def extremes_of(stretches: Sequence[Smooth], own: Sequence[np.ndarray]) -> tuple
         left = stretch.rate_at(near[order], found)[places]
         # What the rate that is left there still gives: the parabola's own top.
         values = found[places] - 0.5 * left * left / bend[order]
-        np.minimum.at(low, j[order], values)
-        np.maximum.at(high, j[order], values)
+        with np.errstate(invalid="ignore"):
+            np.minimum.at(low, j[order], values)
+            np.maximum.at(high, j[order], values)
     return low, high
 
 

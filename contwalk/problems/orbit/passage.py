@@ -257,13 +257,8 @@ class Passage:
         """
         if self.switching is None:
             return None
-        mode, given = self.system.mode(self.leg.mode), inputs(self.groups, values, times, states)
-        lam, start = given["l", 0], given.get(("s", 0), 0.0)
-        names = self.system.parameter_names
-        known = {name: given["b", k] + lam * given["d", k] for k, name in enumerate(names)}
-        if self._free is not None:
-            known[self._free] = lam
-        lasting = given["T", 0] if self._periods is None else self._periods * period_at(self.system, known)
+        mode, known = self.system.mode(self.leg.mode), self.parameters(values)
+        start, lasting = self.clock(values)
 
         def where(before: tuple[float, np.ndarray], after: tuple[float, np.ndarray]) -> str:
             places = [(start + lasting * t, self.full(x).tolist()) for t, x in (before, after)]
@@ -274,6 +269,20 @@ class Passage:
 
         ends = self.leg.transition is not None
         return Course(self.switching, evaluate, times, states, at or _nowhere, where, ends)
+
+    def parameters(self, values: np.ndarray) -> dict[str, float]:
+        """The system's parameters by name, from scalars and fixed parameters."""
+        given = inputs(self.groups, values, np.zeros(1), np.zeros((1, 0)))
+        lam, names = given["l", 0], self.system.parameter_names
+        known = {name: given["b", k] + lam * given["d", k] for k, name in enumerate(names)}
+        return known if self._free is None else known | {self._free: lam}
+
+    def clock(self, values: np.ndarray) -> tuple[float, float]:
+        """The time at which it starts, and how long it lasts, from scalars and fixed parameters."""
+        given = inputs(self.groups, values, np.zeros(1), np.zeros((1, 0)))
+        if self._periods is None:
+            return given.get(("s", 0), 0.0), given["T", 0]
+        return given.get(("s", 0), 0.0), self._periods * period_at(self.system, self.parameters(values))
 
     # -- compiled ----------------------------------------------------------------------------------------
 

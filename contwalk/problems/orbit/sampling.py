@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.errors import measured
+from contwalk.problems.orbit import undefined
 from contwalk.problems.orbit.closure import images_of
 from contwalk.problems.orbit.extrema import PARTS, Smooth, extremes_of
 from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
@@ -55,6 +56,8 @@ def extremes(problem: SegmentedOrbit, z: np.ndarray) -> tuple[np.ndarray, np.nda
 
         images.append(motion.mapped(shown))
     low, high = extremes_of(images, [np.arange(problem.states)] * closure.fold)
+    if np.isnan(low).any():
+        raise undefined.refusal(undefined.where(problem, z))
     round_ = closure.turns != 0.0
     low[round_] = high[round_] = np.nan
     return low, high

@@ -10,8 +10,10 @@ import numpy as np
 
 from contwalk import flow
 from contwalk.errors import NotFinite
+from contwalk.flow.hybrid.event_integrator import METHOD as EXPLICIT
 from contwalk.flow.method import Carried, choose
 from contwalk.problems.kinks import at_the_end
+from contwalk.problems.orbit import without_value
 from contwalk.problems.orbit.lifts import PLAIN, TANGENT
 from contwalk.problems.orbit.passage import Passage
 from contwalk.problems.orbit.repeating import repeating
@@ -29,6 +31,8 @@ BURST = 1e3
 SHRINKS = 0.3
 # A motion that ends beyond this part of a leg may have passed the leg's own event.
 AT_ITS_END = 1.0 - 1e-6
+# How far beyond such an end it is looked what has no value, in lengths of the last step.
+BEYOND = 8.0
 # Steps of a leg at most.
 MOST_STEPS = 100_000
 
@@ -170,7 +174,7 @@ def arrived(path: flow.Path, passage: Passage | None = None, values: np.ndarray 
     status, rough = path.status, ""
     if passage is not None and values is not None:
         _refuse_steep_event(path, passage, values)
-        rough = roughness(passage, values, path)
+        rough = roughness(passage, values, path) or _without_value(passage, values, path)
     if status == "step_too_small" and np.abs(path.states[-1]).max() > BURST * np.abs(path.states[0]).max():
         status = "not_finite"
     raise NotFinite(_SENTENCES[status] + rough, "Start elsewhere, or keep the run away from there.")
@@ -198,6 +202,18 @@ def roughness(passage: Passage, values: np.ndarray, path: flow.Path) -> str:
     """A sentence where a path of a lift ends at a place at which the field is smooth by pieces only."""
     course = passage.course(values, path.times, path.states[:, : len(passage.states)])
     return "" if course is None or path.status == "not_finite" else at_the_end(course)
+
+
+def _without_value(passage: Passage, values: np.ndarray, path: flow.Path) -> str:
+    """A sentence where the field has no value right beyond the end of a path of a lift."""
+    if len(path.times) < 2:
+        return ""
+    (before, last), nodes = path.times[-2:], path.states[-2:, : len(passage.states)]
+    steps = np.array([before, last, min(last + BEYOND * (last - before), 1.0)])
+    line = without_value.along(
+        passage, values, steps, np.vstack([nodes, np.full_like(nodes[:1], np.nan)]), EXPLICIT
+    )
+    return f" {line}" if line else ""
 
 
 def growth_of(deviations: np.ndarray) -> float:

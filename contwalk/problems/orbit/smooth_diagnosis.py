@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.problems.orbit import ending
+from contwalk.problems.orbit import ending, undefined
 from contwalk.problems.orbit.diagnosis import OrbitDiagnosis
 from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
@@ -23,6 +23,10 @@ class SmoothDiagnosis(OrbitDiagnosis):
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
         """Why the branch ends between two neighbouring orbits, if it does."""
         return ending.ended(self._smooth, a, b)
+
+    def without_value(self, z: np.ndarray) -> str:
+        """The plugin's line at which the motion of z has no value, as a sentence; empty if none is found."""
+        return undefined.where(self._smooth, z)
 
     def obstacle(self, z: np.ndarray) -> str:
         """How much deviations grow over a segment, where that is what Newton's method has to fight with."""

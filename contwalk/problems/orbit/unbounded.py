@@ -102,6 +102,8 @@ def _suspected(problem: Orbit, which: int, a: Sample, b: Sample) -> bool:
     change = float(b.z[which] - a.z[which])
     if change * b.z[which] <= GROWS * b.z[which] ** 2 or a.tangent[which] * b.tangent[which] <= 0.0:
         return False
+    if a.z[which] * b.z[which] <= 0.0:  # it has come from the other side: of no power is that a part
+        return False
     first, last = (_slope(which, s) for s in (a, b))
     if not (first * last > 0.0 and abs(last) < abs(first)):
         return False

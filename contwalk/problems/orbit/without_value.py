@@ -1,0 +1,87 @@
+"""The plugin's line where a motion has no value: its field, or something else that is asked on its way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from contwalk import flow
+from contwalk.flow.hybrid.blaming import functions_of, line_without_value
+from contwalk.problems.orbit.lifts import PLAIN
+from contwalk.problems.orbit.passage import Passage
+
+# Parts of a step that is looked at more closely, and how far its last finite state is led on, in such parts.
+PARTS, AHEAD = 64, (1.0, 4.0, 16.0, 64.0)
+
+Functions = Mapping[str, Callable[..., Any]]
+
+
+def along(
+    passage: Passage,
+    values: np.ndarray,
+    steps: np.ndarray,
+    nodes: np.ndarray,
+    method: str,
+    functions: Functions | None = None,
+) -> str:
+    """`The NAME: file, line n: what` of the first function without a value on a motion; empty if none.
+
+    Parameters
+    ----------
+    passage : Passage
+    values : ndarray
+        Scalars and fixed parameters.
+    steps : ndarray, shape (s + 1,)
+        Instants 0..1.
+    nodes : ndarray, shape (s + 1, n)
+        States there, not finite from where on the motion is none.
+    method : str
+    functions : mapping, optional
+        Of the form `f(t, x, p, out)` by their names in words; by default the field.
+    """
+    mode = passage.leg.mode
+    if functions is None:
+        name = f"field of mode '{mode}'"
+        functions = {name: functions_of(passage.system, mode)[name]}
+    for share, x in _places(passage, values, steps, nodes, method):
+        if found := at(passage, values, share, x, functions):
+            return found
+    return ""
+
+
+def at(passage: Passage, values: np.ndarray, share: float, x: np.ndarray, functions: Functions) -> str:
+    """As `along`, at an instant 0..1 and a state of the mode."""
+    if not np.isfinite(x).all():
+        return ""
+    start, lasting = passage.clock(values)
+    t = start + share * lasting if passage.forced else 0.0
+    known = passage.parameters(values)
+    return line_without_value(passage.system, passage.leg.mode, functions, t, passage.full(x), known).strip()
+
+
+def _places(
+    passage: Passage, values: np.ndarray, steps: np.ndarray, nodes: np.ndarray, method: str
+) -> Iterator[tuple[float, np.ndarray]]:
+    """Instants and states at the steps, then within the step at which the motion ceases to be finite; within
+    all steps if it does at none.
+    """
+    finite = np.isfinite(nodes).all(axis=1)
+    last = len(nodes) if finite.all() else int(np.argmin(finite))
+    yield from zip(steps[:last].tolist(), nodes[:last], strict=True)
+    field = passage.field(PLAIN)
+    c = field.constants(values)
+    for k in range(last - 1) if last == len(nodes) else range(max(last - 1, 0), min(last, len(nodes) - 1)):
+        times = np.linspace(steps[k], steps[k + 1], PARTS + 1)
+        if not times[-1] > times[0]:
+            continue
+        states = flow.along(field, c, times, nodes[k], method)
+        there = np.isfinite(states).all(axis=1)
+        until = len(states) if there.all() else int(np.argmin(there))
+        rates = field.along(times[:until], states[:until], c)
+        without = np.flatnonzero(~np.isfinite(rates).all(axis=1))
+        yield from ((float(times[j]), states[j]) for j in without[:1])
+        if until < len(states):
+            ahead = times[until - 1] + (times[1] - times[0]) * np.array(AHEAD)
+            yield from ((float(t), states[until - 1] + (t - times[until - 1]) * rates[-1]) for t in ahead)
