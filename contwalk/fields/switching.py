@@ -72,9 +72,8 @@ class Switching:
 
     def sides(self, inputs: Inputs) -> np.ndarray:
         """What each choice is at some inputs, shape (.., choices); NaN where it is undefined."""
-        nodes = ancestors(self.graph, self.choices)
         chosen: dict[int, Any] = {}
-        _values(self.graph, nodes, inputs, {}, chosen)
+        _values(self.graph, self._deciding, inputs, {}, chosen)
         return np.stack(np.broadcast_arrays(*[chosen[node] for node in self.choices]), axis=-1).astype(float)
 
     def jumps(self, changed: Iterable[int]) -> bool:
@@ -92,12 +91,28 @@ class Switching:
 
         Shape (2, 3, number of outputs). Which pieces these are is told by two places beside it.
         """
+        found: np.ndarray = self.beside_each(inputs, before, after, directions, 1)[:, 0]
+        return found
+
+    def beside_each(
+        self,
+        inputs: Inputs,
+        before: Inputs,
+        after: Inputs,
+        directions: Mapping[tuple[str, int], float],
+        count: int,
+    ) -> np.ndarray:
+        """As `beside`, at so many places at once: inputs of shape (count,), or one for all of them.
+
+        Shape (2, count, 3, number of outputs).
+        """
         given = {("k", k): directions.get(name, 0.0) for k, name in enumerate(self.unknowns)}
         pieces = []
         for place in (before, after):
             held: dict[int, Any] = {}
             self._outputs(self._lifted.tree, {**place, **given}, {}, held)
-            pieces.append(self._outputs(self._lifted.tree, {**inputs, **given}, held, {}).reshape(3, -1))
+            outputs = self._outputs(self._lifted.tree, {**inputs, **given}, held, {})
+            pieces.append(np.broadcast_to(outputs, (count, outputs.shape[-1])).reshape(count, 3, -1))
         return np.array(pieces)
 
     def moves(self, inputs: Inputs, changed: Iterable[int], directions: Mapping[Any, float]) -> bool:
@@ -118,6 +133,17 @@ class Switching:
         return self.graph.div(*arguments) if name == "fmod" else int(arguments[0])
 
     @cached_property
+    def _deciding(self) -> list[int]:
+        """Nodes that the choices follow from."""
+        return list(ancestors(self.graph, self.choices))
+
+    @cached_property
+    def _behind(self) -> dict[int, list[int]]:
+        """Nodes that a program's outputs follow from, by the tree's own id: both are kept here."""
+        trees = (self.program.tree, self._lifted.tree)
+        return {id(tree): list(ancestors(self.graph, roots(tree))) for tree in trees}
+
+    @cached_property
     def _lifted(self) -> Program:
         graph = self.graph
         along = {graph.input(*name): graph.input("k", k) for k, name in enumerate(self.unknowns)}
@@ -129,7 +155,7 @@ class Switching:
         return self.program.transformed(change)
 
     def _outputs(self, tree: Tree, inputs: Inputs, held: Held, chosen: dict[int, Any]) -> np.ndarray:
-        values = _values(self.graph, ancestors(self.graph, roots(tree)), inputs, held, chosen)
+        values = _values(self.graph, self._behind[id(tree)], inputs, held, chosen)
         width = max((len(leaf.nodes) for leaf in self._leaves(tree)), default=1)
 
         def of(part: Tree) -> np.ndarray:

@@ -9,8 +9,9 @@ leaves derivatives as they are.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -151,6 +152,8 @@ class Course:
         The plugin's line, of two times and states.
     ends : bool
         Whether events happen at both ends.
+    lines : dict
+        Lines that have been told, by all choices on both sides, which they follow from.
     """
 
     switching: Switching
@@ -160,6 +163,26 @@ class Course:
     at: Callable[[np.ndarray], np.ndarray]
     where: Callable[[tuple[float, np.ndarray], tuple[float, np.ndarray]], str]
     ends: bool = False
+    lines: dict[bytes, str] = field(default_factory=dict)
+
+    @cached_property
+    def sizes(self) -> np.ndarray:
+        """How large each state is."""
+        largest: np.ndarray = np.abs(self.states).max(axis=0)
+        return largest
+
+    @cached_property
+    def level(self) -> np.ndarray:
+        """How large each output is."""
+        outputs = np.abs(self.switching.values(self.evaluate(self.times, self.states)))
+        return np.asarray(np.nanmax(outputs, axis=0, initial=0.0))
+
+    def line(self, sides: np.ndarray, times: np.ndarray, states: np.ndarray) -> str:
+        """The plugin's line at which these sides, shape (2, choices), of two instants differ."""
+        key = sides.tobytes()
+        if key not in self.lines:
+            self.lines[key] = self.where((times[0], states[0]), (times[1], states[1]))
+        return self.lines[key]
 
     def sides(self, times: np.ndarray, states: np.ndarray) -> np.ndarray:
         """Choices at some instants, shape (k, choices)."""
@@ -167,20 +190,11 @@ class Course:
         return np.broadcast_to(found, (len(times), found.shape[-1]))
 
 
-def along(course: Course, known: dict[bytes, Kink]) -> tuple[Kink, ...]:
-    """The kinks of a motion; those that only derivatives have are told once each, and kept in `known`."""
+def along(course: Course) -> tuple[Kink, ...]:
+    """The kinks of a motion."""
     sides = course.sides(course.times, course.states)
-    a, b = sides[:-1], sides[1:]
-    found: dict[Kink, Kink] = {}
-    for k in np.flatnonzero(np.any(differ(a, b), axis=1)).tolist():
-        changed = np.flatnonzero(differ(a[k], b[k]))
-        key = np.append(changed, np.concatenate([a[k][changed], b[k][changed]])).tobytes()
-        kink = known.get(key)
-        if kink is None or course.switching.jumps(changed.tolist()):
-            kink = _kink(course, *located(course, k))
-        if kink is not None:
-            found[kink] = known[key] = kink
-    return tuple(found)
+    crossed = np.flatnonzero(np.any(differ(sides[:-1], sides[1:]), axis=1))
+    return tuple(dict.fromkeys(_kinks(course, *_located(course, crossed)))) if len(crossed) else ()
 
 
 def differ(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -190,15 +204,23 @@ def differ(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 def located(course: Course, k: int) -> tuple[float, float]:
     """Two instants right beside each other, between which a choice changes in an interval of samples."""
-    low, high = course.times[k], course.times[k + 1]
+    low, high = _located(course, np.array([k]))
+    return float(low[0]), float(high[0])
+
+
+def _located(course: Course, intervals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """As `located`, in several intervals of samples at once, in their order."""
+    low, high = course.times[intervals], course.times[intervals + 1]
+    every = np.arange(len(intervals))
     for _ in range(PASSES):
-        times = low + (high - low) * np.linspace(0.0, 1.0, PARTS + 1)
-        sides = course.sides(times, course.at(times))
-        apart = np.flatnonzero(np.any(differ(sides[:1], sides), axis=1))
-        if not len(apart):
-            break
-        low, high = times[apart[0] - 1], times[apart[0]]
-    return float(low), float(high)
+        times = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, PARTS + 1)
+        times = np.minimum(times, high[:, None])  # in growing order, rounding included
+        sides = course.sides(times.ravel(), course.at(times.ravel())).reshape(*times.shape, -1)
+        apart = np.any(differ(sides[:, :1], sides), axis=2)
+        first = np.argmax(apart, axis=1)  # 0 where nothing changes any more
+        high = np.where(first > 0, times[every, first], high)
+        low = np.where(first > 0, times[every, first - 1], low)
+    return low, high
 
 
 def at_the_end(course: Course) -> str:
@@ -240,60 +262,43 @@ def between(
         course = Course(switching, evaluate, shares, at(shares), at, where)
         changed = differ(*course.sides(shares, at(shares)))
         if np.any(changed):
-            found |= dict.fromkeys(along(course, {}))
+            found |= dict.fromkeys(along(course))
     return tuple(found)
 
 
-def _kink(course: Course, low: float, high: float) -> Kink | None:
-    """What jumps between two neighbouring instants; None if nothing does that matters."""
-    if course.ends and (high < AT_END or low > 1.0 - AT_END):
+def _kinks(course: Course, low: np.ndarray, high: np.ndarray) -> Iterator[Kink]:
+    """What jumps between neighbouring instants, where something does that matters."""
+    if course.ends:
+        inside = (high >= AT_END) & (low <= 1.0 - AT_END)
+        low, high = low[inside], high[inside]
+    count, switching = len(low), course.switching
+    if not count:
+        return
+    times = np.stack([low, high], axis=1)
+    states = course.at(times.ravel()).reshape(count, 2, -1)
+    before, after = (course.evaluate(times[:, i], states[:, i]) for i in range(2))
+    along_ = directions(switching, before, course.sizes)
+    pieces = switching.beside_each(before, before, after, along_, count)
+    sides = course.sides(times.ravel(), states.reshape(2 * count, -1)).reshape(count, 2, -1)
+    for k in range(count):
+        order = _jumping(pieces[:, k], course.level)
+        if order is None:
+            continue
+        moves = order > 0
+        if not moves:
+            changed = np.flatnonzero(differ(*sides[k])).tolist()
+            moves = switching.moves(course.evaluate(times[k, :1], states[k, :1]), changed, along_)
+        yield Kink(order, course.line(sides[k], times[k], states[k]), moves)
+
+
+def _jumping(pieces: np.ndarray, level: np.ndarray) -> int | None:
+    """The lowest derivative that differs on two sides, of shape (2, 3, outputs), against these levels."""
+    if not np.all(np.isfinite(pieces)):
         return None
-    times = np.array([low, high])
-    states = course.at(times)
-    before, after = (course.evaluate(times[i : i + 1], states[i : i + 1]) for i in range(2))
-    sizes = np.abs(course.states).max(axis=0)
-    level = np.abs(course.switching.values(course.evaluate(course.times, course.states)))
-    changed = np.flatnonzero(differ(*course.sides(times, states)))
-    return told(
-        course.switching,
-        (before, before, after),
-        sizes,
-        np.nanmax(level, axis=0, initial=0.0),
-        changed,
-        lambda: course.where((low, states[0]), (high, states[1])),
-    )
-
-
-def told(
-    switching: Switching,
-    places: tuple[Inputs, Inputs, Inputs],
-    sizes: np.ndarray,
-    level: np.ndarray,
-    changed: np.ndarray,
-    where: Callable[[], str],
-) -> Kink | None:
-    """What jumps at one place, seen from two beside it.
-
-    Parameters
-    ----------
-    places : three inputs
-        The place, and one on either side.
-    sizes : ndarray, shape (n,)
-        How large the states are.
-    level : ndarray
-        How large the outputs are.
-    """
-    at, before, after = places
-    along_ = directions(switching, at, sizes)
-    one, other = switching.beside(at, before, after, along_)
-    if not (np.all(np.isfinite(one)) and np.all(np.isfinite(other))):
-        return None
-    level = np.maximum(level, np.maximum(np.abs(one[1]), np.abs(other[1])))
-    for order, least in enumerate(JUMPS):
-        if np.any(np.abs(one[order] - other[order]) > least * level):
-            moves = order > 0 or switching.moves(at, changed.tolist(), along_)
-            return Kink(order, where(), moves)
-    return None
+    level = np.maximum(level, np.abs(pieces[:, 1]).max(axis=0))
+    apart = np.abs(pieces[0] - pieces[1])
+    jumps = np.any(apart > np.array(JUMPS)[:, None] * level, axis=1)
+    return int(np.argmax(jumps)) if jumps.any() else None
 
 
 def directions(switching: Switching, at: Inputs, sizes: np.ndarray) -> Mapping[tuple[str, int], float]:

@@ -19,7 +19,7 @@ from contwalk.problems.hybrid.margins import Guarded, Limit, Margins
 from contwalk.problems.hybrid.shooting import LegMesh
 from contwalk.problems.hybrid.stretch import Stretch
 from contwalk.problems.hybrid.view import LegView
-from contwalk.problems.kinks import Course, Kink
+from contwalk.problems.kinks import Course
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.layout import Layout, Segment, joined
 from contwalk.problems.orbit.orbit_data import OrbitData
@@ -331,11 +331,11 @@ class DiscretizedOrbit(OrbitData):
         each = zip(self.passages, self.layout.states, strict=True)
         return [(passage.leg.mode, passage.full(z[place])) for passage, place in each]
 
-    def courses(self, z: np.ndarray) -> list[tuple[Course, dict[bytes, Kink]]]:
-        """The legs as they are looked at for kinks of their fields, and the kinks known of each."""
+    def courses(self, z: np.ndarray) -> list[Course]:
+        """The legs as they are looked at for kinks of their fields."""
         if all(passage.switching is None for passage in self.passages):
             return []
-        return [(course, leg.piece.passage.kinks) for leg in self.view(z) for course in leg.course()]
+        return [course for leg in self.view(z) for course in leg.course()]
 
     def duration_gradient(self, z: np.ndarray) -> np.ndarray:
         """Derivative of the closure's duration by unknowns and free parameter, shape (N + 1,)."""

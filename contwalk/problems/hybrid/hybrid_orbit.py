@@ -418,11 +418,18 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
 
         They are asked for twice: where a branch ends, for the words, and where others begin.
         """
-        values = tuple(self.values_of(np.array(point.unknowns)).items())
-        key = id(self.system), self.word, self.free, values, self.discretization, point.label, point.unknowns
+        key = (*self._given(np.array(point.unknowns)), point.label, point.unknowns)
         # What is found keeps the system, and so its id.
         found = remembered(_NEIGHBOURS, key, _MOST_NEIGHBOURS, lambda: (self.system, self._beyond(point)))
         return found[1]
+
+    def _given(self, z: np.ndarray) -> tuple:
+        """All that orbits beside a solution follow from, besides its steps."""
+        line, held = self.line, self.reference if self.pins else None
+        numbers = (self.turns, line.direction, np.zeros(0) if held is None else held)
+        values = tuple(self.values_of(z).items()), *(each.tobytes() for each in numbers)
+        kinds = self.word, line.free, self.pins, self.subharmonic, self.discretization
+        return id(self.system), *kinds, *values
 
     def _beyond(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
         return neighbours.found(self, point)

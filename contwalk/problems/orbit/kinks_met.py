@@ -12,5 +12,5 @@ from contwalk.problems.orbit.protocol import Orbit
 def kinks_along(orbit: Orbit, z: np.ndarray) -> tuple[Kink, ...]:
     """Those that the motion of z crosses, each once, and jumps that its events lie on."""
     at_events = orbit.kinks_at_events(z)
-    found = (kinks.along(course, known) for course, known in orbit.courses(z))
+    found = (kinks.along(course) for course in orbit.courses(z))
     return tuple(dict.fromkeys(kink for part in (*found, at_events) for kink in part))

@@ -28,7 +28,7 @@ from contwalk.flow.events.guard_derivatives import MOST_NODES
 from contwalk.memory import remembered
 from contwalk.problems import conserving
 from contwalk.problems.forcing import period_at
-from contwalk.problems.kinks import Course, Kink, inputs
+from contwalk.problems.kinks import Course, inputs
 from contwalk.problems.orbit.lifts import DIRECTIONS, PLAIN, STATES, TANGENT, lifted
 from contwalk.problems.orbit.watching import Watched
 from contwalk.problems.orbit.word import Leg
@@ -102,7 +102,7 @@ class Passage:
         }
         self._fields: dict[tuple, Any] = {}
         self._switching: dict[tuple[str, str], Switching | None] = {}
-        self.kinks: dict[bytes, Kink] = {}  # that have been told of already
+        self._lines: dict[bytes, str] = {}
 
     @property
     def columns(self) -> list[tuple[str, int]]:
@@ -268,7 +268,7 @@ class Passage:
             return inputs(self.groups, values, times, states)
 
         ends = self.leg.transition is not None
-        return Course(self.switching, evaluate, times, states, at or _nowhere, where, ends)
+        return Course(self.switching, evaluate, times, states, at or _nowhere, where, ends, self._lines)
 
     def parameters(self, values: np.ndarray) -> dict[str, float]:
         """The system's parameters by name, from scalars and fixed parameters."""

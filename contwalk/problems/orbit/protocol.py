@@ -241,8 +241,8 @@ class Orbit(Problem, Meshed, Observed, Equivalence, Protocol):
         """Of estimated errors of the equations, the sum for each state, shape (n,)."""
         ...
 
-    def courses(self, z: np.ndarray) -> list[tuple[Course, dict[bytes, Kink]]]:
-        """The parts of the motion as they are looked at for kinks, and the kinks known of each."""
+    def courses(self, z: np.ndarray) -> list[Course]:
+        """The parts of the motion as they are looked at for kinks."""
         ...
 
     def kinks_at_events(self, z: np.ndarray) -> tuple[Kink, ...]:

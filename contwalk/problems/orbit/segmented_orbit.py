@@ -215,13 +215,13 @@ class SegmentedOrbit(OrbitData):
         """None: there are no events."""
         return ()
 
-    def courses(self, z: np.ndarray) -> list[tuple[Course, dict[bytes, Kink]]]:
-        """The motion as it is looked at for kinks of the field, and those that are known."""
+    def courses(self, z: np.ndarray) -> list[Course]:
+        """The motion as it is looked at for kinks of the field."""
         if self.passage.switching is None:
             return []
         curve = self.curve(z)
         course = self.passage.course(self.given(z), *curve.sampled(SAMPLES), curve.at)
-        return [] if course is None else [(course, self.passage.kinks)]
+        return [] if course is None else [course]
 
     def motion_of(self, z: np.ndarray, number: int = SAMPLES) -> tuple[np.ndarray, np.ndarray]:
         """The whole motion: times in seconds, shape (k,), and states, shape (k, n)."""
