@@ -57,6 +57,15 @@ def spring(folder):
     return folder
 
 
+def test_a_time_series_of_several_states(contwalk, spring):
+    done = contwalk("simulate", "s.yaml", "--set", "figures=[{time_series: {y: [x, v]}}]")
+    assert (done.code, done.err) == (0, "")
+    assert [path.name for path in spring.glob("*.png")] == ["s_time_series.png"]
+    done = contwalk("simulate", "s.yaml", "--force", "--set", "figures=[{time_series: {y: [x, 3]}}]")
+    assert done.code == 2
+    assert "key figures.0.time_series.y.1: is 3, which is not a text" in done.err
+
+
 def test_a_motion_is_stored_drawn_and_told(contwalk, spring):
     done = contwalk("simulate", "s.yaml")
     assert (done.code, done.err) == (0, "")

@@ -24,7 +24,6 @@ LIBRARIES = (
     "matplotlib.pyplot",
     "mpmath",
     "click",
-    "pydantic",
     "pytest",
     "rich.console",
     "ruamel.yaml",

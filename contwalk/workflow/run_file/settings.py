@@ -11,8 +11,9 @@ from contwalk import quantities
 from contwalk.system.declarations import System
 from contwalk.workflow.quantities import listed
 from contwalk.workflow.run_file.model import FigureOptions, ReportPlace, RunModel
+from contwalk.workflow.run_file.names import allowed
 from contwalk.workflow.run_file.parameters import check_bounds, parameter_named
-from contwalk.workflow.run_file.problems import Problems, allowed
+from contwalk.workflow.run_file.problems import Problems
 from contwalk.workflow.run_file.starts import StartSpec
 from contwalk.workflow.run_file.values import FIGURES, MOTION_FIGURES, SAMPLE_FIGURES
 from contwalk.workflow.run_file.yaml_lines import Key
@@ -224,7 +225,7 @@ def figures(
             _check_axes(problems, system, key, options)
             _check_file(problems, model.figures[:index], key, options)
             if name in kinds:
-                result.append(FigureSpec(name, options.model_dump(exclude_none=True)))
+                result.append(FigureSpec(name, options.as_data(without_none=True)))
     return tuple(result)
 
 
