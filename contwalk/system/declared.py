@@ -1,0 +1,82 @@
+"""What is declared of a machine, before anything of it is checked."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from dataclasses import field as attribute
+from functools import cached_property
+from typing import Any
+
+from contwalk.system.modes import Condition, Mode, Transition
+from contwalk.system.observables import Observable, Signal
+from contwalk.system.starts import Start, Study
+from contwalk.system.symmetries import Conserved, Neutral, Symmetry
+from contwalk.system.variables import ConservedValue, Parameter, State
+
+
+@dataclass(frozen=True)
+class Declared:
+    """What is declared of a machine, by kind, and the names of it; see `System`."""
+
+    name: str
+    states: tuple[State, ...]
+    parameters: tuple[Parameter, ...]
+    modes: tuple[Mode, ...]
+    transitions: tuple[Transition, ...] = ()
+    symmetries: tuple[Symmetry, ...] = ()
+    neutral: tuple[Neutral, ...] = ()
+    period: Callable[..., float] | None = None
+    observables: tuple[Observable, ...] = ()
+    starts: tuple[Start, ...] = ()
+    presets: Mapping[str, Mapping[str, float]] = attribute(default_factory=dict)
+    draw: Callable[..., None] | None = None
+    reference: str = ""
+    about: str = ""
+    model: Mapping[str, Any] = attribute(default_factory=dict)
+    source: str = ""
+    conditions: tuple[Condition, ...] = ()
+    signals: tuple[Signal, ...] = ()
+    study: Study | None = None
+    conserved: tuple[Conserved, ...] = ()
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """Names of the states in their order."""
+        return tuple(state.name for state in self.states)
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Names of the parameters in their order."""
+        return tuple(parameter.name for parameter in self.parameters)
+
+    @cached_property
+    def conserved_names(self) -> tuple[str, ...]:
+        """Names of the parameters that are values of conserved quantities."""
+        return tuple(quantity.name for quantity in self.conserved)
+
+    @property
+    def signal_names(self) -> tuple[str, ...]:
+        """Names of the signals."""
+        return tuple(signal.name for signal in self.signals)
+
+    @property
+    def acting(self) -> tuple[Transition, ...]:
+        """The transitions that do something: all but the watched ones."""
+        return tuple(transition for transition in self.transitions if transition.role != "watched")
+
+
+def with_conserved(system: Declared) -> tuple[Parameter, ...]:
+    """The parameters, with the values of conserved quantities, declared as such or not."""
+    known, quantities = set(system.parameter_names), {entry.name for entry in system.conserved}
+    declared = [
+        ConservedValue(**vars(parameter)) if parameter.name in quantities else parameter
+        for parameter in system.parameters
+    ]
+    added = [
+        ConservedValue(entry.name, math.nan, entry.unit, about=entry.about)
+        for entry in system.conserved
+        if entry.name not in known
+    ]
+    return (*declared, *added)

@@ -1,0 +1,83 @@
+"""Names and values in declarations: what they may be, and how wrong ones are told."""
+
+from __future__ import annotations
+
+import keyword
+import re
+import unicodedata
+from collections.abc import Sequence
+from difflib import get_close_matches
+from typing import Any
+
+import numpy as np
+
+from contwalk.errors import SystemDefinitionError
+
+SIDES = ("before", "after")
+# Of hybrid orbits: signed square of the smallest difference between two multipliers, zero where a pair turns
+# real.
+SPLIT = "split"
+
+# What branches, tables and figures call their own columns. `s`, `step` and `error` may be used: `branch["s"]`
+# is then the state, and tables put its kind in front.
+_OF_POINTS = "stable unstable admissible special special_point period spectrum spectrum_error trivial_error"
+_OF_ROWS = "free state observables unknowns tangent weights residual iterations rhs seconds"
+RESERVED = frozenset(f"{_OF_POINTS} {_OF_ROWS} max_re max_abs path {SPLIT}".split())
+COLUMN_OF_SPECTRUM = re.compile(r"(re|im)_\d+")
+
+
+def nearest(name: str, known: Sequence[str]) -> str:
+    """Words that name the nearest known name, for error messages; empty when nothing is near."""
+    match = get_close_matches(name, list(known), n=1, cutoff=0.5)
+    return f"Did you mean '{match[0]}'?" if match else ""
+
+
+def article(kind: str) -> str:
+    return f"an {kind}" if kind[0] in "aeiou" else f"a {kind}"
+
+
+def require_name(what: str, name: Any) -> None:
+    if not isinstance(name, str) or not name.isidentifier() or keyword.iskeyword(name):
+        raise SystemDefinitionError(
+            f"{what} has the name {name!r}, which is not a valid Python identifier.",
+            "Use letters, digits and underscores, not starting with a digit.",
+        )
+    written = unicodedata.normalize("NFKC", name)
+    if written != name:  # Python reads p.name so, and would not find it
+        raise SystemDefinitionError(
+            f"{what} has the name {name!r} ({name!a}), which Python reads as {written!r} ({written!a}).",
+            f"Name it {written!r}.",
+        )
+
+
+def is_number(value: Any) -> bool:
+    """Whether this is a real number, and no larger than floats are."""
+    if isinstance(value, int | np.integer) and not isinstance(value, bool):
+        return abs(int(value)) < 10**300
+    return isinstance(value, float | np.floating)
+
+
+def shown(value: Any) -> str:
+    """A wrong value in a message: of functions and of declarations what they are called."""
+    if callable(value):
+        return f"the function {getattr(value, '__name__', type(value).__name__)}"
+    if hasattr(value, "__dataclass_fields__") and hasattr(value, "name"):
+        return f"{type(value).__name__}({value.name!r}, ...)"
+    return repr(value)
+
+
+def require_texts(what: str, declared: Any, *names: str) -> None:
+    for name in names:
+        text = getattr(declared, name)
+        if not isinstance(text, str):
+            raise SystemDefinitionError(f"{what} has {name} {text!r}.", f"A {name} is a text.")
+
+
+def require_callable(what: str, function: Any) -> None:
+    if not callable(function):
+        raise SystemDefinitionError(f"{what} is {function!r}.", "It must be a function.")
+
+
+def require_side(what: str, side: Any) -> None:
+    if side not in SIDES:
+        raise SystemDefinitionError(f"{what} has side {side!r}.", f"Allowed: {', '.join(SIDES)}.")
