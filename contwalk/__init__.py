@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from contwalk.problems.orbit.discretization import Discretization as Discretization
     from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit as PeriodicOrbit
     from contwalk.storage import open_database as open_database
+    from contwalk.studies.loci import continue_locus as continue_locus
     from contwalk.studies.verbs import continue_branch as continue_branch
     from contwalk.studies.verbs import points as points
     from contwalk.studies.verbs import switch_branch as switch_branch
@@ -38,6 +39,7 @@ _HOMES = {
     "PeriodicOrbit": "contwalk.problems.orbit.periodic_orbit",
     "SpecialPoint": "contwalk.branch",
     "continue_branch": "contwalk.studies.verbs",
+    "continue_locus": "contwalk.studies.loci",
     "load_system": "contwalk.plugin_check.at_load",
     "open_database": "contwalk.storage",
     "plot_bifurcation_diagram": "contwalk.plotting",

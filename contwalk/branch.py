@@ -16,10 +16,10 @@ import numpy as np
 
 from contwalk import quantities, tables
 from contwalk.errors import ContwalkError
-from contwalk.labels import MEANINGS
+from contwalk.labels import EVERY_MEANING
 from contwalk.special_point import SpecialPoint
 
-LABELS = tuple(MEANINGS)
+LABELS = tuple(EVERY_MEANING)
 ORBITS = ("periodic_orbit", "hybrid_orbit")
 
 
@@ -268,7 +268,7 @@ def along(rows: np.ndarray) -> np.ndarray:
 
 def named(special_points: list[SpecialPoint], points: np.ndarray) -> list[SpecialPoint]:
     """Special points in their order along the branch, with names counted along it and their rows."""
-    counts: dict[str, int] = dict.fromkeys(MEANINGS, 0)
+    counts: dict[str, int] = dict.fromkeys(EVERY_MEANING, 0)
     taken: set[int] = set()
     result = []
     for point in sorted(special_points, key=lambda q: q.s):
@@ -318,7 +318,7 @@ def table_of_special_points(branch: Branch) -> tables.Table:
     rows = [["name", "what", free, "error", "criticality", "unstable"]]
     for point in branch.special_points:
         value = point.parameters.get(free, float(branch[free][point.index]) if free and len(branch) else None)
-        what = MEANINGS.get(point.label, point.label) + (f" ({point.kind})" if point.kind else "")
+        what = EVERY_MEANING.get(point.label, point.label) + (f" ({point.kind})" if point.kind else "")
         rows.append(
             [
                 point.name,

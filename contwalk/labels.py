@@ -18,6 +18,16 @@ MEANINGS = {
     "AZ": "admissibility limit",
 }
 
+# Special points of curves in two parameters.
+OF_LOCI = {
+    "CP": "cusp",
+    "BT": "Bogdanov-Takens point",
+    "GH": "generalized Hopf point",
+    "ZH": "zero-Hopf point",
+    "HH": "double Hopf point",
+}
+EVERY_MEANING = MEANINGS | OF_LOCI
+
 # What is done at limits, and the points whose branches are followed, where nothing is said of that.
 AT_LIMITS = {"GR": "stop", "OC": "switch", "AZ": "ignore"}
 FOLLOWED = frozenset({"BP"})

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from contwalk import tables
-from contwalk.labels import MEANINGS
+from contwalk.labels import EVERY_MEANING
 
 
 @dataclass(frozen=True, repr=False)
@@ -28,6 +28,7 @@ class SpecialPoint:
     unstable_before: int = 0
     unstable_after: int = 0
     error: float | None = None
+    errors: Mapping[str, float] = field(default_factory=dict)
     criticality: str | None = None
     coefficients: Mapping[str, Any] = field(default_factory=dict)
     admissible: bool = True
@@ -47,7 +48,7 @@ class SpecialPoint:
 
 def told_point(point: SpecialPoint) -> str:
     """`PD1: period doubling, supercritical, located, error 3e-12`."""
-    parts = [MEANINGS.get(point.label, point.label), point.kind, point.criticality, point.status]
+    parts = [EVERY_MEANING.get(point.label, point.label), point.kind, point.criticality, point.status]
     error = f"error {point.error:.1e}" if point.error is not None else None
     said = ", ".join(part for part in (*parts, error) if part)
     return f"{point.name or point.label}: {said}"

@@ -75,11 +75,10 @@ def info_of(start: Start, name: str) -> BranchInfo:
     return BranchInfo(
         name=name,
         states=start.system.state_names,
-        free=(start.free,),
         parameters=start.parameters,
         parent=start.parent,
         origin=start.origin,
-        **_facts(start),
+        **{"free": (start.free,), **_facts(start)},
     )
 
 
@@ -128,14 +127,16 @@ def outdated(stored: Stored, settings: Settings) -> frozenset[int]:
 
     They were ends where fewer points, or a narrower range, were allowed than the settings allow now.
     """
-    low, high = settings.range
     found = set()
     for number, point in enumerate(stored.special_points):
         if point.label != END:
             continue
-        values = stored.rows["free"][stored.rows["s"] == point.s, 0]
+        values = stored.rows["free"][stored.rows["s"] == point.s]
         own = int(np.sum(stored.rows["s"] * (1.0 if point.s > 0 else -1.0) >= 0.0))
-        widened = point.kind == "bound" and all(low < value < high for value in values)
+        within = [
+            low < v[-1 - place] < high for v in values for place, (low, high) in settings.bounds.items()
+        ]
+        widened = point.kind == "bound" and all(within)
         if widened or (point.kind == "max_points" and own < settings.max_points):
             found.add(number)
     return frozenset(found)

@@ -58,6 +58,9 @@ def beside(step: float, share: float) -> float:
 
 
 def longest(sample: Sample, settings: Settings) -> float:
-    """The step that moves the parameter by the largest share of its range: curves look smooth."""
-    moved = abs(sample.tangent[-1])
-    return settings.max_share * settings.width / moved if moved > 0.0 else np.inf
+    """The step that moves a parameter by the largest share of its range: curves look smooth."""
+    longest = np.inf
+    for place, (low, high) in settings.bounds.items():
+        moved = abs(sample.tangent[place])
+        longest = min(longest, settings.max_share * (high - low) / moved if moved > 0.0 else np.inf)
+    return longest

@@ -18,7 +18,7 @@ import numpy as np
 
 from contwalk.continuation.along import located_along
 from contwalk.continuation.double_crossings import knots_of
-from contwalk.continuation.kinds import crossed, pair, told_by
+from contwalk.continuation.kinds import all_told_by, crossed, pair, told_by
 from contwalk.continuation.locating import (
     SAME_POINT,
     Disagreement,
@@ -229,6 +229,8 @@ def at_branch_point(tangent: np.ndarray, weights: np.ndarray) -> np.ndarray:
 
 def _with_folds(segment: Segment, low: float, high: float, branch_points: list[Found]) -> list[Found]:
     """Branch points, and folds on the pieces between them; at them the tangent is known exactly."""
+    if not all_told_by(segment.problem, Test.TURN):  # along a curve in two parameters a turn is none
+        return branch_points
     turning, crossing = (told_by(segment.problem, test) for test in (Test.TURN, Test.ORIENTATION))
     ends = [(low, _share(segment.at(low)))]
     for bp in branch_points:

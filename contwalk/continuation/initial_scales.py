@@ -50,7 +50,8 @@ def later_magnitudes(problem: Problem, sample: Sample, weights: np.ndarray) -> n
     One that begins to move is scaled by how far it moves with the others, not by how little it has moved yet.
     """
     z = np.where(np.abs(sample.z) <= _NOTHING * weights, 0.0, sample.z)
-    z[-1] = sample.parameter
+    if problem.line.second is None:  # of two free parameters each is an unknown
+        z[-1] = sample.parameter
     told = problem.linearize(z).magnitudes
     moved = np.abs(sample.tangent)
     # A declared scale may be one as well; it stays what it is.

@@ -16,12 +16,12 @@ CROWD = 10
 
 
 def updated(
-    weights: np.ndarray | None, magnitudes: np.ndarray, settings: Settings, sizes: np.ndarray, value: float
+    weights: np.ndarray | None, magnitudes: np.ndarray, settings: Settings, sizes: np.ndarray, z: np.ndarray
 ) -> np.ndarray:
     """Weights at the next point.
 
     A weight starts as the magnitude that the problem tells, and then only grows with its unknown, so that
-    passing zero does not shrink the steps. The parameter's follows its size, within the width of the range.
+    passing zero does not shrink the steps. A parameter's follows its size, within the width of its range.
 
     Parameters
     ----------
@@ -31,12 +31,13 @@ def updated(
         Typical magnitudes at the new point, NaN where unknown.
     sizes : ndarray, shape (N + 1,)
         Sizes of the unknowns at the new point.
-    value : float
-        The free parameter there.
+    z : ndarray, shape (N + 1,)
+        The new point.
     """
     told = np.where(np.isfinite(magnitudes), magnitudes, UNKNOWN)
     result = told if weights is None else np.where(weights == UNKNOWN, told, np.maximum(weights, sizes))
-    result[-1] = parameter_weight(magnitudes[-1], settings, value)
+    for place, ends in settings.bounds.items():
+        result[place] = parameter_weight(magnitudes[place], ends, float(z[place]))
     return result
 
 
@@ -54,16 +55,16 @@ def crowded(problem: Problem, sizes: np.ndarray) -> np.ndarray:
     return result
 
 
-def parameter_weight(magnitude: float, settings: Settings, value: float) -> float:
-    """Typical magnitude of the free parameter: |lambda|, but not more than the width of its range.
+def parameter_weight(magnitude: float, ends: tuple[float, float], value: float) -> float:
+    """Typical magnitude of a free parameter: |lambda|, but not more than the width of its range.
 
     Where the range contains zero it does not drop below a hundredth of the width; where it spans decades on
     one side of zero, the steps are the same in each decade.
     """
-    low, high = settings.range
-    size = abs(value)
-    if not math.isfinite(settings.width):
+    low, high = ends
+    size, width = abs(value), high - low
+    if not math.isfinite(width):
         return max(size, magnitude) if math.isfinite(magnitude) else max(size, 1.0)
     if low * high <= 0.0:
-        size = max(size, settings.width / 100.0)
-    return min(max(size, settings.width * 1e-12), settings.width)
+        size = max(size, width / 100.0)
+    return min(max(size, width * 1e-12), width)

@@ -97,7 +97,7 @@ def correct(
     try:
         # What overflows or is not a number on the way is looked at where it matters.
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            guess = _clean(guess, weights)
+            guess = _clean(problem, guess, weights)
             found = _iterated(equations, guess, normal, weights, iterations, damped)
             if not damped and (not found.ok or found.iterations >= LABORIOUS):
                 found = _with_fitted(equations, guess, normal, weights, iterations, found)
@@ -144,10 +144,11 @@ def _with_fitted(
     return found
 
 
-def _clean(z: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """z without its dust; a parameter may be that small."""
+def _clean(problem: Problem, z: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """z without its dust; a parameter may be that small, but of two that are free each is an unknown."""
     clean = np.where(np.abs(z) < DUST * weights, 0.0, z)
-    clean[-1] = z[-1]
+    if problem.line.second is None:
+        clean[-1] = z[-1]
     return clean
 
 
@@ -157,7 +158,7 @@ def _without_dust(found: Correction, weights: np.ndarray) -> Correction:
     On an invariant subspace the zero unknowns shrink from step to step, down to where floats end.
     """
     z, lin = found.z, found.linearization
-    clean = _clean(z, weights)
+    clean = _clean(found.problem, z, weights)
     if lin is None or np.array_equal(clean, z):
         return found
     there = found.problem.linearize(clean)
@@ -204,7 +205,7 @@ def _iterated(
         else:
             z = _followed(z, step, lin, (guess, normal, weights))
             # If what is taken for dust is more than that, later iterations show it.
-            z = _clean(z, weights) if iteration < 2 else z
+            z = _clean(equations.problem, z, weights) if iteration < 2 else z
             lin = equations.at(z)
     if lin.excess <= ROUNDED:  # a solution already, of equations too singular to improve on it
         return equations.ended(z, lin, iterations)

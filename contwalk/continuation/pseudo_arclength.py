@@ -108,8 +108,9 @@ def _finished(
     """Why not to take another step, if there is a reason."""
     if number >= points:
         return outcomes.max_points(settings.max_points)
-    if state.at_bound(settings):
-        return outcomes.bound(observer.line.free, state.sample.parameter)
+    place = state.bound_at(settings)
+    if place is not None:
+        return outcomes.bound(observer.line.names[-1 - place], float(state.sample.z[place]))
     return None
 
 

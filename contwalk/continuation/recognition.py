@@ -126,7 +126,7 @@ def known_branch(problem: Problem, sample: Sample, branches: list[Branch]) -> Kn
 def _comparable(problem: _Comparable, branch: Branch) -> bool:
     """Whether a branch belongs to the same equations at the same fixed parameters."""
     info = branch.info
-    if info.problem != problem.kind or info.free != (problem.line.free,) or len(branch.points) < 2:
+    if info.problem != problem.kind or info.free != problem.line.names or len(branch.points) < 2:
         return False
     if branch.info.settings.get("pins") != [pin.name for pin in problem.pins]:
         return False

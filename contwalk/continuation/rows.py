@@ -21,9 +21,9 @@ def to_row(
     singular = born or (special is not None and special.status == "located" and _singular(problem, special))
     row = np.zeros(1, dtype=info.point_dtype())
     eigenvalues = np.full(info.spectrum, np.nan + 0j)
-    eigenvalues[: len(sample.eigenvalues)] = sample.spectrum
+    eigenvalues[: len(sample.spectrum)] = sample.spectrum
     row["s"] = state.s
-    row["free"] = sample.parameter
+    row["free"] = sample.z[::-1][: len(info.free)]
     row["state"] = problem.observed.reported(sample.z) if sample.reported is None else sample.reported
     row["observables"] = sample.observables
     row["period"] = sample.period
@@ -64,7 +64,7 @@ def from_row(problem: Problem, row: np.void, sign: float, born: bool) -> tuple[P
     `born` is whether the branch begins at a branch point.
     """
     size = int(np.sum(np.isfinite(row["unknowns"])))
-    z = np.append(row["unknowns"][:size], row["free"])
+    z = np.append(row["unknowns"][:size], row["free"][0])
     weights, tangent = np.array(row["weights"][: size + 1]), sign * np.array(row["tangent"][: size + 1])
     problem = at_stored(problem, z, weights)
     sample = problem.examine(z, tangent, weights, problem.linearize(z), int(row["unstable"]))

@@ -27,6 +27,8 @@ class Settings:
     ----------
     range : tuple of float
         Values of the free parameter at which the branch ends.
+    second_range : tuple of float, optional
+        The same of a second free parameter.
     max_points : int
         Points of each direction of a branch, the start among them.
     step, min_step, max_step : float
@@ -58,6 +60,7 @@ class Settings:
     stop_at: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     events: Mapping[str, str] = field(default_factory=lambda: dict(AT_LIMITS))
     mirror_images: str = "known"
+    second_range: tuple[float, float] | None = None
 
     @cached_property
     def sought(self) -> tuple[Mark, ...]:
@@ -68,6 +71,11 @@ class Settings:
             for name, values in self.stop_at.items()
         )
         return (*self.marks, *stops)
+
+    @cached_property
+    def bounds(self) -> dict[int, tuple[float, float]]:
+        """The range of each free parameter, by its place in z."""
+        return {-1: self.range} if self.second_range is None else {-1: self.range, -2: self.second_range}
 
     @property
     def width(self) -> float:

@@ -31,10 +31,17 @@ class ContinuationState:
     step: float
 
     def at_bound(self, settings: Settings) -> bool:
-        """Whether this is an end of the range, facing out of it."""
-        low, high = settings.range
-        value, ahead = self.sample.parameter, self.sample.tangent[-1]
-        return bool((value >= high and ahead > 0) or (value <= low and ahead < 0))
+        """Whether this is an end of a range, facing out of it."""
+        return self.bound_at(settings) is not None
+
+    def bound_at(self, settings: Settings) -> int | None:
+        """The place in z of the free parameter at whose bound this is, facing out of it."""
+        z, tangent = self.sample.z, self.sample.tangent
+        for place, (low, high) in settings.bounds.items():
+            value, ahead = z[place], tangent[place]
+            if (value >= high and ahead > 0) or (value <= low and ahead < 0):
+                return place
+        return None
 
 
 def begin(
@@ -51,16 +58,18 @@ def begin(
     Returns the failed `Correction` where there is no solution.
     """
     value = float(z[-1])
-    normal = np.zeros(len(z))
-    normal[-1] = 1.0
     if toward is None:
-        correction = correct(problem, z, normal, problem.beginnings(z), iterations=60, damped=True)
+        correction = correct(
+            problem, z, _across(problem, z), problem.beginnings(z), iterations=60, damped=True
+        )
         if not correction.ok:
             return correction
-        problem, z = correction.problem, np.append(correction.z[:-1], value)
+        problem, z = correction.problem, correction.z
+        if problem.line.second is None:
+            z = np.append(z[:-1], value)
     linearization = problem.linearize(z)
     magnitudes = linearization.magnitudes
-    span = parameter_weight(magnitudes[-1], settings, value)
+    span = parameter_weight(magnitudes[-1], settings.range, value)
     if toward is None and problem.meshed is None:
         magnitudes = initial_magnitudes(problem, z, linearization, span)
     if reach is not None:
@@ -69,12 +78,23 @@ def begin(
         # Where equations are singular, what they tell of an unknown may be far more than it ever moves by.
         size = np.maximum(np.abs(z), moved)
         magnitudes = np.where((moved > 0.0) & (magnitudes > FAR * size), size, magnitudes)
-    weights = updated(None, crowded(problem, magnitudes), settings, np.abs(z), float(z[-1]))
+    weights = updated(None, crowded(problem, magnitudes), settings, np.abs(z), z)
     tangent = toward if toward is not None else first_tangent(linearization.jacobian, weights)
     sample = problem.examine(z, tangent, weights, linearization, None)
     if toward is not None:
         sample = replace(sample, orientation=0.0)  # not defined at a branch point
     return ContinuationState(sample, 0.0, settings.step)
+
+
+def _across(problem: Problem, z: np.ndarray) -> np.ndarray:
+    """The normal of the first corrections: a start keeps its parameter; with two, none."""
+    if problem.line.second is not None:
+        jacobian, weights = problem.linearize(z).jacobian, problem.beginnings(z)
+        if np.all(np.isfinite(jacobian)):
+            return kernel_direction(jacobian, weights) / weights**2
+    normal = np.zeros(len(z))
+    normal[-1] = 1.0
+    return normal
 
 
 def first_tangent(jacobian: np.ndarray, weights: np.ndarray) -> np.ndarray:
@@ -100,7 +120,7 @@ def adapted(problem: Problem, sample: Sample) -> tuple[Problem, Sample]:
 
     A count that changed here would change between two steps, where nothing looks for a special point.
     """
-    there, again = (problem, sample) if problem.meshed is None else problem.meshed.adapted(sample)
+    there, again = (problem, sample) if problem.anchored is None else problem.anchored.adapted(sample)
     return there, again.counted(sample.unstable)
 
 
@@ -112,7 +132,7 @@ def grown(problem: Problem, sample: Sample, state: ContinuationState, settings: 
     new = (known == UNKNOWN) & np.isfinite(magnitudes) & (magnitudes != UNKNOWN)
     if problem.meshed is None and np.any(new[:-1]):
         magnitudes = later_magnitudes(problem, sample, known)
-    weights = updated(known, crowded(problem, magnitudes), settings, sizes, float(sample.z[-1]))
+    weights = updated(known, crowded(problem, magnitudes), settings, sizes, sample.z)
     factor = norm_in(sample.tangent, weights)
     rates = sample.rates.scaled(1.0 / factor)
     return replace(sample, weights=weights, tangent=sample.tangent / factor, rates=rates)

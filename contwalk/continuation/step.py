@@ -94,7 +94,12 @@ class Prediction:
     guess: np.ndarray
     normal: np.ndarray
     length: float
-    to_bound: bool = False
+    bounded: int | None = None
+
+    @property
+    def to_bound(self) -> bool:
+        """Whether it is at an end of the range of the parameter that is number `bounded` of z."""
+        return self.bounded is not None
 
 
 def take_step(
@@ -187,16 +192,31 @@ def predict(state: ContinuationState, length: float, settings: Settings) -> Pred
     """The point at `length` along the tangent; an end of the range that lies before it is met exactly."""
     sample = state.sample
     length = min(length, control.longest(sample, settings))
-    ahead = sample.tangent[-1]
-    bound = settings.range[1] if ahead > 0 else settings.range[0]
-    left = (bound - sample.z[-1]) / ahead if ahead != 0.0 else np.inf
+    left, place, bound = _nearest_bound(sample, settings)
     if left > 1.001 * length:  # a remainder of a thousandth of a step is not left over
         return _along(state, length)
     guess = sample.z + left * sample.tangent
-    guess[-1] = bound
+    guess[place] = bound
     normal = np.zeros(len(guess))
-    normal[-1] = 1.0 / sample.weights[-1]
-    return Prediction(guess, normal, left, to_bound=True)
+    normal[place] = 1.0 / sample.weights[place]
+    return Prediction(guess, normal, left, place)
+
+
+def _nearest_bound(sample: Sample, settings: Settings) -> tuple[float, int, float]:
+    """How far along the tangent the first end of a range is, its parameter's place in z, and its value."""
+    nearest = (np.inf, -1, np.nan)
+    for place, ends in settings.bounds.items():
+        ahead = sample.tangent[place]
+        if ahead != 0.0:
+            bound = ends[1] if ahead > 0 else ends[0]
+            left = (bound - sample.z[place]) / ahead
+            nearest = min(nearest, (left, place, bound), key=lambda found: found[0])
+    return nearest
+
+
+def _inside(z: np.ndarray, settings: Settings) -> bool:
+    """Whether the free parameters are in their ranges."""
+    return all(low <= z[place] <= high for place, (low, high) in settings.bounds.items())
 
 
 def _segment(
@@ -210,8 +230,9 @@ def _segment(
     problem, a, linearization = correction.problem, state.sample, correction.linearization
     assert linearization is not None
     z = correction.z
-    if prediction.to_bound:
-        z = np.append(z[:-1], prediction.guess[-1])
+    if prediction.bounded is not None:
+        z = z.copy()
+        z[prediction.bounded] = prediction.guess[prediction.bounded]
         if problem.diagnosis.many_branches(z):
             return _onto_crossing(problem, a, z, linearization)
     if np.array_equal(z, a.z):
@@ -219,7 +240,7 @@ def _segment(
     tangent = _tangent(a, linearization)
     if not smallest:
         _check_shape(a, z, tangent, prediction, settings)
-    if not settings.range[0] <= z[-1] <= settings.range[1]:
+    if not _inside(z, settings):
         raise TooLong("The step passes the end of the range.")
     there = problem.examine(z, tangent, a.weights, linearization, a.unstable)
     segment = Segment(problem, a, replace(there, iterations=correction.iterations))
@@ -289,10 +310,10 @@ def _special(
         if not smallest:
             raise
         found = [_unlocated(segment, disagreement)]
-    low, high = settings.range
-    if any(not low <= f.located.z[-1] <= high for f in found):
+    if not all(_inside(f.located.z, settings) for f in found):
         raise TooLong("The step passes the end of the range and comes back.")
-    return _with_counts(sorted(found, key=lambda f: f.theta), segment.a.unstable)
+    counted = _with_counts(sorted(found, key=lambda f: f.theta), segment.a.unstable)
+    return [f for f in counted if f.type.told]
 
 
 def _smooth_before(

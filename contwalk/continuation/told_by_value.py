@@ -2,34 +2,87 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from itertools import pairwise
+
 from contwalk.continuation.kinds import all_told_by
 from contwalk.continuation.locating import Disagreement, Found, locate
 from contwalk.continuation.segment import Segment
 from contwalk.problems.problem import PointType, Test
 
+# Where a function is looked at on a segment: more than its ends, so that zeros that come in pairs show.
+PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)
+# An extremum between them is looked for this often, each time in two thirds of where it lies.
+NARROWER = 12
+# An extremum is looked for where it may come this near to zero, against the values beside it.
+NEAR_ZERO = 0.1
+
 
 def told_by_value(segment: Segment) -> list[Found]:
-    """The points on a segment at which the function of a kind passes zero, one of each kind.
+    """The points on a segment at which the function of a kind passes zero.
 
     Raises
     ------
     Disagreement, LostBranch
         If one passes zero and is not located: then the segment must be shorter.
     """
-    kinds = all_told_by(segment.problem, Test.VALUE)
-    return [point for kind in kinds if (point := _between(segment, kind)) is not None]
+    return [point for kind in all_told_by(segment.problem, Test.VALUE) for point in _of_kind(segment, kind)]
 
 
-def _between(segment: Segment, kind: PointType) -> Found | None:
-    """The point of a kind on a segment. One at its end belongs to it, and not to the next one as well."""
+def _of_kind(segment: Segment, kind: PointType) -> list[Found]:
+    """The points of a kind on a segment. One at its end belongs to it, and not to the next one as well."""
 
     def value(theta: float) -> float:
         return kind.value(segment.problem, segment.at(theta))
 
-    first, last = value(0.0), value(1.0)
-    if not (first * last < 0.0 or (last == 0.0 and first != 0.0)):
-        return None
-    found = locate(segment, kind, 0.0, 1.0, value, 0, (first, last))
-    if found is None:
-        raise Disagreement(kind, f"The test function of points {kind.label} passes zero, but none is found.")
-    return found
+    known = {theta: value(theta) for theta in PLACES}
+    for theta in _nearest_to_zero(known):
+        extremum, least = _extremum(value, known, theta)
+        known[extremum] = least
+    points = []
+    for (low, first), (high, last) in pairwise(sorted(known.items())):
+        if not (first * last < 0.0 or (last == 0.0 and first != 0.0)):
+            continue
+        found = locate(segment, kind, low, high, value, 0, (first, last))
+        if found is None:
+            raise Disagreement(
+                kind, f"The test function of points {kind.label} passes zero, but none is found."
+            )
+        points.append(found)
+    return points
+
+
+def _nearest_to_zero(known: dict[float, float]) -> list[float]:
+    """Places beside which a function may pass zero twice: the parabola through three values comes near it."""
+    triples = zip(PLACES, PLACES[1:], PLACES[2:], strict=False)
+    return [middle for low, middle, high in triples if _reaches(known[low], known[middle], known[high])]
+
+
+def _reaches(low: float, middle: float, high: float) -> bool:
+    """Whether the parabola through three values of one sign has its extremum between them, near zero."""
+    if not (low * middle > 0.0 and middle * high > 0.0):
+        return False
+    low, middle, high = abs(low), abs(middle), abs(high)
+    slope, bend = 0.5 * (high - low), high - 2.0 * middle + low
+    if not abs(slope) < bend:
+        return False
+    return middle - 0.5 * slope**2 / bend < NEAR_ZERO * min(low, high)
+
+
+def _extremum(
+    value: Callable[[float], float], known: dict[float, float], theta: float
+) -> tuple[float, float]:
+    """Where a function comes nearest to zero beside a place, or beyond zero, and what it is there."""
+    place = PLACES.index(theta)
+    low, high, sign = PLACES[place - 1], PLACES[place + 1], 1.0 if known[theta] > 0.0 else -1.0
+    best = theta, known[theta]
+    for _ in range(NARROWER):
+        thirds = [low + (high - low) / 3.0, high - (high - low) / 3.0]
+        left, right = ((third, value(third)) for third in thirds)
+        nearer = min(left, right, key=lambda found: sign * found[1])
+        if sign * nearer[1] < sign * best[1]:
+            best = nearer
+        if not sign * nearer[1] > 0.0:
+            break
+        low, high = (low, thirds[1]) if nearer is left else (thirds[0], high)
+    return best

@@ -8,7 +8,7 @@ from typing import Any
 from matplotlib.lines import Line2D
 
 from contwalk.branch import SpecialPoint
-from contwalk.labels import MEANINGS
+from contwalk.labels import EVERY_MEANING
 from contwalk.plotting.style import GREY, INK
 
 # Every marker has an inside, so that one drawn hollow can say "not located".
@@ -45,11 +45,11 @@ def marker(label: str, color: str, *, located: bool = True, size: float | None =
 def legend_entries(points: Sequence[SpecialPoint]) -> list[Line2D]:
     """One entry for each label that occurs, with its meaning, and one for hollow markers if there are any."""
     entries = []
-    for label in MEANINGS:
+    for label in EVERY_MEANING:
         alike = [point for point in points if point.label == label]
         if alike:
             located = any(point.status == "located" for point in alike)
-            meaning = f"{label}  {MEANINGS[label]}"
+            meaning = f"{label}  {EVERY_MEANING[label]}"
             entries.append(Line2D([], [], label=meaning, **marker(label, GREY, located=located)))
     if any(point.status != "located" for point in points):
         entries.append(Line2D([], [], label="hollow: not located", **marker("HB", GREY, located=False)))

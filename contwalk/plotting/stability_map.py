@@ -14,10 +14,11 @@ from matplotlib.tri import Triangulation
 
 from contwalk.branch import Branch
 from contwalk.errors import ContwalkError
+from contwalk.labels import MEANINGS
 from contwalk.plotting.net import triangulate
 from contwalk.plotting.quantities import axis_label, values, with_names
 from contwalk.plotting.segments import position
-from contwalk.plotting.special_points import MEANINGS, marker
+from contwalk.plotting.special_points import marker
 from contwalk.plotting.style import INK, PALETTE, dress, new_axes
 from contwalk.plotting.sweep import gather
 

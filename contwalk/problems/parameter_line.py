@@ -30,15 +30,23 @@ class ParameterLine:
         All parameters at a point of the line; their order is the order of `base` and `direction`.
     ends : tuple of two mappings, optional
         All parameters at both ends of a path.
+    second : str, optional
+        A second free parameter: the line is one of those through a plane, which its solutions tell apart.
     """
 
     free: str
     parameters: dict[str, float]
     ends: Ends | None = None
+    second: str | None = None
 
     @classmethod
     def of(
-        cls, system: System, parameters: Mapping[str, float], free: str, ends: Ends | None = None
+        cls,
+        system: System,
+        parameters: Mapping[str, float],
+        free: str,
+        ends: Ends | None = None,
+        second: str | None = None,
     ) -> ParameterLine:
         """The line of a system's parameters, each with a value.
 
@@ -51,8 +59,15 @@ class ParameterLine:
         """
         if ends is None:
             system.require_parameter(free)
+        if second is not None:
+            system.require_parameter(second)
         whole = None if ends is None else (system.all_parameters(ends[0]), system.all_parameters(ends[1]))
-        return cls(free, system.all_parameters(parameters), whole)
+        return cls(free, system.all_parameters(parameters), whole, second)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The free parameters; of a vector z, the first one is last and the second one before it."""
+        return (self.free,) if self.second is None else (self.free, self.second)
 
     @property
     def own(self) -> str | None:
@@ -83,9 +98,10 @@ class ParameterLine:
 
     @cached_property
     def moving_names(self) -> tuple[str, ...]:
-        """Names of the parameters that change along the line."""
+        """Names of the parameters that change along the line, or with it."""
         names = list(self.parameters)
-        return tuple(names[k] for k in self.moving) if self.own is None else (self.own,)
+        along = tuple(names[k] for k in self.moving) if self.own is None else (self.own,)
+        return along if self.second is None else (*along, self.second)
 
     @cached_property
     def constants(self) -> np.ndarray:
@@ -109,7 +125,7 @@ class ParameterLine:
         """What changes along the line under a name, at a place on it; None if nothing does."""
         if name == self.free:
             return coordinate
-        if name not in self.moving_names:
+        if name not in self.moving_names or name == self.second:
             return None
         k = list(self.parameters).index(name)
         return float(self.base[k] + coordinate * self.direction[k])
@@ -124,7 +140,7 @@ class ParameterLine:
         """Where what changes under a name has a value; None if nothing does."""
         if name == self.free:
             return level
-        if name not in self.moving_names:
+        if name not in self.moving_names or name == self.second:
             return None
         k = list(self.parameters).index(name)
         return float((level - self.base[k]) / self.direction[k])

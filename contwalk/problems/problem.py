@@ -32,6 +32,7 @@ from contwalk.problems.sample import Sample
 __all__ = [
     "MAX_ABS",
     "MAX_RE",
+    "Anchored",
     "Diagnosis",
     "Equivalence",
     "Limit",
@@ -112,6 +113,8 @@ class PointType:
         Whether orbits are born there on a branch of equilibria.
     daughters : int, optional
         How many branches leave, where it is the same number always.
+    told : bool
+        Whether it is special; what only changes the unstable count is not.
     """
 
     label: ClassVar[str]
@@ -122,6 +125,7 @@ class PointType:
     along: ClassVar[bool] = False
     births: ClassVar[bool] = False
     daughters: ClassVar[int | None] = None
+    told: ClassVar[bool] = True
 
     def value(self, problem: Any, sample: Sample) -> float:
         """The function that passes zero at such points, where `test` is `Test.VALUE`, or `along`."""
@@ -232,7 +236,19 @@ class Limited(Protocol):
         ...
 
 
-class Meshed(Protocol):
+class Anchored(Protocol):
+    """What problems have whose equations are made for a place: its mesh, or the borders of a matrix."""
+
+    def adapted(self, sample: Sample) -> tuple[Problem, Sample]:
+        """The problem made anew for what follows a solution, and the solution's sample on it."""
+        ...
+
+    def at_stored(self, z: np.ndarray, weights: np.ndarray) -> Problem:
+        """The problem for a solution that is taken up again."""
+        ...
+
+
+class Meshed(Anchored, Protocol):
     """What problems have whose solutions are functions, given by their values on a mesh.
 
     An instance of such a problem is one discretisation; these members make others of it.
@@ -246,14 +262,6 @@ class Meshed(Protocol):
     @property
     def method(self) -> str:
         """How motions are integrated, and why so."""
-        ...
-
-    def adapted(self, sample: Sample) -> tuple[Problem, Sample]:
-        """The problem discretised anew for what follows a solution, and the solution's sample on it."""
-        ...
-
-    def at_stored(self, z: np.ndarray, weights: np.ndarray) -> Problem:
-        """The problem discretised for a solution that is taken up again."""
         ...
 
     def refined(self, z: np.ndarray, weights: np.ndarray) -> Problem:
@@ -330,6 +338,11 @@ class Problem(Protocol):
         ...
 
     @property
+    def anchored(self) -> Anchored | None:
+        """What of its equations is made for a place; None where they are the same everywhere."""
+        ...
+
+    @property
     def meshed(self) -> Meshed | None:
         """How it is discretised; None where the equations are exact."""
         ...
@@ -359,8 +372,8 @@ def equations_at(problem: Any, z: np.ndarray) -> tuple[Any, Linearization]:
 
 
 def at_stored(problem: T, z: np.ndarray, weights: np.ndarray) -> T:
-    """The problem for a solution that is taken up again, discretised for it where it is at all."""
-    there: Any = problem if problem.meshed is None else problem.meshed.at_stored(z, weights)
+    """The problem for a solution that is taken up again, made for its place where it is for one."""
+    there: Any = problem if problem.anchored is None else problem.anchored.at_stored(z, weights)
     return there
 
 

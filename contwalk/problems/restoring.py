@@ -27,6 +27,7 @@ RESTORED_BY = {
     "equilibrium": "contwalk.problems.equilibrium.restored",
     "periodic_orbit": "contwalk.problems.orbit.restored",
     "hybrid_orbit": "contwalk.problems.hybrid.restored",
+    "locus": "contwalk.problems.locus.restored",
 }
 
 
@@ -66,7 +67,7 @@ def problem_of(system: System, info: BranchInfo, state: np.ndarray, discretizati
 
     Returns
     -------
-    Equilibrium, PeriodicOrbit or HybridOrbit
+    Equilibrium, PeriodicOrbit, HybridOrbit or EquilibriumLocus
 
     Raises
     ------
@@ -77,7 +78,7 @@ def problem_of(system: System, info: BranchInfo, state: np.ndarray, discretizati
     path = info.settings.get("path")
     ends = None if path is None else (dict(path[0]), dict(path[1]))
     parameters = {name: float(info.parameters[name]) for name in system.parameter_names}
-    facts = Facts(system, info, parameters, ends, _pins(system, info), state, discretization)
+    facts = Facts(system, info, parameters, ends, pins_of(system, info), state, discretization)
     return import_module(RESTORED_BY[info.problem]).restored(facts)
 
 
@@ -90,7 +91,7 @@ def _check_states(system: System, info: BranchInfo) -> None:
         )
 
 
-def _pins(system: System, info: BranchInfo) -> list[Neutral]:
+def pins_of(system: System, info: BranchInfo) -> list[Neutral]:
     """The neutral directions that were pinned along the branch."""
     known = {pin.name: pin for pin in system.neutral}
     undeclared = iter(info.settings.get("undeclared", ()))

@@ -90,6 +90,8 @@ class Sample:
         Whether the last eigenvalue, out of order, is that of the branch's own direction: zero all along it.
     kinks : tuple of Kink
         Where the field is smooth by pieces only along an orbit.
+    resting : ndarray of complex
+        Eigenvalues beside `eigenvalues` that are critical all along the branch.
     period, trivial_error : float
         Of orbits: duration of the closure in seconds, and |M f - f| / |f|.
     """
@@ -121,13 +123,15 @@ class Sample:
     forbidden: bool = False
     still: bool = False
     kinks: tuple[Kink, ...] = ()
+    resting: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=complex))
 
     @property
     def spectrum(self) -> np.ndarray:
-        """The eigenvalues in their order."""
-        if not self.still:
+        """All eigenvalues in their order."""
+        if not (self.still or len(self.resting)):
             return self.eigenvalues
-        return self.eigenvalues[np.lexsort((-self.eigenvalues.imag, -self.eigenvalues.real))]
+        values = np.concatenate([self.eigenvalues, self.resting])
+        return values[np.lexsort((-values.imag, -values.real))]
 
     @property
     def leading(self) -> int:

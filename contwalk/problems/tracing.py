@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -16,12 +17,21 @@ from contwalk.system.declarations import ParameterValues
 
 
 def parameter_symbols(
-    tracer: Tracer, names: Sequence[str], free: str | None, moving: Collection[int]
+    tracer: Tracer,
+    names: Sequence[str],
+    free: str | None,
+    moving: Collection[int],
+    unknown: Mapping[str, int] = MappingProxyType({}),
 ) -> ParameterValues:
-    """Symbols of the parameters by name: `l` for the free one, `b + l d` for those that move along a path."""
+    """Symbols of the parameters by name: `l` for the free one, `b + l d` for those that move along a path.
+
+    `unknown` names those that are unknowns themselves, with their places in `u`.
+    """
     values: dict[str, Any] = {}
     for k, name in enumerate(names):
-        if name == free:
+        if name in unknown:
+            values[name] = tracer.symbol("u", unknown[name])
+        elif name == free:
             values[name] = tracer.symbol("l", 0)
         elif k in moving:
             values[name] = tracer.symbol("b", k) + tracer.symbol("l", 0) * tracer.symbol("d", k)

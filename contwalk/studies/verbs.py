@@ -76,7 +76,7 @@ def continue_branch(
     opening = _opened(problem, state, chosen, period, until)
     parameters = dict(opening.problem.line.parameters)
     start = Start(problem.system, problem.free, parameters, opening, "continue_branch")
-    return _single(start, Plan(chosen, frozenset(), 0, _direction(direction)))
+    return _single(start, Plan(chosen, frozenset(), 0, direction_signs(direction)))
 
 
 @one_thread()
@@ -249,7 +249,14 @@ def _settings(
     return Settings(range=(low, high), marks=chosen, **settings)
 
 
-def _direction(direction: str) -> tuple[float, ...]:
+def direction_signs(direction: str) -> tuple[float, ...]:
+    """The signs of arclength that a direction stands for.
+
+    Raises
+    ------
+    StartError
+        If there is no such direction.
+    """
     if direction not in _DIRECTIONS:
         raise StartError(f"The direction is {direction!r}.", f"Allowed: {', '.join(_DIRECTIONS)}.")
     return _DIRECTIONS[direction]

@@ -7,7 +7,6 @@ import math
 import pytest
 
 from contwalk.continuation.metric import parameter_weight
-from contwalk.continuation.settings import Settings
 
 
 @pytest.mark.parametrize(
@@ -15,7 +14,7 @@ from contwalk.continuation.settings import Settings
     [(5.0, -2.0, 5.0), (2.0, -5.0, 5.0), (math.nan, 0.25, 1.0), (math.inf, -3.0, 3.0)],
 )
 def test_without_a_range_it_is_the_larger_of_what_is_known(magnitude, value, expected):
-    assert parameter_weight(magnitude, Settings(range=(-math.inf, math.inf)), value) == expected
+    assert parameter_weight(magnitude, (-math.inf, math.inf), value) == expected
 
 
 @pytest.mark.parametrize(
@@ -28,4 +27,4 @@ def test_without_a_range_it_is_the_larger_of_what_is_known(magnitude, value, exp
     ],
 )
 def test_within_a_range_it_is_the_value_up_to_the_width(limits, value, expected):
-    assert parameter_weight(math.nan, Settings(range=limits), value) == expected
+    assert parameter_weight(math.nan, limits, value) == expected

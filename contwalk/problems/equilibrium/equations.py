@@ -6,7 +6,8 @@ equations are
     f(x, p) + sum_j a_j g_j(x, p) = 0,    pin_j(x, p) = 0.
 
 On a true family of equilibria every a_j vanishes; a drift that does not is reported, never hidden.
-The parameters are p = b, except that the free one is lambda itself, or, on a path, p = b + lambda d.
+The parameters are p = b, except that the free one is lambda itself, or, on a path, p = b + lambda d. Along a
+curve in two parameters the second one is an unknown as well, the last of u.
 """
 
 from __future__ import annotations
@@ -42,25 +43,37 @@ class Equations:
         On a path, the positions of the parameters that change along it.
     pins : sequence of Neutral
         Pinned neutral directions.
+    second : str, optional
+        A second free parameter, which is the last of the unknowns u.
     """
 
     def __init__(
-        self, system: System, free: str | None, moving: Sequence[int] = (), pins: Sequence[Neutral] = ()
+        self,
+        system: System,
+        free: str | None,
+        moving: Sequence[int] = (),
+        pins: Sequence[Neutral] = (),
+        second: str | None = None,
     ) -> None:
         self.system = system
         self.states = len(system.states)
         self.size = self.states + len(pins)
+        self.unknowns = self.size + (second is not None)
+        self._second = second
         self._free = free
         self._moving = frozenset(moving)
         self._pins = tuple(pins)
         self._field = rebound(system.modes[0].field)
         self._generators = [rebound(pin.generator) for pin in pins]
         self._symmetries: dict[Callable[..., None], Kernel] = {}
+        self._along_several: dict[int, Kernel] = {}
 
     # -- tracing -----------------------------------------------------------------------------------------
 
     def _parameters(self, tracer: Tracer) -> ParameterValues:
-        return parameter_symbols(tracer, self.system.parameter_names, self._free, self._moving)
+        names = self.system.parameter_names
+        unknown = {} if self._second is None else {self._second: self.size}
+        return parameter_symbols(tracer, names, self._free, self._moving, unknown)
 
     def _residual(self, tracer: Tracer) -> list[Any]:
         n, p = self.states, self._parameters(tracer)
@@ -98,7 +111,7 @@ class Equations:
 
     def _inputs(self) -> list[int]:
         graph = self.program.graph
-        return [*[graph.input("u", i) for i in range(self.size)], graph.input("l", 0)]
+        return [*[graph.input("u", i) for i in range(self.unknowns)], graph.input("l", 0)]
 
     # -- kernels -----------------------------------------------------------------------------------------
 
@@ -136,10 +149,10 @@ class Equations:
 
     @cached_property
     def linearization(self) -> Kernel:
-        """F and its Jacobian side by side, shape (N, N + 2): column 0 is F, the last is dF/dlambda."""
+        """F and its Jacobian side by side, (N, 1 + unknowns + 1): column 0 is F, the last dF/dlambda."""
         return self._kernel(
             lambda o: [node for row in self._beside_each_other(o) for node in row],
-            shape=(self.size, self.size + 2),
+            shape=(self.size, self.unknowns + 2),
         )
 
     @cached_property
@@ -150,21 +163,21 @@ class Equations:
 
     @cached_property
     def linearization_and_rounding(self) -> Kernel:
-        """Both of these in one pass, shape (N, N + 3): the last column are the bounds."""
+        """Both of these in one pass, (N, 1 + unknowns + 2): the last column are the bounds."""
         graph = self.program.graph
 
         def change(outputs: tuple[int, ...]) -> list[int]:
             rows, bounds = self._beside_each_other(outputs), error_bounds(graph, outputs)
             return [node for row, bound in zip(rows, bounds, strict=True) for node in (*row, bound)]
 
-        return self._kernel(change, shape=(self.size, self.size + 3))
+        return self._kernel(change, shape=(self.size, self.unknowns + 3))
 
     def _along(self, group: str, with_parameter: bool = True) -> dict[int, int]:
         graph = self.program.graph
         inputs = self._inputs()
         directions = {node: graph.input(group, i) for i, node in enumerate(inputs[:-1])}
         if with_parameter:
-            directions[inputs[-1]] = graph.input(group, self.size)
+            directions[inputs[-1]] = graph.input(group, self.unknowns)
         return directions
 
     @cached_property
@@ -190,6 +203,21 @@ class Equations:
 
         return self._kernel(change, (*GROUPS, "v", "w", "y"))
 
+    def along(self, order: int) -> Kernel:
+        """The derivative of F along so many directions, shape (N,), which may be complex."""
+        if order not in self._along_several:
+            graph, groups = self.program.graph, [f"v{k}" for k in range(order)]
+            directions = [self._along(group) for group in groups]
+
+            def change(outputs: tuple[int, ...]) -> list[int]:
+                nodes = list(outputs)
+                for direction in directions:
+                    nodes = directional(graph, nodes, direction)
+                return nodes
+
+            self._along_several[order] = self._kernel(change, (*GROUPS, *groups))
+        return self._along_several[order]
+
     @cached_property
     def jacobian_of_first(self) -> Kernel:
         """Jacobian of DF(z) v by z, shape (N, N + 1)."""
@@ -197,7 +225,7 @@ class Equations:
         return self._kernel(
             lambda o: self._dense_rows(directional(graph, o, v), inputs),
             (*GROUPS, "v"),
-            (self.size, self.size + 1),
+            (self.size, self.unknowns + 1),
         )
 
     def _adjoint_nodes(self, outputs: tuple[int, ...]) -> list[int]:
@@ -220,7 +248,7 @@ class Equations:
         return self._kernel(
             lambda o: self._dense_rows(self._adjoint_nodes(o), inputs),
             (*GROUPS, "v"),
-            (self.size + 1, self.size + 1),
+            (self.unknowns + 1, self.unknowns + 1),
         )
 
     @cached_property
@@ -253,7 +281,7 @@ class Equations:
 
         program = trace(value)
         graph = program.graph
-        inputs = [*[graph.input("u", i) for i in range(self.size)], graph.input("l", 0)]
+        inputs = [*[graph.input("u", i) for i in range(self.unknowns)], graph.input("l", 0)]
 
         def gradient(outputs: tuple[int, ...]) -> list[int]:
             row = jacobian(graph, outputs, inputs)[0]
@@ -276,7 +304,7 @@ class Equations:
 
         program = trace(image)
         graph = program.graph
-        inputs = [*[graph.input("u", i) for i in range(self.size)], graph.input("l", 0)]
+        inputs = [*[graph.input("u", i) for i in range(self.unknowns)], graph.input("l", 0)]
 
         def change(outputs: tuple[int, ...]) -> list[int]:
             rows = jacobian(graph, outputs, inputs)
@@ -290,9 +318,13 @@ _MOST_KNOWN = 64
 
 
 def equations_of(
-    system: System, free: str | None, moving: tuple[int, ...], pins: tuple[Neutral, ...]
+    system: System,
+    free: str | None,
+    moving: tuple[int, ...],
+    pins: tuple[Neutral, ...],
+    second: str | None = None,
 ) -> Equations:
     """As `Equations(...)`, traced only once for the same arguments (no values of parameters among them)."""
-    key = (id(system), free, moving, tuple(id(pin) for pin in pins))
+    key = (id(system), free, moving, tuple(id(pin) for pin in pins), second)
     # It keeps its system and pins, and so their ids.
-    return remembered(_KNOWN, key, _MOST_KNOWN, lambda: Equations(system, free, moving, pins))
+    return remembered(_KNOWN, key, _MOST_KNOWN, lambda: Equations(system, free, moving, pins, second))

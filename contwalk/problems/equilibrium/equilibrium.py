@@ -49,8 +49,8 @@ class Equilibrium(EquilibriumEquations):
 
     kind = "equilibrium"
     point_types = POINT_TYPES
-    # Its equations are exact, and its solutions always the system's.
-    meshed = None
+    # Its equations are exact and the same everywhere, and its solutions always the system's.
+    anchored = meshed = None
     limited = None
 
     @property

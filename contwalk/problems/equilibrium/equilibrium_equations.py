@@ -35,7 +35,11 @@ TINY = float(np.finfo(float).tiny)
 
 
 class EquilibriumEquations(Problem):
-    """The equations f(x, p) = 0 along a line of parameters; see `Equilibrium` for its parameters."""
+    """The equations f(x, p) = 0 along a line of parameters; see `Equilibrium` for its parameters.
+
+    With a `second` free parameter z is (x, drifts, second, first); it has one number more than there are
+    equations and the line's parameter.
+    """
 
     def __init__(
         self,
@@ -46,6 +50,7 @@ class EquilibriumEquations(Problem):
         pins: Sequence[Neutral] = (),
         reference: np.ndarray | None = None,
         discretization: Discretization | None = None,
+        second: str | None = None,
     ) -> None:
         if system.period is not None:
             raise SystemDefinitionError(
@@ -53,8 +58,8 @@ class EquilibriumEquations(Problem):
                 "Its periodic orbits are another kind of problem.",
             )
         self.system = system
-        self.line = ParameterLine.of(system, parameters, free, path)
-        self.free, self.parameters = free, self.line.parameters
+        self.line = ParameterLine.of(system, parameters, free, path, second)
+        self.free, self.parameters, self.second = free, self.line.parameters, second
         self.pins = tuple(pins)
         self.states = len(system.states)
         self.size = self.states + len(self.pins)
@@ -66,9 +71,10 @@ class EquilibriumEquations(Problem):
         declared = [(i, s.scale) for i, s in enumerate(system.states) if s.scale is not None]
         self._declared = [i for i, _ in declared]
         self._scales = [scale for _, scale in declared]
-        self.kernels = equations_of(system, self.line.own, self.line.moving, self.pins)
+        self.kernels = equations_of(system, self.line.own, self.line.moving, self.pins, second)
         self._observables: dict[str, tuple[Kernel, Kernel]] = {}
-        self.periods = np.array([s.period or 0.0 for s in system.states] + [0.0] * (len(self.pins) + 1))
+        others = self.kernels.unknowns + 1 - self.states
+        self.periods = np.array([s.period or 0.0 for s in system.states] + [0.0] * others)
 
     @property
     def evaluations(self) -> int:
@@ -91,6 +97,8 @@ class EquilibriumEquations(Problem):
     def values_of(self, z: np.ndarray) -> dict[str, float]:
         """All parameters at z, by name; of what is conserved, what the equilibrium has of it."""
         values = self.line.at(float(z[-1]))
+        if self.second is not None:
+            values[self.second] = float(z[-2])
         for quantity in self.system.conserved:
             function = plain(quantity.of(self.system.modes[0].name))
             values[quantity.name] = float(function(0.0, z[: self.states], ParameterValues(**values)))
@@ -108,7 +116,8 @@ class EquilibriumEquations(Problem):
 
         self._evaluations += 1
         constants = [[mpmath.mpf(v) for v in g] for g in (self._base, self._direction, self._held)]
-        return list(z[: self.size]), [z[self.size]], *constants
+        unknowns = self.kernels.unknowns
+        return list(z[:unknowns]), [z[unknowns]], *constants
 
     def linearize(self, z: np.ndarray) -> Linearization:
         """The equations at z."""
@@ -124,7 +133,7 @@ class EquilibriumEquations(Problem):
         return table[:, :-1], table[:, -1]
 
     def jacobian(self, z: np.ndarray) -> np.ndarray:
-        """DF(z), shape (N, N + 1), for critical vectors: entries of df/dx that are rounding noise are zero.
+        """DF(z), (N, N + 1), a column more with a `second`: entries of df/dx that are noise are zero.
 
         Noise in the place of a zero would couple states that are not, and mislead the balancing of the
         matrix.
@@ -183,7 +192,7 @@ class EquilibriumEquations(Problem):
         program = self.kernels.program
         if not choices_of(program):
             return None
-        return Switching(program, [*[("u", i) for i in range(self.size)], ("l", 0)], ("t", 0))
+        return Switching(program, [*[("u", i) for i in range(self.kernels.unknowns)], ("l", 0)], ("t", 0))
 
     # -- rounding, and magnitudes ----------------------------------------------------------------------------
 
@@ -209,7 +218,7 @@ class EquilibriumEquations(Problem):
         """
         unseen = (shares > 0.0) & (shares < EPSILON * terms[:, None]) & some
         noise = np.logical_or.reduce(unseen, axis=0)
-        noise[-1] = False  # the parameter is what it is
+        noise[self.size :] = False  # parameters are what they are
         if not noise.any():
             return terms
         zeroed = np.where(noise, 0.0, z)
@@ -260,9 +269,9 @@ class EquilibriumEquations(Problem):
     ) -> np.ndarray:
         """Magnitudes with those looked at again that are far larger than what they are of.
 
-        These are the parameter, and unknowns that may be noise of zero, where so little of them is much.
+        These are parameters, and unknowns that may be noise of zero, where so little of them is much.
         """
-        far &= (z != 0.0) | (np.arange(len(z)) == self.size)
+        far &= (z != 0.0) | (np.arange(len(z)) >= self.size)
         far[self._declared] = False
         natural[far] = np.nan
         for i in np.flatnonzero(far):
@@ -280,7 +289,7 @@ class EquilibriumEquations(Problem):
         along = np.zeros(len(z))
         along[which] = 1.0
         known = np.maximum(np.abs(z), np.where(np.isfinite(magnitudes), magnitudes, 1.0))
-        known[[which, -1]] = abs(z[which]), abs(z[-1])
+        known[which], known[self.size :] = abs(z[which]), np.abs(z[self.size :])
         noise = EPSILON * (np.abs(self.kernels.jacobian_of_first(*self.inputs(z), along.tolist())) @ known)
         told = (slopes > NOISY * noise) & (slopes > 1e-100) & (terms > 1e-290)
         size = float(abs(z[which]))

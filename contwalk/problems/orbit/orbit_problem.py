@@ -23,6 +23,11 @@ class OrbitProblem(OrbitData):
         return self
 
     @property
+    def anchored(self) -> Self:
+        """Its mesh is made for the orbit."""
+        return self
+
+    @property
     def observed(self) -> Self:
         """It measures its solutions itself."""
         return self

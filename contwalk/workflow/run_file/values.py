@@ -6,13 +6,12 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from contwalk.branch import LABELS
-from contwalk.labels import END, MARK
+from contwalk.labels import END, MARK, MEANINGS
 from contwalk.workflow.run_file.faults import wrong
 from contwalk.workflow.run_file.forms import as_tuple, list_of, mapping_of, one_of, text
 from contwalk.workflow.run_file.yaml_lines import shown
 
-FOLLOWED = tuple(label for label in LABELS if label not in (END, MARK))
+FOLLOWED = tuple(label for label in MEANINGS if label not in (END, MARK))
 DIAGRAM_FIGURES = (
     "bifurcation_diagram",
     "eigenvalues",

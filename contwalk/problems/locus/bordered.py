@@ -1,0 +1,142 @@
+"""Functions of z that vanish where the linearised equations have a critical eigenvalue, with derivatives.
+
+With a column w and a row v the matrix of
+
+    [ F_u - s E   w ] [ q ]   [ 0 ]
+    [ v           0 ] [ g ] = [ 1 ]
+
+is regular where s is a simple eigenvalue, and g(z, s) vanishes there and nowhere else (Govaerts 2000,
+Numerical Methods for Bifurcations of Dynamical Equilibria, section 4.1). E is one for states and zero for
+drifts. A zero eigenvalue is g(z, 0) = 0. A pair s, -s with s^2 = -kappa is g = 0 at both; with
+g = alpha + s beta, computed in the numbers a + s b, that is alpha = beta = 0: imaginary for positive kappa,
+real for negative (a neutral saddle), and a double zero (Bogdanov-Takens) for kappa = 0, where the conditions
+are as regular as elsewhere. Derivatives by z are -p (F_u)_z q with the left vector p of the same matrix.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contwalk.numerics.linear import balanced
+from contwalk.problems.locus.plane import FloatPlace, Place
+
+
+@dataclass(frozen=True)
+class Borders:
+    """The column w and the row v, shape (N,) each."""
+
+    column: np.ndarray
+    row: np.ndarray
+
+
+@dataclass(frozen=True)
+class Critical:
+    """What a bordered matrix tells: g = value[0] + s value[1], q and p in the same way, shape (N,) each.
+
+    Of a zero eigenvalue there is only the first of each.
+    """
+
+    values: tuple[np.ndarray, ...]
+    right: tuple[np.ndarray, ...]
+    left: tuple[np.ndarray, ...]
+
+    @property
+    def vector(self) -> np.ndarray:
+        """q at s = i omega, or at s = 0."""
+        return self.right[0]
+
+
+def zero_borders(matrix: np.ndarray) -> Borders:
+    """Borders for a zero eigenvalue of F_u, from its singular vectors in balanced units."""
+    scaled, d = balanced(matrix)
+    u, _, vh = np.linalg.svd(scaled)
+    return _borders(vh[-1], u[:, -1], d)
+
+
+def pair_borders(matrix: np.ndarray, finite: np.ndarray, kappa: float) -> Borders:
+    """Borders for the eigenvalues s and -s with s^2 = -kappa, the same for both.
+
+    In balanced units the row is the sum of both right vectors, turned to each other: it is at a right angle
+    to neither of them, nor to the vector that they become where they meet.
+    """
+    scaled, d = balanced(matrix)
+    if kappa > 0.0:
+        u, _, vh = np.linalg.svd(scaled - 1j * np.sqrt(kappa) * np.diag(finite))
+        return _borders(_major(vh[-1].conj()), _major(u[:, -1]), d)
+    s = np.sqrt(-kappa)
+    first, second = (np.linalg.svd(scaled - sign * s * np.diag(finite)) for sign in (1.0, -1.0))
+    right = _towards(second[2][-1], first[2][-1]) + first[2][-1]
+    left = _towards(second[0][:, -1], first[0][:, -1]) + first[0][:, -1]
+    return _borders(right, left, d)
+
+
+def _major(v: np.ndarray) -> np.ndarray:
+    """The real part of a complex vector, turned so that it is as long as possible."""
+    turned = v * np.exp(-0.5j * np.angle(np.sum(v * v)))
+    return np.asarray(turned.real)
+
+
+def _towards(v: np.ndarray, other: np.ndarray) -> np.ndarray:
+    return v if v @ other >= 0.0 else -v
+
+
+def _borders(right: np.ndarray, left: np.ndarray, d: np.ndarray) -> Borders:
+    """Borders for vectors in balanced units: row @ q = p @ column = 1, the largest entry of q positive."""
+    right = right * np.sign(right[np.argmax(np.abs(right))])
+    left = left * np.sign(left[np.argmax(np.abs(left))])
+    scale = float(np.linalg.norm(right * d))  # q = right d, of length one
+    return Borders(left * d / (left @ left), right / d * (scale / (right @ right)))
+
+
+def zero_condition(place: Place, borders: Borders) -> Critical:
+    """g(z, 0) with its vectors."""
+    bordered = np.block([[place.matrix, borders.column[:, None]], [borders.row[None, :], np.zeros((1, 1))]])
+    unit = _unit(len(bordered))
+    right, left = place.solver(bordered)(unit), place.solver(bordered.T)(unit)
+    return Critical((right[-1],), (right[:-1],), (left[:-1],))
+
+
+def pair_condition(place: Place, borders: Borders, kappa: object) -> Critical:
+    """alpha and beta of g(z, s) = alpha + s beta with s^2 = -kappa, and q and p in the same numbers."""
+    bordered = np.block([[place.matrix, borders.column[:, None]], [borders.row[None, :], np.zeros((1, 1))]])
+    e = np.diag(np.append(place.plane.finite, 0.0))
+    if bordered.dtype == object:
+        e = e.astype(object)
+    unit = _unit(2 * len(bordered), len(bordered) - 1)
+    size = len(bordered)
+    parts = []
+    for one in (bordered, bordered.T):
+        solved = place.solver(np.block([[one, kappa * e], [-e, one]]))(unit)
+        parts.append((solved[:size], solved[size:]))
+    (qa, qb), (pa, pb) = parts
+    return Critical((qa[-1], qb[-1]), (qa[:-1], qb[:-1]), (pa[:-1], pb[:-1]))
+
+
+def _unit(size: int, which: int = -1) -> np.ndarray:
+    unit = np.zeros(size)
+    unit[which] = 1.0
+    return unit
+
+
+def gradients(place: FloatPlace, found: Critical, kappa: float) -> np.ndarray:
+    """Derivatives of the values by z, shape (1, N + 2), or of alpha and beta by z and kappa, (2, N + 3)."""
+    slopes = [place.slopes(q) for q in found.right]
+    if len(found.right) == 1:
+        return -(found.left[0] @ slopes[0])[None, :]
+    (pa, pb), (sa, sb) = found.left, slopes
+    by_z = -np.array([pa @ sa - kappa * (pb @ sb), pa @ sb + pb @ sa])
+    e = place.plane.finite
+    by_kappa = -np.array([pa @ (e * found.right[1]), pb @ (e * found.right[1])])
+    return np.column_stack([by_z, by_kappa])
+
+
+def levels(place: FloatPlace, found: Critical, kappa: float) -> np.ndarray:
+    """Rounding of the values, shape (1,) or (2,), from that of the entries of F_u."""
+    noise = place.noise
+    right, left = [np.abs(q) for q in found.right], [np.abs(p) for p in found.left]
+    if len(right) == 1:
+        return np.array([left[0] @ noise @ right[0]])
+    (qa, qb), (pa, pb) = right, left
+    return np.array([pa @ noise @ qa + abs(kappa) * (pb @ noise @ qb), pa @ noise @ qb + pb @ noise @ qa])

@@ -1,0 +1,305 @@
+"""Curves of folds and of Hopf points of equilibria as two parameters vary."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from contwalk.numerics.linear import balanced
+from contwalk.numerics.spectrum import EPSILON, Spectrum, spectrum
+from contwalk.problems import neutral as neutrals
+from contwalk.problems.angles import whole_turns
+from contwalk.problems.linearization import Linearization
+from contwalk.problems.locus.bordered import pair_borders, zero_borders
+from contwalk.problems.locus.conditions import Augmented, Pair, Zero
+from contwalk.problems.locus.diagnosis import LocusDiagnosis
+from contwalk.problems.locus.plane import Plane
+from contwalk.problems.locus.points.catalogue import POINT_TYPES
+from contwalk.problems.problem import Located, Mirror, PointType
+from contwalk.problems.sample import Rates, Sample
+from contwalk.system import Neutral, System
+
+# The square of the frequency along an HB curve; negative where it goes on as neutral saddles.
+FREQUENCY_SQUARED = "frequency_squared"
+# A pair's kappa has at least this magnitude, against the square of the size of F_u in balanced units.
+LEAST_KAPPA = 1e-6
+TINY = float(np.finfo(float).tiny)
+
+
+@dataclass(frozen=True)
+class Curve:
+    """What is followed: the label of its points, and how many eigenvalues are critical."""
+
+    of: str
+    critical: int
+
+    @property
+    def pairs(self) -> int:
+        """How many kappas are among the unknowns."""
+        return self.critical // 2
+
+
+CURVES = {"LP": Curve("LP", 1), "HB": Curve("HB", 2)}
+
+
+class EquilibriumLocus:
+    """A curve of special points of equilibria in two parameters.
+
+    Its unknowns are z = (x, drifts, kappa, second, first), kappa only along HB curves: minus the square of
+    the critical eigenvalues. Its equations are F = 0 and those of `bordered`, with borders from the critical
+    vectors at the last point.
+
+    Parameters
+    ----------
+    plane : Plane
+        The equilibria, with both parameters free.
+    of : str
+        `LP` or `HB`.
+    near : ndarray, shape (N,), optional
+        The place that the borders are made at.
+    """
+
+    kind = "locus"
+    meshed = limited = None
+
+    def __init__(self, plane: Plane, of: str, near: np.ndarray) -> None:
+        self.plane, self.curve = plane, CURVES[of]
+        self.system, self.line = plane.system, plane.line
+        self.free, self.parameters, self.pins = plane.free, plane.parameters, plane.pins
+        self.states, self.discretization = plane.states, plane.discretization
+        self.point_types: Sequence[PointType] = POINT_TYPES[of]
+        pairs = self.curve.pairs
+        self.size = plane.size + pairs + 1
+        matrix = plane.jacobian(self.in_plane(near))[:, : plane.size]
+        self.zero = Zero(zero_borders(matrix))
+        own = Pair(pair_borders(matrix, plane.finite, float(near[plane.size]))) if pairs else self.zero
+        self.augmented = Augmented(plane, (own,))
+        self.periods = np.insert(plane.periods, plane.size, [0.0] * pairs)
+
+    @property
+    def anchored(self) -> EquilibriumLocus:
+        """Its borders are made for a place."""
+        return self
+
+    @property
+    def observed(self) -> EquilibriumLocus:
+        """It measures its solutions itself."""
+        return self
+
+    @property
+    def equivalence(self) -> EquilibriumLocus:
+        """It compares its solutions itself."""
+        return self
+
+    @property
+    def diagnosis(self) -> LocusDiagnosis:
+        """What is known of places where a curve ends, or cannot go on."""
+        return LocusDiagnosis(self.plane, self.in_plane)
+
+    # -- unknowns --------------------------------------------------------------------------------------------
+
+    def in_plane(self, z: np.ndarray) -> np.ndarray:
+        """(x, drifts, second, first), shape (N + 2,) of the plane."""
+        size, pairs = self.plane.size, self.curve.pairs
+        return np.concatenate([z[:size], z[size + pairs :]])
+
+    def kappa(self, z: np.ndarray) -> float:
+        """Minus the square of the critical eigenvalues; zero along LP curves."""
+        return float(z[self.plane.size]) if self.curve.pairs else 0.0
+
+    def values_of(self, z: np.ndarray) -> dict[str, float]:
+        """All parameters at z, by name."""
+        return self.plane.values_of(self.in_plane(z))
+
+    def reported(self, z: np.ndarray) -> np.ndarray:
+        """The state, shape (n,)."""
+        return z[: self.states]
+
+    def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
+        """The same solution with its angles turned as near as possible to those of another one."""
+        return z + whole_turns(near - z, self.periods)
+
+    def image(self, symmetry: str, z: np.ndarray) -> np.ndarray:
+        """Image of a solution under a declared symmetry."""
+        image = self.plane.image(symmetry, self.in_plane(z))
+        return np.concatenate([image[: self.plane.size], z[self.plane.size :]])
+
+    @property
+    def evaluations(self) -> int:
+        """Right-hand sides evaluated so far."""
+        return self.plane.evaluations
+
+    # -- equations -------------------------------------------------------------------------------------------
+
+    def linearize(self, z: np.ndarray) -> Linearization:
+        """The equations at z; not finite where the borders do not fit."""
+        try:
+            residual, jacobian, levels = self.augmented.values(z)
+        except np.linalg.LinAlgError:
+            residual = np.full(self.size, np.nan)
+            return Linearization(
+                residual, np.full((self.size, self.size + 1), np.nan), lambda: (residual, residual)
+            )
+        return Linearization(residual, jacobian, lambda: self._levels(z, jacobian, levels))
+
+    def jacobian(self, z: np.ndarray) -> np.ndarray:
+        """DF(z), shape (N, N + 1)."""
+        return self.augmented.values(z)[1]
+
+    def _levels(
+        self, z: np.ndarray, jacobian: np.ndarray, levels: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Rounding levels of the equations and typical magnitudes of z."""
+        own, magnitudes = self.plane.linearize(self.in_plane(z)).levels
+        assert magnitudes is not None
+        size, pairs = self.plane.size, self.curve.pairs
+        if pairs:
+            scaled = balanced(self.plane.jacobian(self.in_plane(z))[:, :size])[0]
+            least = LEAST_KAPPA * float(np.abs(scaled).max()) ** 2
+            magnitudes = np.insert(magnitudes, size, max(abs(self.kappa(z)), least))
+        sizes = np.where(magnitudes > 0.0, np.maximum(magnitudes, np.abs(z)), np.abs(z))
+        rows = jacobian[size:]
+        return np.concatenate([own, levels + EPSILON * (np.abs(rows) @ sizes) + TINY]), magnitudes
+
+    # -- what is watched -------------------------------------------------------------------------------------
+
+    @property
+    def observable_names(self) -> tuple[str, ...]:
+        """The system's observables; along HB curves the square of the frequency as well."""
+        return (*[o.name for o in self.system.observables], *([FREQUENCY_SQUARED] * self.curve.pairs))
+
+    def examine(
+        self,
+        z: np.ndarray,
+        tangent: np.ndarray,
+        weights: np.ndarray,
+        linearization: Linearization,
+        before: int | None,
+    ) -> Sample:
+        """Everything that is watched at a solution."""
+        length = float(np.linalg.norm(tangent / weights))
+        # A stored tangent is a unit vector already; dividing again would change its last digits.
+        unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
+        orientation, error = linearization.orientation_and_error(unit, weights, linearization.levels[0])
+        found, critical = self.spectrum(z, unit)
+        kappa = [self.kappa(z)] * self.curve.pairs
+        return Sample(
+            z=z,
+            tangent=unit,
+            weights=weights,
+            orientation=orientation,
+            eigenvalues=found.values,
+            errors=found.errors,
+            rates=Rates.known(found.rates),
+            measures=found.measures,
+            unstable=found.unstable(before),
+            resting=critical,
+            observables=np.array([*self.plane.measured(self.in_plane(z)), *kappa]),
+            magnitudes=linearization.magnitudes,
+            excess=linearization.excess_in(weights),
+            error=error,
+        )
+
+    def spectrum(self, z: np.ndarray, tangent: np.ndarray) -> tuple[Spectrum, np.ndarray]:
+        """Eigenvalues beside the critical ones, and these."""
+        n, place = self.states, self.in_plane(z)
+        inputs, jacobian = self.plane.inputs(place), self.plane.jacobian(place)
+        rate = self.plane.kernels.rate_of_matrix(*inputs, self.in_plane(tangent).tolist())
+        rounding = 2.0 * EPSILON * self.plane.kernels.rounding_of_matrix(*inputs)
+        declared = [n + j for j, pin in enumerate(self.pins) if pin.name != neutrals.UNDECLARED]
+        zeros = len(self.pins) - len(declared)
+        found = spectrum(jacobian[:n, :n], rate, rounding, jacobian[:n, declared], zeros)
+        critical = self.critical_values(z)
+        kept = _beside(found.values, critical)
+        bordering = None if found.bordering is None else found.bordering[kept]
+        rest = Spectrum(found.values[kept], found.errors[kept], found.rates[kept], bordering=bordering)
+        return rest, critical
+
+    def critical_values(self, z: np.ndarray) -> np.ndarray:
+        """The eigenvalues that the curve holds where they are, shape (1,) or (2,)."""
+        if not self.curve.pairs:
+            return np.zeros(1, dtype=complex)
+        s = np.sqrt(complex(-self.kappa(z)))
+        return np.array([s, -s])
+
+    def rate(self, name: str, sample: Sample) -> float:
+        """Derivative of an observable along the curve."""
+        if name == FREQUENCY_SQUARED:
+            return float(sample.tangent[self.plane.size])
+        gradient = self.plane.observable_kernels(name)[1](*self.plane.inputs(self.in_plane(sample.z)))
+        return float(gradient @ self.in_plane(sample.tangent))
+
+    def locate_mark(self, name: str, level: float, sample: Sample) -> Located | None:
+        """The point near a sample at which an observable has the value `level`."""
+        return None
+
+    # -- the branch ------------------------------------------------------------------------------------------
+
+    def branch_facts(self) -> dict[str, Any]:
+        """What is true of a whole curve, as fields of `BranchInfo`."""
+        return {
+            "problem": self.kind,
+            "free": (self.free, str(self.plane.second)),
+            "observables": self.observable_names,
+            "unknowns": self.size,
+            "spectrum": max(self.states - len(self.pins), 1),
+            "settings": {
+                **neutrals.kept(self.pins, self.line, self.states),
+                "of": self.curve.of,
+                "of_problem": "equilibrium",
+            },
+        }
+
+    def beginnings(self, z: np.ndarray) -> np.ndarray:
+        """Typical magnitudes for the first corrections of a start, shape (N + 1,)."""
+        return np.maximum(np.abs(z), 1.0)
+
+    def at(self, z: np.ndarray) -> EquilibriumLocus:
+        """The same curve with borders from the critical vectors at z."""
+        return EquilibriumLocus(self.plane, self.curve.of, z)
+
+    def adapted(self, sample: Sample) -> tuple[EquilibriumLocus, Sample]:
+        """The curve with borders for what follows a solution, and the solution's sample with them."""
+        there = self.at(sample.z)
+        lin = there.linearize(sample.z)
+        again = there.examine(sample.z, sample.tangent, sample.weights, lin, sample.unstable)
+        kept = replace(
+            again, seconds=sample.seconds, evaluations=sample.evaluations, iterations=sample.iterations
+        )
+        return there, kept
+
+    def at_stored(self, z: np.ndarray, weights: np.ndarray) -> EquilibriumLocus:
+        """The curve with borders for a solution that is taken up again."""
+        return self.at(z)
+
+    def same(self, a: Sample, b: Sample) -> bool:
+        """Whether two solutions at the same parameter are one."""
+        return bool(np.allclose(self.nearest_turn(a.z, b.z), b.z, rtol=1e-9, atol=1e-12))
+
+    def mirror(self, sample: Sample) -> Mirror | None:
+        """Both halves of a curve are walked."""
+        return None
+
+
+def _beside(values: np.ndarray, critical: np.ndarray) -> np.ndarray:
+    """Numbers of the eigenvalues that are left when the critical ones are taken out, in their order."""
+    kept = list(range(len(values)))
+    for value in critical:
+        kept.remove(min(kept, key=lambda k: abs(values[k] - value)))
+    return np.array(kept, dtype=int)
+
+
+def plane_of(
+    system: System,
+    parameters: Mapping[str, float],
+    free: tuple[str, str],
+    pins: Sequence[Neutral] = (),
+    reference: np.ndarray | None = None,
+    discretization: Any = None,
+) -> Plane:
+    """The equilibria of a system with two free parameters, the first and the second."""
+    first, second = free
+    return Plane(system, parameters, first, None, pins, reference, discretization, second)

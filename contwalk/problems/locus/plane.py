@@ -1,0 +1,173 @@
+"""Equilibria at all values of two parameters, and their equations at one place, in floats or more digits.
+
+Vectors are NumPy arrays in both arithmetics; with more digits their entries are numbers of `mpmath`, so that
+what is computed of a place is written once.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from contwalk.fields.kernel import Kernel
+from contwalk.numerics.linear import EPSILON, Factored
+from contwalk.numerics.refine import DIGITS
+from contwalk.problems.equilibrium.equilibrium import Equilibrium
+
+# Passes after which a solution with more digits is what it is; each gains what the matrix is conditioned to.
+PASSES = 12
+
+
+class Plane(Equilibrium):
+    """Equilibria with two free parameters: z = (x, drifts, second, first), shape (N + 2,).
+
+    There is one equation too few for curves of solutions; a curve's condition is the missing one.
+    """
+
+    @cached_property
+    def finite(self) -> np.ndarray:
+        """E of (F_u - s E) q = 0: which unknowns have rates, as drifts have not, shape (N,)."""
+        return np.array([1.0] * self.states + [0.0] * (self.size - self.states))
+
+
+class Place(ABC):
+    """The equations of a plane at one z."""
+
+    def __init__(self, plane: Plane) -> None:
+        self.plane, self.kernels = plane, plane.kernels
+
+    def padded(self, v: np.ndarray) -> np.ndarray:
+        """A direction of the unknowns u, shape (N,), as one of z; the parameters stand still."""
+        return np.concatenate([v, np.zeros(self.kernels.unknowns + 1 - len(v), dtype=v.dtype)])
+
+    @property
+    @abstractmethod
+    def residual(self) -> np.ndarray:
+        """F, shape (N,)."""
+
+    @property
+    @abstractmethod
+    def matrix(self) -> np.ndarray:
+        """F_u, shape (N, N)."""
+
+    @abstractmethod
+    def along(self, kernel: Kernel, *directions: np.ndarray) -> np.ndarray:
+        """A derivative of F along directions of u, shape (N,)."""
+
+    @abstractmethod
+    def solver(self, matrix: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+        """The function that applies the inverse of a matrix."""
+
+    def second(self, v: np.ndarray, w: np.ndarray) -> np.ndarray:
+        """B(v, w), shape (N,)."""
+        return self.along(self.kernels.second, v, w)
+
+    def third(self, v: np.ndarray, w: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """C(v, w, y), shape (N,)."""
+        return self.along(self.kernels.third, v, w, y)
+
+    def several(self, *directions: np.ndarray) -> np.ndarray:
+        """The derivative of F along any number of directions, shape (N,)."""
+        return self.along(self.kernels.along(len(directions)), *directions)
+
+
+class FloatPlace(Place):
+    """The equations in double precision."""
+
+    def __init__(self, plane: Plane, z: np.ndarray) -> None:
+        super().__init__(plane)
+        self._inputs = plane.inputs(z)
+        self.table = plane.kernels.linearization(*self._inputs)
+
+    @property
+    def residual(self) -> np.ndarray:
+        """F, shape (N,)."""
+        return self.table[:, 0]
+
+    @property
+    def jacobian(self) -> np.ndarray:
+        """DF, shape (N, N + 2)."""
+        return self.table[:, 1:]
+
+    @property
+    def matrix(self) -> np.ndarray:
+        """F_u, shape (N, N)."""
+        return self.jacobian[:, : self.plane.size]
+
+    def along(self, kernel: Kernel, *directions: np.ndarray) -> np.ndarray:
+        """A derivative of F along directions of u, shape (N,)."""
+        return kernel(*self._inputs, *map(self.padded, directions))
+
+    def slopes(self, v: np.ndarray) -> np.ndarray:
+        """Derivatives of F_u v by z for a constant v, shape (N, N + 2)."""
+        return self.kernels.jacobian_of_first(*self._inputs, self.padded(v))
+
+    def solver(self, matrix: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+        """The function that applies the inverse of a matrix."""
+        return Factored(matrix).solve
+
+    @cached_property
+    def noise(self) -> np.ndarray:
+        """Error bounds of the entries of F_u, shape (N, N)."""
+        n = self.plane.states
+        bounds = EPSILON * np.abs(self.matrix)
+        bounds[:n, :n] += 2.0 * EPSILON * self.kernels.rounding_of_matrix(*self._inputs)
+        return bounds
+
+
+class ExactPlace(Place):
+    """The equations with `DIGITS` digits, at a place of numbers of `mpmath`."""
+
+    def __init__(self, plane: Plane, z: Sequence[Any]) -> None:
+        super().__init__(plane)
+        self._inputs = plane.exact_inputs(list(z))
+
+    @cached_property
+    def residual(self) -> np.ndarray:
+        """F, shape (N,)."""
+        return np.array(self.kernels.residual.exactly(*self._inputs), dtype=object)
+
+    @cached_property
+    def matrix(self) -> np.ndarray:
+        """F_u, shape (N, N)."""
+        kernel = self.kernels.linearization
+        size, width = self.plane.size, self.kernels.unknowns + 2
+        flat = np.full(size * width, 0, dtype=object)
+        flat[kernel.where] = kernel.exactly(*self._inputs)
+        return flat.reshape(size, width)[:, 1 : size + 1]
+
+    def along(self, kernel: Kernel, *directions: np.ndarray) -> np.ndarray:
+        """A derivative of F along directions of u, shape (N,)."""
+        padded = (self.padded(direction).tolist() for direction in directions)
+        return np.array(kernel.exactly(*self._inputs, *padded), dtype=object)
+
+    def solver(self, matrix: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+        """The function that applies the inverse of a matrix: that in floats, refined by exact residuals."""
+        rough = Factored(_floats(matrix))
+
+        def solve(right: np.ndarray) -> np.ndarray:
+            x = np.full(right.shape, 0, dtype=object)
+            for _ in range(PASSES):
+                rest = right - matrix @ x
+                largest = max(abs(r) for r in rest.flat)
+                if largest == 0:
+                    break
+                change = rough.solve(_floats(rest / largest))
+                x = x + largest * change.astype(object)
+                size = max((float(abs(v)) for v in x.flat), default=0.0)
+                if float(largest) * float(np.max(np.abs(change))) <= 10.0**-DIGITS * size:
+                    break
+            return x
+
+        return solve
+
+
+def _floats(values: np.ndarray) -> np.ndarray:
+    """Numbers of `mpmath` as floats, complex where one of them is."""
+    converted = [complex(v) for v in values.flat]
+    array = np.array(converted).reshape(values.shape)
+    return array if np.any(array.imag) else array.real

@@ -1,0 +1,34 @@
+"""Double Hopf points (HH): two imaginary pairs, where two curves of Hopf points cross."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from contwalk.problems.locus.bordered import pair_borders
+from contwalk.problems.locus.conditions import Augmented, Pair
+from contwalk.problems.locus.normal_forms import double_hopf_coefficients
+from contwalk.problems.locus.points.point import Form, LocusPoint, located_by
+from contwalk.problems.problem import Located, Sample, Test
+
+
+class DoubleHopf(LocusPoint):
+    """A second pair passes the imaginary axis."""
+
+    label, test, changes = "HH", Test.STABILITY, (-2, 2)
+
+    def tells(self, problem: Any, sample: Sample, which: int) -> bool:
+        """A complex pair, where the curve's own is imaginary."""
+        return bool(sample.eigenvalues[which].imag != 0.0) and problem.kappa(sample.z) > 0.0
+
+    def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
+        """The double Hopf point near a sample."""
+        plane = problem.plane
+        kappas = [problem.kappa(sample.z), float(sample.eigenvalues[which].imag) ** 2]
+        matrix = plane.jacobian(problem.in_plane(sample.z))[:, : plane.size]
+        pairs = tuple(Pair(pair_borders(matrix, plane.finite, kappa)) for kappa in kappas)
+        return located_by(problem, Augmented(plane, pairs), sample, kappas, positive=True)
+
+    def form(self, problem: Any, located: Located, sample: Sample) -> Form:
+        """The cubic coefficients of both amplitudes."""
+        kappas = tuple(float(kappa) for kappa in located.vectors["kappas"])
+        return None, double_hopf_coefficients(problem.plane, problem.in_plane(located.z), kappas), None

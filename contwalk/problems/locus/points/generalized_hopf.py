@@ -1,0 +1,37 @@
+"""Generalized Hopf points (GH, Bautin): the first Lyapunov coefficient vanishes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from contwalk.problems.locus.bordered import Critical
+from contwalk.problems.locus.normal_forms import bautin_coefficients, lyapunov_numerator
+from contwalk.problems.locus.plane import FloatPlace
+from contwalk.problems.locus.points.point import Form, LocusPoint, located_by
+from contwalk.problems.problem import Located, Sample, Test
+
+
+class GeneralizedHopf(LocusPoint):
+    """Hopf points change between super- and subcritical."""
+
+    label, test = "GH", Test.VALUE
+
+    def value(self, problem: Any, sample: Sample) -> float:
+        """The first Lyapunov coefficient without its pole at a zero eigenvalue; NaN of neutral saddles."""
+        kappa = problem.kappa(sample.z)
+        if not kappa > 0.0:
+            return float("nan")
+        place = FloatPlace(problem.plane, problem.in_plane(sample.z))
+        found: Critical = problem.augmented.criticals(place, [kappa])[0]
+        zero = float(problem.zero.critical(place, 0.0).values[0])
+        return zero * float(lyapunov_numerator(place, found, kappa))
+
+    def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
+        """The generalized Hopf point near a sample."""
+        kappa = problem.kappa(sample.z)
+        return located_by(problem, problem.augmented, sample, [kappa], lyapunov_numerator, positive=True)
+
+    def form(self, problem: Any, located: Located, sample: Sample) -> Form:
+        """The second Lyapunov coefficient."""
+        kappa = float(located.vectors["kappas"][0])
+        return None, bautin_coefficients(problem.plane, problem.in_plane(located.z), kappa), None

@@ -1,0 +1,63 @@
+"""Zero-Hopf points (ZH): a zero eigenvalue and an imaginary pair, on curves of folds and of Hopf points."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from contwalk.problems.locus.bordered import pair_borders, zero_borders
+from contwalk.problems.locus.conditions import Augmented, Pair, Zero
+from contwalk.problems.locus.normal_forms import zero_hopf_coefficients
+from contwalk.problems.locus.points.point import Form, LocusPoint, located_by
+from contwalk.problems.problem import Located, Sample, Test
+
+
+class ZeroHopf(LocusPoint):
+    """A fold at which a pair passes the imaginary axis, or a Hopf point at which a real one passes zero."""
+
+    label, test = "ZH", Test.STABILITY
+
+    def frequency_squared(self, problem: Any, sample: Sample, which: int) -> float:
+        """Of the pair, near a sample."""
+        raise NotImplementedError
+
+    def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
+        """The zero-Hopf point near a sample."""
+        plane, kappa = problem.plane, self.frequency_squared(problem, sample, which)
+        if not kappa > 0.0:
+            return None
+        matrix = plane.jacobian(problem.in_plane(sample.z))[:, : plane.size]
+        conditions = Pair(pair_borders(matrix, plane.finite, kappa)), Zero(zero_borders(matrix))
+        return located_by(problem, Augmented(plane, conditions), sample, [kappa], positive=True)
+
+    def form(self, problem: Any, located: Located, sample: Sample) -> Form:
+        """s, theta and the sign of E."""
+        kappa = float(located.vectors["kappas"][0])
+        return None, zero_hopf_coefficients(problem.plane, problem.in_plane(located.z), kappa), None
+
+
+class PairOnFold(ZeroHopf):
+    """On a curve of folds."""
+
+    changes = (-2, 2)
+
+    def tells(self, problem: Any, sample: Sample, which: int) -> bool:
+        """A complex pair."""
+        return bool(sample.eigenvalues[which].imag != 0.0)
+
+    def frequency_squared(self, problem: Any, sample: Sample, which: int) -> float:
+        """Of the pair that passes."""
+        return float(sample.eigenvalues[which].imag) ** 2
+
+
+class ZeroOnHopf(ZeroHopf):
+    """On a curve of Hopf points."""
+
+    changes = (-1, 1)
+
+    def tells(self, problem: Any, sample: Sample, which: int) -> bool:
+        """A real eigenvalue, where the curve's own pair is imaginary."""
+        return bool(sample.eigenvalues[which].imag == 0.0) and problem.kappa(sample.z) > 0.0
+
+    def frequency_squared(self, problem: Any, sample: Sample, which: int) -> float:
+        """Of the curve's own pair."""
+        return float(problem.kappa(sample.z))
