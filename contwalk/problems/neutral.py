@@ -1,4 +1,4 @@
-"""Choosing which neutral directions to pin at the start of a branch."""
+"""Neutral directions: which to pin at the start of a branch, and states along them."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.errors import called
+from contwalk.problems.mapping import mapped
 from contwalk.problems.parameter_line import ParameterLine
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
@@ -26,6 +27,37 @@ def generator_at(neutral: Neutral, x: np.ndarray, parameters: Mapping[str, float
     what = f"generator of the neutral direction '{neutral.name}'"
     called(what, neutral.generator, 0.0, x.copy(), ParameterValues(**parameters), v)
     return v
+
+
+def directions(
+    system: System, pins: Sequence[Neutral], x: np.ndarray, parameters: dict[str, float]
+) -> np.ndarray:
+    """Generators at a state as columns, shape (n, k)."""
+    return np.array([generator_at(pin, x, parameters) for pin in pins]).reshape(len(pins), len(x)).T
+
+
+def shifted(
+    system: System,
+    pins: Sequence[Neutral],
+    states: np.ndarray,
+    parameters: dict[str, float],
+    shares: np.ndarray,
+) -> np.ndarray:
+    """Many states, (k, n), each moved along the generators by its row of shares, (k, number of pins)."""
+    values, result = ParameterValues(**parameters), states.copy()
+    for j, pin in enumerate(pins):
+        along = mapped(f"generator of '{pin.name}'", pin.generator, states, values)
+        result += along * shares[:, j, None]
+    return result
+
+
+def across(apart: np.ndarray, along: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    """A difference of states without its part along some directions, in the metric of the scales."""
+    if not along.shape[1]:
+        return apart
+    scaled = along / scale[:, None]
+    shares, *_ = np.linalg.lstsq(scaled, apart / scale, rcond=None)
+    return apart - along @ shares
 
 
 def _size_nearby(neutral: Neutral, x: np.ndarray, parameters: Mapping[str, float]) -> float:

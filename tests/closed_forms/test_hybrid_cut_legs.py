@@ -15,9 +15,10 @@ import numpy as np
 import pytest
 from hybrid_runs import assert_met, branch_of, diagram, machine, solution
 
-from contwalk.problems.hybrid import condensed, cutting, limits, monodromy
+from contwalk.problems.hybrid import condensed, cutting, limits
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.switching import rotated
+from contwalk.problems.orbit import monodromy
 from contwalk.system import System, Transition
 
 C, S, G = 0.1, 0.5, 0.05

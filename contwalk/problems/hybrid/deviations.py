@@ -14,12 +14,12 @@ import numpy as np
 
 from contwalk import flow
 from contwalk.errors import ContwalkError
-from contwalk.problems.hybrid import monodromy
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
-from contwalk.problems.hybrid.monodromy import NO_RATE
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit
+from contwalk.problems.orbit import monodromy
 from contwalk.problems.orbit.lifts import TANGENT
 from contwalk.problems.orbit.modes import NOTHING, Mode, chosen_multiplier, eigenvector, linear_part
+from contwalk.problems.orbit.monodromy import NO_RATE
 
 
 class HybridDeviations:

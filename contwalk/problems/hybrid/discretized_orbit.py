@@ -210,11 +210,6 @@ class DiscretizedOrbit(OrbitData):
         """The system's conditions by name."""
         return {condition.name: condition for condition in self.system.conditions}
 
-    @property
-    def eventful(self) -> bool:
-        """Whether events happen on it."""
-        return self.word.eventful
-
     def duration(self, z: np.ndarray) -> float:
         """Duration of the closure, seconds."""
         return float(z[self.layout.durations].sum())
@@ -276,34 +271,6 @@ class DiscretizedOrbit(OrbitData):
         for place, passage in zip(self.layout.states, self.passages, strict=True):
             magnitudes[list(passage.states)] = weights[place] / np.sqrt(len(self.layout.segments))
         return magnitudes
-
-    @property
-    def smallest(self) -> int:
-        """The leg whose start has fewest states, of those that last: on a collapsed one there is no flow.
-
-        Without an event only the first one is a section.
-        """
-        if not self.word.eventful:
-            return 0
-        lasting = [i for i, leg in enumerate(self.word.legs) if not leg.collapsed]
-        return min(lasting, key=lambda i: self.layout.sizes[i])
-
-    def timed(self, i: int) -> bool:
-        """Whether the time is a coordinate of the start of leg i: it may begin earlier or later."""
-        return self.forced and (self.word.eventful or i > 0)
-
-    def extended(self, i: int) -> np.ndarray:
-        """Typical magnitudes of the coordinates at the start of leg i: its states, and time if it is one."""
-        own = self.mesh.variation[list(self.passages[i].states)]
-        return np.append(own, self.mesh.total) if self.timed(i) else own
-
-    @property
-    def spectrum_size(self) -> int:
-        """Number of multipliers: dimension of the smallest section, pinned directions and those across the
-        surfaces of what is conserved left out.
-        """
-        left_out = len(self.pins) + len(self.system.conserved)
-        return self.layout.sizes[self.smallest] - 1 + int(self.forced) - left_out
 
     @property
     def clocked(self) -> bool:

@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
-from contwalk.problems.hybrid import cutting, families
+from contwalk.problems.hybrid import cutting
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.orbit.meeting import distance
 from contwalk.problems.problem import Sample
@@ -57,8 +58,8 @@ def _starts_a_leg(orbit: DiscretizedOrbit, z: np.ndarray, x: np.ndarray, periods
         start = passage.full(z[place])
         apart = x - start
         apart = apart - whole_turns(apart, periods)
-        along = families.directions(orbit.system, orbit.pins, start, orbit.values_of(z))
-        apart = families.across(apart, along, orbit.mesh.variation)
+        along = neutrals.directions(orbit.system, orbit.pins, start, orbit.values_of(z))
+        apart = neutrals.across(apart, along, orbit.mesh.variation)
         if float(np.linalg.norm(apart / orbit.mesh.variation)) < 30.0 * ALIKE:
             return True
     return False

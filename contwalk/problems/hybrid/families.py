@@ -6,17 +6,13 @@ A generator v is neutral if the field carries it along, Df v = Dv f, and each tr
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from contwalk.flow.compiled.traced import generator_field
 from contwalk.flow.hybrid.machine import HybridMachine
 from contwalk.problems.hybrid.lap import Lap
-from contwalk.problems.mapping import mapped
-from contwalk.problems.neutral import generator_at
-from contwalk.system import Neutral, System, Transition
-from contwalk.system.declarations import ParameterValues
+from contwalk.problems.neutral import directions
+from contwalk.system import Neutral, Transition
 
 # Both sides agree to this part of the size of their terms; a direction that vanishes but for this has none.
 NEUTRAL, VANISHES = 1e-10, 1e-9
@@ -36,28 +32,6 @@ def active(machine: HybridMachine, lap: Lap) -> list[Neutral]:
         if sizes[-1] > DEPENDENT * sizes[0]:
             found.append(neutral)
     return found
-
-
-def directions(
-    system: System, pins: Sequence[Neutral], x: np.ndarray, parameters: dict[str, float]
-) -> np.ndarray:
-    """Generators at a state as columns, shape (n, k)."""
-    return np.array([generator_at(pin, x, parameters) for pin in pins]).reshape(len(pins), len(x)).T
-
-
-def shifted(
-    system: System,
-    pins: Sequence[Neutral],
-    states: np.ndarray,
-    parameters: dict[str, float],
-    shares: np.ndarray,
-) -> np.ndarray:
-    """Many states, (k, n), each moved along the generators by its row of shares, (k, number of pins)."""
-    values, result = ParameterValues(**parameters), states.copy()
-    for j, pin in enumerate(pins):
-        along = mapped(f"generator of '{pin.name}'", pin.generator, states, values)
-        result += along * shares[:, j, None]
-    return result
 
 
 def commutes(
@@ -130,12 +104,3 @@ def _passed(machine: HybridMachine, neutral: Neutral, lap: Lap, k: int) -> bool:
         for sign in (1.0, -1.0)
     )
     return kept <= 0.0 and abs(moved[-1]) <= NEUTRAL * terms[-1]
-
-
-def across(apart: np.ndarray, along: np.ndarray, scale: np.ndarray) -> np.ndarray:
-    """A difference of states without its part along some directions, in the metric of the scales."""
-    if not along.shape[1]:
-        return apart
-    scaled = along / scale[:, None]
-    shares, *_ = np.linalg.lstsq(scaled, apart / scale, rcond=None)
-    return apart - along @ shares

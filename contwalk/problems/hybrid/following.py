@@ -7,7 +7,7 @@ import numpy as np
 from contwalk.flow.hybrid.machine import HybridMachine
 from contwalk.flow.hybrid.motion_segment import Control, MotionSegment
 from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments
-from contwalk.problems.hybrid import families
+from contwalk.problems import neutral as neutrals
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.layout import Segment
@@ -91,8 +91,8 @@ def _ends_alike(problem: DiscretizedOrbit, z: np.ndarray, i: int, arc: MotionSeg
         symmetry = problem.system.symmetry(problem.word.image) if problem.word.image else None
         expected = expected + problem.turns
         after = imaged(symmetry, after, ParameterValues(**problem.values_of(z)))
-    along = families.directions(problem.system, problem.pins, expected, problem.values_of(z))
-    apart = families.across(after - expected, along, problem.mesh.variation)
+    along = neutrals.directions(problem.system, problem.pins, expected, problem.values_of(z))
+    apart = neutrals.across(after - expected, along, problem.mesh.variation)
     if float(np.linalg.norm(apart / problem.mesh.variation)) > SAME_STATE:
         return f"the state after '{met}' is another one"
     return None

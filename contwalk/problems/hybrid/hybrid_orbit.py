@@ -26,7 +26,6 @@ from contwalk.problems.hybrid import (
     least,
     limits,
     metric,
-    monodromy,
     neighbours,
     observing,
     remesh,
@@ -37,13 +36,11 @@ from contwalk.problems.hybrid.diagnosis import HybridDiagnosis
 from contwalk.problems.hybrid.discretized_orbit import MOST_VIEWS, DiscretizedOrbit
 from contwalk.problems.hybrid.margins import Guarded, Limit, Margins
 from contwalk.problems.hybrid.mirror_image import HybridMirror, mirror_of
-from contwalk.problems.hybrid.return_map import EventMap
 from contwalk.problems.hybrid.stretch import Stretch
 from contwalk.problems.kinks import Kink
-from contwalk.problems.orbit import augmented, describing, equations, rates
+from contwalk.problems.orbit import augmented, describing, equations, monodromy, rates
 from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.multipliers import Multipliers
-from contwalk.problems.orbit.normal_forms import SectionMap
 from contwalk.problems.orbit.orbit_problem import OrbitProblem
 from contwalk.problems.orbit.points.catalogue import LIMIT_TYPES, POINT_TYPES
 from contwalk.problems.orbit.protocol import OrbitKind
@@ -226,14 +223,6 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
     def same(self, a: Sample, b: Sample) -> bool:
         """Whether two solutions at the same parameter are one orbit."""
         return equivalence.same(self, a, b)
-
-    def return_map(self, z: np.ndarray) -> SectionMap:
-        """The map that takes a section once round the orbit, for normal forms."""
-        return EventMap(self, z)
-
-    def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
-        """Multipliers of the closure, of the map of the smallest section."""
-        return monodromy.spectrum(self, z, jacobian)
 
     def flow_direction(self, z: np.ndarray, i: int, j: int = 0) -> np.ndarray:
         """What a later start of leg i, or of its segment j, on the same orbit differs by: see `monodromy`."""

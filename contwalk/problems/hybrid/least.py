@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.flow.hybrid.machine import hybrid_machine
-from contwalk.problems.hybrid import cutting, families
+from contwalk.problems import neutral as neutrals
+from contwalk.problems.hybrid import cutting
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind
 from contwalk.problems.hybrid.mirrors import Span, carries, why_not_carried
 from contwalk.problems.hybrid.switching import discretized, shifted
@@ -143,8 +144,8 @@ def _halves_alike(problem: DiscretizedOrbit, z: np.ndarray, symmetry: Symmetry) 
     scale = problem.mesh.variation
     for i in range(half):
         x = imaged(symmetry, _start(problem, z, i), p)
-        along = families.directions(problem.system, problem.pins, x, problem.values_of(z))
-        apart = families.across(x - _start(problem, z, i + half), along, scale)
+        along = neutrals.directions(problem.system, problem.pins, x, problem.values_of(z))
+        apart = neutrals.across(x - _start(problem, z, i + half), along, scale)
         own = list(problem.passages[i + half].states)
         if float(np.linalg.norm((apart / scale)[own])) >= ALIKE:
             return False

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contwalk.problems.hybrid import families
+from contwalk.problems import neutral as neutrals
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.shooting import AT_REST
 from contwalk.problems.orbit.closure import imaged
@@ -46,7 +46,7 @@ def _images(orbit: DiscretizedOrbit, z: np.ndarray, states: np.ndarray) -> np.nd
 def drift_scales(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
     """Drifts that move states by their variation in a closure, or those that there are, if larger."""
     x, variation = orbit.first_state(z), orbit.mesh.variation
-    along = families.directions(orbit.system, orbit.pins, x, orbit.values_of(z)) / variation[:, None]
+    along = neutrals.directions(orbit.system, orbit.pins, x, orbit.values_of(z)) / variation[:, None]
     typical = 1.0 / (np.linalg.norm(along, axis=0) * abs(orbit.duration(z)))
     return np.maximum(typical, np.abs(z[orbit.layout.drifts]))
 

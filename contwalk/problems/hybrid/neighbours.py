@@ -21,13 +21,14 @@ from contwalk.branch import SpecialPoint
 from contwalk.errors import ContwalkError, NotFinite, StartError
 from contwalk.numerics.linear import kernel_direction
 from contwalk.numerics.spectrum import complement
-from contwalk.problems.hybrid import beyond, cutting, limits, monodromy
+from contwalk.problems.hybrid import beyond, cutting, limits
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.following import follows
 from contwalk.problems.hybrid.least import least
 from contwalk.problems.hybrid.margins import Limit, Margins
 from contwalk.problems.hybrid.switching import discretized, rotated
 from contwalk.problems.hybrid.telling import first_sentence, told_once
+from contwalk.problems.orbit import monodromy
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.solving import newton_on
@@ -295,10 +296,9 @@ def _direction_of_orbit(
         if i == without:
             continue
         own, scalars = problem.layout.inputs(i, vector)
-        scale = scales[i]
-        direction = (np.append(own, scalars[1]) if problem.forced else own) / scale
+        direction = (np.append(own, scalars[1]) if problem.forced else own) / scales[i]
         along = [monodromy.flow_direction(problem, z, i), *monodromy.pinned_directions(problem, z, i)]
-        across = complement((np.array(along) / scale).T)
+        across = complement((np.array(along) / scales[i]).T)
         parts.append(across.T @ direction)
     whole = np.concatenate([*parts, [vector[-1] / weight]])
     return whole / max(float(np.linalg.norm(whole)), 1e-300)

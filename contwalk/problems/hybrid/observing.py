@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.errors import measured
-from contwalk.problems.hybrid import families, undefined
+from contwalk.problems import neutral as neutrals
+from contwalk.problems.hybrid import undefined
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.margins import Margins
 from contwalk.problems.hybrid.stretch import Stretch
@@ -40,7 +41,7 @@ def stretches(problem: DiscretizedOrbit, z: np.ndarray) -> list[Stretch]:
         if not len(drifts):
             return states
         shares = -(times - begins)[:, None] * drifts
-        return families.shifted(system, pins, states, values, shares)
+        return neutrals.shifted(system, pins, states, values, shares)
 
     found = [
         Stretch(leg.name, view, 0.0, drifted, system.states_of(leg.mode))
@@ -186,7 +187,7 @@ def held(problem: DiscretizedOrbit, z: np.ndarray, x: np.ndarray) -> np.ndarray:
     """A state moved along the pinned directions to where these are held."""
     values = problem.values_of(z)
     for pin, v in zip(
-        problem.pins, families.directions(problem.system, problem.pins, x, values).T, strict=True
+        problem.pins, neutrals.directions(problem.system, problem.pins, x, values).T, strict=True
     ):
         normal, apart = problem.held(pin, x, values)
         x = x - v * apart / float(normal @ v)
@@ -256,7 +257,7 @@ def growth(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
     """By how much each state is larger after the whole motion: turns of angles, and drifts."""
     x, values = orbit.first_state(z), orbit.values_of(z)
     drift = (
-        -orbit.duration(z) * families.directions(orbit.system, orbit.pins, x, values) @ z[orbit.layout.drifts]
+        -orbit.duration(z) * neutrals.directions(orbit.system, orbit.pins, x, values) @ z[orbit.layout.drifts]
     )
     if orbit.word.image:
         symmetry, p = orbit.system.symmetry(orbit.word.image), ParameterValues(**values)

@@ -11,7 +11,7 @@ from contwalk.flow.hybrid.machine import HybridMachine
 from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.flow.hybrid.motions import hybrid_machine, motion_segments
 from contwalk.memory import remembered
-from contwalk.problems.hybrid import families
+from contwalk.problems import neutral as neutrals
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind
 from contwalk.problems.hybrid.grouping import NO_TIME
 from contwalk.problems.hybrid.limits import ZERO, Limit, largest, limits_of_leg
@@ -135,7 +135,7 @@ def passed(
 def _held(problem: DiscretizedOrbit, z: np.ndarray, states: np.ndarray, since: np.ndarray) -> np.ndarray:
     """States of a motion, so long after its leg began, moved along pinned directions as the drifts say."""
     shares = np.outer(since, z[problem.layout.drifts])
-    return families.shifted(problem.system, problem.pins, states, problem.values_of(z), shares)
+    return neutrals.shifted(problem.system, problem.pins, states, problem.values_of(z), shares)
 
 
 def _switched(system: System, name: str, pieces: list[Piece], last: np.ndarray, least: float) -> list[Piece]:

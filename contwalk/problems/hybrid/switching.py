@@ -8,9 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk import flow
-from contwalk.problems.hybrid import cutting, monodromy
+from contwalk.problems.hybrid import cutting
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind
 from contwalk.problems.hybrid.shooting import AT_REST
+from contwalk.problems.orbit import monodromy
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.lifts import PLAIN

@@ -13,17 +13,12 @@ import numpy as np
 
 from contwalk.errors import NotFinite, StartError
 from contwalk.flow.hybrid.event_integrator import METHOD
-from contwalk.flow.hybrid.motion_segment import Control
-from contwalk.flow.hybrid.motions import (
-    HybridMachine,
-    MotionSegment,
-    applied,
-    hybrid_machine,
-    motion_segments,
-)
+from contwalk.flow.hybrid.motion_segment import Control, MotionSegment
+from contwalk.flow.hybrid.motions import HybridMachine, applied, hybrid_machine, motion_segments
 from contwalk.flow.hybrid.on_guard import check_on_guard
 from contwalk.flow.hybrid.past_zero import past_zero
 from contwalk.flow.hybrid.scales import magnitudes
+from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.conserving import ONE_OF_EACH_VALUE
 from contwalk.problems.forcing import period_at
@@ -398,8 +393,8 @@ class _Search:
         apart = apart - whole_turns(apart, self.turns)
         if self.neutral:
             for k in np.flatnonzero(alike):
-                along = families.directions(self.system, self.neutral, recent[k].state, self.parameters)
-                apart[k] = families.across(apart[k], along, arrival.scale)
+                along = neutrals.directions(self.system, self.neutral, recent[k].state, self.parameters)
+                apart[k] = neutrals.across(apart[k], along, arrival.scale)
         missed = np.linalg.norm(apart / arrival.scale, axis=1)
         lasted = arrival.time - np.array([first.start for first in recent])
         if self.period:

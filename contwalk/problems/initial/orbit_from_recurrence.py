@@ -9,6 +9,7 @@ import numpy as np
 
 from contwalk.errors import StartError
 from contwalk.flow.hybrid.motions import HybridMachine, hybrid_machine
+from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.forcing import period_at
 from contwalk.problems.hybrid import cutting, families
@@ -116,8 +117,8 @@ def _placed(system: System, pins: Sequence[Neutral], lap: Lap, parameters: dict[
     if lap.origin is None or not pins:
         return lap
     first = lap.stretches[0].state
-    along = families.directions(system, pins, first, parameters)
-    if not np.array_equal(along, families.directions(system, pins, lap.origin, parameters)):
+    along = neutrals.directions(system, pins, first, parameters)
+    if not np.array_equal(along, neutrals.directions(system, pins, lap.origin, parameters)):
         return lap
     held = [system.state_names.index(pin.pin) for pin in pins if pin.pin is not None and pin.value is None]
     if len(held) < len(pins):
@@ -139,13 +140,13 @@ def _drifting(
     first, states = lap.stretches[0], [stretch.state for stretch in lap.stretches]
     if not problem.pins:
         return np.zeros(0), states
-    along = families.directions(problem.system, problem.pins, first.state, parameters)
+    along = neutrals.directions(problem.system, problem.pins, first.state, parameters)
     apart, scale = lap.returned - first.state, lap.magnitudes
     shares, *_ = np.linalg.lstsq(along / scale[:, None], apart / scale, rcond=None)
     drifts = -shares / sum(stretch.duration for stretch in lap.stretches)
     moved = []
     for stretch in lap.stretches:
-        own = families.directions(problem.system, problem.pins, stretch.state, parameters)
+        own = neutrals.directions(problem.system, problem.pins, stretch.state, parameters)
         moved.append(stretch.state + (stretch.start - first.start) * own @ drifts)
     return drifts, moved
 

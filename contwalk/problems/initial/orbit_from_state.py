@@ -10,6 +10,7 @@ from contwalk.errors import StartError
 from contwalk.flow.hybrid.machine import hybrid_machine
 from contwalk.flow.method import choose
 from contwalk.flow.path import ErrorControl
+from contwalk.problems import neutral as neutrals
 from contwalk.problems.conserving import with_own_values
 from contwalk.problems.forcing import period_at
 from contwalk.problems.hybrid import families
@@ -109,7 +110,7 @@ def _neutral(system: System, line: ParameterLine, at: float, x: np.ndarray) -> l
     for neutral in system.neutral:
         if not all(families.commutes(machine, neutral, mode, 0.0, x, scale) for machine in machines):
             continue
-        together = families.directions(system, [*found, neutral], x, parameters)
+        together = neutrals.directions(system, [*found, neutral], x, parameters)
         sizes = np.linalg.svd(together / scale[:, None], compute_uv=False)
         if sizes[-1] > families.DEPENDENT * sizes[0]:
             found.append(neutral)

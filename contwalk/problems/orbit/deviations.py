@@ -38,7 +38,7 @@ class SmoothDeviations:
 
     @cached_property
     def _factors(self) -> list[np.ndarray]:
-        return self.problem.factors(self.problem.linearize(self.z).jacobian)
+        return monodromy.chain(self.problem, self.problem.linearize(self.z).jacobian)[0]
 
     def mode(self, number: int) -> Mode:
         """A mode by the number of its multiplier, from 1 on; it starts across the neutral directions.
@@ -51,7 +51,7 @@ class SmoothDeviations:
         problem, z = self.problem, self.z
         found = problem.multipliers(z, problem.linearize(z).jacobian)
         multiplier = chosen_multiplier(found.values, number)
-        neutral, own = monodromy.neutral_directions(problem, z, self._factors)[0], problem.mesh.variation
+        neutral, own = monodromy.neutral_directions(problem, z, 0), problem.mesh.variation
         product = np.eye(problem.states)
         for factor in self._factors:
             product = factor @ product

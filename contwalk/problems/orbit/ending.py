@@ -89,9 +89,9 @@ def unborn(problem: SegmentedOrbit, a: Sample, b: Sample) -> Outcome | None:
 def _extent(problem: SegmentedOrbit, sample: Sample) -> float:
     """How far an orbit goes in one closure at its present speed, in the metric."""
     n = problem.states
-    return float(np.linalg.norm(problem.velocity(sample.z) / sample.weights[:n])) * np.sqrt(
-        problem.mesh.segments
-    )
+    return float(
+        np.linalg.norm(problem.velocity(sample.z) * problem.duration(sample.z) / sample.weights[:n])
+    ) * np.sqrt(problem.mesh.segments)
 
 
 def slow_places(problem: SegmentedOrbit, z: np.ndarray) -> list[SlowPlace]:

@@ -48,8 +48,8 @@ class Positions(ABC):
 
     Attributes
     ----------
-    legs, cuts
-        Number of legs, and of segments of each.
+    legs, sizes, cuts
+        Number of legs, of states of each, and of its segments.
     size
         Number of unknowns without the free parameter, which comes last.
     segments
@@ -68,6 +68,7 @@ class Positions(ABC):
     """
 
     legs: int
+    sizes: tuple[int, ...]
     cuts: tuple[int, ...]
     size: int
     segments: list[Segment]
@@ -115,7 +116,7 @@ class ClosureLayout(Positions):
     def __init__(self, states: int, forced: bool, pins: int, cuts: int) -> None:
         total, timed = cuts * states, int(not forced)
         places = [slice(i * states, (i + 1) * states) for i in range(cuts)]
-        self.legs, self.cuts, self.size = 1, (cuts,), total + timed + pins
+        self.legs, self.sizes, self.cuts, self.size = 1, (states,), (cuts,), total + timed + pins
         self.states, self.matches, self._scalars = places[:1], places[-1:], slice(total, None)
         self.durations, self.drifts = slice(total, total + timed), slice(total + timed, self.size)
         self.rest = self.exact = slice(total, self.size)

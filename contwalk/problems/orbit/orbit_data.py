@@ -18,14 +18,19 @@ from contwalk.problems.orbit.passage import Passage
 from contwalk.problems.orbit.piece import Piece
 from contwalk.problems.orbit.protocol import Orbit
 from contwalk.problems.orbit.section import Reference
+from contwalk.problems.orbit.word import Word
 from contwalk.problems.parameter_line import Ends, ParameterLine
 from contwalk.system import Neutral, System
+
+# An orbit that goes a smaller part of its own size in one period has become a point.
+MOVES = 1e-2
 
 
 class OrbitData(Orbit):
     """A system, the line of its parameters, what is pinned, and how finely orbits are computed."""
 
     layout: Positions
+    word: Word
     turns: np.ndarray
     # Of an integral phase condition, the orbit to which the phase is nearest.
     reference_orbit: Reference | None = None
@@ -104,6 +109,46 @@ class OrbitData(Orbit):
         for place, passage in self.places:
             result[place] = own[list(passage.states)]
         return result
+
+    @property
+    def eventful(self) -> bool:
+        """Whether the closure ends with an event."""
+        return self.word.eventful
+
+    @property
+    def smallest(self) -> int:
+        """The leg whose start has fewest states, of those that last: on a collapsed one there is no flow.
+
+        Without an event only the first one is a section.
+        """
+        if not self.word.eventful:
+            return 0
+        lasting = [i for i, leg in enumerate(self.word.legs) if not leg.collapsed]
+        return min(lasting, key=lambda i: self.layout.sizes[i])
+
+    def timed(self, i: int) -> bool:
+        """Whether the time is a coordinate of the start of leg i: it may begin earlier or later."""
+        return self.forced and (self.word.eventful or i > 0)
+
+    def extended(self, i: int) -> np.ndarray:
+        """Typical magnitudes of the coordinates at the start of leg i: its states, and time if it is one."""
+        own = self.mesh.variation[list(self.passages[i].states)]
+        return np.append(own, self.mesh.total) if self.timed(i) else own
+
+    @property
+    def spectrum_size(self) -> int:
+        """Number of multipliers: dimension of the smallest section, pinned directions and those across the
+        surfaces of what is conserved left out.
+        """
+        left_out = len(self.pins) + len(self.system.conserved)
+        return self.layout.sizes[self.smallest] - 1 + int(self.forced) - left_out
+
+    def moves(self, z: np.ndarray) -> bool:
+        """Whether the orbit of z is more than a point; of a forced system it may be one."""
+        if self.forced:
+            return True
+        way = self.velocity(z) * self.duration(z) / self.mesh.variation[list(self.passages[0].states)]
+        return float(np.linalg.norm(way)) > MOVES
 
     def values_of(self, z: np.ndarray) -> dict[str, float]:
         """All parameters at z, by name."""

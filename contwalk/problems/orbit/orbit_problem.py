@@ -6,9 +6,12 @@ from typing import Self
 
 import numpy as np
 
-from contwalk.problems.orbit import augmented, branching, equations, rates, scales, variations
+from contwalk.problems.orbit import augmented, branching, equations, monodromy, rates, scales, variations
 from contwalk.problems.orbit.discretization import FINEST
+from contwalk.problems.orbit.multipliers import Multipliers
+from contwalk.problems.orbit.normal_forms import SectionMap
 from contwalk.problems.orbit.orbit_data import OrbitData
+from contwalk.problems.orbit.return_map import ReturnMap
 from contwalk.problems.problem import Located, Sample
 
 
@@ -78,6 +81,16 @@ class OrbitProblem(OrbitData):
     def derivative_along(self, z: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Derivative by z of DF(z) v for a real v of length N + 1, shape (N, N + 1)."""
         return variations.derivative_along(self, z, v)
+
+    # -- once round --------------------------------------------------------------------------------------
+
+    def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
+        """Multipliers of the closure, without the flow's own and the pinned ones."""
+        return monodromy.spectrum(self, z, jacobian)
+
+    def return_map(self, z: np.ndarray) -> SectionMap:
+        """The map that takes a section once round the orbit, for normal forms."""
+        return ReturnMap(self, z)
 
     # -- discretisations ---------------------------------------------------------------------------------
 

@@ -25,7 +25,6 @@ from contwalk.problems.orbit.orbit_problem import OrbitProblem
 from contwalk.problems.orbit.period import period_and_slope
 from contwalk.problems.orbit.points.catalogue import POINT_TYPES
 from contwalk.problems.orbit.protocol import OrbitKind
-from contwalk.problems.orbit.return_map import ReturnMap
 from contwalk.problems.orbit.sampling import crossing, extremes, measured_along
 from contwalk.problems.orbit.section import Reference, better_phase, reference_of
 from contwalk.problems.orbit.segmented_orbit import MOST_KEPT, SAMPLES, SegmentedOrbit
@@ -76,7 +75,6 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
     """
 
     kind = "periodic_orbit"
-    eventful = False
     point_types = POINT_TYPES
     limited = None
     # Stability grows with the square of the amplitude, and drowns in the error of the steps nearer by.
@@ -229,10 +227,6 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
             and passed_over(self.system, *self.motion_of(z), self.values_of(z)),
         )
 
-    def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
-        """Multipliers of the closure without the flow's own and the pinned ones."""
-        return monodromy.spectrum(self, z, jacobian)
-
     def observables(self, z: np.ndarray, found: Multipliers) -> np.ndarray:
         """Values of `observable_names`, shape (o,)."""
         largest = float(np.abs(found.values[0])) if len(found.values) else float("nan")
@@ -319,12 +313,6 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         """The same problem, section included, on steps for located points."""
         tolerance = tolerance or self.discretization.marking
         return self.adapted_to(z, weights, tolerance)._with_phase_of(self)
-
-    # -- second derivatives ------------------------------------------------------------------------------
-
-    def return_map(self, z: np.ndarray) -> ReturnMap:
-        """The map that takes the section once round the orbit, for normal forms."""
-        return ReturnMap(self, z)
 
     def duration_gradient(self, z: np.ndarray) -> np.ndarray:
         """Derivative of the closure's duration by unknowns and free parameter, shape (N + 1,)."""

@@ -1,4 +1,11 @@
-"""The map of a section once round a smooth orbit, with its derivatives: the jet lift, segment by segment."""
+"""The map that takes the start of a leg once round an orbit, with its derivatives along curves: the jet lift.
+
+For an orbit with events it is the map of the whole space of starts (states, and time if forced): where a
+start lies on its own motion makes no difference, so the flow's own direction has the multiplier zero, which
+no normal form minds. Each leg's duration changes along a curve so that its guard stays zero, order by order.
+Where no event ends the closure, starts and ends of an autonomous orbit lie in its section. Across pinned
+directions starts and ends do not move: the drifts change along a curve so that they do not.
+"""
 
 from __future__ import annotations
 
@@ -9,105 +16,181 @@ import numpy as np
 from contwalk import flow
 from contwalk.numerics.spectrum import complement
 from contwalk.problems import neutral as neutrals
+from contwalk.problems.orbit import monodromy
 from contwalk.problems.orbit.lifts import JET, PLAIN, TANGENT
 from contwalk.problems.orbit.normal_forms import SectionMap, units
-from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
-from contwalk.system.declarations import ParameterValues
+from contwalk.problems.orbit.orbit_data import OrbitData
+from contwalk.problems.orbit.period import period_map
 
-# Samples of the critical deviation over a closure: evenly spaced, so that the mean converges fast.
+ORDERS = 3
+# Gauss-Legendre quadrature over a leg's own time: deviations are smooth between events.
+INSTANTS, SHARES = (0.5 * values for values in np.polynomial.legendre.leggauss(48))
+INSTANTS = INSTANTS + 0.5
+# Samples over a closure without events: evenly spaced, so that the mean converges fast.
 SAMPLES = 256
 
 
 class ReturnMap(SectionMap):
-    """The map of the section (of the whole state space, for a forced system) once round a closed orbit.
+    """The map from the start of the leg with fewest states to itself."""
 
-    Vectors are coordinates xi of shape (r,): x = x_0 + basis xi.
-    """
-
-    def __init__(self, problem: SegmentedOrbit, z: np.ndarray) -> None:
+    def __init__(self, problem: OrbitData, z: np.ndarray) -> None:
         self.problem, self.z = problem, z
-        n = problem.states
-        magnitudes = problem.mesh.variation
-        rows = []
-        if not problem.forced:
-            rows.append(problem.velocity(z) / magnitudes**2)
-        for pin in problem.pins:
-            assert problem.reference is not None
-            row = np.zeros(n)
-            if pin.pin is None:
-                row[:] = neutrals.generator_at(pin, problem.reference, problem.parameters)
-            else:
-                row[problem.system.state_names.index(pin.pin)] = 1.0
-            rows.append(row)
-        self.conditions = np.array(rows).reshape(len(rows), n)
-        scaled = self.conditions * magnitudes
-        self.basis = complement(scaled.T) * magnitudes[:, None] if len(rows) else np.diag(magnitudes)
+        self.first = problem.smallest
+        self.timed = problem.timed(self.first)
+        magnitudes = problem.extended(self.first)
+        held = [v / magnitudes**2 for v in monodromy.pinned_directions(problem, z, self.first)]
+        self.held = np.array(held).reshape(len(held), len(magnitudes))
+        rows = [*held]
+        if not (problem.eventful or problem.forced):
+            assert problem.section is not None
+            rows.append(problem.section.normal)
+        self.basis = np.diag(magnitudes)
+        if rows:
+            self.basis = complement((np.array(rows) * magnitudes).T) * magnitudes[:, None]
         self.coordinates = (self.basis / magnitudes[:, None]).T / magnitudes
 
     @cached_property
-    def _by_scalars(self) -> np.ndarray:
-        """Derivative of the end by period, drifts and free parameter, shape (n, k)."""
-        problem, m, n = self.problem, self.problem.mesh.segments, self.problem.states
-        jacobian = problem.linearize(self.z).jacobian
-        factors = problem.factors(jacobian)
-        total = np.zeros((n, len(problem.passage.columns)))
-        for i in range(m):
-            total = factors[i] @ total + jacobian[i * n : (i + 1) * n, m * n :]
-        return total
+    def _round_trip(self) -> list[int]:
+        """Numbers of all segments, from the first of the leg that the map starts with on."""
+        layout = self.problem.layout
+        before = sum(layout.cuts[: self.first])
+        return [(before + k) % len(layout.segments) for k in range(len(layout.segments))]
 
-    def _held(self, end: np.ndarray) -> np.ndarray:
-        """Change of period and drifts that brings an end back into section and pins."""
-        if not len(self.conditions):
-            return np.zeros(0)
-        own = self.conditions @ self._by_scalars[:, :-1]
-        return -np.linalg.solve(own, self.conditions @ end)
+    @cached_property
+    def _inputs(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        layout = self.problem.layout
+        return [layout.inputs_of(segment, self.z) for segment in layout.segments]
+
+    @cached_property
+    def _rates(self) -> list[tuple[np.ndarray, float]]:
+        """Of each segment, the derivatives of its end and of what ends it by its duration; one that another
+        one follows has its own at all times.
+        """
+        problem, found = self.problem, []
+        for piece, (x, scalars) in zip(problem.segments, self._inputs, strict=True):
+            if piece.inner or not piece.passage.groups["T"]:
+                found.append((np.zeros(len(x)), np.inf))
+                continue
+            _, moved = piece.differentiated(PLAIN, x, scalars)
+            column, width = moved[:, len(x)], len(piece.passage.following)
+            found.append((column[:width], self._ending(column, width)))
+        return found
+
+    def _ending(self, end: np.ndarray, width: int) -> float:
+        """What ends a leg, of one order of its end: the guard, or where there is none the section."""
+        if len(end) > width:
+            return float(end[width])
+        assert self.problem.section is not None or self.problem.forced
+        return 0.0 if self.problem.section is None else float(self.problem.section.normal @ end[:width])
 
     def curve(
         self, x1: np.ndarray, x2: np.ndarray | None = None, lam: float = 0.0, order: int = 3
     ) -> list[np.ndarray]:
-        """First derivatives, up to `order`, of the image of the curve x_0 + s x1 + s^2 x2 / 2, lambda +
-        s lam.
+        """First derivatives, up to `order`, of the image of the curve xi = s x1 + s^2 x2 / 2, lambda
+        + s lam.
         """
-        problem, n = self.problem, self.problem.states
-        k = len(problem.passage.columns)
-        directions = [np.zeros(k) for _ in range(3)]
-        directions[0][-1] = lam
-        start = [self.basis @ x1, np.zeros(n) if x2 is None else self.basis @ x2, np.zeros(n)]
+        start = [self.basis @ x1, np.zeros(len(self.basis)) if x2 is None else self.basis @ x2]
+        start.append(np.zeros(len(self.basis)))
+        drifts = [np.zeros(len(self.held)) for _ in range(ORDERS)]
+        if not len(self.held):
+            return [self.coordinates @ end for end in self._round(start, drifts, lam, order)]
+        images = []
+        for j in range(order):
+            end = self._round(start, drifts, lam, j + 1)[j]
+            drifts[j] = self._holding(end)
+            images.append(self.coordinates @ (end + self._by_drifts @ drifts[j]))
+        return images
+
+    def _round(
+        self, start: list[np.ndarray], drifts: list[np.ndarray], lam: float, order: int
+    ) -> list[np.ndarray]:
+        """Derivatives of the end of a curve of starts, at drifts that change along it."""
+        layout = self.problem.layout
+        width = layout.sizes[self.first]
+        states = [entry[:width] for entry in start]
+        times = [float(entry[width]) if self.timed else 0.0 for entry in start]
+        period = self._period(lam)
+        for k in self._round_trip:
+            states, times = self._through(k, states, times, drifts, lam, period, order)
+        if not self.timed:
+            return states[:order]
+        return [np.append(states[j], times[j] - period[j]) for j in range(order)]
+
+    @cached_property
+    def _by_drifts(self) -> np.ndarray:
+        """Derivative of the end by the drifts of pinned directions, shape (r, k)."""
+        count, still = len(self.held), [np.zeros(len(self.basis))] * ORDERS
+        columns = []
+        for j in range(count):
+            drifts = [np.eye(count)[j], np.zeros(count), np.zeros(count)]
+            columns.append(self._round(still, drifts, 0.0, 1)[0])
+        return np.array(columns).T
+
+    def _holding(self, end: np.ndarray) -> np.ndarray:
+        """Change of the drifts that brings an end back to where pinned directions are held."""
+        return -np.linalg.solve(self.held @ self._by_drifts, self.held @ end)
+
+    def _period(self, lam: float) -> list[float]:
+        """Derivatives of a forced closure's duration along the curve."""
+        problem = self.problem
+        if problem.layout.sum is None:
+            return [0.0] * ORDERS
+        map_ = period_map(problem.system, problem.line.own, problem.line.direction, JET)
+        given = np.concatenate([self.z[-1:], problem.line.constants, [lam], [0.0], [0.0]])
+        return (problem.forcings * map_(0.0, np.zeros(0), map_.constants(given)))[1:].tolist()
+
+    def _through(
+        self,
+        number: int,
+        states: list[np.ndarray],
+        times: list[float],
+        drifts: list[np.ndarray],
+        lam: float,
+        period: list[float],
+        order: int,
+    ) -> tuple[list[np.ndarray], list[float]]:
+        """Derivatives of state and time at the next segment's start, a leg's duration held to its event."""
+        problem, piece, (x, scalars) = self.problem, self.problem.segments[number], self._inputs[number]
+        by_duration, rate = self._rates[number]
+        width, groups = len(by_duration), piece.passage.groups
+        lasting = [0.0] * ORDERS
         ends: list[np.ndarray] = []
         for j in range(order):
-            end = self._jet(start, directions)[j]
-            held = self._held(end)
-            directions[j][: k - 1] = held
-            ends.append(self.coordinates @ (end + self._by_scalars[:, : k - 1] @ held))
-        return ends
-
-    def _jet(self, start: list[np.ndarray], directions: list[np.ndarray]) -> list[np.ndarray]:
-        """Derivatives 1, 2, 3 of the end along a curve of starts and scalars."""
-        problem, n = self.problem, self.problem.states
-        starts, scalars, pieces = problem.starts(self.z), problem.scalars(self.z), problem.segments
-        jets = np.concatenate(start)
-        for i in range(problem.mesh.segments):
-            y = np.concatenate([starts[i], jets])
-            jets = pieces[i].end(JET, y, scalars, *directions)[n:]
-        return [jets[:n], jets[n : 2 * n], jets[2 * n :]]
+            directions = []
+            for o in range(ORDERS):
+                lasts, begins = [lasting[o]] * groups["T"], [times[o]] * groups["s"]
+                directions.append(np.array([*lasts, *begins, *drifts[o], lam if o == 0 else 0.0]))
+            jets = np.concatenate([x, *states])
+            out = piece.end(JET, jets, scalars, *directions)
+            each = len(out) // (ORDERS + 1)
+            end = out[(j + 1) * each : (j + 2) * each]
+            if piece.inner or not groups["T"]:
+                lasting[j] = 0.0
+            elif piece.passage.leg.transition is not None or not problem.forced:
+                lasting[j] = -self._ending(end, width) / rate
+            else:
+                lasting[j] = period[j] - times[j]
+            ends.append(end[:width] + by_duration * lasting[j])
+        later = [t + d for t, d in zip(times, lasting, strict=True)]
+        return ends + [np.zeros(width)] * (ORDERS - order), later
 
     @cached_property
     def a(self) -> np.ndarray:
         """A, shape (r, r)."""
         problem = self.problem
-        whole = np.eye(problem.states)
-        for factor in problem.factors(problem.linearize(self.z).jacobian):
-            whole = factor @ whole
-        moved = whole @ self.basis
-        for j in range(moved.shape[1]):
-            moved[:, j] += self._by_scalars[:, :-1] @ self._held(moved[:, j])
+        moved = monodromy.once_round(problem, problem.linearize(self.z).jacobian, self.first) @ self.basis
+        if not (problem.eventful or problem.forced):
+            by_duration, rate = self._rates[-1]
+            assert problem.section is not None
+            moved -= np.outer(by_duration, problem.section.normal @ moved) / rate
+        if len(self.held):
+            moved += self._by_drifts @ self._holding(moved)
         return self.coordinates @ moved
 
     @cached_property
     def by_parameter(self) -> np.ndarray:
         """Derivative of the map by the free parameter, shape (r,)."""
-        end = self._by_scalars[:, -1]
-        return self.coordinates @ (end + self._by_scalars[:, :-1] @ self._held(end))
+        return self.curve(np.zeros(self.basis.shape[1]), None, 1.0, 1)[0]
 
     def size(self, q: np.ndarray) -> float:
         """Root mean square over the closure of the deviation that starts as q, across the flow."""
@@ -115,26 +198,54 @@ class ReturnMap(SectionMap):
         return float(np.sqrt(sum(self._mean_square(self.basis @ part) for part in parts)))
 
     def _mean_square(self, v: np.ndarray) -> float:
-        problem, n = self.problem, self.problem.states
-        field, values = problem.passage.field(TANGENT), problem.given(self.z)
-        c = field.constants(np.concatenate([values, np.zeros(len(problem.passage.columns))]))
-        even = np.arange(SAMPLES) / SAMPLES
-        sampled = []
-        for steps, x in zip(problem.mesh.steps, problem.starts(self.z), strict=True):
-            nodes = flow.along(field, c, steps, np.concatenate([x, v]), problem.mesh.method)
-            inside = even[(even >= steps[0]) & (even < steps[-1])]
-            sampled.append(flow.dense(field, c, steps, nodes, inside, problem.mesh.method))
-            v = nodes[-1, n:]
-        states = np.concatenate(sampled)
-        # Half of a symmetric orbit covers more or less of it, depending on where it begins.
-        parameters = ParameterValues(**problem.values_of(self.z))
-        whole = np.concatenate(problem.closure.images(states[:, :n], parameters))
-        scale = units(problem.system, whole, problem.mesh.magnitudes)
-        deviations = states[:, n:] / scale
-        if not problem.forced:
-            plain = problem.passage.field(PLAIN)
-            own = plain.constants(values)
-            along = np.array([plain(t, x, own) for t, x in zip(even, states[:, :n], strict=True)]) / scale
-            along /= np.linalg.norm(along, axis=1, keepdims=True)
-            deviations -= np.sum(deviations * along, axis=1, keepdims=True) * along
-        return float(np.mean(np.sum(deviations**2, axis=1)))
+        problem, layout = self.problem, self.problem.layout
+        chain = monodromy.chain(problem, problem.linearize(self.z).jacobian)
+        factors, total = [factor for own in chain for factor in own], 0.0
+        half = units(problem.system, problem.motion_of(self.z)[1], problem.mesh.magnitudes)
+        for k in self._round_trip:
+            i = layout.segments[k].leg
+            piece, (x, scalars) = problem.segments[k], self._inputs[k]
+            n, field = len(x), piece.passage.field(TANGENT)
+            direction = np.zeros(len(scalars))
+            if problem.timed(i):
+                direction[1] = v[n]
+            c = field.constants(piece.values(scalars, direction))
+            nodes = flow.along(field, c, piece.steps, np.concatenate([x, v[:n]]), piece.method)
+            instants, shares = self._quadrature(k)
+            states = flow.interpolation(field, c, piece.steps, nodes, piece.method)(instants)
+            scale = half[list(piece.passage.states)]
+            deviations = self._across_pins(i, states[:, :n], states[:, n:]) / scale
+            if not problem.forced:
+                plain = piece.passage.field(PLAIN)
+                own = plain.constants(piece.values(scalars))
+                along = self._across_pins(i, states[:, :n], plain.along(instants, states[:, :n], own)) / scale
+                along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)
+                deviations -= np.sum(deviations * along, axis=1, keepdims=True) * along
+            total += float(shares @ np.sum(deviations**2, axis=1))
+            v = factors[k] @ v
+        return total
+
+    def _quadrature(self, number: int) -> tuple[np.ndarray, np.ndarray]:
+        """Instants of a segment, in the time of its steps, and their shares of a mean over the closure."""
+        problem, piece = self.problem, self.problem.segments[number]
+        if problem.eventful or problem.layout.legs > 1:
+            lasting, whole = abs(float(self._inputs[number][1][0])), abs(problem.duration(self.z))
+            return INSTANTS, SHARES * lasting / max(whole, 1e-300)
+        segment, even = problem.layout.segments[number], np.arange(SAMPLES) / SAMPLES
+        inside = even[(even >= segment.begin) & (even < segment.end)]
+        first, last = piece.steps[0], piece.steps[-1]
+        instants = first + (last - first) * (inside - segment.begin) / (segment.end - segment.begin)
+        return np.clip(instants, first, last), np.full(len(inside), 1.0 / SAMPLES)
+
+    def _across_pins(self, i: int, states: np.ndarray, deviations: np.ndarray) -> np.ndarray:
+        """Deviations at some states of a leg without their parts along pinned directions."""
+        problem = self.problem
+        if not problem.pins:
+            return deviations
+        passage, values = problem.passages[i], problem.values_of(self.z)
+        own, scale = list(passage.states), problem.mesh.variation[list(passage.states)]
+        result = []
+        for x, deviation in zip(passage.full(states), deviations, strict=True):
+            along = neutrals.directions(problem.system, problem.pins, x, values)[own]
+            result.append(neutrals.across(deviation, along, scale))
+        return np.array(result)

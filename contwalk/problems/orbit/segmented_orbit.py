@@ -26,6 +26,7 @@ from contwalk.problems.orbit.piece import Piece, passed
 from contwalk.problems.orbit.section import Section, section_at
 from contwalk.problems.orbit.shooting import Mesh, velocity
 from contwalk.problems.orbit.solution import Curve, Solution
+from contwalk.problems.orbit.word import Leg, Word
 from contwalk.problems.parameter_line import Ends
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
@@ -36,8 +37,6 @@ PARTS = 2
 MOST_KEPT = 12
 # Samples of an orbit that observables are computed from, beside the integrator's own steps.
 SAMPLES = 512
-# An orbit that goes a smaller part of its own size in one period has become a point.
-MOVES = 1e-2
 
 
 Kind = TypeVar("Kind", bound="SegmentedOrbit")
@@ -58,6 +57,7 @@ class SegmentedOrbit(OrbitData):
         discretization: Discretization | None = None,
     ) -> None:
         super().__init__(system, parameters, free, path, pins, reference, subharmonic, discretization)
+        self.word = Word((Leg(system.modes[0].name),))
         self._close(Closure(np.zeros(self.states)))
         self.parts = PARTS  # of the closure in which the steps are alike
         self._mesh: Mesh | None = None
@@ -153,21 +153,8 @@ class SegmentedOrbit(OrbitData):
         return self.solution(z).curve
 
     def velocity(self, z: np.ndarray) -> np.ndarray:
-        """dx/dt at the start, in units of the closure's duration."""
-        return self.solution(z).velocities[0]
-
-    def moves(self, z: np.ndarray) -> bool:
-        """Whether the orbit of z is more than a point; of a forced system it may be one."""
-        if self.forced:
-            return True
-        return float(np.linalg.norm(self.velocity(z) / self.mesh.variation)) > MOVES
-
-    def factors(self, jacobian: np.ndarray) -> list[np.ndarray]:
-        """Derivative of each segment's end by its start, from DF(z)."""
-        n, m = self.states, self.mesh.segments
-        if m == 1:
-            return [jacobian[:n, :n] + np.eye(n)]
-        return [jacobian[i * n : (i + 1) * n, i * n : (i + 1) * n] for i in range(m)]
+        """dx/dt at the start."""
+        return self.solution(z).velocities[0] / self.duration(z)
 
     @property
     def whole(self) -> tuple[str, int]:
@@ -226,9 +213,7 @@ class SegmentedOrbit(OrbitData):
     def motion_of(self, z: np.ndarray, number: int = SAMPLES) -> tuple[np.ndarray, np.ndarray]:
         """The whole motion: times in seconds, shape (k,), and states, shape (k, n)."""
         curve = self.curve(z)
-        times, states = curve.sampled(number)
-        if self.system.observables:
-            times, states = with_extrema(curve, times, states)
+        times, states = with_extrema(curve, *curve.sampled(number))
         duration, parameters = self.duration(z), ParameterValues(**self.values_of(z))
         pieces = self.closure.images(states, parameters)
         starts = np.arange(len(pieces)) * duration

@@ -17,6 +17,6 @@ def stretched(orbit: SegmentedOrbit, z: np.ndarray) -> bool:
     jacobian = orbit.linearize(z).jacobian
     if orbit.mesh.growth > TOO_MUCH or monodromy.trivial_error(orbit, z, jacobian) > MISSED:
         return True
-    variation, factors = orbit.mesh.variation, np.array(orbit.factors(jacobian))
+    variation, factors = orbit.mesh.variation, np.array(monodromy.chain(orbit, jacobian)[0])
     grown = np.linalg.norm(factors / variation[:, None] * variation, axis=(1, 2))
     return float(np.max(grown)) > STRETCHED

@@ -56,7 +56,7 @@ def at_orbit():
 def section_map(map_, z, xi, lam):
     """Coordinates of the first return near the period, by scipy."""
     x0, period = z[:4], float(z[4])
-    normal = map_.conditions[0]
+    normal = map_.problem.section.normal
     p = type("P", (), {"lam": lam})
 
     def right(t, x):
@@ -88,8 +88,8 @@ def differences(function, h):
 def test_the_basis_is_dual_and_lies_in_the_section(at_orbit):
     map_, _ = at_orbit
     np.testing.assert_allclose(map_.coordinates @ map_.basis, np.eye(3), rtol=0, atol=1e-14)
-    size = np.linalg.norm(map_.conditions)
-    np.testing.assert_allclose(map_.conditions @ map_.basis / size, np.zeros((1, 3)), rtol=0, atol=1e-14)
+    normal = map_.problem.section.normal
+    np.testing.assert_allclose(normal @ map_.basis / np.linalg.norm(normal), 0.0, rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize("seed", [0, 1])
