@@ -86,7 +86,7 @@ def command(
         options["amplitude"] = amplitude
     done = _animate(system, branch, where, Path(output), options, quiet)
     if not quiet:
-        click.echo(f"Wrote {done.path}: {_told(done, periods, system.time_unit)}.")
+        click.echo(f"Wrote {done.path}: {_described(done, periods, system.time_unit)}.")
 
 
 def _animate(
@@ -106,15 +106,15 @@ def _animate(
 
     from contwalk.cli.terminal import console
 
-    def told(done: int, number: int) -> None:
+    def progress(done: int, number: int) -> None:
         bar.update(task, completed=done, total=number)
 
     with Progress(console=console(stderr=True), transient=True) as bar:
         task = bar.add_task("frames", total=None)
-        return animate(system, branch, point, path, **options, progress=told)
+        return animate(system, branch, point, path, **options, progress=progress)
 
 
-def _told(done: Animated, periods: int, time: str) -> str:
+def _described(done: Animated, periods: int, time: str) -> str:
     from contwalk.cli.words import plural
     from contwalk.system.units import lasting
 

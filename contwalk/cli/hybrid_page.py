@@ -14,20 +14,20 @@ if TYPE_CHECKING:
 
     from contwalk.branch import Branch, SpecialPoint
     from contwalk.system import System
-    from contwalk.workflow.stored.legs import HybridFacts, MarginFact
+    from contwalk.workflow.stored.hybrid_facts import HybridFacts, MarginFact
 
 
 def facts_at(system: System | None, branch: Branch, point: SpecialPoint | int) -> HybridFacts | None:
-    """Legs and margins; None of other orbits, and where they cannot be had: why is said on stderr."""
+    """Segments and margins; None of other orbits, and where they cannot be had: why is said on stderr."""
     if system is None or branch.info.problem != "hybrid_orbit":
         return None
     from contwalk.cli.entry import say
-    from contwalk.workflow.stored.legs import facts_of
+    from contwalk.workflow.stored.hybrid_facts import facts_of
 
     try:
         return facts_of(system, branch, point)
     except ContwalkError as error:
-        say(f"Not shown: legs and margins of the orbit. {error}")
+        say(f"Not shown: segments and margins of the orbit. {error}")
         return None
 
 
@@ -63,8 +63,8 @@ def _meaning(point: SpecialPoint, own: MarginFact | None, system: System | None)
     name = f"'{own.name}'" if own is not None else "a guard"
     if point.label == "GR" and point.kind == "terminal":
         return (
-            f"the guard that ends a leg, {name}, is touched before the leg's end, or arrives there without "
-            "speed; where it passes zero there, the leg ends earlier."
+            f"the guard that ends a segment, {name}, is touched before its end, or arrives there without "
+            "speed; where it passes zero there, the segment ends earlier."
         )
     if point.label == "GR":
         about = _about(system, own.name if own is not None else "")
@@ -87,21 +87,21 @@ def _about(system: System | None, name: str) -> str:
     return f" ({about})" if about else ""
 
 
-def print_legs(out: Console, facts: HybridFacts | None, time: str) -> None:
-    """The legs of the closure with their modes and durations."""
+def print_segments(out: Console, facts: HybridFacts | None, time: str) -> None:
+    """The segments of the closure with their modes and durations."""
     if facts is None:
         return
     out.print()
     rows = [
-        [str(number), leg.mode, exact(leg.duration), time, leg.event or "the period ends"]
-        for number, leg in enumerate(facts.legs, start=1)
+        [str(number), segment.mode, exact(segment.duration), time, segment.event or "the period ends"]
+        for number, segment in enumerate(facts.segments, start=1)
     ]
-    table(out, ["leg", "mode", "duration", "unit" if time else "", "ended by"], rows, indent=4)
+    table(out, ["segment", "mode", "duration", "unit" if time else "", "ended by"], rows, indent=4)
 
 
 def print_margins(out: Console, facts: HybridFacts) -> None:
     """What must be positive, the least first."""
-    from contwalk.workflow.stored.legs import BELOW, ZERO
+    from contwalk.workflow.stored.hybrid_facts import BELOW, ZERO
 
     out.print()
     rows = []

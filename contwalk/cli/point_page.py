@@ -11,8 +11,8 @@ from contwalk.cli.hybrid_page import (
     admissible_line,
     facts_at,
     meaning_line,
-    print_legs,
     print_margins,
+    print_segments,
     signature_line,
 )
 from contwalk.cli.summary import free_value
@@ -103,7 +103,7 @@ def print_special(
     facts += _cost(branch.points[point.index]) if point.index < len(branch) else []
     for fact in facts:
         line(out, fact, indent=4)
-    print_legs(out, hybrid, with_unit("period", units))
+    print_segments(out, hybrid, with_unit("period", units))
     _values(out, "parameter", point.parameters.items(), units)
     _values(out, "state", point.state.items(), units)
     _ranges(out, branch, point.index, units)
@@ -135,16 +135,16 @@ def print_row(
     can = admissible_line(bool(point["admissible"]), branch, hybrid)
     for fact in [*can, *signature_line(branch), *facts, *_cost(point)]:
         line(out, fact, indent=4)
-    print_legs(out, hybrid, with_unit("period", units))
+    print_segments(out, hybrid, with_unit("period", units))
     parameters = {**info.parameters, **dict(zip(info.free, point["free"], strict=True))}
     _values(out, "parameter", parameters.items(), units)
     _values(out, "state", zip(info.states, point["state"], strict=True), units)
     _ranges(out, branch, row, units)
-    told = {margin.name for margin in hybrid.margins} if hybrid is not None else set()
+    named = {margin.name for margin in hybrid.margins} if hybrid is not None else set()
     observables = [
         (name, value)
         for name, value in zip(info.observables, point["observables"], strict=True)
-        if name not in told and not quantities.of_orbit(name)
+        if name not in named and not quantities.of_orbit(name)
     ]
     _values(out, "observable", observables, units)
     if hybrid is not None:

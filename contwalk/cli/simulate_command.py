@@ -87,7 +87,7 @@ def _print_events(out: Console, motion: object) -> None:
         line(out, "no events", indent=4)
         return
     several = len(motion.mode_names) > 1
-    told = zip(
+    happened = zip(
         names[:MOST_SHOWN],
         motion.event_times,
         motion.event_rising,
@@ -96,7 +96,7 @@ def _print_events(out: Console, motion: object) -> None:
         strict=False,
     )
     rows = []
-    for name, t, rising, mode, state in told:
+    for name, t, rising, mode, state in happened:
         where = ["rising" if rising else "falling", *([mode] if several else [])]
         rows.append([name, exact(t), *where, *(f"{value:.10g}" for value in state)])
     heads = ["event", "t", "direction", *(["mode after"] if several else []), *motion.states]

@@ -96,8 +96,8 @@ def _print_branch(
     if shown:
         line(out, ", ".join(f"{name} = {info.parameters[name]!r}" for name in shown), indent=4)
     style = "red" if outcome.status == "failed" else ""
-    told_later = errors_follow and outcome.status == "failed" and not len(branch)
-    said = "see the error below" if told_later else outcome.message
+    shown_later = errors_follow and outcome.status == "failed" and not len(branch)
+    said = "see the error below" if shown_later else outcome.message
     line(out, f"{outcome.status} ({outcome.reason}): {said}", indent=4, style=style)
     _print_special(out, branch)
 

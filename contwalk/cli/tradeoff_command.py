@@ -60,7 +60,7 @@ def command(
 
 def _numbers(text: str) -> tuple[float, ...]:
     try:
-        return tuple(dict.fromkeys(float(piece) for piece in text.split(",")))
+        return tuple(dict.fromkeys(float(number) for number in text.split(",")))
     except ValueError:
         raise ContwalkError(
             f"--accuracies {text}: this is not a list of numbers.",

@@ -85,10 +85,10 @@ def _compared(
     with Progress(console=console(stderr=True), transient=True) as bar:
         task = bar.add_task("points", total=len(points))
 
-        def told(comparison: Comparison) -> None:
+        def progress(comparison: Comparison) -> None:
             bar.update(task, advance=1, description=f"{comparison.branch}/{comparison.point}")
 
-        return verify(system, header, points, method, told)
+        return verify(system, header, points, method, progress)
 
 
 def _print(header: RunHeader, found: Sequence[Comparison]) -> None:

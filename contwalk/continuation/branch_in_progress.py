@@ -60,7 +60,7 @@ class BranchInProgress:
     rows: list[np.ndarray] = field(default_factory=list)
     special_points: list[SpecialPoint] = field(default_factory=list)
     outcomes: list[tuple[float, Outcome]] = field(default_factory=list)
-    told: set[str] = field(default_factory=set)
+    noted: set[str] = field(default_factory=set)
 
     def branch(self, outcome: Outcome) -> Branch:
         """The branch as it stands, ended like this."""
@@ -174,8 +174,8 @@ def resumed(
     for sign in signs:
         if sign in ends:
             end = ends[sign]
-            told = outcomes.restored(end, outcomes.goes_on(problem.point_types, end, events))
-            work.outcomes.append((sign, told))
+            outcome = outcomes.restored(end, outcomes.goes_on(problem.point_types, end, events))
+            work.outcomes.append((sign, outcome))
             continue
         side = kept[(np.sign(kept["s"]) == sign) & ~kept["special"]]
         if len(side):

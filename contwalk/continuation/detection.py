@@ -18,7 +18,7 @@ import numpy as np
 
 from contwalk.continuation.along import located_along
 from contwalk.continuation.double_crossings import knots_of
-from contwalk.continuation.kinds import all_told_by, crossed, pair, told_by
+from contwalk.continuation.kinds import crossed, kind_of_test, kinds_of_test, pair
 from contwalk.continuation.locating import (
     SAME_POINT,
     Disagreement,
@@ -74,9 +74,9 @@ def at_the_end(segment: Segment) -> list[Found]:
         return []
     which = int(critical[0])
     if segment.problem.diagnosis.many_branches(b.z):
-        kind = told_by(segment.problem, Test.ORIENTATION)
+        kind = kind_of_test(segment.problem, Test.ORIENTATION)
     else:
-        kind = crossed(segment.problem, b, which) or told_by(segment.problem, Test.TURN)
+        kind = crossed(segment.problem, b, which) or kind_of_test(segment.problem, Test.TURN)
     located = kind.locate(segment.problem, b, which)
     settled = located.settled() if located is not None and kind.test is not Test.TURN else None
     if settled is None or np.linalg.norm((settled.z - b.z) / segment.weights) > SAME_POINT:
@@ -148,7 +148,7 @@ def _branch_points(segment: Segment, low: float, high: float, known: list[Found]
     inside = [f for f in known if low < f.theta < high]
     if inside:
         return inside
-    value, kind = _singularity(segment, p, q), told_by(segment.problem, Test.ORIENTATION)
+    value, kind = _singularity(segment, p, q), kind_of_test(segment.problem, Test.ORIENTATION)
     found = locate(segment, kind, low, high, lambda t: value(segment.at(t)), 0)
     if found is None:
         raise Disagreement(kind, "The orientation changes, but no branch point is found.")
@@ -229,9 +229,9 @@ def at_branch_point(tangent: np.ndarray, weights: np.ndarray) -> np.ndarray:
 
 def _with_folds(segment: Segment, low: float, high: float, branch_points: list[Found]) -> list[Found]:
     """Branch points, and folds on the pieces between them; at them the tangent is known exactly."""
-    if not all_told_by(segment.problem, Test.TURN):  # along a curve in two parameters a turn is none
+    if not kinds_of_test(segment.problem, Test.TURN):  # along a curve in two parameters a turn is none
         return branch_points
-    turning, crossing = (told_by(segment.problem, test) for test in (Test.TURN, Test.ORIENTATION))
+    turning, crossing = (kind_of_test(segment.problem, test) for test in (Test.TURN, Test.ORIENTATION))
     ends = [(low, _share(segment.at(low)))]
     for bp in branch_points:
         tangent = crossing.tangent(segment.problem, bp.located, bp.sample)
@@ -246,7 +246,7 @@ def _with_folds(segment: Segment, low: float, high: float, branch_points: list[F
             found.append(fold)
     if found or not ends[0][1] * ends[-1][1] < 0.0:
         return branch_points + found
-    return [piece for bp in branch_points for piece in _with_its_fold(segment, low, high, bp)]
+    return [found for bp in branch_points for found in _with_its_fold(segment, low, high, bp)]
 
 
 def _with_its_fold(segment: Segment, low: float, high: float, point: Found) -> list[Found]:
@@ -258,7 +258,7 @@ def _with_its_fold(segment: Segment, low: float, high: float, point: Found) -> l
     sides = _sides(segment, point)
     if not _twice_critical(point.sample, sides):
         return [point]
-    turning = told_by(segment.problem, Test.TURN)
+    turning = kind_of_test(segment.problem, Test.TURN)
     for side in sides:  # at the branch point itself the equations of the fold are singular
         fold = accepted(segment, turning, side, 0, low, high)
         if fold is not None and _turns_along(fold, side):
@@ -333,9 +333,9 @@ def _flat_fold(segment: Segment, low: float, high: float, crossings: list[tuple[
     """
     ends = [segment.at(theta) for theta in (low, high)]
     share = max(abs(float(end.tangent[-1] / end.weights[-1])) for end in ends)
-    kind = told_by(segment.problem, Test.TURN)
+    kind = kind_of_test(segment.problem, Test.TURN)
     if share > FLAT:
-        likely = kind if share < NEARLY_FLAT else told_by(segment.problem, Test.ORIENTATION)
+        likely = kind if share < NEARLY_FLAT else kind_of_test(segment.problem, Test.ORIENTATION)
         raise Disagreement(
             likely, "A real eigenvalue passes zero where there is no fold and no branch point."
         )

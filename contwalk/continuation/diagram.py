@@ -170,9 +170,9 @@ class Diagram:
         if twin is not None:
             return twin
         if start.leaves is not None and start.leaves.births:
-            ending = next((b.name for b in self.branches if _ends_at_point(b, state)), None)
-            if ending is not None:
-                return Known(ending)
+            family = next((b.name for b in self.branches if _ends_at_point(b, state)), None)
+            if family is not None:
+                return Known(family)
         # A branch point lies on the parent anyway: look at the first points away from it.
         mirrored = self._mirror(start.opening, start) is not None
         facing = (state if sign > 0 else turned(state) for sign in self._signs(start)[: 1 if mirrored else 2])
@@ -264,8 +264,8 @@ class Diagram:
             if stored is None:
                 yield Began(work.info)
                 if problem.meshed is not None:
-                    told = f"{work.info.name}: integrated by {problem.meshed.method}."
-                    yield Noted(f"method {work.info.name}", told)
+                    text = f"{work.info.name}: integrated by {problem.meshed.method}."
+                    yield Noted(f"method {work.info.name}", text)
             yield from self._kinks(problem, work, opening.state.sample, opening.state.sample)
             work.rows = [to_row(work.info, problem, opening.state, 1.0, None)]
             yield Found(work.info, work.rows[0], None)
@@ -327,7 +327,7 @@ class Diagram:
         other = mirror_images.differing(mirror, half, numbers)
         if other is not None:
             why = f"'{work.info.observables[other]}', which is looked for, is not the same there"
-            yield Noted(key, mirror_images.told_walked(work.info, mirror, 0, why))
+            yield Noted(key, mirror_images.walked_sentence(work.info, mirror, 0, why))
             return False
         if not mirror_images.continues(mirror, half, done):
             return False
@@ -339,7 +339,7 @@ class Diagram:
                 value = float(step[-1].row["free"][0, 0])
                 count = sum(1 for row in work.rows if row["s"][0] < 0.0)
                 why = f"at {problem.line.free} = {value:.10g} {images}"
-                yield Noted(key, mirror_images.told_walked(work.info, mirror, count, why))
+                yield Noted(key, mirror_images.walked_sentence(work.info, mirror, count, why))
                 return False
             for row, point in images:
                 sample = mirror.sample(row[0])
@@ -350,10 +350,10 @@ class Diagram:
                     work.special_points.append(point)
                 yield Found(work.info, row, point)
             before = images[-1][0]
-        told = next(outcome for sign, outcome in work.outcomes if sign > 0.0)
-        outcome, end = mirror_images.end_of_image(work.info, mirror, half.end, told, work.rows[-1])
+        outcome = next(outcome for sign, outcome in work.outcomes if sign > 0.0)
+        outcome, end = mirror_images.end_of_image(work.info, mirror, half.end, outcome, work.rows[-1])
         # Before the end itself is: a run that is killed between the two tells it again.
-        yield Noted(key, mirror_images.told(work.info, mirror, sum(map(len, half.steps))))
+        yield Noted(key, mirror_images.image_sentence(work.info, mirror, sum(map(len, half.steps))))
         work.outcomes.append((-1.0, outcome))
         work.special_points.append(end)
         yield Found(work.info, None, end)
@@ -364,8 +364,8 @@ class Diagram:
         of = "equilibria" if problem.meshed is None else "orbits"
         for kink in problem.diagnosis.kinks_between(a, b):
             key = f"kink {work.info.name} {kink.order} {kink.where}"
-            if key not in work.told:
-                work.told.add(key)
+            if key not in work.noted:
+                work.noted.add(key)
                 yield Noted(key, f"{work.info.name}: {kink.sentence(of)}")
 
     def _start_marks(self, work: BranchInProgress, opening: Opening, observer: Observer) -> Iterator[Found]:

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from contwalk.continuation.kinds import crossed, told_by
+from contwalk.continuation.kinds import crossed, kind_of_test
 from contwalk.continuation.locating import Disagreement, Found, accepted, locate_multiple
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.errors import NotFinite
@@ -60,7 +60,7 @@ def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | Non
     try:
         there = finest(segment.problem, sample.z, segment.weights)
     except NotFinite as error:
-        kind = crossed(segment.problem, sample, which) or told_by(segment.problem, Test.ORIENTATION)
+        kind = crossed(segment.problem, sample, which) or kind_of_test(segment.problem, Test.ORIENTATION)
         raise Disagreement(kind, f"Two crossings may hide there: {error.sentence}") from None
     if there is None:
         return None
@@ -79,7 +79,7 @@ def _close_pair(segment: Segment, which: int, theta: float) -> list[Found] | Non
     for low, high, before, after in ((0.0, middle, outside, inside), (middle, 1.0, inside, outside)):
         point = _crossing_between(part, which, low, high)
         if point is None:
-            kind = crossed(there, part.at(middle), which) or told_by(there, Test.ORIENTATION)
+            kind = crossed(there, part.at(middle), which) or kind_of_test(there, Test.ORIENTATION)
             raise Disagreement(kind, "Of two near crossings one is lost.")
         position = sides[0] + point.theta * (sides[1] - sides[0])
         found.append(replace(point, theta=position, before=before, after=after, counted=True))

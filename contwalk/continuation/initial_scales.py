@@ -27,20 +27,20 @@ def initial_magnitudes(
     Beside what solution and equations tell, an unknown that does not tell its own is given how far it moves
     while the parameter changes by its weight, or an unknown that is not zero by its own size.
     """
-    quiet = _without_noise(problem, z, linearization)
-    magnitudes = quiet.magnitudes
-    told = np.abs(z) >= 0.5 * np.nan_to_num(magnitudes)
-    told &= np.isfinite(magnitudes) & (magnitudes > 0.0)
+    clean = _without_noise(problem, z, linearization)
+    magnitudes = clean.magnitudes
+    sized = np.abs(z) >= 0.5 * np.nan_to_num(magnitudes)
+    sized &= np.isfinite(magnitudes) & (magnitudes > 0.0)
     known = np.where(np.isfinite(magnitudes) & (magnitudes > 0.0), magnitudes, 1.0)
     known[-1] = parameter_weight
     tangent = np.abs(kernel_direction(linearization.jacobian, known))
-    told[-1] = True
-    moving = told & (tangent > 0.0)
+    sized[-1] = True
+    moving = sized & (tangent > 0.0)
     if not np.any(moving):
         return magnitudes
     moved = tangent * float(np.min(known[moving] / tangent[moving]))
     moved[moved < _NOTHING * known] = 0.0
-    further = ~told & (moved > 0.0)
+    further = ~sized & (moved > 0.0)
     return np.where(further, np.fmax(magnitudes, moved), magnitudes)
 
 
@@ -52,11 +52,11 @@ def later_magnitudes(problem: Problem, sample: Sample, weights: np.ndarray) -> n
     z = np.where(np.abs(sample.z) <= _NOTHING * weights, 0.0, sample.z)
     if problem.line.second is None:  # of two free parameters each is an unknown
         z[-1] = sample.parameter
-    told = problem.linearize(z).magnitudes
+    known = problem.linearize(z).magnitudes
     moved = np.abs(sample.tangent)
     # A declared scale may be one as well; it stays what it is.
-    begins = (told != UNKNOWN) & (z != 0.0) & (moved > _NOTHING * weights)
-    return np.where(begins, np.fmax(np.abs(z), moved), told)
+    begins = (known != UNKNOWN) & (z != 0.0) & (moved > _NOTHING * weights)
+    return np.where(begins, np.fmax(np.abs(z), moved), known)
 
 
 # What an unknown moves by is rounding noise of zero below this part of what it may be.
@@ -75,7 +75,7 @@ def _without_noise(problem: Problem, z: np.ndarray, linearization: Linearization
     noisy = (np.abs(z) <= NOISE * error) & (z != 0.0)
     if not np.any(noisy):
         return linearization
-    quiet = problem.linearize(np.where(noisy, 0.0, z))
-    if not quiet.finite or quiet.excess > max(ROUNDED, linearization.excess):
+    clean = problem.linearize(np.where(noisy, 0.0, z))
+    if not clean.finite or clean.excess > max(ROUNDED, linearization.excess):
         return linearization
-    return quiet
+    return clean

@@ -6,12 +6,12 @@ from contwalk.branch import SpecialPoint
 from contwalk.problems.problem import PointType, Problem, Sample, Test
 
 
-def all_told_by(problem: Problem, test: Test) -> tuple[PointType, ...]:
+def kinds_of_test(problem: Problem, test: Test) -> tuple[PointType, ...]:
     """The kinds of points that a test tells, in the problem's order."""
     return tuple(kind for kind in problem.point_types if kind.test is test)
 
 
-def told_by(problem: Problem, test: Test) -> PointType:
+def kind_of_test(problem: Problem, test: Test) -> PointType:
     """The kind of points that a test tells.
 
     Raises
@@ -35,7 +35,7 @@ def crossed(problem: Problem, sample: Sample, which: int) -> PointType | None:
 
 def pair(problem: Problem) -> PointType:
     """The kind of point that most eigenvalues pass at together: a complex pair."""
-    return max(all_told_by(problem, Test.STABILITY), key=lambda kind: max(kind.changes))
+    return max(kinds_of_test(problem, Test.STABILITY), key=lambda kind: max(kind.changes))
 
 
 def kind_of(problem: Problem, point: SpecialPoint) -> PointType | None:

@@ -119,9 +119,9 @@ class _Jumps(Exception):
 
 
 def _located(
-    segment: Segment, which: int, first: float, last: float, told: Sequence[Found], low: float = 0.0
+    segment: Segment, which: int, first: float, last: float, earlier: Sequence[Found], low: float = 0.0
 ) -> Found | None:
-    """The limit between two margins, at `low` and at the end, or which of those told already it is.
+    """The limit between two margins, at `low` and at the end, or which of the earlier ones it is.
 
     None where there is none.
     """
@@ -134,7 +134,7 @@ def _located(
         return around[theta]
 
     def known(located: Located, theta: float) -> Found | None:
-        same = [f for f in told if abs(f.theta - theta) < SAME_PLACE]
+        same = [f for f in earlier if abs(f.theta - theta) < SAME_PLACE]
         alike = (
             f
             for f in same

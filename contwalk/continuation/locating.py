@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contwalk.continuation.kinds import all_told_by
+from contwalk.continuation.kinds import kinds_of_test
 from contwalk.continuation.segment import Segment
 from contwalk.errors import NotFinite
 from contwalk.numerics.bracketing import narrow
@@ -126,7 +126,7 @@ def _accepted(
 def locate_multiple(segment: Segment, theta: float) -> Found | None:
     """The point near theta at which the null space of F_u has more than one dimension."""
     span = 1e-4
-    kinds = all_told_by(segment.problem, Test.TOGETHER)
+    kinds = kinds_of_test(segment.problem, Test.TOGETHER)
     found = (accepted(segment, kind, segment.at(theta), 0, theta - span, theta + span) for kind in kinds)
     return next((point for point in found if point is not None), None)
 

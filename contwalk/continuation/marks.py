@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from contwalk import quantities
-from contwalk.continuation.kinds import told_by
+from contwalk.continuation.kinds import kind_of_test
 from contwalk.continuation.locating import Found, same_point, sample_at
 from contwalk.continuation.newton import correct
 from contwalk.continuation.segment import LostBranch, Segment
@@ -104,7 +104,7 @@ def _levels(segment: Segment, name: str, level: float, observer: Observer) -> li
         settled = located.settled()
         if settled is None:
             return None
-        marked = told_by(segment.problem, Test.MARK)
+        marked = kind_of_test(segment.problem, Test.MARK)
         return Found(position, marked, settled, sample_at(segment, marked, settled, sample))
 
     kind = "observable" if observer.place(name, level) is None else "parameter"
@@ -165,7 +165,7 @@ def _extrema(segment: Segment, name: str, low: float, high: float) -> list[Found
         error = max(error, FINER * abs(finer.parameter - sample.parameter))
         sample = finer
     point = Located(sample.z, error, {}, certain)
-    return [Found(theta, told_by(segment.problem, Test.MARK), point, sample, kind="extremum")]
+    return [Found(theta, kind_of_test(segment.problem, Test.MARK), point, sample, kind="extremum")]
 
 
 def _on_finer_steps(segment: Segment, name: str, theta: float) -> Sample | None:

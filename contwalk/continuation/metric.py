@@ -34,8 +34,8 @@ def updated(
     z : ndarray, shape (N + 1,)
         The new point.
     """
-    told = np.where(np.isfinite(magnitudes), magnitudes, UNKNOWN)
-    result = told if weights is None else np.where(weights == UNKNOWN, told, np.maximum(weights, sizes))
+    known = np.where(np.isfinite(magnitudes), magnitudes, UNKNOWN)
+    result = known if weights is None else np.where(weights == UNKNOWN, known, np.maximum(weights, sizes))
     for place, ends in settings.bounds.items():
         result[place] = parameter_weight(magnitudes[place], ends, float(z[place]))
     return result

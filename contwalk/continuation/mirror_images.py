@@ -173,7 +173,7 @@ def end_of_image(
     return replace(outcome, message=message), record
 
 
-def told(info: BranchInfo, mirror: Mirror, count: int) -> str:
+def image_sentence(info: BranchInfo, mirror: Mirror, count: int) -> str:
     """That a half is the image of the other one, and what was done."""
     return (
         f"{info.name}: its half towards negative s is the image of the other one under "
@@ -182,7 +182,7 @@ def told(info: BranchInfo, mirror: Mirror, count: int) -> str:
     )
 
 
-def told_walked(info: BranchInfo, mirror: Mirror, count: int, why: str) -> str:
+def walked_sentence(info: BranchInfo, mirror: Mirror, count: int, why: str) -> str:
     """That a half is walked although it is the image of the other one, from the row after so many on."""
     under = f"under {in_words(mirror.names)}"
     if not count:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
-from contwalk.continuation.kinds import told_by
+from contwalk.continuation.kinds import kind_of_test
 from contwalk.continuation.locating import Found
 from contwalk.continuation.state import ContinuationState
 from contwalk.errors import NotFinite
@@ -18,7 +18,7 @@ def found_record(problem: Problem, found: Found, s: float, sign: float) -> Speci
     """The record of a found point; counts are in the order of growing arclength."""
     before, after = (found.before, found.after) if sign > 0 else (found.after, found.before)
     if found.kind == "unlocated":
-        record = told_by(problem, Test.MARK).describe(problem, found.located, found.sample, s)
+        record = kind_of_test(problem, Test.MARK).describe(problem, found.located, found.sample, s)
         note = str(found.located.vectors["note"])
         # Nothing tells how far it is from the sample that stands for it: the parameter may have turned.
         record = replace(record, label=found.label, status="unlocated", error=None, note=note)
@@ -38,7 +38,7 @@ def _described(problem: Problem, found: Found, s: float) -> SpecialPoint:
     try:
         return found.type.describe(problem, found.located, found.sample, s)
     except (NotFinite, np.linalg.LinAlgError) as error:
-        record = told_by(problem, Test.MARK).describe(problem, found.located, found.sample, s)
+        record = kind_of_test(problem, Test.MARK).describe(problem, found.located, found.sample, s)
         why = error.sentence if isinstance(error, NotFinite) else str(error)
         note = f"located, but its normal form cannot be computed: {why}"
         return replace(record, label=found.label, kind=None, note=note)
@@ -54,7 +54,7 @@ def end_record(
     if error is None:
         error = 0.0 if outcome.reason == "bound" else float(np.spacing(abs(state.sample.parameter)))
     located = Located(state.sample.z, error)
-    record = told_by(problem, Test.END).describe(problem, located, state.sample, state.s)
+    record = kind_of_test(problem, Test.END).describe(problem, located, state.sample, state.s)
     count = state.sample.unstable
     return replace(
         record,
@@ -70,6 +70,6 @@ def end_record(
 def start_record(problem: Problem, state: ContinuationState, kind: str) -> SpecialPoint:
     """The record of a mark that the start of a branch has."""
     located = Located(state.sample.z, float(np.spacing(abs(state.sample.parameter))))
-    record = told_by(problem, Test.MARK).describe(problem, located, state.sample, state.s)
+    record = kind_of_test(problem, Test.MARK).describe(problem, located, state.sample, state.s)
     count = state.sample.unstable
     return replace(record, kind=kind, unstable_before=count, unstable_after=count)

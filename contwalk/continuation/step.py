@@ -16,7 +16,7 @@ from contwalk.continuation.newton import Correction, correct
 from contwalk.continuation.segment import LostBranch, Segment
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState
-from contwalk.continuation.told_by_value import told_by_value
+from contwalk.continuation.zeros_of_test_functions import zeros_of_test_functions
 from contwalk.errors import NotFinite, PluginError
 from contwalk.numerics.linear import norm_in
 from contwalk.problems.event_kinks import Met
@@ -347,7 +347,7 @@ def _ends_at_a_limit(segment: Segment, found: list[Found], settings: Settings) -
 
 def _smooth(segment: Segment, settings: Settings, observer: Observer, born: bool) -> list[Found]:
     """All that tests tell on a segment, and marks; `born`: the branch leaves another one at its beginning."""
-    found = [*bifurcations(segment), *told_by_value(segment)]
+    found = [*bifurcations(segment), *zeros_of_test_functions(segment)]
     turns = [*([0.0] if born else []), *(f.theta for f in found if f.type.test in TURNS)]
     for mark in marked(segment, settings.sought, observer, turns):
         at = [f.theta for f in found if f.type.test is not Test.MARK and abs(f.theta - mark.theta) < COINCIDE]

@@ -58,7 +58,7 @@ def save_animation(
     slow: float = 1.0,
     title: str = "",
     beside: Sequence[Sequence[float]] | np.ndarray | None = None,
-    told: str = "",
+    caption: str = "",
     progress: Callable[[int, int], None] | None = None,
 ) -> int:
     """Write a motion of a machine as an animation, by the suffix of `path`: GIF, MP4 (by ffmpeg) or HTML.
@@ -85,7 +85,7 @@ def save_animation(
     title : str
     beside : array of shape (k, n), optional
         States of a second motion at the same instants: the machine is drawn there as well, pale.
-    told : str
+    caption : str
         What is said below the title.
     progress : callable, optional
         Told the number of frames that are done, and of all.
@@ -110,7 +110,7 @@ def save_animation(
     number = frames_of(motion.end - motion.begin, fps, slow)
     instants = motion.begin + (motion.end - motion.begin) * np.arange(number) / number
     second = None if beside is None else Playback(system, times, beside, parameters)
-    film = _Film(motion, events, slow, title, second, told)
+    film = _Film(motion, events, slow, title, second, caption)
     partial = target.with_name(f".{target.stem}.partial{suffix}")
     try:
         _write(film, _writer(suffix, fps, title), partial, instants, progress)
@@ -162,7 +162,7 @@ class _Film:
         slow: float,
         title: str,
         beside: Playback | None = None,
-        told: str = "",
+        caption: str = "",
     ) -> None:
         self.motion, self.beside, self.events = motion, beside, tuple(events)
         self.figure = Figure(figsize=SIZE, dpi=DPI)
@@ -172,7 +172,7 @@ class _Film:
         self.said = self.figure.text(0.98, 0.925, "", fontsize=11, va="top", ha="right", weight="bold")
         self.linger = LINGER / slow
         speed = f"1/{slow:g} of its speed" if slow > 1.0 else f"{1.0 / slow:g} times its speed"
-        below = [*([told] if told else []), *([speed] if slow != 1.0 else [])]
+        below = [*([caption] if caption else []), *([speed] if slow != 1.0 else [])]
         self.figure.text(0.02, 0.935, "\n".join(below), fontsize=9, color=GREY, va="top", linespacing=1.4)
         names = dict.fromkeys(name for _, name in self.events)
         self.colors = {name: EVENTS[number % len(EVENTS)] for number, name in enumerate(names)}

@@ -43,7 +43,7 @@ def plot_bifurcation_diagram(
     parameters: Mapping[str, float] | None = None,
     xlim: tuple[float, float] | None = None,
     ylim: tuple[float, float] | None = None,
-    told: Callable[[str], None] = lambda text: None,
+    report: Callable[[str], None] = lambda text: None,
 ) -> Axes:
     """Draw branches: stable solid, unstable dashed and thin, not admissible light on grey hatching.
 
@@ -67,7 +67,7 @@ def plot_bifurcation_diagram(
         Values to state above the diagram, such as those held fixed.
     xlim, ylim : tuple of float, optional
         The part that is shown; all by default.
-    told : callable
+    report : callable
         Given a sentence that lists the special points for whose names there is no room.
 
     Raises
@@ -104,7 +104,7 @@ def plot_bifurcation_diagram(
         ax.set_xlim(*xlim)
     if ylim is not None:
         ax.set_ylim(*ylim)
-    handles = _meanings(drawn, lie_over) + _told_apart(drawn, names, units)
+    handles = _meanings(drawn, lie_over) + _distinguished(drawn, names, units)
     _legend(ax, handles)
     if parameters:
         title(ax, ",  ".join(_setting(name, value, units) for name, value in parameters.items()))
@@ -117,7 +117,7 @@ def plot_bifurcation_diagram(
     left_out = place_labels(ax, labels, inks)
     if left_out:
         _legend(ax, [*handles, Line2D([], [], linestyle="none", label=f"names left out: {len(left_out)}")])
-        told(
+        report(
             f"There is no room for the names of {len(left_out)} points in the bifurcation diagram: "
             f"{', '.join(left_out)}. Draw fewer branches, or a part of it (`xlim` and `ylim` of the figure), "
             "or look them up with `contwalk show`."
@@ -223,7 +223,7 @@ def _frame(ax: Axes, points: np.ndarray) -> None:
     ax.autoscale_view()  # now, not lazily: the labels need the final scale
 
 
-def _told_apart(
+def _distinguished(
     drawn: Sequence[Branch], names: Sequence[str], units: Mapping[str, str] | None
 ) -> list[Line2D]:
     """For branches at different values of fixed parameters an entry each that states them."""

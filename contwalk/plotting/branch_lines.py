@@ -50,16 +50,16 @@ class Pen:
                 line |= {"marker": "o", "markersize": 4.0, "fillstyle": "full" if run.stable else "none"}
             shade = color if run.admissible else light(color, WHITE)
             if not run.admissible:
-                for piece in self._bare("hatching", part):
-                    self._ax.plot(*piece.T, gid=f"{name}-inadmissible-{number}", zorder=1.5, **HATCHING)
+                for line_part in self._bare("hatching", part):
+                    self._ax.plot(*line_part.T, gid=f"{name}-inadmissible-{number}", zorder=1.5, **HATCHING)
                 line["linewidth"] *= LIGHTER
             kind = "stable" if run.stable else "unstable"
-            for piece in [part] if run.stable else self._bare(shade, part):
-                self._ax.plot(*piece.T, color=shade, gid=f"{name}-{kind}-{number}", zorder=2, **line)
+            for line_part in [part] if run.stable else self._bare(shade, part):
+                self._ax.plot(*line_part.T, color=shade, gid=f"{name}-{kind}-{number}", zorder=2, **line)
                 if run.stable:
-                    self._stable.bare(piece)
+                    self._stable.bare(line_part)
                 else:
-                    self._unstable.append((name, piece))
+                    self._unstable.append((name, line_part))
 
     def inlay(self) -> bool:
         """Show where an unstable line lies on a stable one; whether there is such a place."""

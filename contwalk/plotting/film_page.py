@@ -1,7 +1,7 @@
 """A film as a page of HTML: frames and what plays them in one file, which asks no network for anything.
 
 Frames are drawings (SVG), not pictures: sharp at any size, and small, since what frames have in common is
-stored once. Each is a list of pieces, of which it tells those that the frame before had not.
+stored once. Each is a list of elements, of which it tells those that the frame before had not.
 """
 
 from __future__ import annotations
@@ -42,13 +42,13 @@ button { min-width: 3em; font-size: 1em; }
 </select>
 </div>
 <script>
-/* A frame is a list of numbers of pieces, or an object of those that differ from the frame before. */
-const pieces = $pieces;
+/* A frame is a list of numbers of elements, or an object of those that differ from the frame before. */
+const elements = $elements;
 const changes = $changes;
 const frames = [];
 for (const change of changes)
   frames.push(Array.isArray(change) ? change : Object.assign([...frames[frames.length - 1]], change));
-const drawing = number => frames[number].map(piece => pieces[piece]).join("");
+const drawing = number => frames[number].map(element => elements[element]).join("");
 </script>
 <script>
 const interval = $interval;
@@ -97,7 +97,7 @@ _WRITING: dict[Any, Any] = {
 }
 _NAMESPACES = re.compile(r'\s+xmlns(?::\w+)?="[^"]*"')
 _ASIDE = re.compile(r"<!--.*?-->|<metadata>.*?</metadata>", re.DOTALL)
-_PIECE = re.compile(r"(<[^>]+>)([^<]*)")
+_ELEMENT = re.compile(r"(<[^>]+>)([^<]*)")
 _LONG_NUMBER = re.compile(r"-?\d+\.\d{3,}(?!\d*[a-zA-Z%])")
 
 
@@ -111,7 +111,7 @@ class PageWriter(AbstractMovieWriter):
     def setup(self, fig: Figure, outfile: str | Path, dpi: float | None = None) -> None:
         """Begin a film of a figure."""
         super().setup(fig, outfile, dpi)
-        self.pieces: dict[str, int] = {}
+        self.elements: dict[str, int] = {}
         self.frames: list[list[int]] = []
 
     def grab_frame(self, **kwargs: Any) -> None:
@@ -119,8 +119,8 @@ class PageWriter(AbstractMovieWriter):
         drawing = BytesIO()
         with matplotlib.rc_context(_WRITING):
             self.fig.savefig(drawing, format="svg", metadata={"Date": None}, **kwargs)
-        found = pieces_of(drawing.getvalue().decode("utf-8"))
-        self.frames.append([self.pieces.setdefault(piece, len(self.pieces)) for piece in found])
+        found = elements_of(drawing.getvalue().decode("utf-8"))
+        self.frames.append([self.elements.setdefault(element, len(self.elements)) for element in found])
 
     def finish(self) -> None:
         """Write the page."""
@@ -128,30 +128,30 @@ class PageWriter(AbstractMovieWriter):
             title=_escaped(self.title or "contwalk"),
             width=round(self.fig.get_figwidth() * self.dpi),
             last=len(self.frames) - 1,
-            pieces=_in_script(list(self.pieces)),
+            elements=_in_script(list(self.elements)),
             changes=_in_script(changes_of(self.frames)),
             interval=repr(1000.0 / self.fps),
         )
         Path(self.outfile).write_text(text, encoding="utf-8")
 
 
-def pieces_of(drawing: str) -> list[str]:
+def elements_of(drawing: str) -> list[str]:
     """The elements of a drawing in SVG, as a page of HTML takes them; numbers to a hundredth of a point."""
     drawing = drawing[drawing.index("<svg") :]
     drawing = _ASIDE.sub("", drawing).replace("xlink:href", "href")
-    found = _PIECE.findall(_NAMESPACES.sub("", drawing))
+    found = _ELEMENT.findall(_NAMESPACES.sub("", drawing))
     return [re.sub(r"\s+", " ", _LONG_NUMBER.sub(_shortened, tag) + text) for tag, text in found]
 
 
 def changes_of(frames: list[list[int]]) -> list[Any]:
     """Each frame as it is, or, where that is shorter, as what differs from the one before."""
-    told: list[Any] = []
+    changes: list[Any] = []
     before: list[int] = []
     for frame in frames:
-        different = {str(i): piece for i, piece in enumerate(frame) if before[i : i + 1] != [piece]}
-        told.append(different if len(before) == len(frame) and 2 * len(different) < len(frame) else frame)
+        different = {str(i): element for i, element in enumerate(frame) if before[i : i + 1] != [element]}
+        changes.append(different if len(before) == len(frame) and 2 * len(different) < len(frame) else frame)
         before = frame
-    return told
+    return changes
 
 
 def _shortened(number: re.Match[str]) -> str:

@@ -60,13 +60,13 @@ def plot_histogram(
         ax.axvspan(
             mean - error, mean + error, color=PALETTE[1], alpha=0.3, linewidth=0, zorder=2.5, gid="error"
         )
-    told = [
+    counts = [
         f"{len(samples)} samples",
         f"mean {_pair(mean, error)}",
         f"standard deviation {_deviation(samples):.4g}",
         f"never settled: {never_settled}",
     ]
-    ax.set_title("   ".join(told), loc="left", fontsize=9.0, color=INK, pad=8)
+    ax.set_title("   ".join(counts), loc="left", fontsize=9.0, color=INK, pad=8)
     ax.margins(x=0.02)
     ax.set_ylim(bottom=0.0)
     return ax

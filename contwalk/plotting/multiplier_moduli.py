@@ -40,7 +40,7 @@ def plot_multiplier_moduli(
     ax: Axes | None = None,
     *,
     units: Mapping[str, str] | None = None,
-    told: Callable[[str], None] = lambda text: None,
+    report: Callable[[str], None] = lambda text: None,
 ) -> Axes:
     """Draw the moduli of multipliers over a parameter, on a logarithmic axis.
 
@@ -57,7 +57,7 @@ def plot_multiplier_moduli(
         Where to draw; new axes by default.
     units : mapping, optional
         Units by name, as from `units_of(system)`.
-    told : callable
+    report : callable
         Given a sentence that lists the special points for whose names there is no room.
 
     Raises
@@ -66,7 +66,7 @@ def plot_multiplier_moduli(
         If no branch is one of orbits with a spectrum, or none has `x`.
     """
     figure = draw_moduli(branches, ax, x, units)
-    name_points(figure, told)
+    name_points(figure, report)
     return figure.ax
 
 
@@ -126,12 +126,12 @@ def draw_moduli(
     return Unnamed(ax, labels, [*curves, np.array([[at, 1.0] for at in ax.get_xlim()])], drawn)
 
 
-def name_points(figure: Unnamed, told: Callable[[str], None], settled: bool = False) -> None:
+def name_points(figure: Unnamed, report: Callable[[str], None], settled: bool = False) -> None:
     """Write the names of the special points; `settled` as for `place_labels`."""
     without = place_labels(figure.ax, figure.labels, figure.curves, settled)
     if without:
         _legend(figure.ax, figure.drawn, f"names left out: {len(without)}")
-        told(
+        report(
             f"There is no room for the names of {len(without)} points in the figure of multipliers: "
             f"{', '.join(without)}. Draw fewer branches, or look them up with `contwalk show`."
         )
@@ -139,9 +139,9 @@ def name_points(figure: Unnamed, told: Callable[[str], None], settled: bool = Fa
 
 def _left_out(ax: Axes, below: int, endless: bool) -> None:
     """Tell of multipliers that have no place on the axis."""
-    told = f"{below} of modulus below {LEAST:g}" if below else ""
-    told = ", ".join(filter(None, [told, "some infinite" if endless else ""]))
-    if told:
+    omitted = f"{below} of modulus below {LEAST:g}" if below else ""
+    omitted = ", ".join(filter(None, [omitted, "some infinite" if endless else ""]))
+    if omitted:
         low, high = ax.get_ylim()
         ax.set_ylim(low / (high / low) ** BAND, high)
         look: dict[str, Any] = {
@@ -152,7 +152,7 @@ def _left_out(ax: Axes, below: int, endless: bool) -> None:
             "zorder": 5,
             "bbox": PAPER,
         }
-        ax.text(0.98, 0.02, f"not shown: {told}", transform=ax.transAxes, gid="left-out", **look)
+        ax.text(0.98, 0.02, f"not shown: {omitted}", transform=ax.transAxes, gid="left-out", **look)
 
 
 def _scale(ax: Axes, least: float, largest: float) -> None:

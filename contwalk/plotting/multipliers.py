@@ -25,7 +25,7 @@ def plot_multiplier_panels(
     branches: Sequence[Branch],
     *,
     units: Mapping[str, str] | None = None,
-    told: Callable[[str], None] = lambda text: None,
+    report: Callable[[str], None] = lambda text: None,
 ) -> list[Axes]:
     """Draw the multipliers of each branch in the plane and, beside it, their moduli over the parameter.
 
@@ -33,7 +33,7 @@ def plot_multiplier_panels(
     ----------
     branches, units
         As for `plot_multipliers`. More than six branches share one pair of panels.
-    told : callable
+    report : callable
         As for `plot_multiplier_moduli`.
 
     Returns
@@ -59,7 +59,7 @@ def plot_multiplier_panels(
             text = called(chosen)[number] + (f", from {info.origin}" if info.origin else "")
             plane.text(0.02, 0.98, text, transform=plane.transAxes, va="top", fontsize=9.5, color=INK)
     for number, figure in enumerate(unnamed):  # they move as long as panels are added; names do not move them
-        name_points(figure, told, settled=number > 0)
+        name_points(figure, report, settled=number > 0)
     return axes
 
 

@@ -35,14 +35,14 @@ def triangulate(rows: Sequence[Row]) -> tuple[Triangulation, np.ndarray]:
         If no triangle lies between data.
     """
     rows = [_with_zeros(row) for row in rows]
-    plan = [
+    strips = [
         [] if gap else list(cells(*pair)) for gap, pair in zip(_missing(rows), pairwise(rows), strict=True)
     ]
-    rows = [_with_points(row, _corners(plan, i)) for i, row in enumerate(rows)]
+    rows = [_with_points(row, _corners(strips, i)) for i, row in enumerate(rows)]
     first = np.cumsum([0, *(len(row.x) for row in rows)])
     triangles = [
         triangle
-        for i, strip in enumerate(plan)
+        for i, strip in enumerate(strips)
         for cell in strip
         for triangle in _zip(_part(rows[i], cell[0], first[i]), _part(rows[i + 1], cell[1], first[i + 1]))
     ]
@@ -98,10 +98,10 @@ def _even(levels: np.ndarray) -> np.ndarray:
     return logs if unevenness(logs) < unevenness(levels) else levels
 
 
-def _corners(plan: Sequence[Sequence[Cell]], row: int) -> list[float]:
+def _corners(strips: Sequence[Sequence[Cell]], row: int) -> list[float]:
     """All x at which cells have corners on this row."""
-    above = [x for cell in plan[row] for x in cell[0]] if row < len(plan) else []
-    below = [x for cell in plan[row - 1] for x in cell[1]] if row else []
+    above = [x for cell in strips[row] for x in cell[0]] if row < len(strips) else []
+    below = [x for cell in strips[row - 1] for x in cell[1]] if row else []
     return above + below
 
 

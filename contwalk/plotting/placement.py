@@ -52,15 +52,15 @@ class Ink:
 
 def _dense(pixels: np.ndarray) -> np.ndarray:
     """Points of a polyline no farther apart than a cell; what is not finite or far away is left out."""
-    pieces = [pixels[(np.abs(pixels) < FAR).all(axis=1)]]
+    parts = [pixels[(np.abs(pixels) < FAR).all(axis=1)]]
     for start, end in pairwise(pixels):
         if not (np.isfinite(start).all() and np.isfinite(end).all()):
             continue
         length = np.hypot(*(end - start))
         if CELL < length < FAR:
             steps = np.linspace(0.0, 1.0, int(length / CELL) + 2)[1:-1, None]
-            pieces.append(start + steps * (end - start))
-    return np.concatenate(pieces)
+            parts.append(start + steps * (end - start))
+    return np.concatenate(parts)
 
 
 class Placement:

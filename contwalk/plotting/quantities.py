@@ -90,10 +90,10 @@ def with_names(branches: Sequence[Branch], names: Sequence[str]) -> list[Branch]
     for name in names:
         if not any(branch.knows(name) for branch in branches):
             known = known_names(branches)
-            told = [each for each in known if not quantities.of_orbit(each)]
+            own = [each for each in known if not quantities.of_orbit(each)]
             raise ContwalkError(
                 f"No branch has a quantity named '{name}'.",
-                f"{nearest(name, known)} Known: {', '.join(told)}; of a state X max:X, min:X, amp:X.".strip(),
+                f"{nearest(name, known)} Known: {', '.join(own)}; of a state X max:X, min:X, amp:X.".strip(),
             )
     having = [branch for branch in branches if all(branch.knows(name) for name in names)]
     if not having:

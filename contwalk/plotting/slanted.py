@@ -19,14 +19,14 @@ FONT_SIZE = 8.0
 ABOVE, APART = 9.0, 1.5 * FONT_SIZE / math.sin(math.radians(SLANT))
 
 
-def tell(ax: Axes, told: Sequence[tuple[np.ndarray, str]]) -> float:
+def tell(ax: Axes, labels: Sequence[tuple[np.ndarray, str]]) -> float:
     """Write texts above points, from left to right, each with a thin line from its point.
 
     Parameters
     ----------
     ax : Axes
         Complete but for its title: its limits and its place on the figure are taken as they are.
-    told : sequence of (array of shape (2,), str)
+    labels : sequence of (array of shape (2,), str)
         Points in data coordinates and texts.
 
     Returns
@@ -34,21 +34,21 @@ def tell(ax: Axes, told: Sequence[tuple[np.ndarray, str]]) -> float:
     float
         How far the texts reach above the axes, in points.
     """
-    if not told:
+    if not labels:
         return 0.0
     root = ax.figure.canvas.figure
     root.draw_without_rendering()
     scale = root.dpi / 72.0
-    points = np.array([point for point, _ in told])
+    points = np.array([point for point, _ in labels])
     pixels = ax.transData.transform(points) / scale
-    order = sorted(range(len(told)), key=lambda i: (pixels[i, 0], i))
+    order = sorted(range(len(labels)), key=lambda i: (pixels[i, 0], i))
     starts = spread(pixels[order, 0])
     reach = 0.0
     for i, start in zip(order, starts, strict=True):
         shift = start - pixels[i, 0]
         moved = offset_copy(ax.transData, root, shift, ABOVE, units="points")
         x, y = points[i].tolist()
-        text = ax.text(x, y, told[i][1], transform=moved, fontsize=FONT_SIZE, color=INK, zorder=30)
+        text = ax.text(x, y, labels[i][1], transform=moved, fontsize=FONT_SIZE, color=INK, zorder=30)
         text.set(gid="event", ha="left", va="bottom", rotation=SLANT, rotation_mode="anchor")
         text.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
         line = ConnectionPatch((x, y), (x, y), coordsA=moved, coordsB=ax.transData, arrowstyle="-")

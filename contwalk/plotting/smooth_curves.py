@@ -45,12 +45,12 @@ def curve_of(branch: Branch, names: tuple[str, str], points: np.ndarray) -> Curv
     finite = points[np.isfinite(points).all(axis=1)]
     size = np.ptp(finite, axis=0) if len(finite) else np.ones(2)
     size = np.where(size > 0.0, size, 1.0)
-    pieces, at = [points[:1]], [0]
+    parts, at = [points[:1]], [0]
     for row in range(len(points) - 1):
         inner = _inner(points[row : row + 2] / size, slopes[row : row + 2] / size, s[row + 1] - s[row]) * size
-        pieces += [inner, points[row + 1 : row + 2]]
+        parts += [inner, points[row + 1 : row + 2]]
         at.append(at[-1] + len(inner) + 1)
-    return Curve(np.concatenate(pieces), np.array(at))
+    return Curve(np.concatenate(parts), np.array(at))
 
 
 def _has_tangents(branch: Branch) -> bool:

@@ -126,16 +126,16 @@ def _draw(ax: Axes, branch: Branch, parameter: str, color: np.ndarray, norm: Nor
         return
     fine = loci_of(branch, parameter)
     admissible = admissible_segments(branch)
-    pieces = [
+    coloured = [
         (_joined(a, b), (fine.across[i] + fine.across[i + 1]) / 2, WIDTH if admissible[row] else THIN)
         for i, row in enumerate(fine.rows[:-1].tolist())
         for a, b in zip(fine.values[i], fine.values[i + 1], strict=True)
         if np.isfinite(a) and np.isfinite(b)
     ]
-    lines = LineCollection([piece for piece, _, _ in pieces], cmap=COLORS, norm=norm, zorder=3)
+    lines = LineCollection([line for line, _, _ in coloured], cmap=COLORS, norm=norm, zorder=3)
     lines.set_capstyle("round")
-    lines.set_linewidth([width for _, _, width in pieces])
-    lines.set_array([shade for _, shade, _ in pieces])
+    lines.set_linewidth([width for _, _, width in coloured])
+    lines.set_array([shade for _, shade, _ in coloured])
     lines.set_gid(f"{branch.name}-loci")
     ax.add_collection(lines)
     loci = track(branch.points["spectrum"])

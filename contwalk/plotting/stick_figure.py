@@ -96,8 +96,8 @@ def plot_stick_figure(
         _fit(ax, ABOVE if events else 0.0)
     _legend(ax)
     passed = {time: motion.system.lasting(time - motion.begin, ".3f") for time, _ in events}
-    told = [(tops[time], f"{name}  {passed[time]}") for time, name in events if time in tops]
-    reach = tell(ax, told)
+    labels = [(tops[time], f"{name}  {passed[time]}") for time, name in events if time in tops]
+    reach = tell(ax, labels)
     if title and own:
         whole_title(ax.figure, title)
     elif title:

@@ -21,7 +21,7 @@ PROMINENCE, NEAR = 0.02, 0.15
 
 def cells(lower: Row, upper: Row) -> Iterator[Cell]:
     """The cells of the strip between two rows, by growing x."""
-    below, above = _pieces(lower), _pieces(upper)
+    below, above = _intervals(lower), _intervals(upper)
     for a in below:
         for b in above:
             if min(a[1], b[1]) <= max(a[0], b[0]):
@@ -46,7 +46,7 @@ def _split(
     yield from (((p[0], q[0]), (p[1], q[1])) for p, q in pairwise(corners))
 
 
-def _pieces(row: Row) -> list[Interval]:
+def _intervals(row: Row) -> list[Interval]:
     """The intervals of x that have data throughout."""
     breaks = np.flatnonzero(~row.covered)
     starts, ends = [0, *(breaks + 1)], [*breaks, len(row.x) - 1]

@@ -44,13 +44,13 @@ def gather(branches: Sequence[Branch], x: str, y: str, quantity: str) -> list[Ro
     ContwalkError
         If `y` varies along a branch, or fewer than two of its values have data.
     """
-    pieces: dict[float, list[np.ndarray]] = {}
+    runs: dict[float, list[np.ndarray]] = {}
     for branch in branches:
         if len(branch):
             columns = [np.asarray(values(branch, name)) for name in (x, y, quantity)]
             level = _constant(branch, y, columns[1])
-            pieces.setdefault(level, []).extend(_monotone_pieces(columns[0], columns[2]))
-    rows = [_most_stable(level, pieces[level]) for level in sorted(pieces) if pieces[level]]
+            runs.setdefault(level, []).extend(_monotone_runs(columns[0], columns[2]))
+    rows = [_most_stable(level, runs[level]) for level in sorted(runs) if runs[level]]
     if len(rows) < 2:
         raise ContwalkError(
             f"A stability map over '{y}' needs branches at two of its values or more, not {len(rows)}.",
@@ -69,9 +69,9 @@ def _constant(branch: Branch, y: str, column: np.ndarray) -> float:
     return float(f"{column[0]:.12g}")
 
 
-def _monotone_pieces(x: np.ndarray, value: np.ndarray) -> list[np.ndarray]:
+def _monotone_runs(x: np.ndarray, value: np.ndarray) -> list[np.ndarray]:
     """Parts of a branch on which x grows or falls and the value is finite, as arrays (k, 2), x growing."""
-    pieces, start = [], 0
+    runs, start = [], 0
     finite = np.isfinite(x) & np.isfinite(value)
     direction = np.sign(np.diff(x))
     for i in range(1, len(direction)):  # rows of equal x, as at a fold, go on as before
@@ -84,18 +84,18 @@ def _monotone_pieces(x: np.ndarray, value: np.ndarray) -> list[np.ndarray]:
             part = np.stack([x[start : i + 1], value[start : i + 1]], axis=1)
             part = part[np.isfinite(part).all(axis=1)]
             if len(part):
-                pieces.append(part if part[0, 0] <= part[-1, 0] else part[::-1])
+                runs.append(part if part[0, 0] <= part[-1, 0] else part[::-1])
             start = i if turns else i + 1
-    return pieces
+    return runs
 
 
-def _most_stable(level: float, pieces: Sequence[np.ndarray]) -> Row:
-    """The least value over the pieces at all their x."""
-    x = np.unique(np.concatenate([piece[:, 0] for piece in pieces]))
+def _most_stable(level: float, runs: Sequence[np.ndarray]) -> Row:
+    """The least value over the runs at all their x."""
+    x = np.unique(np.concatenate([run[:, 0] for run in runs]))
     value = np.full(len(x), np.inf)
     covered = np.zeros(len(x) - 1, dtype=bool)
-    for piece in pieces:
-        inside = (x >= piece[0, 0]) & (x <= piece[-1, 0])
-        value[inside] = np.minimum(value[inside], np.interp(x[inside], piece[:, 0], piece[:, 1]))
+    for run in runs:
+        inside = (x >= run[0, 0]) & (x <= run[-1, 0])
+        value[inside] = np.minimum(value[inside], np.interp(x[inside], run[:, 0], run[:, 1]))
         covered |= inside[1:] & inside[:-1]
     return Row(level, x, value, covered)

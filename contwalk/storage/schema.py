@@ -118,7 +118,7 @@ def special_from_text(text: str) -> SpecialPoint:
     """Inverse of `special_text`."""
     point = typed(SpecialPoint, _with_tuples(text, "spectrum", "spectrum_full", "unknowns", "tangent"))
     if point.label == "EP" and point.kind is not None:
-        return replace(point, kind=_told_apart(point.kind, point.note or ""))
+        return replace(point, kind=_reason_of(point.kind, point.note or ""))
     return point
 
 
@@ -130,7 +130,7 @@ _ONCE_CLOSED = {
 }
 
 
-def _told_apart(reason: str, sentence: str) -> str:
+def _reason_of(reason: str, sentence: str) -> str:
     """The reason code that a stored one is today."""
     if reason != "closed":
         return reason
@@ -158,7 +158,7 @@ def outcome_from_text(text: str | None) -> tuple[Outcome, dict[str, float]] | No
     cost = {str(name): float(value) for name, value in stored["cost"].items()}
     if "rhs" in cost:
         cost["rhs"] = int(cost["rhs"])
-    return replace(outcome, reason=_told_apart(outcome.reason, outcome.message)), cost
+    return replace(outcome, reason=_reason_of(outcome.reason, outcome.message)), cost
 
 
 def point_record_dtype(info: BranchInfo) -> np.dtype:

@@ -1,6 +1,6 @@
 """The system that a run was computed with: when its code may run, and whether it is still the same.
 
-Reading a database runs nothing by itself. What has to be computed again (legs of an orbit, its motion, a
+Reading a database runs nothing by itself. What has to be computed again (segments of an orbit, its motion, a
 drawing of the machine) needs the system: an installed one whose files are those of the run is loaded; the
 code of a plugin file, or of a system that has changed since, runs only for one who trusts it.
 """

@@ -184,8 +184,8 @@ def _conserved(problem: Orbit, z: np.ndarray, places: Places, left: np.ndarray) 
     gradient = np.array([np.linalg.norm(left[row]) for row in places.closing])
     names = list(places.closing.values())
     if left.shape[1] > 1:
-        told = ", ".join(_largest(dict(zip(names, gradient.tolist(), strict=True))))
-        vectors = f"with left vectors in {told}"
+        named = ", ".join(_largest(dict(zip(names, gradient.tolist(), strict=True))))
+        vectors = f"with left vectors in {named}"
     else:
         own = left[list(places.closing), 0]
         own = own / own[int(np.argmax(np.abs(own)))]

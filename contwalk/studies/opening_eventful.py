@@ -78,15 +78,15 @@ def _with_broken(opening: Opening | Outcome, machine: HybridMachine, lap: Lap) -
     """The opening, with a word on declared directions that are neutral but for an event of the lap."""
     if isinstance(opening, Outcome):
         return opening
-    told = [opening.message]
+    sentences = [opening.message]
     for name, transition in broken_by_events(machine, lap).items():
         line = line_of(transition.reset or transition.guard).removesuffix(": ")
-        told.append(
+        sentences.append(
             f"The direction '{name}' is not neutral on this branch: '{transition.name}' breaks it"
             f"{f' ({line})' if line else ''}, by its guard or its reset. It is not held, and its multiplier "
             "is one among the others."
         )
-    return replace(opening, message=" ".join(filter(None, told)))
+    return replace(opening, message=" ".join(filter(None, sentences)))
 
 
 def opened_word(
@@ -136,11 +136,11 @@ def _hybrid(
             state = begin(problem, z, settings)
     except StartError as error:
         found = one_of_a_family_near(problem, z)
-        sentence = _with_hops(problem, z, f"{error.sentence} (word: {word})")
+        sentence = _with_hops(problem, z, f"{error.sentence} (itinerary: {word})")
         return found or outcomes.refused(sentence, error.remedy)
     if not isinstance(state, ContinuationState):
         refuse(kinks_along(problem, z))
-        sentence = f"{state.sentence} (word: {word})"
+        sentence = f"{state.sentence} (itinerary: {word})"
         if state.reason == "no_convergence":
             sentence = _with_hops(problem, z, sentence)
         return not_alone(problem, z, state) or outcomes.no_start(state.reason, sentence, "a periodic orbit")
@@ -163,7 +163,7 @@ def _hybrid(
         return outcomes.no_start(
             "no_convergence",
             "The equations are singular at the first orbit: others lie beside it at the same parameters, as "
-            f"where nothing changes a state. (word: {word})",
+            f"where nothing changes a state. (itinerary: {word})",
             "a periodic orbit",
         )
     # On the steps of the branch everything is told anew: those of the start were made for a guess.
@@ -196,12 +196,12 @@ def _collapsed(problem: HybridOrbit, z: np.ndarray, event: str, word: str, hoppe
     if before == event:
         return outcomes.no_start(
             "no_convergence",
-            f"The correction lets the leg before '{event}' shrink to nothing (word: {word}). "
+            f"The correction lets the segment before '{event}' shrink to nothing (itinerary: {word}). "
             f"{hopped}".strip(),
             "a periodic orbit",
         )
     return outcomes.refused(
-        f"'{before}' and '{event}' happen at once (word: {word}): which one comes first changes along a "
+        f"'{before}' and '{event}' happen at once (itinerary: {word}): which one comes first changes along a "
         f"branch there, and its equations hold on one side only. {hopped}".strip(),
         "Begin at another value of a parameter, at which one comes before the other.",
     )

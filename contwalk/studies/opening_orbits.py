@@ -84,12 +84,12 @@ def _other_values(system: System, values: Mapping[str, float], state: np.ndarray
     if not given:
         return ""
     own = with_own_values(system, {**values, **dict.fromkeys(given, np.nan)}, state, mode)
-    told = [
+    sentences = [
         f"The start has {name} = {own[name]:.6g}, and {values[name]:.6g} is asked for."
         for name in given
         if abs(own[name] - values[name]) > OTHER * max(abs(own[name]), abs(values[name]))
     ]
-    return " ".join(told)
+    return " ".join(sentences)
 
 
 def _resting(opening: Opening | Outcome) -> Opening | Outcome:

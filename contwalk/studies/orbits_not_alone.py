@@ -38,7 +38,7 @@ def one_of_a_family_near(problem: HybridOrbit, z: np.ndarray) -> Outcome | None:
 def outcome_of_family(problem: HybridOrbit | PeriodicOrbit, z: np.ndarray) -> Outcome | None:
     """The outcome of a start whose neighbours are orbits at the same parameters; None where they are not."""
     if isinstance(problem, HybridOrbit):
-        places, word = _hybrid_places(problem), f" (word: {folded(problem.signature) or 'no events'})"
+        places, word = _hybrid_places(problem), f" (itinerary: {folded(problem.signature) or 'no events'})"
     else:
         places, word = _smooth_places(problem), ""
     found = family_at(problem, z, places)

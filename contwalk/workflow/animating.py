@@ -113,7 +113,7 @@ def animate(
         slow=slow,
         title=titled(orbit),
         beside=beside,
-        told=words and f"pale: displaced by {words}",
+        caption=words and f"pale: displaced by {words}",
         progress=progress,
     )
     return Animated(path, frames, frames / rate, periods * orbit.period, words)

@@ -20,7 +20,7 @@ def draw_figure(
     path: Path,
     options: Mapping[str, Any],
     units: Mapping[str, str] | None = None,
-    told: Callable[[str], None] = lambda text: None,
+    report: Callable[[str], None] = lambda text: None,
 ) -> Path:
     """Draw one figure of a diagram into a file (PNG, SVG or PDF by its suffix).
 
@@ -35,7 +35,7 @@ def draw_figure(
         figures of points.
     units : mapping, optional
         Units by name, instead of the system's.
-    told : callable
+    report : callable
         Given a sentence on what the figure lacks.
 
     Raises
@@ -44,7 +44,7 @@ def draw_figure(
         If it cannot be drawn, whatever is the reason.
     """
     try:
-        _draw(name, branches, system, path, options, units, told)
+        _draw(name, branches, system, path, options, units, report)
     except ContwalkError:
         raise
     except (Exception, SystemExit) as error:  # the plugin's `draw` may do anything, and so may its motion
@@ -64,7 +64,7 @@ def _draw(
     path: Path,
     options: Mapping[str, Any],
     units: Mapping[str, str] | None,
-    told: Callable[[str], None],
+    report: Callable[[str], None],
 ) -> None:
     from contwalk import plotting
 
@@ -74,18 +74,18 @@ def _draw(
     axes: Any
     if name == "bifurcation_diagram":
         axes = plotting.plot_bifurcation_diagram(
-            branches, x, y, units=units, xlim=options.get("xlim"), ylim=options.get("ylim"), told=told
+            branches, x, y, units=units, xlim=options.get("xlim"), ylim=options.get("ylim"), report=report
         )
     elif name == "eigenvalues":
         axes = plotting.plot_eigenvalues(branches, units=units)
     elif name == "multipliers":
-        axes = plotting.plot_multiplier_panels(branches, units=units, told=told)
+        axes = plotting.plot_multiplier_panels(branches, units=units, report=report)
     elif name == "stability_map":
         axes = plotting.plot_stability_map(branches, x or branches[0].info.free[0], str(y), units=units)
     elif name in _OF_MACHINES:
         if system is None:
             raise ContwalkError(f"The figure '{name}' needs the system.", "Install it again.")
-        axes = _OF_MACHINES[name](branches, system, {"told": told, **options})
+        axes = _OF_MACHINES[name](branches, system, {"report": report, **options})
     else:
         raise ContwalkError(f"There is no figure named '{name}'.", "See docs/reference/figures.md.")
     plotting.save(axes[0] if isinstance(axes, list) else axes, path)
@@ -107,7 +107,7 @@ def _phase_portrait(branches: Sequence[Branch], system: System, options: Mapping
         origins = {branch.name: branch.info.origin for branch in branches}
         groups = [
             (", from ".join(filter(None, (orbits[0].branch, origins[orbits[0].branch]))), orbits)
-            for orbits in orbits_of(system, branches, options["told"])
+            for orbits in orbits_of(system, branches, options["report"])
         ]
     portraits = []
     for title, orbits in groups:

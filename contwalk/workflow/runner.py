@@ -103,7 +103,7 @@ def run(
                 reporter.note(text)
         diagram = Diagram(
             _all_starts([(study, found) for study, found, _ in studies]),
-            _plan(run_file),
+            _coverage(run_file),
             lambda name: _stored(db, name),
             **_claims(db),
         )
@@ -167,7 +167,7 @@ def settings_of(run_file: RunFile) -> Settings:
     )
 
 
-def _plan(run_file: RunFile) -> Plan:
+def _coverage(run_file: RunFile) -> Plan:
     directions = {"both": (1.0, -1.0), "forward": (1.0,), "backward": (-1.0,)}[run_file.direction]
     return Plan(settings_of(run_file), run_file.follow, run_file.depth, directions)
 
@@ -365,10 +365,10 @@ def _figures(run_file: RunFile, result: RunResult, reporter: Reporter) -> Iterat
         if figure.name == "stability_map" and "y" not in options and run_file.sweep is not None:
             options["y"] = run_file.sweep[0]
 
-        def told(text: str, name: str = figure.name) -> None:
+        def report(text: str, name: str = figure.name) -> None:
             reporter.note(f"Figure '{name}': {text}")
 
         try:
-            yield draw_figure(figure.name, result.branches, run_file.system, path, options, told=told)
+            yield draw_figure(figure.name, result.branches, run_file.system, path, options, report=report)
         except ContwalkError as error:
             reporter.note(f"The figure '{figure.name}' was not drawn: {error}")

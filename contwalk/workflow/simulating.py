@@ -86,11 +86,11 @@ def simulate(
     database = run.file("trajectory.h5")
     refuse_existing([database, *tables, *(path for _, path in names)], force)
     state, parameters, word = start_of(run.system, run.start, str(run.path))
-    told = progress or (lambda t: None)
+    report = progress or (lambda t: None)
     if run.smooth:
-        motion = _smoothly(run, state + run.perturbation, parameters, told)
+        motion = _smoothly(run, state + run.perturbation, parameters, report)
     else:
-        motion = _through_transitions(run, state, word, parameters, told)
+        motion = _through_transitions(run, state, word, parameters, report)
     trajectory = _trajectory(run, parameters, motion)
     write_trajectory(database, trajectory)
     _write_tables(trajectory, tables)
@@ -280,7 +280,7 @@ def _write_tables(trajectory: Any, paths: list[Path]) -> None:
         trajectory.event_modes,
         strict=True,
     )
-    told = (
+    event_rows = (
         [name, t, "rising" if rising else "falling", mode, *before, *after]
         for name, t, rising, before, after, mode in happened
     )
@@ -295,7 +295,7 @@ def _write_tables(trajectory: Any, paths: list[Path]) -> None:
             *(f"after.{n}" for n in names),
         ],
     )
-    for path, head, lines in zip((motion, events), heads, (rows, told), strict=True):
+    for path, head, lines in zip((motion, events), heads, (rows, event_rows), strict=True):
         with failures_of(path, "create"), path.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(head)
@@ -353,8 +353,8 @@ def why(status: str, t: float, reason: str = "") -> ContwalkError | None:
         "not_finite": "the field is not finite beyond",
         "step_too_small": "steps became too small to go on at",
     }.get(status, f"{status} at")
-    told = f". {reason}" if reason else f": {words} t = {t:.10g}."
+    why = f". {reason}" if reason else f": {words} t = {t:.10g}."
     return NotFinite(
-        f"The motion ended early{told} What came before is stored.",
+        f"The motion ended early{why} What came before is stored.",
         "Look at the states there, or choose simulate.method: radau5 for a stiff machine.",
     )

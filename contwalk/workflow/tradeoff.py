@@ -164,12 +164,12 @@ def measure(
     ContwalkError
         For bad input, or if the study fails at the tightest accuracy.
     """
-    told = progress or (lambda text: None)
+    report = progress or (lambda text: None)
     _check(accuracies)
     tight = max(TRUER * min(accuracies), LOWEST_ACCURACY)
     with tempfile.TemporaryDirectory(prefix="contwalk-") as folder:
         output = Path(folder) / "run.h5"
-        told(f"the truth: accuracy {tight:g}")
+        report(f"the truth: accuracy {tight:g}")
         branches, _, _ = _ran(run_file, tight, "auto", output)
         truth = {
             f"{branch.name}/{point.name}": value_of(point)
@@ -182,14 +182,14 @@ def measure(
                 "The study has no special point whose place could be more or less accurate.",
                 "Take a run file that finds some, such as HB, PD or LP.",
             )
-        told("the truth, with another integrator")
-        checked = _checked(run_file, output, branches, told)
+        report("the truth, with another integrator")
+        checked = _checked(run_file, output, branches, report)
         trials = []
         for method in methods:
-            told(f"{method}: compiling")
+            report(f"{method}: compiling")
             _tried(run_file, max(accuracies), method, output, branches, truth, timed=False)
             for accuracy in sorted(accuracies, reverse=True):
-                told(f"{method}: accuracy {accuracy:g}")
+                report(f"{method}: accuracy {accuracy:g}")
                 trials.append(_tried(run_file, accuracy, method, output, branches, truth))
     doubt = max(
         (_relative(c.difference, c.stored) for c in checked if c.recomputed == c.recomputed), default=0.0
@@ -220,7 +220,7 @@ def _ran(run_file: RunFile, accuracy: float, method: str, output: Path) -> tuple
 
 
 def _checked(
-    run_file: RunFile, output: Path, branches: Sequence[Branch], told: Callable[[str], None]
+    run_file: RunFile, output: Path, branches: Sequence[Branch], report: Callable[[str], None]
 ) -> list[Comparison]:
     """The truth recomputed."""
     with open_database(output) as db:
@@ -230,7 +230,7 @@ def _checked(
         run_file.system,
         header,
         points,
-        progress=lambda c: told(f"the truth, with another integrator: {c.branch}/{c.point}"),
+        progress=lambda c: report(f"the truth, with another integrator: {c.branch}/{c.point}"),
     )
 
 

@@ -84,7 +84,7 @@ def _events(branch: Branch, system: System, place: ReportAt | None) -> tuple[str
     asked |= {} if place is None else {place.event: branch.points["state"]}
     soft = {transition.name for transition in system.acting if transition.role == "soft"}
     met = [name for name, values in asked.items() if name in soft and np.any(np.isfinite(values))]
-    return tuple(dict.fromkeys([*(leg.name for leg in word.legs if leg.name), *map(str, met)]))
+    return tuple(dict.fromkeys([*(each.name for each in word.legs if each.name), *map(str, met)]))
 
 
 def _absent(branch: Branch, system: System, place: ReportAt | None, events: tuple[str, ...] | None) -> str:

@@ -245,7 +245,7 @@ def test_show_tells_legs_and_margins(contwalk, wheel):
         lines = [line.split() for line in contwalk("show", "--trust", wheel, point).out.splitlines()]
         assert ["admissible"] in lines
         assert ["signature:", "heel_strike"] in lines
-        head = lines.index(["leg", "mode", "duration", "unit", "ended", "by"])
+        head = lines.index(["segment", "mode", "duration", "unit", "ended", "by"])
         assert lines[head + 1][:2] == ["1", "rolling"]
         assert float(lines[head + 1][2]) == pytest.approx(0.7548, rel=0.01)  # the next one is as near
         assert lines[head + 1][3:] == ["s", "heel_strike"]
@@ -260,7 +260,7 @@ def test_show_without_the_system_tells_what_is_stored(contwalk, wheel, folder):
     assert done.code == 0
     assert "signature: heel_strike" in done.out
     assert done.err == (
-        "Not shown: legs and margins of the orbit. The system of wheel.h5 is the plugin file ./wheel.py, "
+        "Not shown: segments and margins of the orbit. The system of wheel.h5 is the plugin file ./wheel.py, "
         "which is not run without being asked. Give --trust (in Python trust=True) if you trust its code.\n"
     )
     (folder / "wheel.py").unlink()

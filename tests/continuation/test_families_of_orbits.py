@@ -163,7 +163,7 @@ def test_a_ball_without_losses_is_told_what_it_conserves():
     assert "shrink to nothing" not in message
     # After the bounce the gradient of g y + v^2/2 is (g, v): v = sqrt(2 g) there.
     assert f"with the left vector y +1, v {math.sqrt(2.0 / 9.81):+.3g}:" in message
-    assert "(word: bounce)" in message
+    assert "(itinerary: bounce)" in message
 
 
 def test_a_solution_that_converges_at_once_may_be_one_of_many():

@@ -16,7 +16,7 @@ from PIL import Image
 from contwalk.errors import ContwalkError, PluginError
 from contwalk.plotting import save_animation
 from contwalk.plotting.animation import _Film
-from contwalk.plotting.film_page import pieces_of
+from contwalk.plotting.film_page import elements_of
 from contwalk.plotting.playback import Playback
 
 
@@ -93,7 +93,7 @@ def test_a_drawing_keeps_its_texts_and_shortens_its_numbers():
         '<path d="M 1.23456 0.0123456 \nL 120.98765 -3"/>\n'
         '<text x="0.98765">mu = 0.123456 &lt; 1</text></svg>'
     )
-    assert "".join(pieces_of(drawing)) == (
+    assert "".join(elements_of(drawing)) == (
         '<svg width="432.123456pt"> <path d="M 1.23 0.01235 L 120.99 -3"/> '
         '<text x="0.9877">mu = 0.123456 &lt; 1</text></svg>'
     )

@@ -219,28 +219,28 @@ def nest(count):
 
 
 def test_names_without_room_are_left_out_and_told():
-    told = []
-    ax = plot_bifurcation_diagram([nest(70)], told=told.append)
+    said = []
+    ax = plot_bifurcation_diagram([nest(70)], report=said.append)
     assert overlaps(ax) == []
     written = [name for text in words(ax) for name in text.split(" + ")[0].split(", ")]
     assert written[0] == "LP1"  # the first ones stay
-    (sentence,) = told
+    (sentence,) = said
     left_out = sentence.partition(": ")[2].partition(".")[0].replace("b1/", "").split(", ")
     assert sorted([*written, *left_out]) == sorted(f"LP{k + 1}" for k in range(70))
     (entry,) = [t.get_text() for t in ax.get_legend().get_texts() if "left out" in t.get_text()]
     assert entry == f"names left out: {len(left_out)}"
     quiet = []
-    plot_bifurcation_diagram([crowd()], told=quiet.append)
+    plot_bifurcation_diagram([crowd()], report=quiet.append)
     assert quiet == []
 
 
 def test_of_many_names_at_one_place_some_are_written_and_the_others_counted():
     mu = np.linspace(0.0, 1.0, 2001)
     special = tuple(SpecialPoint("UZ", 1000.0 + k) for k in range(6))
-    told = []
-    ax = plot_bifurcation_diagram([branch({"mu": mu, "x": mu}, special=special)], told=told.append)
+    said = []
+    ax = plot_bifurcation_diagram([branch({"mu": mu, "x": mu}, special=special)], report=said.append)
     assert words(ax) == ["UZ1, UZ2, UZ3 + 3"]
-    assert "b1/UZ4, b1/UZ5, b1/UZ6" in told[0]
+    assert "b1/UZ4, b1/UZ5, b1/UZ6" in said[0]
 
 
 def test_names_of_branches_of_one_colour_at_one_place_tell_whose_they_are():

@@ -291,8 +291,8 @@ def test_names_of_many_points_lie_within_the_axes_and_the_others_are_told():
         )
         for j in range(9)
     ]
-    told = []
-    ax = plot_multiplier_moduli(many, told=told.append)
+    said = []
+    ax = plot_multiplier_moduli(many, report=said.append)
     ax.figure.canvas.draw()
     names = [text for text in ax.texts if "/" in text.get_text()]
     assert len(names) > 5
@@ -302,7 +302,7 @@ def test_names_of_many_points_lie_within_the_axes_and_the_others_are_told():
         assert ax.bbox.y0 <= box.y0 <= box.y1 <= ax.bbox.y1
     assert not any(a.get_window_extent().overlaps(b.get_window_extent()) for a, b in combinations(names, 2))
     assert any("left out" in text.get_text() for text in ax.get_legend().get_texts())
-    assert "no room for the names" in told[0]
+    assert "no room for the names" in said[0]
 
 
 def test_multipliers_of_branches_of_one_name_are_told_apart():

@@ -17,10 +17,14 @@ REPLACED = {
     "flow": {"arc", "arcs", "course", "departure", "departures", "lap", "leg", "legs", "piece", "pieces"}
     | {"plan", "quiet", "told", "walk", "word", "here", "careful"},
     "fields": {"arc", "lap", "leg", "quiet", "plan", "told"},
-    "storage": {"arc", "lap", "leg", "quiet", "plan"},
+    "storage": {"arc", "lap", "leg", "quiet", "plan", "told", "here"},
     "numerics": {"arc", "lap", "leg", "quiet", "plan", "told", "here"},
-    "continuation": {"here"},
-    "studies": {"here"},
+    "continuation": {"here", "told", "leg", "lap", "piece", "pieces", "quiet"},
+    "studies": {"here", "told", "piece", "pieces", "quiet"},
+    "workflow": {"here", "told", "leg", "legs", "lap", "piece", "pieces", "quiet", "plan", "arc"},
+    "plotting": {"here", "told", "leg", "legs", "lap", "piece", "pieces", "quiet", "plan", "arc"},
+    # `quiet` is an option of the command line.
+    "cli": {"here", "told", "leg", "legs", "lap", "piece", "pieces", "plan", "arc"},
 }
 
 

@@ -35,7 +35,7 @@ class Grouping:
             if not leg.soft:
                 self.groups.append([])
         if self.groups.pop():
-            raise ValueError("the word ends with a soft transition")
+            raise ValueError("the itinerary ends with a soft transition")
         first, last = [group[0] for group in self.groups], [group[-1] for group in self.groups]
         inner = [i for group in self.groups for i in group[:-1]]
         later = [i for group in self.groups for i in group[1:]]

@@ -31,7 +31,7 @@ def hops(problem: DiscretizedOrbit, guess: np.ndarray) -> str:
         if jump is not None:
             return (
                 f"On Newton's way from the first guess {jump.of} jumps: {jump.where}. There may be no orbit "
-                "of this word on either side of it."
+                "of this itinerary on either side of it."
             )
         z = there
     return ""

@@ -685,7 +685,7 @@ def _first_derivative(problem: DiscretizedOrbit, i: int, transition: Transition,
         if abs(value) >= max(LITTLE * abs(following) * lasting, rounding):
             return order
         value = following
-    raise np.linalg.LinAlgError(f"All derivatives of '{transition.name}' are zero where its leg begins.")
+    raise np.linalg.LinAlgError(f"All derivatives of '{transition.name}' are zero where its segment begins.")
 
 
 def _starting(

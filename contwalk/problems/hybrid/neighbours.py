@@ -119,7 +119,7 @@ def _leaving(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, place: floa
             reasons.append(reason)
         except StartError as reason:
             reasons.append(
-                _None(f"the equations of the word beyond have no solution there: {reason.sentence}")
+                _None(f"the equations of the itinerary beyond have no solution there: {reason.sentence}")
             )
     if not seeds:
         raise reasons[0]
@@ -272,7 +272,7 @@ def _turned(
     if not problem.word.image or lowest <= i <= highest:
         return problem, z, limit
     if lowest > highest:
-        raise _None(f"half of the word has {m} events only.")
+        raise _None(f"half of the itinerary has {m} events only.")
     place = (lowest + highest + 1) // 2
     there, turned = rotated(problem, z, (i - place) % m)
     return there, turned, replace(limit, leg=place)
@@ -368,8 +368,8 @@ def _built(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, place: float)
     if limit.test == "leaving":
         raise _None(f"'{limit.name}' would happen again at once, for ever: the machine rests there.")
     raise _None(
-        f"'{limit.name}' and '{problem.word.legs[limit.leg].name}' happen at once there, and no word with "
-        "both is known."
+        f"'{limit.name}' and '{problem.word.legs[limit.leg].name}' happen at once there, and no itinerary "
+        "with both is known."
     )
 
 
@@ -432,7 +432,7 @@ def _inserted(
     old = problem.word.legs[i]
     if transition.target != old.mode:
         rest = ", ".join(leg.name for leg in problem.word.legs[i:] if leg.name)
-        follows = f"the rest of the word ({rest}) does" if rest else "a motion without events does"
+        follows = f"the rest of the itinerary ({rest}) does" if rest else "a motion without events does"
         raise _None(
             f"after '{transition.name}' the machine is in mode '{transition.target}', from where {follows} "
             "not follow."
@@ -491,7 +491,7 @@ def _removed(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, transition:
             return _without_visit(problem, z, first)
         raise _None(
             f"without '{transition.name}' the machine stays in mode '{problem.word.legs[i].mode}', from "
-            "where the rest of the word does not follow."
+            "where the rest of the itinerary does not follow."
         )
     states, lasting, start = _whole(there, z)
     _unchanged(there, transition, _at(there, z, i, 1.0), _image(there, z, states[following], i))
@@ -579,7 +579,7 @@ def _exchanged(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> Neighb
     """Two transitions that happen at once happen in the other order."""
     there, i, m = discretized(problem, z), limit.leg, problem.layout.legs
     if m < 2:
-        raise _None("the word has one event only.")
+        raise _None("the itinerary has one event only.")
     before = (i - 1) % m
     first, second = problem.word.legs[before].transition, problem.word.legs[i].transition
     assert first is not None

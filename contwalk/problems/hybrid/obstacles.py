@@ -28,10 +28,10 @@ def obstacle(orbit: DiscretizedOrbit, z: np.ndarray) -> str:
     ends = f"ends with '{leg.name}'" if leg.name else "no event ends"
     where = "" if orbit.cuts == 1 else f"one of {orbit.cuts} segments of "
     told = (
-        f"Deviations grow by {grown[most]:.0e} over {where}the leg in mode '{leg.mode}' that {ends}: "
+        f"Deviations grow by {grown[most]:.0e} over {where}the segment in mode '{leg.mode}' that {ends}: "
         "where it passes beside a saddle, or along what repels it (a canard, or a homoclinic orbit "
         "nearby), the parameter stands still while the orbit changes, and beyond some of this growth no "
-        "start of the leg tells its end."
+        "start of the segment tells its end."
     )
     if not orbit.cuttable:
         return f"{told} A smaller `tolerance` (`engine`) goes a little further."

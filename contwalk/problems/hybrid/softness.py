@@ -160,7 +160,9 @@ def _switched(system: System, name: str, pieces: list[Piece], last: np.ndarray, 
         if soft.role == "soft" and soft.target in sources:
             between = Leg(leg.mode, soft, soft.direction != "rising")
             return [*pieces[:-1], (between, state, lasts), (Leg(soft.target), last, 0.0)]
-    raise NotFinite(f"'{name}' does not lead out of mode '{leg.mode}', in which the leg before it ends.", "")
+    raise NotFinite(
+        f"'{name}' does not lead out of mode '{leg.mode}', in which the segment before it ends.", ""
+    )
 
 
 def holds(explicit: DiscretizedOrbit, unknowns: np.ndarray) -> bool:

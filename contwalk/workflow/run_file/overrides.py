@@ -18,41 +18,41 @@ def apply_override(document: Document, override: str) -> None:
     """
     origin = f"--set {override}"
     name, equals, text = override.partition("=")
-    pieces = name.strip().split(".")
-    if not equals or not all(piece and piece == piece.strip() for piece in pieces):
+    steps = name.strip().split(".")
+    if not equals or not all(step and step == step.strip() for step in steps):
         raise RunFileError(
             f"{origin}: this is not KEY=VALUE.", "Write, for example, --set parameters.c=0.9, without spaces."
         )
     value, _ = parse_yaml(text, origin, numbered=False)
-    here: Any = document.data
+    node: Any = document.data
     key: Key = ()
-    for piece, following in zip(pieces, [*pieces[1:], None], strict=True):
-        index = _index(here, key, piece, origin)
+    for step, following in zip(steps, [*steps[1:], None], strict=True):
+        index = _index(node, key, step, origin)
         key = (*key, index)
         if following is None:
-            here[index] = value
+            node[index] = value
             _forget(document, key)
             document.origins[key] = origin
         else:
-            if isinstance(here, dict) and here.get(piece) is None:
-                here[piece] = {}
+            if isinstance(node, dict) and node.get(step) is None:
+                node[step] = {}
                 document.origins[key] = origin
-            here = here[index]
+            node = node[index]
 
 
-def _index(here: Any, key: Key, piece: str, origin: str) -> str | int:
-    """What `piece` stands for in `here`: a name in a mapping, a position (from 0) in a list."""
-    if isinstance(here, dict):
-        return piece
-    if isinstance(here, list):
-        if piece.isascii() and piece.isdigit() and len(piece) < 7 and int(piece) < len(here):
-            return int(piece)
+def _index(node: Any, key: Key, step: str, origin: str) -> str | int:
+    """What `step` stands for in `node`: a name in a mapping, a position (from 0) in a list."""
+    if isinstance(node, dict):
+        return step
+    if isinstance(node, list):
+        if step.isascii() and step.isdigit() and len(step) < 7 and int(step) < len(node):
+            return int(step)
         raise RunFileError(
-            f"{origin}: '{dotted(key)}' is a list of {len(here)}, and '{piece}' is no position in it.",
-            f"Positions count from 0: allowed 0 to {len(here) - 1}, or set '{dotted(key)}' as a whole.",
+            f"{origin}: '{dotted(key)}' is a list of {len(node)}, and '{step}' is no position in it.",
+            f"Positions count from 0: allowed 0 to {len(node) - 1}, or set '{dotted(key)}' as a whole.",
         )
     raise RunFileError(
-        f"{origin}: '{dotted(key)}' is {shown(here)}, which has no key '{piece}'.",
+        f"{origin}: '{dotted(key)}' is {shown(node)}, which has no key '{step}'.",
         f"Set '{dotted(key)}' as a whole.",
     )
 

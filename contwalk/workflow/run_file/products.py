@@ -57,13 +57,13 @@ def product(value: Any) -> Product:
         factors.append((-1.0 if text[0] == "-" else 1.0, False))
         text = text[1:].strip()
     operator = "*"
-    for piece in re.split(r"([*/])", text):
-        if piece in ("*", "/"):
-            operator = piece
+    for part in re.split(r"([*/])", text):
+        if part in ("*", "/"):
+            operator = part
             continue
-        found = _FACTOR.fullmatch(piece.strip())
+        found = _FACTOR.fullmatch(part.strip())
         if found is None:
-            raise wrong(f"is {shown(value)}, in which '{piece.strip()}' is no factor.", f"Allowed: {FORM}.")
+            raise wrong(f"is {shown(value)}, in which '{part.strip()}' is no factor.", f"Allowed: {FORM}.")
         name = found["name"]
         plain = math.pi if name == "pi" else name if name else number(float(found["number"]))
         factors.append((plain, operator == "/"))

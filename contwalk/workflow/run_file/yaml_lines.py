@@ -50,16 +50,16 @@ class Document:
         `loc` may hold pieces that the data does not: an index into what is written as a single value, or
         the name of an alternative in parentheses. They are left out.
         """
-        here: Any = self.data
+        node: Any = self.data
         shown: list[str | int] = []
         origin: int | str | None = None
-        for piece in loc:
-            if _has(here, piece):
-                here = here[piece]
-                shown.append(piece)
+        for step in loc:
+            if _has(node, step):
+                node = node[step]
+                shown.append(step)
                 origin = self.origins.get(tuple(shown), origin)
-            elif isinstance(piece, str) and not piece.startswith("("):
-                shown.append(piece)
+            elif isinstance(step, str) and not step.startswith("("):
+                shown.append(step)
         return tuple(shown), origin
 
     def where(self, loc: Key) -> str:
@@ -73,15 +73,15 @@ class Document:
         return words + (f", key {dotted(shown)}" if shown else "")
 
 
-def _has(here: Any, piece: str | int) -> bool:
-    if isinstance(here, list):
-        return isinstance(piece, int) and piece < len(here)
-    return isinstance(here, dict) and piece in here
+def _has(node: Any, step: str | int) -> bool:
+    if isinstance(node, list):
+        return isinstance(step, int) and step < len(node)
+    return isinstance(node, dict) and step in node
 
 
 def dotted(key: Key) -> str:
     """A key path as it is written after `--set`."""
-    return ".".join(str(piece) for piece in key)
+    return ".".join(str(step) for step in key)
 
 
 def shown(value: Any) -> str:

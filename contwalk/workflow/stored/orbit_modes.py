@@ -43,10 +43,10 @@ class DisplacedMotion:
     def words(self) -> str:
         """What is shown, in a few words."""
         value = self.multiplier
-        told = f"{value.real:.4g}"
+        text = f"{value.real:.4g}"
         if value.imag:
-            told += f" {'+' if value.imag > 0.0 else '-'} {abs(value.imag):.4g}i, modulus {abs(value):.4g}"
-        return f"mode {self.number}: multiplier {told}"
+            text += f" {'+' if value.imag > 0.0 else '-'} {abs(value.imag):.4g}i, modulus {abs(value):.4g}"
+        return f"mode {self.number}: multiplier {text}"
 
 
 def displaced_along(
@@ -94,8 +94,8 @@ def displaced_along(
     d, closures = mode.start.real, 0
     while sum(len(part) for part in found) < len(states):
         which = closures % deviations.rounds
-        legs = slice(which * deviations.legs, (which + 1) * deviations.legs)
-        parts = deviations.closure(d, which, shares[legs])
+        segments = slice(which * deviations.legs, (which + 1) * deviations.legs)
+        parts = deviations.closure(d, which, shares[segments])
         # Without an event, the first row of a round is the last one of the round before: `motion_along`.
         if found and which == 0 and not orbit.events:
             parts[0] = parts[0][1:]
@@ -124,10 +124,10 @@ def _half_ranges(states: np.ndarray) -> np.ndarray:
     return np.where(half > STILL * size, half, np.where(size > 0.0, size, 1.0))
 
 
-def _shares(orbit: Orbit, rounds: int, legs: int) -> list[np.ndarray]:
+def _shares(orbit: Orbit, rounds: int, segments: int) -> list[np.ndarray]:
     """Instants of the orbit's rows, 0 to 1 in each leg of all closures."""
     times = orbit.times
-    if len(orbit.breaks) == rounds * legs - 1:
+    if len(orbit.breaks) == rounds * segments - 1:
         parts = np.split(times, orbit.breaks)
         return [np.clip((part - part[0]) / ((part[-1] - part[0]) or 1.0), 0.0, 1.0) for part in parts]
     closures = rounds * (times - times[0]) / (times[-1] - times[0])  # where two meet, there is one row

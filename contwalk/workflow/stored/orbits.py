@@ -89,12 +89,13 @@ def titled(orbit: Orbit) -> str:
 
 
 def orbits_of(
-    system: System, branches: Sequence[Branch], told: Callable[[str], None] = lambda text: None
+    system: System, branches: Sequence[Branch], report: Callable[[str], None] = lambda text: None
 ) -> list[list[Orbit]]:
     """A handful of orbits of each branch of orbits: of its special points, then marked values, then ends.
 
-    If none of them is stable and admissible, one that is, or is stable at least, is added. `told` is given a
-    sentence for each that cannot be integrated once more, such as one at a homoclinic end; it is left out.
+    If none of them is stable and admissible, one that is, or is stable at least, is added. `report` is
+    given a sentence for each that cannot be integrated once more, such as one at a homoclinic end; it is left
+    out.
 
     Raises
     ------
@@ -119,7 +120,7 @@ def orbits_of(
     if not result:
         raise missing[0]
     for error in missing:
-        told(f"An orbit is left out. {error.sentence}")
+        report(f"An orbit is left out. {error.sentence}")
     return result
 
 

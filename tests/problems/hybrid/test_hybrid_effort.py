@@ -40,7 +40,7 @@ def test_a_start_that_costs_too_much_ends_with_what_was_tried_and_what_to_do(mon
     assert (found.status, found.reason) == ("failed", "no_convergence")
     assert "far from the guess" in found.message
     assert "until: settled" in found.message
-    assert "(word: " in found.message
+    assert "(itinerary: " in found.message
     settled = opened(block(), "beta", **start(), until="settled")
     assert "far from the guess" in settled.message
     assert "until: settled" not in settled.message

@@ -1,11 +1,11 @@
-"""Points that only a function of their own tells: `Test.VALUE`."""
+"""Points that only a test function of their own tells: `Test.VALUE`."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import pairwise
 
-from contwalk.continuation.kinds import all_told_by
+from contwalk.continuation.kinds import kinds_of_test
 from contwalk.continuation.locating import Disagreement, Found, locate
 from contwalk.continuation.segment import Segment
 from contwalk.problems.problem import PointType, Test
@@ -18,7 +18,7 @@ NARROWER = 12
 NEAR_ZERO = 0.1
 
 
-def told_by_value(segment: Segment) -> list[Found]:
+def zeros_of_test_functions(segment: Segment) -> list[Found]:
     """The points on a segment at which the function of a kind passes zero.
 
     Raises
@@ -26,7 +26,7 @@ def told_by_value(segment: Segment) -> list[Found]:
     Disagreement, LostBranch
         If one passes zero and is not located: then the segment must be shorter.
     """
-    return [point for kind in all_told_by(segment.problem, Test.VALUE) for point in _of_kind(segment, kind)]
+    return [point for kind in kinds_of_test(segment.problem, Test.VALUE) for point in _of_kind(segment, kind)]
 
 
 def _of_kind(segment: Segment, kind: PointType) -> list[Found]:

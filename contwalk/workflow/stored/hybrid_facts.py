@@ -1,4 +1,4 @@
-"""Legs and margins of a stored hybrid orbit: what happens on it, and how far it is from its limits."""
+"""Segments and margins of a stored hybrid orbit: what happens on it, and how far it is from its limits."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ ZERO, BELOW = 1e-6, -1e-9
 
 
 @dataclass(frozen=True)
-class LegFact:
-    """A leg: the mode it is in, how long it lasts in seconds, and the event that ends it."""
+class SegmentFact:
+    """A segment: the mode it is in, how long it lasts in seconds, and the event that ends it."""
 
     mode: str
     duration: float
@@ -49,9 +49,9 @@ class MarginFact:
 
 @dataclass(frozen=True)
 class HybridFacts:
-    """Legs in their order; margins, the least one first."""
+    """Segments in their order; margins, the least one first."""
 
-    legs: tuple[LegFact, ...]
+    segments: tuple[SegmentFact, ...]
     margins: tuple[MarginFact, ...]
 
     @property
@@ -80,8 +80,8 @@ def facts_of(system: System, branch: Branch, point: SpecialPoint | int) -> Hybri
     where = point.index if isinstance(point, SpecialPoint) and not point.unknowns else point
     problem, sample = reopened(system, branch, where, PICTURE)
     z = sample.z
-    legs = tuple(
-        LegFact(mode, float(duration), event)
+    segments = tuple(
+        SegmentFact(mode, float(duration), event)
         for (mode, event, *_), duration in zip(
             branch.info.settings["legs"],
             np.diff(problem.starting_times(z)),  # type: ignore[attr-defined]
@@ -101,13 +101,18 @@ def facts_of(system: System, branch: Branch, point: SpecialPoint | int) -> Hybri
             scale = float(np.max(column[np.isfinite(column)], initial=0.0)) or scale
             if not isinstance(point, SpecialPoint):
                 stored[name] = float(branch[name][point])
-        told = float(stored.get(name, value))
+        stored_value = float(stored.get(name, value))
         fact = MarginFact(
-            name, told, _unit(system, name), told / float(scale), _what(limit, legs), limit.label
+            name,
+            stored_value,
+            _unit(system, name),
+            stored_value / float(scale),
+            _what(limit, segments),
+            limit.label,
         )
         if name not in found or (name not in stored and fact.share < found[name].share):
             found[name] = fact
-    return HybridFacts(legs, tuple(sorted(found.values(), key=lambda margin: margin.share)))
+    return HybridFacts(segments, tuple(sorted(found.values(), key=lambda margin: margin.share)))
 
 
 def _unit(system: System, name: str) -> str:
@@ -116,18 +121,18 @@ def _unit(system: System, name: str) -> str:
     return next((c.unit for c in system.conditions if c.name == name), "")
 
 
-def _what(limit: object, legs: tuple[LegFact, ...]) -> str:
+def _what(limit: object, segments: tuple[SegmentFact, ...]) -> str:
     """What a limit is about, in a few words."""
     from contwalk.problems.hybrid.margins import Limit
 
     assert isinstance(limit, Limit)
-    leg = legs[limit.leg]
+    segment = segments[limit.leg]
     if limit.test == "duration":
-        return f"how long {leg.mode} lasts"
+        return f"how long {segment.mode} lasts"
     if limit.test == "rate":
         return "rate at which the guard arrives"
     if limit.test == "leaving":
         return "how the guard goes on that its own event left without rate"
     if limit.test == "condition":
-        return f"condition at {leg.event}"
-    return f"guard on the way, in {leg.mode}"
+        return f"condition at {segment.event}"
+    return f"guard on the way, in {segment.mode}"
