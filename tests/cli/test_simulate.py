@@ -197,7 +197,7 @@ def test_warmup_says_what_it_did_and_where(contwalk, monkeypatch, tmp_path):
     assert f"cache: {folder}" in done.out
     monkeypatch.setenv("CONTWALK_CACHE_DIR", str(tmp_path / "none"))
     monkeypatch.setattr("contwalk.flow.explicit.runge_kutta.warmup", nothing)
-    assert [part.state for part in warming.warm()[0]] == ["not kept"] * 5
+    assert {part.state for part in warming.warm()[0]} == {"not kept"}
 
 
 @pytest.mark.parametrize("system", ["./spring.py", "./hard.py"])

@@ -48,16 +48,16 @@ def test_slow_motion_has_more_frames(tmp_path):
 
 def frames_of_page(text):
     """The drawings of a page, put together as its script does."""
-    pieces = json.loads(re.search(r"^const pieces = (.*);$", text, re.MULTILINE)[1])
+    elements = json.loads(re.search(r"^const elements = (.*);$", text, re.MULTILINE)[1])
     changes = json.loads(re.search(r"^const changes = (.*);$", text, re.MULTILINE)[1])
     frames = []
     for change in changes:
         frame = list(change) if isinstance(change, list) else list(frames[-1])
         if isinstance(change, dict):
-            for place, piece in change.items():
-                frame[int(place)] = piece
+            for place, element in change.items():
+                frame[int(place)] = element
         frames.append(frame)
-    return ["".join(pieces[piece] for piece in frame) for frame in frames]
+    return ["".join(elements[element] for element in frame) for frame in frames]
 
 
 def test_html_is_a_page_that_needs_nothing_else(tmp_path):
