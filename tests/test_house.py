@@ -19,7 +19,7 @@ from tools.house.imports import PACKAGE, House, circles
 ROOT = Path(contwalk.__file__).parent
 FILES = sorted(ROOT.rglob("*.py"))
 
-MOST_METHODS, MOST_LINES, MOST_ARGUMENTS, MOST_MEMBERS = 30, 400, 8, 14
+MOST_METHODS, MOST_LINES, MOST_ARGUMENTS, MOST_MEMBERS = 30, 400, 8, 15
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
@@ -41,12 +41,10 @@ LINES_OVER: dict[str, int] = {
 }
 # Lines of files.
 FILES_OVER: dict[str, int] = {
-    "contwalk.continuation.detection": 408,
     "contwalk.continuation.diagram": 449,
     "contwalk.flow.explicit.runge_kutta": 441,
     "contwalk.plugin_check.events": 442,
-    "contwalk.problems.hybrid.hybrid_orbit": 424,
-    "contwalk.problems.hybrid.limits": 836,
+    "contwalk.problems.hybrid.hybrid_orbit": 427,
     "contwalk.problems.hybrid.neighbours": 734,
     "contwalk.problems.hybrid.soft_orbit": 581,
     "contwalk.problems.initial.event_recurrence": 548,

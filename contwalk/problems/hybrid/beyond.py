@@ -16,9 +16,9 @@ from contwalk.flow.events.guard import EPSILON
 from contwalk.flow.hybrid.guard_status import ENTERING, guard_statuses
 from contwalk.flow.hybrid.machine import hybrid_machine
 from contwalk.numerics.linear import kernel_direction
-from contwalk.problems.hybrid import limits
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.least import least
+from contwalk.problems.hybrid.margin_values import ZERO
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.hybrid.telling import first_sentence, told_once
 from contwalk.problems.initial.event_recurrence import lap_from
@@ -106,9 +106,7 @@ def _simulated(problem: DiscretizedOrbit, guess: np.ndarray, outward: np.ndarray
         normal[-1] = 1.0 / weights[-1]
         start = newton_on(there, start, weights, normal)
     margins = there.margins(start)
-    lost = [
-        o.name for o, r in zip(margins.limits, margins.relative, strict=True) if r < -limits.ZERO and o.acts
-    ]
+    lost = [o.name for o, r in zip(margins.limits, margins.relative, strict=True) if r < -ZERO and o.acts]
     if lost:
         raise ContwalkError(f"the orbit that a simulation leads to violates '{lost[0]}'")
     weights = filled_magnitudes(there, start)

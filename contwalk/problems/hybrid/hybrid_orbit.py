@@ -24,7 +24,10 @@ from contwalk.problems.hybrid import (
     jumping_limits,
     lasting,
     least,
+    limit_points,
     limits,
+    limits_told,
+    margin_values,
     metric,
     neighbours,
     observing,
@@ -110,7 +113,7 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
     @cached_property
     def guarded(self) -> tuple[Guarded | None, ...]:
         """The sampled guards that `limits` are of."""
-        return limits.guarded(self)
+        return margin_values.guarded(self)
 
     @property
     def observable_names(self) -> tuple[str, ...]:
@@ -123,7 +126,7 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
 
     def margins(self, z: np.ndarray) -> Margins:
         """Values of all limits at a solution."""
-        return self.known.at("margins", z, MOST_VIEWS, lambda: limits.margins(self, z))
+        return self.known.at("margins", z, MOST_VIEWS, lambda: margin_values.margins(self, z))
 
     def stretches(self, z: np.ndarray) -> list[Stretch]:
         """The legs of the whole motion, images included."""
@@ -354,7 +357,7 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
     def locate(self, kind: OrbitKind, sample: Sample, which: int) -> Located | None:
         """The special point of a kind near a sample, by its augmented system."""
         if kind.test is Test.MARGIN:
-            return limits.located(self, which, sample)
+            return limit_points.located(self, which, sample)
         return augmented.located(self, kind, sample, which)
 
     def special_point(self, kind: OrbitKind, located: Located, sample: Sample, s: float) -> SpecialPoint:
@@ -367,7 +370,7 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
             changes = limit.test in ("duration", "past")
             if changes and neighbours.corners(there, located.z, limit, sample.tangent):
                 name = "corner"
-            record = replace(record, kind=name, note=limits.place_of(there, limit, located))
+            record = replace(record, kind=name, note=limits_told.place_of(there, limit, located))
         if kind.test is Test.MARK and abs(observing.split(sample.eigenvalues)) < MEET:
             met = "two multipliers meet: each is known to the root of rounding only, their mean far better"
             record = replace(record, note=met if record.note is None else f"{record.note}; {met}")
@@ -379,11 +382,11 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         z = np.array(point.unknowns)
         known = self._mesh is not None and len(z) == self.size + 1
         there = self if known else switching.discretized(self, z)
-        return limits.nearest(there, point)
+        return limit_points.nearest(there, point)
 
     def stopped(self, located: Located, sample: Sample) -> str:
         """Why an orbit beyond a limit is not the machine's, and what lies next to it."""
-        return limits.sentence(self, located)
+        return limits_told.sentence(self, located)
 
     def mirror(self, sample: Sample) -> HybridMirror | None:
         """What takes one half of the branch that leaves an orbit to the other, if a symmetry does."""

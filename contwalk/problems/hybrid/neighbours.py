@@ -21,7 +21,7 @@ from contwalk.branch import SpecialPoint
 from contwalk.errors import ContwalkError, NotFinite, StartError
 from contwalk.numerics.linear import kernel_direction
 from contwalk.numerics.spectrum import complement
-from contwalk.problems.hybrid import beyond, cutting, limits
+from contwalk.problems.hybrid import beyond, cutting, limit_points, limits, margin_values
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.following import follows
 from contwalk.problems.hybrid.least import least
@@ -241,9 +241,9 @@ def corners(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, tangent: np.
     there = neighbour.problem
     weights = filled_magnitudes(there, neighbour.z)
     leaving = kernel_direction(there.linearize(neighbour.z).jacobian, weights)
-    leaving = leaving * np.sign(limits.growth(there, neighbour.z, neighbour.grows, leaving))
+    leaving = leaving * np.sign(limit_points.growth(there, neighbour.z, neighbour.grows, leaving))
     rough = discretized(problem, z)
-    arriving = tangent * -np.sign(limits.growth(rough, z, limit, tangent))
+    arriving = tangent * -np.sign(limit_points.growth(rough, z, limit, tangent))
 
     if there.layout.sizes != problem.layout.sizes:
         return bool(np.sign(arriving[-1]) != np.sign(leaving[-1]))
@@ -308,7 +308,7 @@ def _limit_of(problem: DiscretizedOrbit, point: SpecialPoint) -> tuple[Limit, fl
     """Which limit a stored point is, and where on its leg, 0..1."""
     z = np.array(point.unknowns)
     there = discretized(problem, z)
-    values, k = there.margins(z), limits.nearest(there, point)
+    values, k = there.margins(z), limit_points.nearest(there, point)
     k = _arrival(values, k, problem.layout.legs)
     limit, place = values.limits[k], float(values.places[k])
     if not limit.acts:
@@ -560,7 +560,7 @@ def _image(problem: DiscretizedOrbit, z: np.ndarray, x: np.ndarray, i: int) -> n
 
 def _collapses(problem: DiscretizedOrbit, limit: Limit) -> bool:
     """Whether a leg whose duration vanishes is passed in no time beyond."""
-    return limit.test == "duration" and limits.collapses(problem, limit.leg)
+    return limit.test == "duration" and limit_points.collapses(problem, limit.leg)
 
 
 def _collapsed(problem: DiscretizedOrbit, z: np.ndarray, changing: Sequence[Limit]) -> Neighbour:
@@ -722,7 +722,7 @@ def _looks(
         lost = [
             o
             for o, r in zip(margins.limits, margins.relative, strict=True)
-            if r < -limits.ZERO and o.label != "AZ"
+            if r < -margin_values.ZERO and o.label != "AZ"
         ]
         if lost:
             return (

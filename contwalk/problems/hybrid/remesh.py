@@ -8,7 +8,7 @@ import numpy as np
 
 from contwalk import flow
 from contwalk.errors import NotFinite
-from contwalk.problems.hybrid import cutting, limits
+from contwalk.problems.hybrid import cutting, margin_values
 from contwalk.problems.hybrid.discretized_orbit import Kind
 from contwalk.problems.hybrid.shooting import AT_REST, meshed, most_steps
 from contwalk.problems.orbit.discretization import STAGES
@@ -71,7 +71,7 @@ def adapted_to(
     if tolerance is None:  # who walks on asks for the equations there next, and one pass serves both
         problem.linearize(z)
     # Its views need the steps, and the units of its equations need the views.
-    problem.measure_guards(limits.guard_scales(problem, z))
+    problem.measure_guards(margin_values.guard_scales(problem, z))
     return problem
 
 

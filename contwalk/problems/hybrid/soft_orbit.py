@@ -24,7 +24,7 @@ from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
 from contwalk.memory import remembered, unowned
 from contwalk.numerics.linear import Factored, Factorization, kernel_direction
-from contwalk.problems.hybrid import limits, softness
+from contwalk.problems.hybrid import limit_points, softness
 from contwalk.problems.hybrid.eliminated import Chord, Eliminated, corrected, reached
 from contwalk.problems.hybrid.grouping import Grouping
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
@@ -410,7 +410,7 @@ class SoftOrbit(HybridOrbit):
     def limit_of(self, point: SpecialPoint) -> int:
         """Which of the limits a special point is one of."""
         there, _, _ = self._stored(point)
-        return limits.nearest(there, point)
+        return limit_points.nearest(there, point)
 
     # -- special points ----------------------------------------------------------------------------------
 

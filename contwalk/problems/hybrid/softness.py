@@ -14,7 +14,8 @@ from contwalk.memory import remembered
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind
 from contwalk.problems.hybrid.grouping import NO_TIME
-from contwalk.problems.hybrid.limits import ZERO, Limit, largest, limits_of_leg
+from contwalk.problems.hybrid.limits import Limit, limits_of_leg
+from contwalk.problems.hybrid.margin_values import ZERO, largest
 from contwalk.problems.hybrid.switching import discretized, rotated, shifted
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.word import Leg, Word, modes_around

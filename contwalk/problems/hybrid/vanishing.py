@@ -16,7 +16,7 @@ from collections.abc import Callable
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.problems.hybrid import limits
+from contwalk.problems.hybrid import limit_points
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.orbit.solving import error_holding
 from contwalk.problems.orbit.vanishing import shrunk
@@ -175,4 +175,4 @@ def typical_guard(orbit: DiscretizedOrbit, z: np.ndarray, magnitudes: np.ndarray
     """What typical changes of the states, `magnitudes_of` weights, make of the guard that ends leg i."""
     transition = orbit.word.legs[i].transition
     assert transition is not None
-    return limits.typical(orbit.pieces_of(z, i)[-1], transition, magnitudes)
+    return limit_points.typical(orbit.pieces_of(z, i)[-1], transition, magnitudes)

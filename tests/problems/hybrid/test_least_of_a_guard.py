@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from contwalk.problems.hybrid.limits import LITTLE, _of_watch, _sign, largest
+from contwalk.problems.hybrid.margin_values import LITTLE, _of_watch, _sign, largest
 
 
 def watched(values, dips, own=False, scale=1.0):

@@ -1,0 +1,388 @@
+"""Points at which a limit passes zero: which one a point is of, and the equations that locate it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+from contwalk.errors import StartError, UnsupportedOperation
+from contwalk.flow.events.guard_derivatives import MOST_ORDER
+from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.limits import transition_of
+from contwalk.problems.hybrid.margin_values import BELOW, LITTLE, at_entry, largest
+from contwalk.problems.hybrid.margins import Limit
+from contwalk.problems.hybrid.view import LegView
+from contwalk.problems.orbit import augmented
+from contwalk.problems.orbit.branching import filled_magnitudes
+from contwalk.problems.orbit.lifts import PLAIN
+from contwalk.problems.orbit.piece import Piece
+from contwalk.problems.orbit.solving import newton_on
+from contwalk.problems.orbit.watching import Watched
+from contwalk.problems.orbit.word import imaged_leg
+from contwalk.problems.problem import Located, Sample
+from contwalk.system import Transition
+
+AT_START = ("start", "leaving", "past")
+# Margins larger than this are not those that a special point is a zero of.
+HIDDEN = 1e-6
+# Limits that do not show at a point are looked for so far beside it, in the metric, and are those nearer
+# than this.
+BESIDE, NEAR = 1e-4, 1e-2
+# Of what typical changes of the states make of a guard: its rounding, a rate that is no more than that, and
+# what one that turns within a little time changes by at most in the closure's.
+ROUNDED, STILL, SLOWLY = 1e-13, 1e-8, 0.1
+# An instant that lies beyond this part of a segment is looked at from its start.
+AFTER = 0.1
+
+
+def nearest(problem: DiscretizedOrbit, point: SpecialPoint) -> int:
+    """The limit that a special point is one of: the smallest margin under its label, and kind where
+    it has one.
+
+    `problem` has the point's steps.
+    """
+    z = np.array(point.unknowns)
+    found = problem.margins(z)
+
+    def fits(limit: Limit) -> bool:
+        return limit.label == point.label and (limit.label == "OC" or limit.kind == point.kind)
+
+    fitting = [k for k, limit in enumerate(found.limits) if fits(limit)]
+    off = {k: abs(float(found.relative[k])) for k in fitting if np.isfinite(found.values[k])}
+    best = min(off, key=lambda k: (off[k], found.limits[k].rank), default=None)
+    if best is None or off[best] > HIDDEN:
+        # A guard that is zero at a leg's start or end is left out of the margins just there.
+        left_out = [k for k in fitting if k not in off and found.limits[k].test in ("start", "end")]
+        shown = _beside(problem, z, np.array(point.tangent), left_out)
+        best = min(shown, key=lambda k: (shown[k], found.limits[k].rank), default=best)
+    if best is None:
+        raise StartError(f"{point.label} at {dict(point.parameters)} is no limit of these orbits.", "")
+    return best
+
+
+def _beside(
+    problem: DiscretizedOrbit, z: np.ndarray, tangent: np.ndarray, which: list[int]
+) -> dict[int, float]:
+    """How far from zero some limits are a little beside a point, on both sides; those that are nowhere near
+    it are left out, and those that are zero there as well.
+    """
+    weights = filled_magnitudes(problem, z)
+    off: dict[int, float] = {}
+    step = BESIDE * tangent / float(np.linalg.norm(tangent / weights))
+    for there in (z + step, z - step) if which else ():
+        values = problem.margins(there)
+        for k in which:
+            share = abs(float(values.relative[k]))
+            if np.isfinite(values.values[k]) and share < NEAR:
+                off[k] = min(share, off.get(k, np.inf))
+    return off
+
+
+def located(problem: DiscretizedOrbit, which: int, sample: Sample) -> Located | None:
+    """The point near a sample at which limit number `which` passes zero."""
+    limit = problem.limits[which]
+    try:
+        system = _system(problem, which, limit, sample)
+        return None if system is None else augmented.solved(problem, system, sample)
+    except (np.linalg.LinAlgError, UnsupportedOperation):
+        return None
+
+
+def _system(
+    problem: DiscretizedOrbit, which: int, limit: Limit, sample: Sample
+) -> augmented.Augmented | None:
+    """The orbit's equations with those of the limit."""
+    for leg in _doubtful(problem, limit):
+        if _vanishes(problem, leg, sample):
+            return _vanishing(problem, which, leg, sample)
+    i, size = limit.leg, problem.size
+    start, scale = sample.z, sample.weights
+    share = 1.0
+    if limit.test == "dip":
+        share = float(problem.margins(sample.z).places[which])
+        if not np.isfinite(share):
+            return None
+        duration = float(sample.z[problem.layout.durations][i])
+        start, scale = np.append(start, share * duration), np.append(scale, abs(duration))
+
+    def evaluate(there: Any, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        z = y[: size + 1]
+        own = there.linearize(z)
+        values, rows = _rows(there, limit, y, share)
+        jacobian = np.zeros((size + len(values), len(y)))
+        jacobian[:size, : size + 1] = own.jacobian
+        jacobian[size:] = rows
+        return np.concatenate([own.residual, values]), jacobian
+
+    def vectors(there: Any, y: np.ndarray) -> dict:
+        seconds = float(y[-1]) if limit.test == "dip" else float(y[there.layout.durations][i])
+        return {"limit": which, "seconds": 0.0 if limit.test in AT_START else seconds}
+
+    return augmented.Augmented(evaluate, start, scale, vectors)
+
+
+def _doubtful(problem: DiscretizedOrbit, limit: Limit) -> tuple[int, ...]:
+    """The legs that may have vanished where a limit is met: its own, or the one that its event leads to."""
+    own = problem.word.legs[limit.leg].name == limit.name
+    if limit.test == "rate" or (limit.test == "dip" and own):
+        return limit.leg, (limit.leg + 1) % problem.layout.legs
+    return (limit.leg,) if limit.test == "duration" else ()
+
+
+def _vanishes(problem: DiscretizedOrbit, i: int, sample: Sample) -> bool:
+    """Whether leg i, at whose start its own guard is zero, too, is nearly none.
+
+    Then guard and rate at its end are zero wherever it lasts no time: its equation says nothing there.
+    """
+    transition, duration = problem.word.legs[i].transition, float(sample.z[problem.layout.durations][i])
+    if transition is None or abs(duration) > LITTLE * problem.mesh.total or collapses(problem, i):
+        return False
+    view = problem.view(_solution(problem, sample))[i]  # of a guess no guard is zero
+    _, values, rates = view.guard(transition)
+    most = largest(values, rates, view.duration, problem.mesh.total)
+    typical = _typical(problem, i, transition, sample)
+    # One that passes zero with a rate is near it all along a short leg; rates are over the leg's own time.
+    turns = abs(float(rates[0])) * problem.mesh.total <= SLOWLY * typical * abs(view.duration)
+    return turns and abs(float(values[0])) <= max(BELOW * most, ROUNDED * typical)
+
+
+def _solution(problem: DiscretizedOrbit, sample: Sample) -> np.ndarray:
+    """The solution nearest to a sample, which may be a guess."""
+    try:
+        return newton_on(problem, sample.z, sample.weights)
+    except StartError:
+        return sample.z
+
+
+def _typical(problem: DiscretizedOrbit, i: int, transition: Transition, sample: Sample) -> float:
+    """What typical changes of the states make of a guard where leg i begins."""
+    piece, (x, scalars) = problem.pieces[i], problem.layout.inputs(i, sample.z)
+    own = problem.layout.inputs(i, sample.weights)[0]
+    return float(np.abs(at_entry(piece, transition, x, scalars)[1][: len(x)]) @ own)
+
+
+def typical(view: LegView, transition: Transition, magnitudes: np.ndarray) -> float:
+    """What changes of the states by their magnitudes make of a guard where a leg begins."""
+    slopes = at_entry(view.piece, transition, view.x, view.scalars)[1][: len(view.x)]
+    return float(np.abs(slopes) @ magnitudes[list(view.piece.passage.states)])
+
+
+def collapses(problem: DiscretizedOrbit, i: int) -> bool:
+    """Whether leg i is passed in no time where it does not last: its guard acts at entry, and moves there.
+
+    One that has led into the leg as well is zero there, whatever the orbit; and one that acts in the leg
+    before, too, happens earlier than what ends that one.
+    """
+    leg, word, system = problem.word.legs[i], problem.word, problem.system
+    own = leg.transition
+    if own is None or not own.level:
+        return False
+    before = word.legs[i - 1]
+    if i == 0 and word.image:
+        before = imaged_leg(system, word.image, before)
+    armed = any(t.guard is own.guard or t.name == own.name for t in system.leaving(before.mode))
+    return not armed and leg.name not in system.left_at_zero(before.name, leg.mode)
+
+
+def _vanishing(problem: DiscretizedOrbit, which: int, i: int, sample: Sample) -> augmented.Augmented:
+    """The equations of an orbit whose leg i lasts no time, between zeros of a guard that turns there.
+
+    Its duration is zero, and so is the first of the guard's derivatives along the motion at its start that is
+    not zero however long the leg lasts: the rate, the second one of a guard that begins without rate, the
+    third one of a contact that is left where its force is zero. Legs that vanish with it have no duration
+    either: those of its image, where nobody has declared the symmetry. Of the orbit's own equations as many
+    say nothing new there, mostly those of the guards at the ends of these legs: they are unfolded by unknowns
+    that are zero.
+    """
+    size, gone = problem.size, [i, *_vanishing_with(problem, i, sample)]
+    transition = problem.word.legs[i].transition
+    assert transition is not None
+    order = _first_derivative(problem, i, transition, sample)
+
+    def conditions(there: Any, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The orbit's equations with those of the legs that have gone."""
+        own, lasting = there.linearize(z), np.array(gone) + there.layout.durations.start
+        value, slopes = _starting(there, i, transition, z, order)
+        rows = np.vstack([np.eye(size + 1)[lasting], there.layout.spread(i, slopes[None])])
+        return np.concatenate([own.residual, z[lasting], [value]]), np.vstack([own.jacobian, rows])
+
+    unfolding = _redundant(
+        conditions(problem, sample.z)[1], problem.equation_scales, sample.weights, len(gone)
+    )
+
+    def evaluate(there: Any, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        residual, jacobian = conditions(there, y[: size + 1])
+        columns = np.zeros((len(residual), len(gone)))
+        columns[:size] = there.equation_scales[:, None] * unfolding
+        return residual + columns @ y[size + 1 :], np.hstack([jacobian, columns])
+
+    around = _around(problem, gone)
+
+    def vectors(there: Any, y: np.ndarray) -> dict:
+        seconds = float(y[there.layout.durations][there.limits[which].leg])
+        return {"limit": which, "seconds": seconds, "vanishing": around}
+
+    start, scale = (np.append(v, np.full(len(gone), w)) for v, w in ((sample.z, 0.0), (sample.weights, 1.0)))
+    return augmented.Augmented(evaluate, start, scale, vectors)
+
+
+def _around(problem: DiscretizedOrbit, gone: Sequence[int]) -> tuple[int, ...]:
+    """The limits that pass zero where legs vanish: of the events at both ends of each, on it and beside it.
+
+    Solutions beside that point are hardly known: of all equations only one tells whether the leg lasts.
+    """
+    legs, m = problem.word.legs, problem.layout.legs
+    beside = {(i + k) % m: {legs[i].name, legs[(i - 1) % m].name} for i in gone for k in (-1, 0, 1)}
+    return tuple(k for k, limit in enumerate(problem.limits) if limit.name in beside.get(limit.leg, ()))
+
+
+def _redundant(jacobian: np.ndarray, rows: np.ndarray, columns: np.ndarray, count: int) -> np.ndarray:
+    """Combinations of an orbit's equations that say nothing new beside further ones, shape (N, count)."""
+    scaled = jacobian * columns
+    scaled[: len(rows)] /= rows[:, None]
+    sizes = np.linalg.norm(scaled, axis=1)
+    scaled /= np.where(sizes > 0.0, sizes, 1.0)[:, None]
+    left = np.linalg.svd(scaled)[0][: len(rows), -count:]
+    lengths = np.linalg.norm(left, axis=0)
+    if not np.all(lengths > 0.0):
+        raise np.linalg.LinAlgError("None of the orbit's equations says nothing new.")
+    return left / lengths
+
+
+def _vanishing_with(problem: DiscretizedOrbit, i: int, sample: Sample) -> list[int]:
+    """The other legs that vanish, and last as long as leg i."""
+    lasting = sample.z[problem.layout.durations]
+    return [
+        k
+        for k in range(problem.layout.legs)
+        if k != i
+        and abs(lasting[k] - lasting[i]) < LITTLE * abs(lasting[i])
+        and _vanishes(problem, k, sample)
+    ]
+
+
+def _first_derivative(problem: DiscretizedOrbit, i: int, transition: Transition, sample: Sample) -> int:
+    """The order of the first derivative of a guard by time that is not zero where a short leg begins, however
+    long it lasts: after a release from rest it is not the rate.
+
+    A guard that is zero again after T has begun with the derivative -b T / (k + 1) of order k, b the next
+    one.
+
+    Raises
+    ------
+    UnsupportedOperation
+        If derivatives become too large before one is not zero.
+    LinAlgError
+        If all of them are zero.
+    """
+    z = _solution(problem, sample)
+    lasting, typical = abs(float(z[problem.layout.durations][i])), _typical(problem, i, transition, sample)
+    value = float(_starting(problem, i, transition, z, 1)[0])
+    for order in range(1, MOST_ORDER):
+        following = float(_starting(problem, i, transition, z, order + 1)[0])
+        rounding = STILL * typical / problem.mesh.total**order
+        if abs(value) >= max(LITTLE * abs(following) * lasting, rounding):
+            return order
+        value = following
+    raise np.linalg.LinAlgError(f"All derivatives of '{transition.name}' are zero where its segment begins.")
+
+
+def _starting(
+    problem: DiscretizedOrbit, i: int, transition: Transition, z: np.ndarray, order: int
+) -> tuple[float, np.ndarray]:
+    """A guard's derivative by time of an order where leg i begins, with derivatives by the leg's inputs."""
+    piece, (x, scalars) = problem.pieces[i], problem.layout.inputs(i, z)
+    n = len(x)
+    # Over the leg's own time they would be zero with it.
+    scalars = np.append(1.0, scalars[1:])
+    map_ = piece.passage.guard_derivative(transition, order)
+    values, derivative = map_.linearized(0.0, x, map_.constants(piece.values(scalars)))
+    value, slopes = float(values[0]), derivative[0].copy()
+    slopes[n] = 0.0
+    return value, slopes
+
+
+def _rows(
+    problem: DiscretizedOrbit, limit: Limit, y: np.ndarray, share: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Residuals of a limit's equations, and their derivatives by all unknowns."""
+    i, size, layout = limit.leg, problem.size, problem.layout
+    if limit.test == "duration":
+        row = np.zeros((1, len(y)))
+        row[0, layout.durations.start + i] = 1.0
+        return y[layout.durations.start + i, None], row
+    z, piece = y[: size + 1], problem.pieces[i]
+    x, scalars = layout.inputs(i, z)
+    if limit.test == "condition":
+        map_ = piece.passage.condition(problem.named_conditions[limit.name])
+        piece, x, scalars = _ending(problem, i, z)
+        end, moved = piece.before_differentiated(PLAIN, x, scalars)
+        values, derivative = piece.through_map(map_, end, moved, piece.values(scalars))
+        return values, layout.along(layout.segments_of(i)[-1], derivative)
+    transition = transition_of(problem, limit)
+    if limit.test == "leaving":
+        map_ = piece.passage.guard_derivative(transition, 2)
+        c = map_.constants(piece.values(scalars))
+        value, derivative = map_.linearized(0.0, x, c)
+        return value, layout.spread(i, derivative)
+    watched = piece.passage.watched(transition.name, transition.guard)
+    if limit.test in ("start", "past"):
+        there, slopes = at_entry(piece, transition, x, scalars)
+        return np.array([there]), layout.spread(i, slopes[None])
+    if limit.test == "dip":
+        return _touching(problem, i, y, share, watched)
+    piece, x, scalars = _ending(problem, i, z)
+    end, moved = piece.before_differentiated(PLAIN, x, scalars)
+    values, derivative = watched.differentiated(1.0, end, moved, piece.values(scalars))
+    k = 1 if limit.test == "rate" else 0
+    return values[k : k + 1], layout.along(layout.segments_of(i)[-1], derivative[k : k + 1])
+
+
+def _ending(problem: DiscretizedOrbit, i: int, z: np.ndarray) -> tuple[Piece, np.ndarray, np.ndarray]:
+    """The last segment of leg i, with its state and scalars."""
+    layout = problem.layout
+    last = sum(layout.cuts[: i + 1]) - 1
+    return problem.segments[last], *layout.inputs_of(layout.segments[last], z)
+
+
+def _touching(
+    problem: DiscretizedOrbit, i: int, y: np.ndarray, share: float, watched: Watched
+) -> tuple[np.ndarray, np.ndarray]:
+    """A guard and its rate at the last unknown, an instant of leg i near a share of it, with derivatives.
+
+    The motion is that of the segment in which it lies, from its start up to there.
+    """
+    layout, size = problem.layout, problem.size
+    first = sum(layout.cuts[:i])
+    # One at the very start of a segment is looked at from the one before: motions of no time tell no rate.
+    within = [
+        k for k, own in enumerate(layout.segments_of(i)) if own.begin < share - AFTER * (own.end - own.begin)
+    ]
+    number = first + max(within, default=0)
+    segment, piece = layout.segments[number], problem.segments[number]
+    x, scalars = layout.inputs_of(segment, y[: size + 1])
+    n, lasting = len(x), float(y[layout.durations.start + i])
+    share = (share - segment.begin) / (segment.end - segment.begin)
+    inside = piece.steps[1:][piece.steps[1:] < share - 1e-12] / max(share, 1e-12)
+    piece = Piece(piece.passage, np.concatenate([[0.0], inside, [1.0]]), piece.method, piece.fixed)
+    since = y[-1] - segment.begin * lasting if number > first else y[-1]
+    scalars = np.concatenate([[since], scalars[1:]])
+    end, moved = piece.before_differentiated(PLAIN, x, scalars)
+    values, derivative = watched.differentiated(1.0, end, moved, piece.values(scalars))
+    by_time = derivative[:, n].copy()
+    derivative[:, n] = 0.0
+    rows = layout.along(segment, derivative)
+    if number > first:  # a longer leg lets its segment begin later
+        rows[:, layout.durations.start + i] -= segment.begin * by_time
+    return values, np.hstack([rows, by_time[:, None]])
+
+
+def growth(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, direction: np.ndarray) -> float:
+    """How fast along a direction a leg's duration grows, or its guard goes past zero where it begins."""
+    row = float(_rows(problem, limit, z, 0.0)[1][0] @ direction)
+    if limit.test == "duration":
+        return row
+    return row if transition_of(problem, limit).direction == "rising" else -row
