@@ -35,6 +35,7 @@ class Found:
     kind: str | None = None
     counted: bool = False  # the counts are known already
     mark: tuple[str, float] | None = None  # what has which marked value there
+    note: str = ""  # what else is to be told of it
 
     @property
     def label(self) -> str:

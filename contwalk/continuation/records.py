@@ -26,6 +26,8 @@ def found_record(problem: Problem, found: Found, s: float, sign: float) -> Speci
         record = _described(problem, found, s)
         if found.kind is not None:
             record = replace(record, kind=found.kind)
+    if found.note:
+        record = replace(record, note="; ".join(each for each in (record.note, found.note) if each))
     tangent = tuple(sign * t for t in record.tangent)  # stored towards growing arclength
     admissible = record.admissible and not found.sample.forbidden
     return replace(

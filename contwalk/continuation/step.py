@@ -304,7 +304,7 @@ def _special(
         if end is None:
             found = [*_smooth(segment, settings, observer, born), *reached]
         else:  # what lies beyond is not the machine's motion, and its tests tell nothing
-            found = _smooth_before(segment, end, settings, observer, born)
+            found, end = _smooth_before(segment, end, settings, observer, born)
             found += limits.up_to(segment.problem, reached, end, settings.events)
     except Disagreement as disagreement:
         if not smallest:
@@ -318,10 +318,11 @@ def _special(
 
 def _smooth_before(
     segment: Segment, end: Found, settings: Settings, observer: Observer, born: bool
-) -> list[Found]:
-    """Everything special on a segment that lies before a limit at which the branch ends.
+) -> tuple[list[Found], Found]:
+    """Everything special on a segment that lies before a limit at which the branch ends, and that limit.
 
-    Solutions right beside a leg that vanishes are not to be found: there it is looked for a little less far.
+    Solutions right beside a leg that vanishes are not to be found: there it is looked for a little less far,
+    which the limit is told with.
     """
     nearer = (BEFORE_LIMIT, *(BEFORE_VANISHING if "vanishing" in end.located.vectors else ()))
     for less in nearer:
@@ -329,13 +330,27 @@ def _smooth_before(
         if share <= 0.0:
             break
         try:
-            found = _smooth(segment.until(share), settings, observer, born)
+            part = segment.until(share)
+            found = _smooth(part, settings, observer, born)
         except LostBranch:
             if less == nearer[-1]:
                 raise
             continue
-        return [replace(f, theta=share * f.theta) for f in found]
-    return []
+        note = "" if less == BEFORE_LIMIT else _not_looked_for(segment.problem, part.b, observer)
+        return [replace(f, theta=share * f.theta) for f in found], replace(end, note=note)
+    return [], end
+
+
+def _not_looked_for(problem: Problem, last: Sample, observer: Observer) -> str:
+    """A sentence on what may lie between the last sample that is known and the limit behind it."""
+    labels = dict.fromkeys(
+        kind.label for kind in problem.point_types if kind.test in (*TURNS, Test.STABILITY)
+    )
+    place = f"{observer.line.free} = {last.parameter:.10g}"
+    return (
+        f"{', '.join(labels)} were not looked for between {place} and here: orbits are not found so near to "
+        "where a leg vanishes"
+    )
 
 
 def _ends_at_a_limit(segment: Segment, found: list[Found], settings: Settings) -> bool:

@@ -8,6 +8,7 @@ the distance, and where the force only touches zero it lasts no time. The forces
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -205,6 +206,10 @@ def test_a_follower_that_stays_on_its_cam() -> None:
     (point,) = [p for p in branch.special_points if p.label != "EP"]
     assert point.label == "OC"
     assert_met(point, "w", LIFTED)
+    # Orbits right beside the point are not found: up to where its other points were looked for is told.
+    told = re.search(r"PD, NS were not looked for between w = ([0-9.]+) and here", point.note)
+    assert told is not None, point.note
+    assert LIFTED < float(told[1]) < LIFTED + 0.3 * (1.5 - LIFTED)
     end = branch.special_points[-1]
     assert end.kind == "order_change"
     assert "no branch to follow" in end.note
