@@ -31,7 +31,6 @@ METHODS_OVER: dict[str, int] = {
     "contwalk.problems.hybrid.view.LegView": 31,
     "contwalk.problems.initial.event_recurrence._Search": 36,
     "contwalk.problems.orbit.passage.Passage": 37,
-    "contwalk.problems.orbit.periodic_orbit.PeriodicOrbit": 31,
     "contwalk.problems.orbit.protocol.Orbit": 43,
     "contwalk.problems.orbit.segmented_orbit.SegmentedOrbit": 32,
 }
@@ -44,7 +43,6 @@ FILES_OVER: dict[str, int] = {
     "contwalk.continuation.diagram": 449,
     "contwalk.flow.explicit.runge_kutta": 441,
     "contwalk.plugin_check.events": 442,
-    "contwalk.problems.hybrid.hybrid_orbit": 427,
     "contwalk.problems.hybrid.neighbours": 734,
     "contwalk.problems.hybrid.soft_orbit": 581,
     "contwalk.problems.initial.event_recurrence": 548,

@@ -13,7 +13,6 @@ from contwalk import quantities
 from contwalk.branch import SpecialPoint
 from contwalk.memory import of_unowned, remembered, unowned
 from contwalk.numerics.linear import Factored, Factorization
-from contwalk.problems import kinks
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.event_kinks import Met
 from contwalk.problems.hybrid import (
@@ -41,8 +40,7 @@ from contwalk.problems.hybrid.margins import Guarded, Limit, Margins
 from contwalk.problems.hybrid.mirror_image import HybridMirror, mirror_of
 from contwalk.problems.hybrid.stretch import Stretch
 from contwalk.problems.kinks import Kink
-from contwalk.problems.orbit import augmented, describing, equations, monodromy, rates
-from contwalk.problems.orbit.kinks_met import kinks_along
+from contwalk.problems.orbit import equations, monodromy
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.orbit_problem import OrbitProblem
 from contwalk.problems.orbit.points.catalogue import LIMIT_TYPES, POINT_TYPES
@@ -237,55 +235,20 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
 
     # -- along a branch ----------------------------------------------------------------------------------
 
-    def examine(
-        self,
-        z: np.ndarray,
-        tangent: np.ndarray,
-        weights: np.ndarray,
-        linearization: Linearization,
-        before: int | None,
-        known: Sample | None = None,
-    ) -> Sample:
-        """Everything that is watched at a solution; of `known`, its sample on other steps, the observables
-        and the reported state are taken over.
-        """
-        length = float(np.linalg.norm(tangent / weights))
-        unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
-        found = self.multipliers(z, linearization.jacobian)
-        found = found.beside(float(unit[-1] / weights[-1]))
-        trivial = monodromy.trivial_error(self, z, linearization.jacobian)
-        orientation, error = linearization.orientation_and_error(
-            unit, weights, equations.errors(self, linearization)
-        )
-        margins, met = self.margins(z), kinks_along(self, z) if known is None else known.kinks
-        accuracy = max(found.accuracy, 2.0 * float(np.nan_to_num(trivial)))
-        kinks.refuse(met)
+    def _watched(
+        self, z: np.ndarray, found: Multipliers, error: float, known: Sample | None
+    ) -> dict[str, Any]:
+        """What a sample tells of such orbits only."""
+        margins = self.margins(z)
         undefined.refuse_guards(self, z, margins)
-        return Sample(
-            z=z,
-            tangent=unit,
-            weights=weights,
-            orientation=orientation,
-            eigenvalues=found.values,
-            errors=found.errors,
-            rates=rates.of_moduli(self, z, unit, found),
-            measures=found.measures,
-            unstable=found.unstable(before),
-            observables=self._observed(z, found, margins) if known is None else known.observables,
-            magnitudes=linearization.magnitudes,
-            excess=linearization.excess_in(weights),
-            error=error,
-            critical=1.0,
+        return {
+            "observables": self._observed(z, found, margins) if known is None else known.observables,
+            "margins": margins.relative,
+            "reported": self.reported(z) if known is None else known.reported,
             # What the orbit itself is not known to, its multipliers are not either.
-            spectrum_error=max(accuracy, error),
-            spectrum_accuracy=accuracy,
-            sizes=np.nan_to_num(linearization.magnitudes),
-            period=self.duration(z),
-            trivial_error=trivial,
-            kinks=met,
-            margins=margins.relative,
-            reported=self.reported(z) if known is None else known.reported,
-        )
+            "spectrum_error": max(found.accuracy, error),
+            "spectrum_accuracy": found.accuracy,
+        }
 
     def kinks_at_events(self, z: np.ndarray) -> tuple[Kink, ...]:
         """Jumps of guards and resets that events lie on, and of guards through zero on the way."""
@@ -358,12 +321,12 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         """The special point of a kind near a sample, by its augmented system."""
         if kind.test is Test.MARGIN:
             return limit_points.located(self, which, sample)
-        return augmented.located(self, kind, sample, which)
+        return super().locate(kind, sample, which)
 
     def special_point(self, kind: OrbitKind, located: Located, sample: Sample, s: float) -> SpecialPoint:
         """The record of a located point of a kind, with its normal form, or what it is a limit of."""
         there = located.problem if located.problem is not None else self
-        record = describing.described(self, kind, located, sample, s)
+        record = super().special_point(kind, located, sample, s)
         if kind.test is Test.MARGIN:
             limit = self.limits[int(located.vectors["limit"])]
             name = limit.kind
@@ -381,7 +344,7 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         """Which of the limits a special point is one of."""
         z = np.array(point.unknowns)
         known = self._mesh is not None and len(z) == self.size + 1
-        there = self if known else switching.discretized(self, z)
+        there = self if known else self.finely(z)
         return limit_points.nearest(there, point)
 
     def stopped(self, located: Located, sample: Sample) -> str:
@@ -392,10 +355,9 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         """What takes one half of the branch that leaves an orbit to the other, if a symmetry does."""
         return mirror_of(self, sample)
 
-    def leaving(self, kind: OrbitKind, point: SpecialPoint) -> Sequence[Seed]:
-        """The branches that leave a special point of a kind."""
-        z = np.array(point.unknowns)
-        return kind.branches(switching.discretized(self, z), z, point)
+    def finely(self, z: np.ndarray) -> DiscretizedOrbit:
+        """The problem on fine steps for a stored solution, which may have other segments."""
+        return switching.discretized(self, z)
 
     def doubled_from(self, z: np.ndarray) -> Sequence[Seed]:
         """The orbit of the word run through twice that leaves where a multiplier is -1."""

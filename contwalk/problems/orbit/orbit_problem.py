@@ -2,17 +2,33 @@
 
 from __future__ import annotations
 
-from typing import Self
+from abc import abstractmethod
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, Self
 
 import numpy as np
 
-from contwalk.problems.orbit import augmented, branching, equations, monodromy, rates, scales, variations
+from contwalk.branch import SpecialPoint
+from contwalk.problems import kinks
+from contwalk.problems.orbit import (
+    augmented,
+    branching,
+    describing,
+    equations,
+    monodromy,
+    rates,
+    scales,
+    variations,
+)
 from contwalk.problems.orbit.discretization import FINEST
+from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.normal_forms import SectionMap
 from contwalk.problems.orbit.orbit_data import OrbitData
+from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.orbit.return_map import ReturnMap
-from contwalk.problems.problem import Located, Sample
+from contwalk.problems.problem import Linearization, Located, Sample, Seed
 
 
 class OrbitProblem(OrbitData):
@@ -92,6 +108,60 @@ class OrbitProblem(OrbitData):
         """The map that takes a section once round the orbit, for normal forms."""
         return ReturnMap(self, z)
 
+    # -- along a branch ----------------------------------------------------------------------------------
+
+    def examine(
+        self,
+        z: np.ndarray,
+        tangent: np.ndarray,
+        weights: np.ndarray,
+        linearization: Linearization,
+        before: int | None,
+        known: Sample | None = None,
+    ) -> Sample:
+        """Everything that is watched at a solution; of `known`, its sample on other steps, the observables,
+        the kinks and the reported state are taken over.
+        """
+        length = float(np.linalg.norm(tangent / weights))
+        unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
+        jacobian = linearization.jacobian
+        trivial = monodromy.trivial_error(self, z, jacobian)
+        found = monodromy.doubted(self, self.multipliers(z, jacobian), trivial, jacobian)
+        found = found.beside(float(unit[-1] / weights[-1]))
+        met = kinks_along(self, z) if known is None else known.kinks
+        kinks.refuse(met)
+        errors = equations.errors(self, linearization)
+        orientation, error = linearization.orientation_and_error(unit, weights, errors)
+        # The flow's own multiplier is one exactly: what it misses by, the others may.
+        accurate = replace(found, accuracy=max(found.accuracy, 2.0 * float(np.nan_to_num(trivial))))
+        told: dict[str, Any] = {"spectrum_error": accurate.accuracy}
+        return Sample(
+            z=z,
+            tangent=unit,
+            weights=weights,
+            orientation=orientation,
+            eigenvalues=found.values,
+            errors=found.errors,
+            rates=rates.of_moduli(self, z, unit, found),
+            measures=found.measures,
+            unstable=found.unstable(before),
+            magnitudes=linearization.magnitudes,
+            excess=linearization.excess_in(weights),
+            error=error,
+            critical=1.0,
+            sizes=np.nan_to_num(linearization.magnitudes),
+            period=self.duration(z),
+            trivial_error=trivial,
+            kinks=met,
+            **(told | self._watched(z, accurate, error, known)),
+        )
+
+    @abstractmethod
+    def _watched(
+        self, z: np.ndarray, found: Multipliers, error: float, known: Sample | None
+    ) -> dict[str, Any]:
+        """What a sample tells of one kind of orbits only."""
+
     # -- discretisations ---------------------------------------------------------------------------------
 
     def at_stored(self, z: np.ndarray, weights: np.ndarray) -> Self:
@@ -103,6 +173,23 @@ class OrbitProblem(OrbitData):
         """The same problem on the finest steps that rounding allows."""
         problem: Self = self.refined(z, weights, FINEST)
         return problem
+
+    def locate(self, kind: OrbitKind, sample: Sample, which: int) -> Located | None:
+        """The special point of a kind near a sample, by its augmented system."""
+        return augmented.located(self, kind, sample, which)
+
+    def special_point(self, kind: OrbitKind, located: Located, sample: Sample, s: float) -> SpecialPoint:
+        """The record of a located point of a kind, with its normal form."""
+        return describing.described(self, kind, located, sample, s)
+
+    @abstractmethod
+    def finely(self, z: np.ndarray) -> OrbitData:
+        """The problem on fine steps for a stored solution, which may have other segments."""
+
+    def leaving(self, kind: OrbitKind, point: SpecialPoint) -> Sequence[Seed]:
+        """The branches that leave a special point of a kind."""
+        z = np.array(point.unknowns)
+        return kind.branches(self.finely(z), z, point)
 
     def locate_mark(self, name: str, level: float, sample: Sample) -> Located | None:
         """The point near a sample at which an observable has the value `level`."""

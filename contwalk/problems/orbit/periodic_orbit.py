@@ -9,22 +9,18 @@ from typing import Any
 import numpy as np
 
 from contwalk import quantities
-from contwalk.branch import SpecialPoint
 from contwalk.errors import measured
 from contwalk.memory import of_unowned, unowned
 from contwalk.numerics.linear import Factored
-from contwalk.problems import kinks
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.orbit import augmented, describing, ending, equations, monodromy, rates, switching
+from contwalk.problems.orbit import ending, equations, switching
 from contwalk.problems.orbit.discretization import STAGES
-from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.meeting import distance
 from contwalk.problems.orbit.mirror import OrbitMirror, mirror_of
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.orbit_problem import OrbitProblem
 from contwalk.problems.orbit.period import period_and_slope
 from contwalk.problems.orbit.points.catalogue import POINT_TYPES
-from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.orbit.sampling import crossing, extremes, measured_along
 from contwalk.problems.orbit.section import Reference, better_phase, reference_of
 from contwalk.problems.orbit.segmented_orbit import MOST_KEPT, SAMPLES, SegmentedOrbit
@@ -35,7 +31,7 @@ from contwalk.problems.orbit.stretching import stretched
 from contwalk.problems.orbit.transport import closed, moved, recut
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.passing import Place
-from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed
+from contwalk.problems.problem import MAX_ABS, Linearization, Sample, Seed
 from contwalk.system.declarations import ParameterValues
 
 # Segments that a branch has room for, if it does not begin with more.
@@ -179,53 +175,15 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
 
     # -- along a branch ----------------------------------------------------------------------------------
 
-    def examine(
-        self,
-        z: np.ndarray,
-        tangent: np.ndarray,
-        weights: np.ndarray,
-        linearization: Linearization,
-        before: int | None,
-        known: np.ndarray | None = None,
-    ) -> Sample:
-        """Everything that is watched at a solution; `known` are its observables if they need not be
-        computed.
-        """
-        length = float(np.linalg.norm(tangent / weights))
-        unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
-        trivial = monodromy.trivial_error(self, z, linearization.jacobian)
-        found = monodromy.doubted(
-            self, self.multipliers(z, linearization.jacobian), trivial, linearization.jacobian
-        )
-        found = found.beside(float(unit[-1] / weights[-1]))
-        met = kinks_along(self, z) if known is None else ()
-        kinks.refuse(met)
-        errors = equations.errors(self, linearization)
-        orientation, error = linearization.orientation_and_error(unit, weights, errors)
-        return Sample(
-            z=z,
-            tangent=unit,
-            weights=weights,
-            orientation=orientation,
-            eigenvalues=found.values,
-            errors=found.errors,
-            rates=rates.of_moduli(self, z, unit, found),
-            measures=found.measures,
-            unstable=found.unstable(before),
-            observables=self.observables(z, found) if known is None else known,
-            magnitudes=linearization.magnitudes,
-            excess=linearization.excess_in(weights),
-            error=error,
-            critical=1.0,
-            # The flow's own multiplier is one exactly: what it misses by, the others may.
-            spectrum_error=max(found.accuracy, 2.0 * float(np.nan_to_num(trivial))),
-            sizes=np.nan_to_num(linearization.magnitudes),
-            period=self.duration(z),
-            trivial_error=trivial,
-            kinks=met,
-            forbidden=bool(self.system.acting)
-            and passed_over(self.system, *self.motion_of(z), self.values_of(z)),
-        )
+    def _watched(
+        self, z: np.ndarray, found: Multipliers, error: float, known: Sample | None
+    ) -> dict[str, Any]:
+        """What a sample tells of such orbits only."""
+        acting = bool(self.system.acting)
+        return {
+            "observables": self.observables(z, found) if known is None else known.observables,
+            "forbidden": acting and passed_over(self.system, *self.motion_of(z), self.values_of(z)),
+        }
 
     def observables(self, z: np.ndarray, found: Multipliers) -> np.ndarray:
         """Values of `observable_names`, shape (o,)."""
@@ -265,9 +223,9 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         tangent = problem.into_section(sample.z, sample.tangent)
         # Both ends of the next step are seen on the same steps: what they tell differs by the branch alone.
         there = problem.linearize(sample.z)
-        again = problem.examine(sample.z, tangent, sample.weights, there, sample.unstable, sample.observables)
+        again = problem.examine(sample.z, tangent, sample.weights, there, sample.unstable, sample)
         orientation = 0.0 if sample.orientation == 0.0 else again.orientation
-        return problem, replace(again, orientation=orientation, kinks=sample.kinks)
+        return problem, replace(again, orientation=orientation)
 
     def into_section(self, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
         """A tangent moved along the flow until it lies in the section: the same change of the orbit."""
@@ -344,22 +302,13 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
 
     # -- special points ----------------------------------------------------------------------------------
 
-    def locate(self, kind: OrbitKind, sample: Sample, which: int) -> Located | None:
-        """The special point of a kind near a sample, by its augmented system."""
-        return augmented.located(self, kind, sample, which)
-
-    def special_point(self, kind: OrbitKind, located: Located, sample: Sample, s: float) -> SpecialPoint:
-        """The record of a located point of a kind, with its normal form."""
-        return describing.described(self, kind, located, sample, s)
-
     def mirror(self, sample: Sample) -> OrbitMirror | None:
         """What takes one half of the branch that leaves an orbit to the other, if a symmetry does."""
         return mirror_of(self, sample)
 
-    def leaving(self, kind: OrbitKind, point: SpecialPoint) -> Sequence[Seed]:
-        """The branches that leave a special point of a kind."""
-        z = np.array(point.unknowns)
-        return kind.branches(switching.discretized(self, z), z, point)
+    def finely(self, z: np.ndarray) -> SegmentedOrbit:
+        """The problem on fine steps for a stored solution, which may have other segments."""
+        return switching.discretized(self, z)
 
     def doubled_from(self, z: np.ndarray) -> Sequence[Seed]:
         """The orbit of twice the period that leaves where a multiplier is -1."""
