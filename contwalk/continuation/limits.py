@@ -74,11 +74,14 @@ def passed(segment: Segment, begins: bool) -> list[Found]:
 
 
 def _changed(a: np.ndarray, b: np.ndarray, begins: bool) -> list[int]:
-    """Those that may be passed: of different signs; all of them where the walk begins."""
+    """Those that may be passed: of different signs; all of them where the walk begins. One without a value on
+    either side passes nothing that could be located: it is told as such.
+    """
+    known = ~(np.isnan(a) | np.isnan(b))
     if begins:
-        return list(range(len(a)))
+        return np.flatnonzero(known).tolist()
     positive = [(margins > 0.0) | (np.abs(margins) <= ROUNDED) for margins in (a, b)]
-    return np.flatnonzero(positive[0] != positive[1]).tolist()
+    return np.flatnonzero(known & (positive[0] != positive[1])).tolist()
 
 
 def _beside(segment: Segment, which: int) -> tuple[float, float]:

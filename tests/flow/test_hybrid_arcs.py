@@ -650,3 +650,19 @@ def test_a_guard_that_keeps_steps_short_by_its_jump_is_named_with_its_line():
     assert last.status == "too_many_steps"
     assert "guard of transition 'hit' is smooth by pieces only" in last.reason
     assert f"test_hybrid_arcs.py, line {line} (a comparison)" in last.reason
+
+
+def test_rates_whose_squares_overflow_end_a_motion():
+    """No first step can be told of them, nor a time after the first one; both were tried for ever."""
+
+    def rushes(t, x, p, dx):
+        dx[0] = 1e160 * (1.0 + x[0])
+
+    turn = Transition("turn", "on", "on", lambda t, x, p: 1e160 - x[0], reset=jump_back)
+    mover = machine(System("rush", (State("x"),), (), (Mode("on", rushes),), (turn,)))
+    for start in (0.0, 1.0):
+        assert run(mover, [0.3], math.inf, t0=start)[-1].status == "step_too_small"
+
+
+def jump_back(t, x, p, x_plus):
+    x_plus[0] = 0.0 * x[0]

@@ -86,6 +86,9 @@ def segment_parts(
     while t < t1:
         # Where the end is unknown, ask for more time than the steps can pass through.
         end = t1 if np.isfinite(t1) else t + _far(machine, t, x, weights)
+        if not end > t:  # so fast that no time after this one can be told from it
+            yield SegmentPart(np.array([t]), x[None], [], 0, "step_too_small")
+            return
         path = controlled(machine.field, machine.c, t, x, end, control, method)
         found = crossings(
             machine.field, machine.c, machine.p, path.times, path.states, machine.guards, method

@@ -186,7 +186,8 @@ def accepted_step(p: ExplicitCall, t1: float, tolerance: float, order: float, st
     while True:
         end = _end(t, t1, h)
         length = end - t
-        if length == 0.0 or (abs(length) < ROUNDINGS * EPSILON * abs(t) and end != t1):
+        # A first length that is not a number, of rates whose squares overflow, gets no better by trying.
+        if not abs(length) > 0.0 or (abs(length) < ROUNDINGS * EPSILON * abs(t) and end != t1):
             return NOT_FINITE if undefined else STEP_TOO_SMALL
         step(p, t, length)
         error = _error(p, t, length) / tolerance

@@ -105,6 +105,12 @@ def far(flow: ModeFlow, t: float, x: np.ndarray, weights: np.ndarray) -> float:
     return FAR / speed if np.isfinite(speed) and speed > 1e-4 else FAR
 
 
+def at_once_too_fast(flow: ModeFlow, t: float, x: np.ndarray) -> MotionSegment:
+    """The end of a motion so fast, at its state x of full length, that no time after t can be told from t."""
+    status = "step_too_small"
+    return MotionSegment(flow.name, np.array([t]), x[None], status=status, reason=why(flow, status, t))
+
+
 def why(flow: ModeFlow, status: str, t: float) -> str:
     """A sentence for steps that cannot go on."""
     words = {"not_finite": "is not finite beyond", "step_too_small": "asks for steps below rounding at"}

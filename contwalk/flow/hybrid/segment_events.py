@@ -14,7 +14,7 @@ from contwalk.flow.hybrid import event_records as answers
 from contwalk.flow.hybrid.event_integrator import METHOD, EventIntegrator
 from contwalk.flow.hybrid.guard_status import GuardStatus, leaving_zero
 from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow
-from contwalk.flow.hybrid.motion_segment import Control, MotionSegment, far, part_of, why
+from contwalk.flow.hybrid.motion_segment import Control, MotionSegment, at_once_too_fast, far, part_of, why
 from contwalk.flow.hybrid.segment_paths import by_paths, event_of
 
 ROOM = 100
@@ -83,6 +83,9 @@ class ByEventIntegrator:
         leaving = leaving_zero(standing)
         while t < t1:
             end = t1 if np.isfinite(t1) else t + far(flow, t, x[flow.states], weights)
+            if not end > t:
+                yield at_once_too_fast(flow, t, x)
+                return
             nodes[0, :n] = x[flow.states]
             counts.evaluations = 0
             answer = integrator(end, self._control.tolerance)

@@ -15,7 +15,15 @@ from contwalk.flow.events.crossings import Crossing, Event, crossings
 from contwalk.flow.events.guard import EPSILON
 from contwalk.flow.hybrid.guard_status import GuardStatus, leaving_zero
 from contwalk.flow.hybrid.machine import HybridMachine, ModeFlow
-from contwalk.flow.hybrid.motion_segment import FAR, Control, MotionSegment, far, part_of, why
+from contwalk.flow.hybrid.motion_segment import (
+    FAR,
+    Control,
+    MotionSegment,
+    at_once_too_fast,
+    far,
+    part_of,
+    why,
+)
 from contwalk.flow.integrate import along, controlled
 from contwalk.flow.path import ErrorControl
 
@@ -48,6 +56,9 @@ def by_paths(
     sizes, most = np.concatenate([weights, scales]), FIRST_STEPS
     while t < t1:
         end = t1 if np.isfinite(t1) else t + far(flow, t, y, weights)
+        if not end > t:
+            yield at_once_too_fast(flow, t, machine.full(flow.name, y))
+            return
         instant, still = (np.array([t]), y[None], flow.p), np.zeros((1, n))
         values = [guard.along(*instant, still)[0, 0] for guard in flow.guards]
         start = np.concatenate([y, values])

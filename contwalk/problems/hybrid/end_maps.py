@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.errors import NO_LINE, NotFinite, PluginError
+from contwalk.errors import NO_LINE, ContwalkError, NotFinite, PluginError
 from contwalk.fields.blame import first_switched
 from contwalk.fields.switching import Inputs, Switching
 from contwalk.problems.event_kinks import EndMap, Met, between, on_a_jump
@@ -25,7 +25,7 @@ def passed(problem: DiscretizedOrbit, a: np.ndarray, b: np.ndarray) -> tuple[Met
     b need not be a solution: what has no motion passes nothing. Of soft transitions, which may come and go,
     those of one orbit alone are left out.
     """
-    if not _any(problem):
+    if not _any(problem, a):
         return ()
     try:
         views = [_ended(problem.view(z)) for z in (a, b)]
@@ -43,7 +43,7 @@ def passed(problem: DiscretizedOrbit, a: np.ndarray, b: np.ndarray) -> tuple[Met
 
 def lying(problem: DiscretizedOrbit, z: np.ndarray) -> tuple[Kink, ...]:
     """The jumps at which events of an orbit are, to rounding: at every state of their guard, perhaps."""
-    if not _any(problem):
+    if not _any(problem, z):
         return ()
     found = [
         on_a_jump(_event(problem, view), place_of(view), _moving(view)) for view in _ended(problem.view(z))
@@ -51,8 +51,17 @@ def lying(problem: DiscretizedOrbit, z: np.ndarray) -> tuple[Kink, ...]:
     return tuple(dict.fromkeys(kink for kink in found if kink is not None))
 
 
-def _any(problem: DiscretizedOrbit) -> bool:
-    return any(passage.end_switching is not None for passage in problem.passages)
+def _any(problem: DiscretizedOrbit, z: np.ndarray) -> bool:
+    """Whether an event of an orbit, soft ones among them, has a map that is smooth by pieces only."""
+    return any(passage.end_switching is not None for passage in passages_of(problem, z))
+
+
+def passages_of(problem: DiscretizedOrbit, z: np.ndarray) -> tuple[Passage, ...]:
+    """The kinds of an orbit's legs, those that soft transitions end among them where z has a motion."""
+    try:
+        return tuple(view.piece.passage for view in problem.view(z))
+    except (ContwalkError, np.linalg.LinAlgError):
+        return problem.passages
 
 
 def _ended(views: tuple[LegView, ...]) -> list[LegView]:

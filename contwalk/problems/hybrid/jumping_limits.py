@@ -17,7 +17,15 @@ from contwalk.fields.blame import first_switched
 from contwalk.fields.switching import Inputs, Switching
 from contwalk.problems.event_kinks import Met, between, through_zero
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
-from contwalk.problems.hybrid.end_maps import Written, after, functions_at_end, map_at, place_of, written
+from contwalk.problems.hybrid.end_maps import (
+    Written,
+    after,
+    functions_at_end,
+    map_at,
+    passages_of,
+    place_of,
+    written,
+)
 from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.kinks import AT_END, Course, Kink, differ, directions, inputs, located
 from contwalk.problems.orbit.passage import Passage
@@ -53,7 +61,7 @@ def passed(problem: DiscretizedOrbit, a: np.ndarray, b: np.ndarray) -> tuple[Met
 
     Legs of soft transitions, which may come and go, are compared only where both orbits have the same ones.
     """
-    if not any(True for passage in problem.passages for _ in _told_on(passage)):
+    if not any(True for passage in passages_of(problem, a) for _ in _told_on(passage)):
         return ()
     try:
         views = [problem.view(z) for z in (a, b)]
@@ -122,7 +130,7 @@ def _guards_on(passage: Passage) -> Iterator[tuple[Transition, _Told]]:
 
 def along(problem: DiscretizedOrbit, z: np.ndarray) -> tuple[Kink, ...]:
     """Guards that jump through zero on the way of an orbit: where their event happens, or after it has."""
-    if not any(passage.guards_jump for passage in problem.passages):
+    if not any(passage.guards_jump for passage in passages_of(problem, z)):
         return ()
     return tuple(dict.fromkeys(kink for view in problem.view(z) for kink in _along_leg(problem, view, z)))
 

@@ -9,7 +9,7 @@
 | `condition` | a declared condition at an event | AZ |
 | `past` | how far the guard of a leg that lasts no time is past zero | OC |
 
-Of a soft transition there are none: the field switches continuously there.
+Of a soft transition there are none but conditions: the field switches continuously there.
 
 A grazing is `terminal` where the guard is the one that ends the leg: the leg then ends earlier. All guards
 have the sign with which they are positive on an admissible orbit. Every limit that passes zero is a special
@@ -51,10 +51,11 @@ def _of_collapsed(system: System, mode: str, own: Transition, i: int) -> list[Li
             break
         if other.level:
             found.append(Limit("OC", "crossing", other.name, i, "start"))
-    return found + _conditions(system, own, i)
+    return found + conditions_at(system, own, i)
 
 
-def _conditions(system: System, own: Transition, i: int) -> list[Limit]:
+def conditions_at(system: System, own: Transition, i: int) -> list[Limit]:
+    """The limits that conditions at a transition are, on leg i."""
     names = [condition.name for condition in system.conditions if condition.at == own.name]
     return [Limit("AZ", name, name, i, "condition", False) for name in names]
 
@@ -78,4 +79,4 @@ def limits_of_leg(system: System, mode: str, own: Transition | None, before: str
     if own.role == "hard":
         found.append(Limit("GR", "terminal", own.name, i, "rate"))
         found.append(Limit("OC", "crossing", own.name, i, "duration"))
-    return found + _conditions(system, own, i)
+    return found + conditions_at(system, own, i)

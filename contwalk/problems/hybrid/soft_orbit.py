@@ -392,9 +392,10 @@ class SoftOrbit(HybridOrbit):
             for k, other in enumerate(found.limits)
             if other.leg in legs
             and (other.name, other.test) == (limit.name, limit.test)
-            and np.isfinite(found.values[k])
+            and not np.isinf(found.values[k])
         ]
-        return min(fitting, key=lambda k: float(found.relative[k]), default=None)
+        # What has no value is less than all that have one: it must not be hidden by them.
+        return min(fitting, key=lambda k: float(np.nan_to_num(found.relative[k], nan=-np.inf)), default=None)
 
     def _own_limit(self, explicit: HybridOrbit, which: int) -> int:
         """The limit that one of the explicit orbit's is a case of."""

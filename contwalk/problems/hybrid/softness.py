@@ -14,7 +14,7 @@ from contwalk.memory import remembered
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind
 from contwalk.problems.hybrid.grouping import NO_TIME
-from contwalk.problems.hybrid.limits import Limit, limits_of_leg
+from contwalk.problems.hybrid.limits import Limit, conditions_at, limits_of_leg
 from contwalk.problems.hybrid.margin_values import ZERO, largest
 from contwalk.problems.hybrid.switching import discretized, rotated, shifted
 from contwalk.problems.orbit.closure import imaged
@@ -243,4 +243,7 @@ def limits_of(system: System, word: Word) -> tuple[Limit, ...]:
             own = next((t for t in system.leaving(mode) if t.name == leg.name), None)
             for limit in limits_of_leg(system, mode, own, before, i):
                 found[limit] = None
+            for soft in system.leaving(mode):
+                if soft.role == "soft":
+                    found |= dict.fromkeys(conditions_at(system, soft, i))
     return tuple(found)
