@@ -18,7 +18,7 @@ from contwalk.continuation.diagram import Began, Cut, Diagram, Ended, Event, Fou
 from contwalk.continuation.settings import Mark, Settings
 from contwalk.errors import ContwalkError, DatabaseError
 from contwalk.numerics.threads import one_thread
-from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.orbit.discretization import OF_ORBITS, Discretization, of_orbits
 from contwalk.storage.backends import backend_of
 from contwalk.storage.database import Database, RunHeader
 from contwalk.storage.failures import refuse_existing
@@ -132,12 +132,9 @@ def traced(run_file: RunFile) -> None:
     equations_text(run_file)
 
 
-_OF_ORBITS = ("method", "tolerance", "segments", "phase")
-
-
 def discretization_of(run_file: RunFile) -> Discretization:
     """How finely a run's orbits are computed."""
-    given: dict[str, Any] = {k: v for k, v in run_file.engine.items() if k in _OF_ORBITS}
+    given = of_orbits(run_file.engine)
     place = run_file.report_at
     event = None if place is None or place.event is None else (place.event, place.side or "before")
     return Discretization(run_file.accuracy, report_at=_report_at(run_file), report_event=event, **given)
@@ -154,7 +151,7 @@ def _report_at(run_file: RunFile) -> tuple[int, float, float] | None:
 
 def settings_of(run_file: RunFile) -> Settings:
     """Settings of every walk of a run."""
-    engine: dict[str, Any] = {k: v for k, v in run_file.engine.items() if k not in _OF_ORBITS}
+    engine: dict[str, Any] = {k: v for k, v in run_file.engine.items() if k not in OF_ORBITS}
     if "newton_iterations" in engine:
         engine["newton_iterations"] = int(engine["newton_iterations"])
     return Settings(

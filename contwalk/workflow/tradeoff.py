@@ -209,6 +209,8 @@ def _check(accuracies: Sequence[float]) -> None:
 def _ran(run_file: RunFile, accuracy: float, method: str, output: Path) -> tuple[list[Branch], float, int]:
     """Branches, CPU seconds and right-hand sides of the study at these settings."""
     engine = {key: value for key, value in run_file.engine.items() if key != "tolerance"}
+    if method != "auto":
+        engine.pop("discretization", None)  # it chooses its methods itself
     engine["method"] = method
     chosen = replace(run_file, accuracy=accuracy, engine=engine, output=output, figures=())
     begun = time.process_time()

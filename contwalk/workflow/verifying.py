@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.errors import ContwalkError
 from contwalk.numerics.threads import one_thread
-from contwalk.problems.orbit.discretization import Discretization
+from contwalk.problems.orbit.discretization import Discretization, of_orbits
 from contwalk.storage import RunHeader
 from contwalk.studies.verification import LOST, Comparison, compared
 from contwalk.system import System
 from contwalk.workflow.run_file.yaml_lines import parse_yaml
 
 DEFAULT_ACCURACY = 1e-8
-_OF_ORBITS = ("method", "tolerance", "segments", "phase")
 
 
 def points_of(branches: Sequence[Branch]) -> list[tuple[Branch, SpecialPoint]]:
@@ -82,7 +80,7 @@ def _compared(
 def discretization_of_run(header: RunHeader) -> Discretization:
     """What a stored run asked of its orbits."""
     engine = dict(header.provenance.get("engine", {}))
-    given: dict[str, Any] = {key: engine[key] for key in _OF_ORBITS if key in engine}
+    given = of_orbits(engine)
     accuracy = float(header.provenance.get("accuracy", DEFAULT_ACCURACY))
     return Discretization(accuracy=accuracy, **given)
 

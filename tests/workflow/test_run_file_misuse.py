@@ -71,6 +71,11 @@ APPENDED = [
     ("engine: {step: 1, max_step: 0.1}", ["line 8", "key engine", "min_step <= step <= max_step"]),
     ("engine: {max_angle: 180}", ["line 8", "key engine.max_angle", "up to 90"]),
     ("engine: {newton_iterations: 2.5}", ["line 8", "key engine.newton_iterations", "whole number"]),
+    ("engine: {discretization: spectral}", ["line 8", "key engine.discretization", "shooting"]),
+    (
+        "engine: {discretization: collocation, method: dop853}",
+        ["line 8", "key engine", "collocation and for the integrator dop853", "Remove one of the two"],
+    ),
     ("engine: {newton: 2}", ["line 8", "key engine.newton", "unknown key"]),
 ]
 
@@ -337,3 +342,10 @@ def test_whatever_is_written_gives_a_run_or_a_sentence(tmp_path, lines, noise):
     except RunFileError as error:  # any other exception fails the test
         said = error.sentence
     assert said == "" or "run.yaml" in said
+
+
+def test_collocation_of_a_machine_with_events_is_refused(tmp_path):
+    text = "system: bouncing_ball\nstart: {state: {}}\ncontinue: {parameter: r, range: [0.1, 0.2]}\n"
+    told = message(tmp_path, text + "engine: {discretization: collocation}\n")
+    for part in ("key engine.discretization", "changes its motion at events", "Allowed with such a system"):
+        assert part in told

@@ -26,6 +26,8 @@ from contwalk.flow.radau.parts import Equations
 DONE, NOT_FINITE_PATH, TOO_MANY_STEPS, STEP_TOO_SMALL, FULL = 0, 1, 2, 3, 4
 
 SAFETY, MOST_GROWTH, MOST_SHRINKAGE = 0.9, 5.0, 8.0
+# Roundings by which two ends of a step may differ that are the same.
+UNSEEN = 8.0
 # A step whose equations are not solved is made shorter by this.
 FAILED = 0.3
 
@@ -113,7 +115,9 @@ def _difference(
     end_of(finer, w, n, w.state)
     total = 0.0
     for k in range(n):
-        total += ((w.first[k] - w.state[k]) / weights[k]) ** 2
+        # Both are known to their rounding only; where that is above the tolerance, it must not stop a path.
+        apart = max(abs(w.first[k] - w.state[k]) - UNSEEN * w.base[k], 0.0)
+        total += (apart / weights[k]) ** 2
     return CONVERGED, np.sqrt(total / n), spent
 
 

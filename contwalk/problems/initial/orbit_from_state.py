@@ -16,12 +16,13 @@ from contwalk.problems.forcing import period_at
 from contwalk.problems.hybrid import families
 from contwalk.problems.initial.magnitudes import magnitudes_on
 from contwalk.problems.orbit.closure import imaged, order_of
+from contwalk.problems.orbit.cutting import first_cuts
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.own_image import OWN_IMAGE, carries
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.problems.orbit.shooting import Mesh, arrived, velocity
-from contwalk.problems.orbit.transport import carried_to, segments_for
+from contwalk.problems.orbit.transport import carried_to
 from contwalk.problems.parameter_line import ParameterLine
 from contwalk.system import Neutral, System
 from contwalk.system.declarations import ParameterValues
@@ -165,12 +166,12 @@ def _once_round(problem: PeriodicOrbit, x: np.ndarray, values: np.ndarray) -> tu
 
 def cut(problem: PeriodicOrbit, z: np.ndarray, magnitudes: np.ndarray) -> tuple[PeriodicOrbit, np.ndarray]:
     """The same orbit in as many segments as the growth of deviations asks for; `problem` has one."""
-    m, n = segments_for(problem, z), problem.states
+    cuts, n = first_cuts(problem, z), problem.states
+    m = len(cuts)
     # On the problem's own steps: where deviations grow that much, other steps lead elsewhere.
-    starts = problem.curve(z).at(np.arange(m) / m)
-    there = np.concatenate([starts.ravel(), z[n:]])
-    weights = np.concatenate([np.tile(magnitudes * np.sqrt(m), m), np.abs(z[n:])])
-    return problem.adapted_to(there, weights, segments=m), there
+    there = problem.laid_out(problem.curve(z).at(cuts), z[n:], cuts)
+    weights = problem.laid_out(np.tile(magnitudes * np.sqrt(m), m), np.abs(z[n:]), 1.0)
+    return problem.adapted_to(there, weights), there
 
 
 def symmetric(
@@ -198,5 +199,5 @@ def symmetric(
             scalars[:-1] /= order  # period and drifts
             part = np.concatenate([x, scalars])
             single = np.concatenate([weights[:n] / np.sqrt(problem.mesh.segments), np.abs(scalars)])
-            return cut(other.adapted_to(part, single, segments=1), part, single[:n])
+            return cut(other.adapted_to(part, single), part, single[:n])
     return None

@@ -68,7 +68,7 @@ class SmoothDeviations:
         still = np.zeros(len(problem.passage.columns))
         c = field.constants(np.concatenate([problem.given(self.z), still]))
         found, d = np.zeros((len(at), 2 * n)), start
-        segments = np.clip((at * problem.mesh.segments).astype(int), 0, problem.mesh.segments - 1)
+        segments = np.searchsorted(mesh.cuts, at, side="right") - 1
         for i, (x, steps) in enumerate(zip(problem.starts(self.z), mesh.steps, strict=True)):
             nodes = flow.along(field, c, steps, np.concatenate([x, d]), mesh.method)
             inside = segments == i

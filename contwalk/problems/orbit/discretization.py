@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 # Tolerances beyond these do not pay: looser ones lose the branch, tighter ones drown in rounding.
 LOOSEST, TIGHTEST = 1e-5, 3e-15
@@ -15,7 +17,24 @@ WALKING, LOCATING, MARKING = 100.0, 1.0, 0.03
 SOLVED = 1e-3
 # Evaluations of the field in a step of each method (of the implicit ones, about).
 STAGES = {"dop853": 12, "verner98": 16, "radau5": 24, "radau9": 40}
+# Degrees of collocation that take least time, by the tolerance from which on they do.
+DEGREES = ((4, 1e-6), (5, 1e-9), (6, 1e-11), (7, 0.0))
 STAGES |= {f"gauss{2 * degree}": 5 * degree for degree in range(2, 8)}
+
+
+# What the settings of a run's engine are called here; the others are not of orbits.
+OF_ORBITS = {
+    "method": "method",
+    "discretization": "scheme",
+    "tolerance": "tolerance",
+    "segments": "segments",
+    "phase": "phase",
+}
+
+
+def of_orbits(engine: Mapping[str, Any]) -> dict[str, Any]:
+    """What the settings of a run's engine say of a `Discretization`."""
+    return {OF_ORBITS[key]: value for key, value in engine.items() if key in OF_ORBITS}
 
 
 @dataclass(frozen=True)
@@ -28,6 +47,9 @@ class Discretization:
         Requested relative error of special points.
     method : str
         `auto`, or one of `flow.METHODS`.
+    scheme : str
+        `shooting`: an orbit's segments are of equal duration, and integrated by whichever method suits the
+        flow. `collocation`: they are of equal growth, and solved by collocation at Gauss points.
     tolerance : float, optional
         Local error of the walk's integration, in units of each state's variation; from `accuracy` by default.
     segments : int, optional
@@ -48,6 +70,18 @@ class Discretization:
     phase: str = "section"
     report_at: tuple[int, float, float] | None = None
     report_event: tuple[str, str] | None = None
+    scheme: str = "shooting"
+
+    @property
+    def uneven(self) -> bool:
+        """Whether the times at which an orbit is cut are chosen, and stand among its unknowns."""
+        return self.scheme == "collocation"
+
+    def integrator(self, tolerance: float) -> str:
+        """The method for a local error, or `auto`."""
+        if self.method != "auto" or not self.uneven:
+            return self.method
+        return f"gauss{2 * next(degree for degree, least in DEGREES if tolerance >= least)}"
 
     @property
     def walking(self) -> float:

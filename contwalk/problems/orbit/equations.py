@@ -75,6 +75,9 @@ def _closed(orbit: OrbitData, z: np.ndarray, residual: np.ndarray, jacobian: np.
         jacobian[layout.sum, -1] = -slope
     for j, pin in enumerate(orbit.pins):
         residual[layout.held + j] = pinned(orbit, pin, z, jacobian[layout.held + j])
+    if layout.times is not None:
+        held = np.arange(layout.inside.start, layout.inside.stop)
+        residual[held], jacobian[held, held] = z[held] - layout.times[1:], 1.0
 
 
 def phase(orbit: OrbitData, z: np.ndarray, row: np.ndarray) -> float:

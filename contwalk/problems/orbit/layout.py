@@ -65,6 +65,8 @@ class Positions(ABC):
         any; where those of pinned directions begin.
     exact
         The equations that no motion is integrated for.
+    inside, times
+        Where times of cuts stand, among the unknowns and the equations, and what holds them, if they do.
     """
 
     legs: int
@@ -78,6 +80,8 @@ class Positions(ABC):
     drifts: slice
     rest: slice
     exact: slice
+    inside: slice
+    times: np.ndarray | None = None
     guards: int
     held: int
     start: int | None
@@ -111,21 +115,35 @@ class ClosureLayout(Positions):
     pins : int
     cuts : int
         Number of segments.
+    times : ndarray, shape (cuts,), optional
+        Times at which they start. They then stand among the unknowns, but for the first, behind the drifts,
+        and are held by an equation each: a stored solution tells what it was solved on.
     """
 
-    def __init__(self, states: int, forced: bool, pins: int, cuts: int) -> None:
+    def __init__(
+        self, states: int, forced: bool, pins: int, cuts: int, times: np.ndarray | None = None
+    ) -> None:
         total, timed = cuts * states, int(not forced)
+        shared = total + timed + pins
         places = [slice(i * states, (i + 1) * states) for i in range(cuts)]
-        self.legs, self.sizes, self.cuts, self.size = 1, (states,), (cuts,), total + timed + pins
-        self.states, self.matches, self._scalars = places[:1], places[-1:], slice(total, None)
-        self.durations, self.drifts = slice(total, total + timed), slice(total + timed, self.size)
+        self.legs, self.sizes, self.cuts, self.size = 1, (states,), (cuts,), shared
+        self.states, self.matches = places[:1], places[-1:]
+        self._scalars: slice | np.ndarray = slice(total, None)
+        self.durations, self.drifts = slice(total, total + timed), slice(total + timed, shared)
+        self.times, begins = times, np.arange(cuts) / cuts
+        if times is not None:
+            begins, self.size = times, shared + cuts - 1
+            self._scalars = np.append(np.arange(total, shared), self.size)
+        self.inside = slice(shared, self.size)
         self.rest = self.exact = slice(total, self.size)
         self.guards, self.held = total, total + timed
         self.start, self.sum, self.phase = None, None, None if forced else total
         following = places[1:] + places[:1]
         self.segments = [
-            Segment(0, i / cuts, (i + 1) / cuts, own, own, there)
-            for i, (own, there) in enumerate(zip(places, following, strict=True))
+            Segment(0, begin, end, own, own, there)
+            for (begin, end), own, there in zip(
+                pairwise([*begins.tolist(), 1.0]), places, following, strict=True
+            )
         ]
 
     def inputs_of(self, segment: Segment, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

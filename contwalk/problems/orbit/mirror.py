@@ -56,7 +56,7 @@ def mirror_of(problem: SegmentedOrbit, sample: Sample) -> OrbitMirror | None:
     closure = problem.closure
     if not problem.system.symmetries or closure.symmetry is not None or np.any(closure.turns):
         return None
-    if problem.pins or not problem.moves(sample.z):
+    if problem.pins or problem.uneven or not problem.moves(sample.z):
         return None
     there = problem.adapted_to(sample.z, sample.weights)
     p = ParameterValues(**problem.values_of(sample.z))

@@ -14,6 +14,7 @@ from contwalk.memory import of_unowned, unowned
 from contwalk.numerics.linear import Factored
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.orbit import ending, equations, switching
+from contwalk.problems.orbit.cutting import begun_at, most_segments, recutting
 from contwalk.problems.orbit.discretization import STAGES
 from contwalk.problems.orbit.meeting import distance
 from contwalk.problems.orbit.mirror import OrbitMirror, mirror_of
@@ -27,7 +28,6 @@ from contwalk.problems.orbit.segmented_orbit import MOST_KEPT, SAMPLES, Segmente
 from contwalk.problems.orbit.shooting import meshed
 from contwalk.problems.orbit.slow_place import SlowPlace
 from contwalk.problems.orbit.smooth_diagnosis import SmoothDiagnosis
-from contwalk.problems.orbit.stretching import stretched
 from contwalk.problems.orbit.transport import closed, moved, recut
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.passing import Place
@@ -128,7 +128,7 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
                 half[i] = state.scale
         scalars = np.abs(self.scalars(z))
         scalars[1 - self.forced : -1] = np.nan  # drifts are zero; what they are is noise
-        return np.concatenate([np.tile(half, m) * np.sqrt(m), scalars])
+        return self.laid_out(np.tile(half, m) * np.sqrt(m), scalars, 1.0)
 
     def reported(self, z: np.ndarray) -> np.ndarray:
         """The state at the phase condition's point, or where the run asks for it, shape (n,); NaN if it
@@ -143,13 +143,13 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
     @property
     def _most_unknowns(self) -> int:
         """Unknowns of an orbit in as many segments as it may be cut into along its branch."""
-        return self._laid_out(max(ROOM, 2 * self.mesh.segments)).size
+        return self._laid_out(most_segments(self, ROOM)).size
 
     def beginnings(self, z: np.ndarray) -> np.ndarray:
         """Typical magnitudes for the first corrections of a start, shape (N + 1,)."""
         scalars = np.maximum(np.abs(self.scalars(z)), 1e-300)
         scalars[1 - self.forced : -1] = 1.0
-        return np.concatenate([np.tile(self.mesh.variation, self.mesh.segments), scalars])
+        return self.laid_out(np.tile(self.mesh.variation, self.mesh.segments), scalars, 1.0)
 
     def branch_facts(self) -> dict[str, Any]:
         """What is true of a whole branch of these orbits, as fields of `BranchInfo`."""
@@ -164,6 +164,7 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
             "settings": {
                 **neutrals.kept(self.pins, self.line, self.states),
                 "segments": self.mesh.segments,
+                **({"scheme": self.discretization.scheme} if self.uneven else {}),
                 "fold": self.closure.fold,
                 "parts": self.parts,
                 "power": self.closure.power,
@@ -210,22 +211,31 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
 
         The tangent moves along the flow into the new section; the branch stays where it is.
         """
-        problem = self.adapted_to(sample.z, sample.weights)
+        problem, sample = self._recut(sample) if self.uneven else (self, sample)
+        problem = problem.adapted_to(sample.z, sample.weights)
         problem.linearize(sample.z)  # is needed unless the orbit is cut anew, and passes all its states
         if not self.forced and problem.moves(sample.z):
             times, speeds = ending.speeds_of(problem, sample.z)
             lengths = np.concatenate([np.diff(steps) for steps in problem.mesh.steps])
             better = better_phase(times, speeds, lengths)
             if better is not None:
-                problem, sample = closed(*moved(problem, sample, better)) or (problem, sample)
-        if 2 * problem.mesh.segments <= max(ROOM, problem.mesh.segments) and stretched(problem, sample.z):
-            problem, sample = closed(*recut(problem, sample)) or (problem, sample)
+                cuts = begun_at(problem, sample.z, ROOM, better)
+                problem, sample = closed(*moved(problem, sample, better, cuts)) or (problem, sample)
+        if not self.uneven:
+            problem, sample = problem._recut(sample)
         tangent = problem.into_section(sample.z, sample.tangent)
         # Both ends of the next step are seen on the same steps: what they tell differs by the branch alone.
         there = problem.linearize(sample.z)
         again = problem.examine(sample.z, tangent, sample.weights, there, sample.unstable, sample)
         orientation = 0.0 if sample.orientation == 0.0 else again.orientation
         return problem, replace(again, orientation=orientation)
+
+    def _recut(self, sample: Sample) -> tuple[PeriodicOrbit, Sample]:
+        """The same solution in other segments, where there should be others."""
+        cuts = recutting(self, sample.z, ROOM)
+        if cuts is None:
+            return self, sample
+        return closed(*recut(self, sample, cuts)) or (self, sample)
 
     def into_section(self, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
         """A tangent moved along the flow until it lies in the section: the same change of the orbit."""
@@ -243,9 +253,7 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         tangent[: len(own)] += shift * own
         return tangent
 
-    def adapted_to(
-        self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None, segments: int | None = None
-    ) -> PeriodicOrbit:
+    def adapted_to(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> PeriodicOrbit:
         """The problem with a section through x_0 and steps for the orbit of z.
 
         Raises
@@ -253,13 +261,15 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         NotFinite
             If the motion from z ends before the closure does.
         """
-        m = segments or (len(z) - len(self.passage.columns)) // self.states
-        starts, scalars = z[: m * self.states].reshape(m, self.states), z[m * self.states :]
+        m = self.segments_in(z)
+        starts, scalars = z[: m * self.states].reshape(m, self.states), z[self.scalar_places(z)]
         magnitudes = weights[: self.states] / np.sqrt(m)
         tolerance = tolerance or self.discretization.walking
-        method = self.discretization.method
+        method, cuts = self.discretization.integrator(tolerance), self.cuts_in(z)
         values = np.concatenate([scalars, self.line.constants])
-        mesh = meshed(self.passage, starts, values, magnitudes, tolerance, method, self.parts)
+        mesh = meshed(self.passage, starts, values, magnitudes, tolerance, method, self.parts, cuts)
+        if self.uneven and self.discretization.method == "auto":
+            mesh = replace(mesh, reason="collocation at Gauss points, as the run asks for")
         self.effort.spend(2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps))
         problem = self.on(mesh, self.section_through(starts[0], values, magnitudes))
         # An orbit that is a point still has no velocities to compare with: its section holds the phase.

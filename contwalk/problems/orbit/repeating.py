@@ -24,20 +24,20 @@ def repeating(steps: Sequence[np.ndarray], parts: int) -> tuple[np.ndarray, ...]
     Parameters
     ----------
     steps : sequence of ndarray
-        Times in 0..1 of each segment's steps, its ends included; segments are of equal length.
+        Times in 0..1 of each segment's steps, its ends included.
     parts : int
     """
     times = np.unique(np.concatenate(steps))
     density = 1.0 / np.diff(times)
-    m = len(steps)
-    ends = np.unique(np.round(np.concatenate([np.arange(m + 1) / m * parts % 1.0, [0.0, 1.0]]), 12)) / parts
+    bounds = np.array([own[0] for own in steps] + [1.0])
+    ends = np.unique(np.round(np.concatenate([bounds * parts % 1.0, [0.0, 1.0]]), 12)) / parts
     part = np.concatenate([_even(times, density, low, high, parts) for low, high in pairwise(ends)])
     part = np.append(part, ends[-1])
     whole = np.concatenate([part[:-1] + p / parts for p in range(parts)])
     result = []
-    for i in range(m):
-        inside = whole[(whole > i / m + 0.5 * APART) & (whole < (i + 1) / m - 0.5 * APART)]
-        result.append(np.concatenate([[i / m], inside, [(i + 1) / m]]))
+    for begin, end in pairwise(bounds):
+        inside = whole[(whole > begin + 0.5 * APART) & (whole < end - 0.5 * APART)]
+        result.append(np.concatenate([[begin], inside, [end]]))
     return tuple(result)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from contwalk.branch import BranchInfo
@@ -22,7 +24,8 @@ def restored(facts: Facts) -> PeriodicOrbit:
         facts.pins,
         facts.state,
         info.subharmonic,
-        facts.discretization or Discretization(),
+        # What stands among the unknowns is the branch's own, whatever a run asks of its orbits.
+        replace(facts.discretization or Discretization(), scheme=str(stored.get("scheme", "shooting"))),
     )
     symmetry = _symmetry(facts.system, info)
     turns = np.array(stored.get("turns") or np.zeros(len(info.states)), dtype=float)

@@ -1,5 +1,8 @@
-"""Discretised orbits of smooth systems, in segments of equal duration: what they are, and how their unknowns
-are read.
+"""Discretised orbits of smooth systems, in segments: what they are, and how their unknowns are read.
+
+The segments are of equal duration, or cut where a run's discretisation has it so. Times of such cuts, as
+parts of the closure, stand among the unknowns, behind drifts and before the free parameter, and are held by
+an equation each: a stored solution then tells the cuts that it was solved on.
 
 Beside the data stands here only what reads them: what is computed of an orbit are functions over this class,
 and `PeriodicOrbit` offers them to the engine.
@@ -80,11 +83,19 @@ class SegmentedOrbit(OrbitData):
     def on(self, mesh: Mesh, section: Section | None) -> Self:
         """The same problem on another mesh, with another section."""
         return self._varied(
-            _mesh=mesh, section=section, reference_orbit=None, layout=self._laid_out(mesh.segments)
+            _mesh=mesh, section=section, reference_orbit=None, layout=self._laid_out(mesh.segments, mesh.cuts)
         )
 
-    def _laid_out(self, cuts: int) -> ClosureLayout:
-        return ClosureLayout(self.states, self.forced, len(self.pins), cuts)
+    def _laid_out(self, cuts: int, times: np.ndarray | None = None) -> ClosureLayout:
+        """Where what stands in so many segments, which start at some times."""
+        if self.uneven and times is None:
+            times = np.arange(cuts) / cuts
+        return ClosureLayout(self.states, self.forced, len(self.pins), cuts, times if self.uneven else None)
+
+    @property
+    def uneven(self) -> bool:
+        """Whether times of cuts stand among the unknowns."""
+        return self.discretization.uneven
 
     @property
     def mesh(self) -> Mesh:
@@ -125,13 +136,46 @@ class SegmentedOrbit(OrbitData):
         """What the field depends on at z: scalars and fixed parameters."""
         return np.concatenate([self.scalars(z), self.line.constants])
 
+    def segments_in(self, z: np.ndarray) -> int:
+        """Number of segments of a solution, which its length tells."""
+        k = len(self.passage.columns)
+        return (len(z) - k + 1) // (self.states + 1) if self.uneven else (len(z) - k) // self.states
+
+    def cuts_in(self, z: np.ndarray) -> np.ndarray:
+        """Times at which the segments of a solution start, shape (m,)."""
+        m = self.segments_in(z)
+        if not self.uneven:
+            return np.arange(m) / m
+        return np.concatenate([[0.0], z[len(z) - m : -1]])
+
+    def scalar_places(self, z: np.ndarray) -> np.ndarray:
+        """Where the columns of the passage stand in z, shape (k,)."""
+        first, k = self.segments_in(z) * self.states, len(self.passage.columns)
+        return np.append(np.arange(first, first + k - 1), len(z) - 1)
+
+    def laid_out(self, states: np.ndarray, scalars: np.ndarray, cuts: np.ndarray | float = 0.0) -> np.ndarray:
+        """A vector of unknowns, or of something of each, from its parts.
+
+        Parameters
+        ----------
+        states : ndarray, shape (m, n) or (m n,)
+        scalars : ndarray, shape (k,)
+        cuts : ndarray, shape (m,), or float
+            The times at which segments start; or what stands in the place of all these.
+        """
+        flat = np.ravel(states)
+        if not self.uneven:
+            return np.concatenate([flat, scalars])
+        inner = np.broadcast_to(cuts, len(flat) // self.states)[1:]
+        return np.concatenate([flat, scalars[:-1], inner, scalars[-1:]])
+
     def starts(self, z: np.ndarray) -> np.ndarray:
         """States at the starts of the segments, shape (m, n)."""
         return z[: self.mesh.segments * self.states].reshape(self.mesh.segments, self.states)
 
     def scalars(self, z: np.ndarray) -> np.ndarray:
         """Period (where unknown), drifts and free parameter: the columns of the passage."""
-        return z[self.mesh.segments * self.states :]
+        return z[self.scalar_places(z)] if self.uneven else z[self.mesh.segments * self.states :]
 
     def duration(self, z: np.ndarray) -> float:
         """Duration of the closure, seconds."""
@@ -240,7 +284,5 @@ class SegmentedOrbit(OrbitData):
     # -- what is computed of them ------------------------------------------------------------------------
 
     @abstractmethod
-    def adapted_to(
-        self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None, segments: int | None = None
-    ) -> Any:
-        """The problem on steps for the orbit of z, in so many segments."""
+    def adapted_to(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> Any:
+        """The problem on steps for the orbit of z."""

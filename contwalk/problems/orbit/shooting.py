@@ -81,6 +81,11 @@ class Mesh:
         return len(self.steps)
 
     @cached_property
+    def cuts(self) -> np.ndarray:
+        """Times at which the segments start, shape (m,)."""
+        return np.array([steps[0] for steps in self.steps])
+
+    @cached_property
     def times(self) -> np.ndarray:
         """Times of all segments' steps, one segment after the other: where two meet, a time is repeated."""
         return np.concatenate(self.steps)
@@ -238,6 +243,7 @@ def meshed(
     tolerance: float,
     method: str,
     parts: int = 1,
+    cuts: np.ndarray | None = None,
 ) -> Mesh:
     """Steps on which a motion, and a generic neighbour of it, are integrated to a tolerance.
 
@@ -251,6 +257,8 @@ def meshed(
         Typical magnitudes of the states. Where a state varies less along the orbit, its variation counts.
     parts : int
         The steps are made alike in so many parts of the closure.
+    cuts : ndarray, shape (m,), optional
+        Times at which the segments start; by default they are of equal duration.
 
     Raises
     ------
@@ -259,7 +267,8 @@ def meshed(
     """
     k, fixed = len(passage.columns), values[len(passage.columns) :]
     n, m, given = len(magnitudes), len(starts), (tolerance, method)
-    runs = [Run(passage, x, values[:k], n + k, i / m, (i + 1) / m) for i, x in enumerate(starts)]
+    bounds = np.append(np.arange(m) / m if cuts is None else cuts, 1.0).tolist()
+    runs = [Run(passage, x, values[:k], n + k, bounds[i], bounds[i + 1]) for i, x in enumerate(starts)]
     variation = magnitudes
     paths, chosen, reason = stepped(runs, fixed, variation, *given)
     smaller = _variation(passage, values, paths, variation, tolerance)

@@ -58,8 +58,7 @@ class Solution:
         """dx/dt where segments start, in units of the closure's duration, shape (m, n); NaN in a row of
         which one entry does not exist.
         """
-        m = len(states)
-        found = self._field.along(np.arange(m) / m, states, self._c)
+        found = self._field.along(self._mesh.cuts, states, self._c)
         found[~np.isfinite(found).all(axis=1)] = np.nan
         return found
 

@@ -20,10 +20,10 @@ def discretized(problem: SegmentedOrbit, z: np.ndarray) -> SegmentedOrbit:
     """The problem on fine steps for a stored solution, which may have other segments than the branch
     began with.
     """
-    n, k = problem.states, len(problem.passage.columns)
-    m = (len(z) - k) // n
+    n, m = problem.states, problem.segments_in(z)
     sizes = np.maximum(np.abs(z[: m * n].reshape(m, n)).max(axis=0), 1e-6)
-    rough = problem.adapted_to(z, np.concatenate([np.tile(sizes, m) * np.sqrt(m), np.abs(z[m * n :])]))
+    scalars = np.abs(z[problem.scalar_places(z)])
+    rough = problem.adapted_to(z, problem.laid_out(np.tile(sizes, m) * np.sqrt(m), scalars, 1.0))
     return rough.adapted_to(z, filled_magnitudes(rough, z), problem.discretization.locating)
 
 
@@ -59,12 +59,17 @@ def _followed(
     if not problem.forced:
         scalars[0] *= times
     # How deviations grow over the closures is known from one: they are not integrated in one piece to see it.
-    count = segments_for(problem, z, times)
-    cut = [_at(problem, z, direction, j * times / count) for j in range(count)]
-    start = np.concatenate([*(x for x, _ in cut), scalars])
-    weights = np.concatenate([np.tile(problem.mesh.variation * np.sqrt(count), count), np.abs(scalars)])
-    there = other.adapted_to(start, weights, problem.discretization.walking, count)
-    deviations = np.concatenate([*(w for _, w in cut), np.zeros(len(scalars))])
+    if problem.uneven:
+        when = np.concatenate([problem.mesh.cuts + closures for closures in range(times)])
+    else:
+        count = segments_for(problem, z, times)
+        when = np.arange(count) * times / count
+    cut = [_at(problem, z, direction, float(time)) for time in when]
+    start = other.laid_out(np.array([x for x, _ in cut]), scalars, when / times)
+    own = np.tile(problem.mesh.variation * np.sqrt(len(when)), len(when))
+    weights = other.laid_out(own, np.abs(scalars), 1.0)
+    there = other.adapted_to(start, weights, problem.discretization.walking)
+    deviations = other.laid_out(np.array([w for _, w in cut]), np.zeros(len(scalars)))
     return there, start, there.into_section(start, deviations)
 
 

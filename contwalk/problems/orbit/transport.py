@@ -36,9 +36,9 @@ def carried_to(
     problem: SegmentedOrbit, z: np.ndarray, tangent: np.ndarray, time: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """State and tangent of the orbit at a time in 0..1 of the closure, each of shape (n,)."""
-    n, m = problem.states, problem.mesh.segments
-    segment = min(int(time * m), m - 1)
-    begin = segment / m
+    n, cuts = problem.states, problem.mesh.cuts
+    segment = int(np.searchsorted(cuts, time, side="right")) - 1
+    begin = float(cuts[segment])
     x, v = problem.starts(z)[segment], tangent[segment * n : (segment + 1) * n]
     if time - begin < 1e-12:
         return x.copy(), v.copy()
@@ -48,7 +48,7 @@ def carried_to(
         field, y, weights = problem.passage.field(PLAIN), x, mesh.variation
     else:
         field, y = problem.passage.field(TANGENT), np.concatenate([x, v])
-        values = np.concatenate([values, tangent[m * n :]])
+        values = np.concatenate([values, tangent[problem.scalar_places(z)]])
         size = max(float(np.linalg.norm(v / mesh.variation)), 1e-12)
         weights = np.concatenate([mesh.variation, size * mesh.variation])
     path = arrived(
@@ -56,6 +56,34 @@ def carried_to(
     )
     end = path.states[-1]
     return end[:n].copy(), end[n:].copy() if len(end) > n else np.zeros(n)
+
+
+def passed_at(
+    problem: SegmentedOrbit, z: np.ndarray, tangent: np.ndarray, times: np.ndarray
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """States and tangents of the orbit at times in 0..1 of the closure, each of shape (n,).
+
+    Where cuts are chosen they are those of the orbit's own steps: where deviations grow, others lead
+    elsewhere.
+    """
+    if not problem.uneven:
+        return [carried_to(problem, z, tangent, float(time)) for time in times]
+    mesh, n, scalars = problem.mesh, problem.states, problem.scalars(z)
+    driven = tangent[problem.scalar_places(z)]
+    field, c = problem.passage.field(PLAIN), problem.passage.field(PLAIN).constants(problem.given(z))
+    sources = np.arange(-n, len(scalars))
+    sources[:n] = -1
+    found = []
+    for time in times:
+        i = int(np.searchsorted(mesh.cuts, time, side="right")) - 1
+        steps = mesh.steps[i]
+        node = min(int(np.searchsorted(steps, time, side="right")) - 1, len(steps) - 2)
+        until = np.append(steps[: node + 1], time) if time > steps[node] else steps[: node + 1]
+        x, moved = problem.starts(z)[i], np.eye(n, n + len(scalars))
+        if len(until) > 1:
+            x, moved = flow.tangents(field, c, until, x, moved, sources, mesh.method)
+        found.append((x.copy(), moved @ np.append(tangent[i * n : (i + 1) * n], driven)))
+    return found
 
 
 def growth(problem: SegmentedOrbit, z: np.ndarray, times: int = 1) -> float:
@@ -106,42 +134,43 @@ def segments_of_growth(exponent: float) -> int:
     return int(np.clip(np.ceil(exponent / np.log(MOST_GROWTH)), 1, MOST_SEGMENTS))
 
 
-def recut(problem: Kind, sample: Sample) -> tuple[Kind, Sample]:
-    """The same solution in twice as many segments, its tangent and the sign of its Jacobian with it."""
-    n, m, z = problem.states, problem.mesh.segments, sample.z
-    starts, tangents = [], []
-    for j in range(2 * m):
-        x, v = carried_to(problem, z, sample.tangent, j / (2 * m))
-        starts.append(x)
-        tangents.append(v)
-    there = np.concatenate([*starts, z[m * n :]])
-    tangent = np.concatenate([*tangents, sample.tangent[m * n :]])
+def recut(problem: Kind, sample: Sample, cuts: np.ndarray) -> tuple[Kind, Sample]:
+    """The same solution in segments that start at other times, its tangent and the sign of its Jacobian with
+    it.
+    """
+    n, m, z, scalars = problem.states, problem.mesh.segments, sample.z, problem.scalar_places(sample.z)
+    starts, tangents = zip(*passed_at(problem, z, sample.tangent, cuts), strict=True)
+    there = problem.laid_out(np.array(starts), z[scalars], cuts)
+    tangent = problem.laid_out(np.array(tangents), sample.tangent[scalars])
     # Each state's share of the metric stays what it is: the squares of m segments add up.
-    states = sample.weights[:n] * np.sqrt(2.0)
-    weights = np.concatenate([np.tile(states, 2 * m), sample.weights[m * n :]])
-    finer = problem.adapted_to(there, weights, segments=2 * m)
+    states = sample.weights[:n] * np.sqrt(len(cuts) / m)
+    weights = problem.laid_out(np.tile(states, len(cuts)), sample.weights[scalars], 1.0)
+    finer = problem.adapted_to(there, weights)
     tangent = finer.into_section(there, tangent)
     again = finer.examine(there, tangent, weights, finer.linearize(there), sample.unstable)
     return finer, replace(again, iterations=sample.iterations)
 
 
-def moved(problem: Kind, sample: Sample, time: float) -> tuple[Kind, Sample]:
-    """The same solution, beginning at another time in 0..1 of its closure."""
-    n, m, z = problem.states, problem.mesh.segments, sample.z
+def moved(problem: Kind, sample: Sample, time: float, cuts: np.ndarray) -> tuple[Kind, Sample]:
+    """The same solution, beginning at another time in 0..1 of its closure; `cuts` count from there."""
+    n, m, z, scalars = problem.states, problem.mesh.segments, sample.z, problem.scalar_places(sample.z)
     p = ParameterValues(**problem.values_of(z))
-    starts, tangents = [], []
-    for j in range(m):
-        when = time + j / m
-        x, v = carried_to(problem, z, sample.tangent, when - np.floor(when))
+    starts, tangents, instants = [], [], time + cuts
+    passed = passed_at(problem, z, sample.tangent, instants - np.floor(instants))
+    for when, (x, v) in zip(instants, passed, strict=True):
         if when >= 1.0:
             x, v = following(problem, x, v, p)
         starts.append(x)
         tangents.append(v)
-    there = np.concatenate([*starts, z[m * n :]])
-    tangent = np.concatenate([*tangents, sample.tangent[m * n :]])
-    begun = problem.adapted_to(there, sample.weights)
+    there = problem.laid_out(np.array(starts), z[scalars], cuts)
+    tangent = problem.laid_out(np.array(tangents), sample.tangent[scalars])
+    weights = sample.weights
+    if len(cuts) != m:
+        states = weights[:n] * np.sqrt(len(cuts) / m)
+        weights = problem.laid_out(np.tile(states, len(cuts)), weights[scalars], 1.0)
+    begun = problem.adapted_to(there, weights)
     tangent = begun.into_section(there, tangent)
-    again = begun.examine(there, tangent, sample.weights, begun.linearize(there), sample.unstable)
+    again = begun.examine(there, tangent, weights, begun.linearize(there), sample.unstable)
     return begun, replace(again, iterations=sample.iterations)
 
 

@@ -127,6 +127,8 @@ def _limit(problem: Orbit, which: int, a: Sample, b: Sample) -> tuple[float, flo
         arrived = np.isfinite(error)
         if arrived and abs(float(place.z[-1]) - limit) > KNOWN * (error + place.error):
             return None
+        if place.error > SUSPECTED * size:
+            return None  # nothing is known of the parameter there, as of a point that is called an orbit
         if not arrived:
             if not 0.0 < _slope(which, place) / _slope(which, last) < 1.0:
                 return None

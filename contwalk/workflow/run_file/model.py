@@ -194,16 +194,24 @@ class Engine(Section):
         "auto, dop853, verner98, radau5 or radau9",
         None,
     )
+    discretization: str | None = key(
+        one_of("shooting", "collocation"), "shooting (the default) or collocation", None
+    )
     tolerance: float | None = key(positive, "a positive number: local error of the flow", None)
     segments: int | None = key(whole(1, 200), "a whole number from 1 to 200", None)
     phase: str | None = key(one_of("section", "integral"), "section or integral", None)
     mirror_images: str | None = key(one_of("known", "walked"), "known (the default) or walked", None)
 
     def fit(self) -> None:
-        """Steps in order."""
+        """Steps in order, and an integrator only where one is asked for."""
         given = [step for step in (self.min_step, self.step, self.max_step) if step is not None]
         if given != sorted(given):
             raise wrong("has steps out of order.", "Allowed: min_step <= step <= max_step.")
+        if self.discretization == "collocation" and self.method not in (None, "auto"):
+            raise wrong(
+                f"asks for collocation and for the integrator {self.method}.",
+                "Allowed with discretization: collocation: method: auto, or none. Remove one of the two.",
+            )
 
 
 def swept(value: Any) -> tuple[float, ...] | Span:
@@ -259,8 +267,8 @@ class RunModel(Section):
     )
     engine: Engine = key(
         Engine,
-        "{step, min_step, max_step, max_angle, max_share, newton_iterations, method, tolerance, "
-        "segments, phase, mirror_images}, all optional",
+        "{step, min_step, max_step, max_angle, max_share, newton_iterations, method, "
+        "discretization, tolerance, segments, phase, mirror_images}, all optional",
         Engine(),
     )
     simulate: Simulation | None = key(

@@ -79,7 +79,7 @@ class RunFile:
         A parameter and the values at each of which the diagram is computed; see `studies`.
     engine : mapping
         Those of `step`, `min_step`, `max_step`, `max_angle`, `max_share`, `newton_iterations`, `method`,
-        `tolerance`, `segments`, `phase` that are given or have a default.
+        `discretization`, `tolerance`, `segments`, `phase` that are given or have a default.
     """
 
     path: Path
@@ -282,7 +282,7 @@ def _checked(problems: Problems, model: RunModel, system: System, path: Path, ou
         output=_output(problems, model, path, output, starts),
         figures=settings.figures(problems, system, model, DIAGRAM_FIGURES),
         sweep=sweep_values(problems, system, model, varying),
-        engine=model.engine.as_data(without_none=True),
+        engine=settings.engine(problems, system, model),
     )
 
 

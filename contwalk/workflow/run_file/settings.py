@@ -193,6 +193,17 @@ def report_place(problems: Problems, system: System, place: ReportPlace | None) 
     return ReportAt(section=(name, value), direction=place.direction)
 
 
+def engine(problems: Problems, system: System, model: RunModel) -> dict[str, Any]:
+    """The settings of the engine that are given, or have a default."""
+    if model.engine.discretization == "collocation" and system.acting:
+        problems.add(
+            ("engine", "discretization"),
+            f"'{system.name}' changes its motion at events, and collocation is of smooth orbits only.",
+            "Allowed with such a system: shooting.",
+        )
+    return model.engine.as_data(without_none=True)
+
+
 def _check_event(problems: Problems, system: System, event: str) -> None:
     """Orbits have states at events that act, and there only."""
     acting = tuple(dict.fromkeys(transition.name for transition in system.acting))

@@ -48,13 +48,13 @@ def from_hopf(equilibrium: EquilibriumEquations, point: SpecialPoint) -> Sequenc
     section = section_at(x, (1j * omega * q).real, magnitudes)
     values = np.concatenate([scalars, orbit.line.constants])
     tolerance = orbit.discretization.walking
-    method = orbit.discretization.method
+    method = orbit.discretization.integrator(tolerance)
 
     def cut(m: int) -> tuple[PeriodicOrbit, np.ndarray, np.ndarray]:
         mesh = meshed(orbit.passage, np.tile(x, (m, 1)), values, magnitudes, tolerance, method, orbit.parts)
         turns = np.exp(1j * omega * period * np.arange(m) / m)
-        problem, start = orbit.on(mesh, section), np.concatenate([np.tile(x, m), scalars])
-        tangent = np.concatenate([*[(q * turn).real for turn in turns], np.zeros(len(scalars))])
+        problem, start = orbit.on(mesh, section), orbit.laid_out(np.tile(x, m), scalars, np.arange(m) / m)
+        tangent = orbit.laid_out((q * turns[:, None]).real, np.zeros(len(scalars)))
         return problem, start, tangent - _along_pins(problem, start, tangent)
 
     # The linear flow is known: what grows too much is not integrated in one piece to find that out.
