@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import ChainMap
+
 # What the engine itself tells of a branch: where it ends, and what the user asked for.
 END, MARK = "EP", "UZ"
 
@@ -26,7 +28,7 @@ OF_LOCI = {
     "ZH": "zero-Hopf point",
     "HH": "double Hopf point",
 }
-EVERY_MEANING = MEANINGS | OF_LOCI
+EVERY_MEANING = ChainMap(OF_LOCI, MEANINGS)  # in the order of the second, then of the first
 
 # What is done at limits, and the points whose branches are followed, where nothing is said of that.
 AT_LIMITS = {"GR": "stop", "OC": "switch", "AZ": "ignore"}

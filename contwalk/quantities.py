@@ -14,6 +14,8 @@ import numpy as np
 MAX, MIN, AMP = "max:", "min:", "amp:"
 VISIT = "@"
 PERIOD = "period"
+# Of curves of Hopf points the square of the frequency; where it is negative they go on as neutral saddles.
+FREQUENCY_SQUARED, NEUTRAL_SADDLE = "frequency_squared", "neutral_saddle"
 
 
 def extreme_names(states: Sequence[str]) -> tuple[str, ...]:

@@ -19,6 +19,7 @@ KINDS = (
     "eigenvalues",
     "multipliers",
     "stability_map",
+    "locus",
     "machine",
     "phase_portrait",
     "stick_figure",
@@ -26,7 +27,7 @@ KINDS = (
 )
 # Those that are of stored points, and take --point.
 OF_POINTS = ("machine", "phase_portrait", "stick_figure", "time_series")
-WITH_AXES = ("bifurcation_diagram", "stability_map", "phase_portrait")
+WITH_AXES = ("bifurcation_diagram", "stability_map", "locus", "phase_portrait")
 
 
 @click.command("plot")
@@ -41,7 +42,11 @@ WITH_AXES = ("bifurcation_diagram", "stability_map", "phase_portrait")
 )
 @click.option("-z", "z", metavar="STATE", help="The third axis of a phase portrait.")
 @click.option("-o", "output", metavar="FIG", required=True, help="The file to write: PNG, SVG or PDF.")
-@click.option("--kind", type=click.Choice(KINDS), default=KINDS[0], show_default=True, help="The figure.")
+@click.option(
+    "--kind",
+    type=click.Choice(KINDS),
+    help=f"The figure; by default {KINDS[0]}, or locus where all branches are curves in two parameters.",
+)
 @click.option("--branch", "names", metavar="b1", multiple=True, help="A branch to draw; all by default.")
 @click.option(
     "--point",
@@ -59,7 +64,7 @@ def command(
     several: tuple[str, ...],
     z: str | None,
     output: str,
-    kind: str,
+    kind: str | None,
     names: tuple[str, ...],
     points: tuple[str, ...],
     force: bool,
@@ -76,6 +81,7 @@ def command(
     from contwalk.storage.failures import refuse_existing
     from contwalk.workflow.figures import draw_figure
 
+    asked, kind = kind, kind or KINDS[0]
     if len(several) > 1 and kind != "time_series":
         raise ContwalkError(f"The figure {kind} has one vertical axis.", "Give -y once.")
     y = several[0] if several else None
@@ -83,6 +89,8 @@ def command(
     refuse_existing([Path(output)], force)
     with open_database(db) as database:
         branches = [database.branch(name) for name in dict.fromkeys(names)] or database.branches()
+        if asked is None and all(branch.info.problem == "locus" for branch in branches):
+            kind = "locus"
         pointed = [(database.branch(point.partition("/")[0]), point) for point in points]
         places = [(branch, stored_point(branch, point)) for branch, point in pointed]
         system = required_system(database, trust) if kind in OF_POINTS else None

@@ -121,12 +121,14 @@ def _orbits(branch: Branch, time: str) -> str:
 def _print_special(out: Console, branch: Branch) -> None:
     if not branch.special_points:
         return
-    header = ["name", "what", branch.info.free[0], "error", "criticality", "unstable"]
+    further = branch.info.free[1:]
+    header = ["name", "what", branch.info.free[0], *further, "error", "criticality", "unstable"]
     rows = [
         [
             point.name,
             meaning(point.label, point.kind, point.status),
             exact(free_value(branch, point)),
+            *(exact(float(point.parameters[name])) for name in further),
             rough(point.error),
             point.criticality or "",
             f"{point.unstable_before} -> {point.unstable_after}",

@@ -130,6 +130,8 @@ def _comparable(problem: _Comparable, branch: Branch) -> bool:
         return False
     if branch.info.settings.get("pins") != [pin.name for pin in problem.pins]:
         return False
+    if "of" in info.settings and info.settings["of"] != problem.branch_facts()["settings"]["of"]:
+        return False  # curves of other special points
     # Along a path, a problem may have been made at any of its points.
     moving = problem.line.moving_names
     fixed = {name: v for name, v in problem.line.parameters.items() if name not in moving}

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from contwalk.plotting.bifurcation_diagram import plot_bifurcation_diagram
     from contwalk.plotting.eigenvalues import plot_eigenvalues
     from contwalk.plotting.histogram import plot_histogram
+    from contwalk.plotting.locus import plot_locus
     from contwalk.plotting.machine import plot_machine
     from contwalk.plotting.multiplier_moduli import plot_multiplier_moduli
     from contwalk.plotting.multipliers import plot_multiplier_panels, plot_multipliers
@@ -42,6 +43,7 @@ __all__ = [
     "plot_bifurcation_diagram",
     "plot_eigenvalues",
     "plot_histogram",
+    "plot_locus",
     "plot_machine",
     "plot_multiplier_moduli",
     "plot_multiplier_panels",
@@ -66,6 +68,7 @@ _MODULES = {
     "plot_bifurcation_diagram": "bifurcation_diagram",
     "plot_eigenvalues": "eigenvalues",
     "plot_histogram": "histogram",
+    "plot_locus": "locus",
     "plot_machine": "machine",
     "plot_multiplier_moduli": "multiplier_moduli",
     "plot_multiplier_panels": "multipliers",

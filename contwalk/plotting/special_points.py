@@ -23,6 +23,11 @@ MARKERS = {
     "GR": "*",
     "OC": "P",
     "AZ": "X",
+    "CP": "<",
+    "BT": ">",
+    "GH": "p",
+    "ZH": "d",
+    "HH": "H",
 }
 # Points wide; equal numbers do not look equally large for all shapes.
 SIZES = {"EP": 5.0, "GR": 8.5, "PD": 5.0, "LP": 5.2}

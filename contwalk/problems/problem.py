@@ -63,6 +63,8 @@ MAX_RE, MAX_ABS = "max_re", "max_abs"
 class Seed:
     """A branch that leaves a special point: a solution on it (or the point itself) and its direction.
 
+    Without a direction (`tangent` None) it is a guess of a solution, and regular there.
+
     `reach(change)` estimates how far each unknown moves along it while the parameter changes so much, shape
     (N + 1,), for unknowns that are zero at the point. `problem` is whose solutions they are. `one_sided`:
     the other direction leads to the same solutions once more.
@@ -70,8 +72,8 @@ class Seed:
 
     label: str
     z: np.ndarray
-    tangent: np.ndarray
-    reach: Callable[[float], np.ndarray]
+    tangent: np.ndarray | None
+    reach: Callable[[float], np.ndarray] | None
     problem: Problem
     one_sided: bool = False
 

@@ -1,4 +1,7 @@
-"""The JSON document of a run, `schema_version` 1: what `contwalk show DB --json` prints."""
+"""The JSON document of a run: what `contwalk show DB --json` prints.
+
+Its `schema_version` is 1, and 2 where there are curves in two parameters.
+"""
 
 from __future__ import annotations
 
@@ -11,9 +14,11 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import Branch, SpecialPoint
+from contwalk.quantities import FREQUENCY_SQUARED, NEUTRAL_SADDLE
 from contwalk.storage.database import Database
 
-DOCUMENT_VERSION = 1
+DOCUMENT_VERSION, WITH_LOCI = 1, 2
+LOCUS = "locus"
 
 
 def interface_schema() -> dict[str, Any]:
@@ -42,13 +47,15 @@ def document(db: Database, points: bool = False, only: Sequence[str] | None = No
     header = db.header
     loaded: dict[str, Branch] = {}
     names = db.branch_names() if only is None else only
+    branches = [_branch(db, _load(db, name, loaded), loaded, points) for name in names]
+    curves = any(branch["problem"] == LOCUS for branch in branches)
     return {
-        "schema_version": DOCUMENT_VERSION,
+        "schema_version": WITH_LOCI if curves else DOCUMENT_VERSION,
         "contwalk_version": str(header.provenance.get("contwalk_version", "unknown")),
         "system": header.system,
         "model": _json(header.model),
         "config": header.config,
-        "branches": [_branch(db, _load(db, name, loaded), loaded, points) for name in names],
+        "branches": branches,
         "notes": [{"key": key, "text": text} for key, text in db.notes().items()],
     }
 
@@ -77,6 +84,8 @@ def _branch(db: Database, branch: Branch, loaded: dict[str, Branch], points: boo
         "cost": _json(branch.cost),
         "special_points": [_special(point) for point in branch.special_points],
     }
+    if info.problem == LOCUS:
+        entry |= {"of": info.settings["of"], "of_problem": info.settings["of_problem"]}
     return entry | {"points": [_point(branch, row) for row in branch.points]} if points else entry
 
 
@@ -92,7 +101,8 @@ def _parent(db: Database, branch: Branch, loaded: dict[str, Branch]) -> str | No
 
 
 def _special(point: SpecialPoint) -> dict[str, Any]:
-    return {
+    errors = {"errors": _json(point.errors)} if point.errors else {}
+    return errors | {
         "name": point.name,
         "label": point.label,
         "kind": point.kind,
@@ -118,7 +128,8 @@ def _special(point: SpecialPoint) -> dict[str, Any]:
 
 def _point(branch: Branch, row: np.void) -> dict[str, Any]:
     info = branch.info
-    return {
+    kind = {"kind": kind_of_row(branch, row)} if info.problem == LOCUS else {}
+    return kind | {
         "free": _json(row["free"]),
         "state": dict(zip(info.states, _json(row["state"]), strict=True)),
         "observables": dict(zip(info.observables, _json(row["observables"]), strict=True)),
@@ -130,6 +141,14 @@ def _point(branch: Branch, row: np.void) -> dict[str, Any]:
         "special": bool(row["special"]),
         "spectrum_error": _json(row["spectrum_error"]),
     }
+
+
+def kind_of_row(branch: Branch, row: np.void) -> str | None:
+    """`neutral_saddle` where a curve of Hopf points goes on with real eigenvalues; else None."""
+    if FREQUENCY_SQUARED not in branch.info.observables:
+        return None
+    squared = float(row["observables"][branch.info.observables.index(FREQUENCY_SQUARED)])
+    return None if squared > 0.0 else NEUTRAL_SADDLE
 
 
 def _finite(value: float | None) -> float | None:

@@ -104,6 +104,8 @@ def opened_locus(
     try:
         problem, z = locus_at(system, point, known, free, pins_of(system, info), discretization)
         state = begin(problem, z, settings)
+    except StartError:
+        raise
     except outcomes.BREAKDOWNS as error:
         return outcomes.no_start("no_convergence", str(error), "the special point")
     if not isinstance(state, ContinuationState):

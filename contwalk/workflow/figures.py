@@ -73,6 +73,8 @@ def _draw(
     x, y = options.get("x"), options.get("y")
     axes: Any
     if name == "bifurcation_diagram":
+        # Curves in two parameters have a figure of their own; they would lie across the diagram.
+        branches = [branch for branch in branches if branch.info.problem != "locus"] or branches
         axes = plotting.plot_bifurcation_diagram(
             branches, x, y, units=units, xlim=options.get("xlim"), ylim=options.get("ylim"), report=report
         )
@@ -82,6 +84,8 @@ def _draw(
         axes = plotting.plot_multiplier_panels(branches, units=units, report=report)
     elif name == "stability_map":
         axes = plotting.plot_stability_map(branches, x or branches[0].info.free[0], str(y), units=units)
+    elif name == "locus":
+        axes = plotting.plot_locus(branches, x, y, units=units, report=report)
     elif name in _OF_MACHINES:
         if system is None:
             raise ContwalkError(f"The figure '{name}' needs the system.", "Install it again.")

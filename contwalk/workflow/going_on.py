@@ -40,6 +40,10 @@ def differences(run_file: RunFile, header: RunHeader) -> list[str]:
 
 
 def _contains(outer: Any, inner: Any) -> bool:
+    if isinstance(outer, dict) and isinstance(inner, dict):
+        return outer.keys() == inner.keys() and all(_contains(outer[name], inner[name]) for name in outer)
+    if isinstance(outer, dict) or isinstance(inner, dict):
+        return False
     return bool(outer) and bool(inner) and outer[0] <= inner[0] and inner[1] <= outer[1]
 
 
@@ -77,7 +81,7 @@ class Claims:
             return not len(rows)
         z = start.opening.state.sample.z
         first, weights = rows[0]["unknowns"], rows[0]["weights"]
-        first = np.append(first[np.isfinite(first)], rows[0]["free"])
+        first = np.append(first[np.isfinite(first)], rows[0]["free"][0])
         return len(first) == len(z) and bool(np.all(np.abs(first - z) <= CLOSE * weights[: len(z)]))
 
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -24,6 +24,7 @@ from contwalk.storage.database import Database, RunHeader
 from contwalk.storage.failures import refuse_existing
 from contwalk.storage.file_database import FileDatabase
 from contwalk.system.loading import plugin_files
+from contwalk.workflow import loci
 from contwalk.workflow.equations import equations_hash, equations_text
 from contwalk.workflow.figures import draw_figure
 from contwalk.workflow.file_names import beside
@@ -95,20 +96,23 @@ def run(
     traced(run_file)
     if figures:
         check_figures(run_file, replacing=force or (resume and run_file.output.exists()))
-    studies = [(study, *places(study)) for study in run_file.studies()]
+    studies = _studies(run_file)
     result = RunResult(run_file.output)
     with _database(run_file, resume, force) as db:
         for _, _, notes in studies:
             for text in notes:
                 reporter.note(text)
+        claims = _claims(db)
         diagram = Diagram(
             _all_starts([(study, found) for study, found, _ in studies]),
             _coverage(run_file),
             lambda name: _stored(db, name),
-            **_claims(db),
+            **claims,
         )
         recorder = _Recorder(db, reporter, result, run_file)
         recorder.record(diagram)
+        if run_file.loci is not None and not result.interrupted:
+            recorder.record(_curves(run_file, db, diagram.branches, claims))
         result.branches = db.branches()
         lost = lost_values(run_file.sweep, result.branches, run_file.output.name)
         if lost and not result.interrupted:
@@ -119,6 +123,24 @@ def run(
     if figures and not result.interrupted:
         result.figures = list(_figures(run_file, result, reporter))
     return result
+
+
+def _studies(run_file: RunFile) -> list[tuple[RunFile, list[Place] | list[Start], list[str]]]:
+    """What a run consists of, each study with where it starts, and notes on what does not exist."""
+    if run_file.second is not None:
+        settings, discretization = settings_of(run_file), discretization_of(run_file)
+        return [(run_file, loci.from_databases(run_file, settings, discretization), [])]
+    return [(study, *places(study)) for study in run_file.studies()]
+
+
+def _curves(run_file: RunFile, db: Database, branches: list[Branch], claims: Mapping[str, Any]) -> Diagram:
+    """The curves in two parameters from what a study has found."""
+    assert run_file.loci is not None
+    settings = replace(settings_of(run_file), second_range=run_file.loci.range)
+    starts_ = loci.from_branches(run_file, branches, settings, discretization_of(run_file))
+    taken = [*claims.get("taken", ()), *(branch.name for branch in branches)]
+    coverage = loci.coverage_of(run_file, settings)
+    return Diagram(starts_, coverage, lambda name: _stored(db, name), **{**claims, "taken": taken})
 
 
 def traced(run_file: RunFile) -> None:
@@ -156,6 +178,7 @@ def settings_of(run_file: RunFile) -> Settings:
         engine["newton_iterations"] = int(engine["newton_iterations"])
     return Settings(
         range=run_file.range,
+        second_range=None if run_file.second is None else run_file.second[1],
         max_points=run_file.max_points,
         marks=tuple(Mark(m.name, m.values, m.extremum) for m in run_file.marks),
         stop_at=run_file.stop_at,
@@ -165,13 +188,16 @@ def settings_of(run_file: RunFile) -> Settings:
 
 
 def _coverage(run_file: RunFile) -> Plan:
+    follow = frozenset[str]() if run_file.second is not None else run_file.follow
     directions = {"both": (1.0, -1.0), "forward": (1.0,), "backward": (-1.0,)}[run_file.direction]
-    return Plan(settings_of(run_file), run_file.follow, run_file.depth, directions)
+    return Plan(settings_of(run_file), follow, run_file.depth, directions)
 
 
-def _all_starts(studies: list[tuple[RunFile, list[Place]]]) -> Iterator[Start]:
+def _all_starts(studies: list[tuple[RunFile, list[Place] | list[Start]]]) -> Iterator[Start]:
     for study, found in studies:
-        yield from starts(study, found, settings_of(study), discretization_of(study))
+        yield from (start for start in found if isinstance(start, Start))
+        places_ = [place for place in found if isinstance(place, Place)]
+        yield from starts(study, places_, settings_of(study), discretization_of(study))
 
 
 def _database(run_file: RunFile, resume: bool, force: bool) -> FileDatabase:

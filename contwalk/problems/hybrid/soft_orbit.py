@@ -554,6 +554,8 @@ def softened_seed(seed: Seed) -> Seed:
     problem, z = softened(turned, unknowns)
     assert isinstance(problem, SoftOrbit)
     grouping, reach = problem.inner.grouping, seed.reach
+    assert seed.tangent is not None
+    assert reach is not None
     if turned.word == seed.problem.word:
         tangent = grouping.split(seed.tangent)[0]
         return replace(

@@ -20,10 +20,9 @@ from contwalk.problems.locus.plane import Plane
 from contwalk.problems.locus.points.catalogue import POINT_TYPES
 from contwalk.problems.problem import Located, Mirror, PointType
 from contwalk.problems.sample import Rates, Sample
+from contwalk.quantities import FREQUENCY_SQUARED
 from contwalk.system import Neutral, System
 
-# The square of the frequency along an HB curve; negative where it goes on as neutral saddles.
-FREQUENCY_SQUARED = "frequency_squared"
 # A pair's kappa has at least this magnitude, against the square of the size of F_u in balanced units.
 LEAST_KAPPA = 1e-6
 TINY = float(np.finfo(float).tiny)
@@ -223,7 +222,7 @@ class EquilibriumLocus:
         if not self.curve.pairs:
             return np.zeros(1, dtype=complex)
         s = np.sqrt(complex(-self.kappa(z)))
-        return np.array([s, -s])
+        return np.array([s, -s]) + 0.0  # no zeros with a sign
 
     def rate(self, name: str, sample: Sample) -> float:
         """Derivative of an observable along the curve."""
@@ -256,6 +255,12 @@ class EquilibriumLocus:
     def beginnings(self, z: np.ndarray) -> np.ndarray:
         """Typical magnitudes for the first corrections of a start, shape (N + 1,)."""
         return np.maximum(np.abs(z), 1.0)
+
+    def other(self, of: str, z: np.ndarray, kappa: float = 0.0) -> tuple[EquilibriumLocus, np.ndarray]:
+        """Another curve through the place of z, and its unknowns there; `kappa` of its pair, if any."""
+        place, size = self.in_plane(z), self.plane.size
+        own = np.concatenate([place[:size], [kappa] * CURVES[of].pairs, place[size:]])
+        return EquilibriumLocus(self.plane, of, own), own
 
     def at(self, z: np.ndarray) -> EquilibriumLocus:
         """The same curve with borders from the critical vectors at z."""

@@ -23,10 +23,14 @@ from contwalk.workflow.run_file.section import Section, key
 from contwalk.workflow.run_file.values import (
     ACTION,
     ACTIONS,
+    BORN,
+    CURVES,
     FIGURES,
     FOLLOWED,
     angle,
     as_accuracy,
+    as_born,
+    as_curves,
     as_diagram,
     as_figure,
     as_labels,
@@ -90,11 +94,21 @@ class Start(Section):
             raise wrong("lists no equilibrium.", "Name one, or write equilibrium: all.")
 
 
+def interval_or_two(value: Any) -> tuple[float, ...] | dict[str, tuple[float, ...]]:
+    """The range of one parameter, or those of two by name."""
+    return mapping_of(INTERVAL)(value) if isinstance(value, dict) else INTERVAL(value)
+
+
 class Continue(Section):
     """What is continued."""
 
     parameter: str | None = key(text, "the name of a parameter of the system", None)
-    range: tuple[float, ...] | None = key(INTERVAL, "two numbers, [lowest, highest]", None)
+    parameters: tuple[str, ...] | None = key(
+        list_of(text), "the names of two parameters, [first, second], for a curve in two", None
+    )
+    range: tuple[float, ...] | dict[str, tuple[float, ...]] | None = key(
+        interval_or_two, "two numbers, [lowest, highest], or {parameter: [lowest, highest], ...} of two", None
+    )
     direction: str = key(
         one_of("both", "forward", "backward", "up", "down"),
         "both, forward = up (growing parameter), or backward = down",
@@ -103,6 +117,21 @@ class Continue(Section):
     max_points: int = key(whole(1), "a whole number from 1 up", 1000)
     stop_at: dict[str, tuple[float, ...]] = key(
         mapping_of(numbers), "{parameter or observable: value or [values]}", {}
+    )
+
+
+class Loci(Section):
+    """Curves in two parameters from the special points of a study."""
+
+    with_: str = key(text, "the name of the second parameter", written="with")
+    range: tuple[float, ...] = key(INTERVAL, "two numbers, [lowest, highest], of the second parameter")
+    of: tuple[str, ...] = key(
+        list_of(one_of(*CURVES), written=as_curves),
+        f"a list of labels ({', '.join(CURVES)}), or all",
+        CURVES,
+    )
+    follow: tuple[str, ...] = key(
+        list_of(one_of(*BORN), written=as_born), f"a list of labels ({', '.join(BORN)}), all, or none", BORN
     )
 
 
@@ -245,6 +274,7 @@ class RunModel(Section):
         Diagram(),
         inside=Diagram,
     )
+    loci: Loci | None = key(Loci, "{with: parameter, range: [lowest, highest], of: all, follow: all}", None)
     mark: dict[str, tuple[float | str, ...]] = key(
         mapping_of(list_of(mark_value)), "{parameter or observable: [values, extremum]}", {}
     )

@@ -75,6 +75,10 @@ class RunFile:
         Labels whose new branches are followed, and how many generations.
     events : mapping
         `stop`, `ignore` or `switch` for each of GR, OC, AZ.
+    second : tuple of (str, tuple of float), optional
+        Of a curve in two parameters the second one, with its range.
+    loci : Loci, optional
+        Curves in two parameters from the special points of the study.
     sweep : tuple of (str, tuple of float), optional
         A parameter and the values at each of which the diagram is computed; see `studies`.
     engine : mapping
@@ -106,6 +110,8 @@ class RunFile:
     report_at: ReportAt | None = None
     figures: tuple[FigureSpec, ...] = ()
     sweep: tuple[str, tuple[float, ...]] | None = None
+    second: tuple[str, tuple[float, float]] | None = None
+    loci: settings.Loci | None = None
     engine: Mapping[str, float | str] = field(default_factory=dict)
 
     def config(self) -> str:
@@ -247,13 +253,14 @@ def _checked(problems: Problems, model: RunModel, system: System, path: Path, ou
     varying = (
         tuple(n for n in parameters if differ(ends[0][n], ends[1][n]))
         if ends
-        else tuple(filter(None, [free]))
+        else tuple(filter(None, [free, *(model.continue_.parameters or ())[1:]]))
     )
     low, high = settings.continued_range(problems, system, model, free)
     at_start = dict(parameters) if ends is None else ParameterLine("path", parameters, ends).at(low)
     reader = StartReader(problems, system, path.parent, at_start, given, varying, settable=ends is None)
     starts = reader.read(model.start)
     measured = None
+    second = settings.second_range(problems, system, model, free)
     if free is not None:
         settings.check_starts_in_range(problems, starts, free, (low, high))
         measured = settings.Measured(problems, system, free, varying)
@@ -283,6 +290,8 @@ def _checked(problems: Problems, model: RunModel, system: System, path: Path, ou
         figures=settings.figures(problems, system, model, DIAGRAM_FIGURES),
         sweep=sweep_values(problems, system, model, varying),
         engine=settings.engine(problems, system, model),
+        second=second,
+        loci=settings.loci(problems, system, model, free),
     )
 
 

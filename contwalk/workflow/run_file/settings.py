@@ -40,6 +40,16 @@ class Mark:
 
 
 @dataclass(frozen=True)
+class Loci:
+    """Curves in two parameters: the second and its range, the points they are of, those followed."""
+
+    second: str
+    range: tuple[float, float]
+    of: frozenset[str]
+    follow: frozenset[str]
+
+
+@dataclass(frozen=True)
 class FigureSpec:
     """A figure by its name, with the options (`x`, `y`, `file`, ...) that the file gives."""
 
@@ -88,7 +98,9 @@ class Measured:
 
 def free_parameter(problems: Problems, system: System, model: RunModel) -> str | None:
     """The name of the free parameter, `path` on a parameter path."""
-    name = model.continue_.parameter
+    name, two = model.continue_.parameter, model.continue_.parameters
+    if two is not None:
+        return _first_of_two(problems, system, model, two)
     if model.path is not None:
         if name is not None:
             problems.add(
@@ -105,13 +117,110 @@ def free_parameter(problems: Problems, system: System, model: RunModel) -> str |
     return name if parameter_named(problems, ("continue", "parameter"), system, name) else None
 
 
+def _first_of_two(problems: Problems, system: System, model: RunModel, two: tuple[str, ...]) -> str | None:
+    """The first of two free parameters, both checked."""
+    key: Key = ("continue", "parameters")
+    other = "parameter" if model.continue_.parameter is not None else "path" if model.path is not None else ""
+    if other:
+        problems.add(key, f"both two parameters and a {other} are given.", "Remove one of the two.")
+    if len(two) != 2 or two[0] == two[1]:
+        what = "names the same parameter twice." if len(two) == 2 else f"has {len(two)} names."
+        problems.add(key, what, "Allowed: [first, second], two parameters of the system.")
+        return None
+    known = [parameter_named(problems, (*key, index), system, name) for index, name in enumerate(two)]
+    if any(start.from_ is None for start in model.start):
+        problems.add(
+            ("start",),
+            "a curve in two parameters starts at a special point of a database.",
+            "Give {from: other.h5, point: b1/HB1}.",
+        )
+    for name in ("loci", "sweep"):
+        if getattr(model, name) is not None:
+            problems.add((name,), "belongs to a study along one parameter.", "Remove it.")
+    return two[0] if all(known) else None
+
+
+def second_range(
+    problems: Problems, system: System, model: RunModel, free: str | None
+) -> tuple[str, tuple[float, float]] | None:
+    """The second of two free parameters, with its range."""
+    two = model.continue_.parameters
+    if free is None or two is None:
+        return None
+    return two[1], _ends(problems, system, two[1], ("continue", "range", two[1]), _range_of(model, two[1]))
+
+
+def loci(problems: Problems, system: System, model: RunModel, free: str | None) -> Loci | None:
+    """Curves in two parameters from all special points of a study."""
+    given = model.loci
+    if given is None or free is None:
+        return None
+    if parameter_named(problems, ("loci", "with"), system, given.with_):
+        if given.with_ == free:
+            problems.add(("loci", "with"), f"'{free}' is continued already.", "Name another parameter.")
+        elif model.path is not None:
+            problems.add(
+                ("loci",), "curves in two parameters do not go along a path.", "Remove one of the two."
+            )
+        ends = _ends(problems, system, given.with_, ("loci", "range"), given.range)
+        return Loci(given.with_, ends, frozenset(given.of), frozenset(given.follow))
+    return None
+
+
+def _range_of(model: RunModel, name: str | None) -> tuple[float, ...] | None:
+    """What the file gives as the range of a parameter."""
+    ends = model.continue_.range
+    return ends.get(name or "") if isinstance(ends, dict) else ends
+
+
+def _ends(
+    problems: Problems, system: System, name: str, key: Key, ends: tuple[float, ...] | None
+) -> tuple[float, float]:
+    """A range of a parameter, lower end first, within its bounds."""
+    if ends is None or len(ends) != 2:
+        sentence = "the key is missing." if ends is None else f"has {len(ends)} numbers."
+        problems.add(key, sentence, "Allowed: two numbers, [lowest, highest].")
+        return 0.0, 0.0
+    low, high = ends
+    if not low < high:
+        shown = f"[{low:.12g}, {high:.12g}]"
+        problems.add(key, f"is empty or the wrong way round: {shown}.", "Allowed: [lowest, highest].")
+    for parameter in system.parameters:
+        if parameter.name == name:
+            for value in ends:
+                check_bounds(problems, key, parameter, value)
+    return low, high
+
+
 def continued_range(
     problems: Problems, system: System, model: RunModel, free: str | None
 ) -> tuple[float, float]:
     """The range of the free parameter, lower end first."""
     key: Key = ("continue", "range")
+    two, on_path = model.continue_.parameters, model.path is not None
+    if two is not None:
+        if not isinstance(model.continue_.range, dict):
+            name = two[1] if len(two) > 1 else "second"
+            problems.add(
+                key,
+                "gives no range for each of two parameters.",
+                f"Allowed: {{{two[0] if two else 'first'}: [lowest, highest], {name}: [lowest, highest]}}.",
+            )
+            return 0.0, 0.0
+        for name in model.continue_.range:
+            if name not in two:
+                problems.add((*key, name), f"'{name}' is not free.", allowed(two, name))
+        return (
+            (0.0, 0.0)
+            if free is None
+            else _ends(problems, system, free, (*key, free), _range_of(model, free))
+        )
+    if isinstance(model.continue_.range, dict):
+        problems.add(
+            key, "gives ranges by name.", "Allowed: two numbers, [lowest, highest], of one parameter."
+        )
+        return 0.0, 0.0
     ends = model.continue_.range
-    on_path = model.path is not None
     if ends is None and on_path:
         return 0.0, 1.0
     if ends is None or len(ends) != 2:

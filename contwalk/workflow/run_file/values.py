@@ -12,11 +12,15 @@ from contwalk.workflow.run_file.forms import as_tuple, list_of, mapping_of, one_
 from contwalk.workflow.run_file.yaml_lines import shown
 
 FOLLOWED = tuple(label for label in MEANINGS if label not in (END, MARK))
+# Special points of equilibria that curves are of, and those on curves at which other curves begin.
+CURVES = ("LP", "HB")
+BORN = ("BT", "ZH", "HH")
 DIAGRAM_FIGURES = (
     "bifurcation_diagram",
     "eigenvalues",
     "multipliers",
     "stability_map",
+    "locus",
     "machine",
     "phase_portrait",
     "stick_figure",
@@ -105,6 +109,18 @@ def mark_value(value: Any) -> float | str:
 def as_list(value: Any) -> Any:
     """A list as a tuple; anything else as it is."""
     return tuple(value) if isinstance(value, list) else value
+
+
+def as_curves(value: Any) -> Any:
+    """`all` as the labels it stands for."""
+    return CURVES if value == "all" else as_tuple(value)
+
+
+def as_born(value: Any) -> Any:
+    """`all` and `none` as the labels they stand for."""
+    if value == "all":
+        return BORN
+    return () if value == "none" else as_tuple(value)
 
 
 def as_starts(value: Any) -> Any:

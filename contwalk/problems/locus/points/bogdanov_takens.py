@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
+from contwalk.branch import SpecialPoint
 from contwalk.problems.locus.bordered import pair_borders
 from contwalk.problems.locus.conditions import Augmented, DoubleZero
 from contwalk.problems.locus.normal_forms import bogdanov_takens_coefficients
-from contwalk.problems.locus.points.point import Form, LocusPoint, located_by
-from contwalk.problems.problem import Located, Sample, Test
+from contwalk.problems.locus.points.point import Form, LocusPoint, born, located_by
+from contwalk.problems.problem import Located, Sample, Seed, Test
 
 
 class BogdanovTakens(LocusPoint):
@@ -33,6 +35,10 @@ class SecondZero(BogdanovTakens):
 
     test, changes = Test.STABILITY, (-1, 1)
 
+    def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
+        """The curve of Hopf points that ends there, and of the neutral saddles that it becomes."""
+        return born(problem, point, "HB")
+
     def tells(self, problem: Any, sample: Sample, which: int) -> bool:
         """A real eigenvalue."""
         return bool(sample.eigenvalues[which].imag == 0.0)
@@ -42,6 +48,10 @@ class VanishingFrequency(BogdanovTakens):
     """On a curve of Hopf points: the frequency vanishes, and the curve goes on as neutral saddles."""
 
     test = Test.VALUE
+
+    def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
+        """The curve of folds."""
+        return born(problem, point, "LP")
 
     def value(self, problem: Any, sample: Sample) -> float:
         """The square of the frequency."""

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
+from contwalk.branch import SpecialPoint
 from contwalk.problems.locus.bordered import pair_borders
 from contwalk.problems.locus.conditions import Augmented, Pair
 from contwalk.problems.locus.normal_forms import double_hopf_coefficients
-from contwalk.problems.locus.points.point import Form, LocusPoint, located_by
-from contwalk.problems.problem import Located, Sample, Test
+from contwalk.problems.locus.points.point import Form, LocusPoint, born, located_by
+from contwalk.problems.problem import Located, Sample, Seed, Test
 
 
 class DoubleHopf(LocusPoint):
@@ -27,6 +31,12 @@ class DoubleHopf(LocusPoint):
         matrix = plane.jacobian(problem.in_plane(sample.z))[:, : plane.size]
         pairs = tuple(Pair(pair_borders(matrix, plane.finite, kappa)) for kappa in kappas)
         return located_by(problem, Augmented(plane, pairs), sample, kappas, positive=True)
+
+    def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
+        """The other curve of Hopf points."""
+        own = problem.kappa(np.array(point.unknowns))
+        kappas = [float(point.coefficients[name]) ** 2 for name in ("omega_1", "omega_2")]
+        return born(problem, point, "HB", max(kappas, key=lambda kappa: abs(kappa - own)))
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """The cubic coefficients of both amplitudes."""

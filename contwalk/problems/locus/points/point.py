@@ -8,15 +8,19 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import SpecialPoint
+from contwalk.numerics.linear import kernel_direction
 from contwalk.numerics.refine import Solution
 from contwalk.problems.equilibrium.defining_systems import solve
 from contwalk.problems.locus.conditions import Augmented, Function, defining_system
-from contwalk.problems.problem import Located, PointType, Sample
+from contwalk.problems.problem import Located, PointType, Sample, Seed
 
 # A coefficient has a sign if it is this many times its estimated error.
 SURE = 10.0
 # A kappa this small against where Newton's method began is the double zero, which solves the same equations.
 DEGENERATE = 1e-6
+
+# How far from a special point the other curve through it is begun, in typical magnitudes.
+BORN_BESIDE = 1e-2
 
 # Kind, coefficients and note of a special point.
 Form = tuple[str | None, dict[str, Any], str | None]
@@ -57,6 +61,18 @@ class LocusPoint(PointType):
             unknowns=tuple(z.tolist()),
             tangent=tuple(sample.tangent.tolist()),
         )
+
+
+def born(problem: Any, point: SpecialPoint, of: str, kappa: float = 0.0) -> list[Seed]:
+    """The other curve that passes a special point, begun a little beside it: walking back finds the point."""
+    other, z = problem.other(of, np.array(point.unknowns), kappa)
+    there = other.linearize(z)
+    if not np.all(np.isfinite(there.jacobian)):
+        return []
+    told = there.magnitudes
+    weights = np.where(np.isfinite(told) & (told > 0.0), told, 1.0)
+    beside = z + BORN_BESIDE * kernel_direction(there.jacobian, weights)
+    return [Seed(of, beside, None, None, other)]
 
 
 def located_by(

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
+from contwalk.branch import SpecialPoint
 from contwalk.problems.locus.bordered import pair_borders, zero_borders
 from contwalk.problems.locus.conditions import Augmented, Pair, Zero
 from contwalk.problems.locus.normal_forms import zero_hopf_coefficients
-from contwalk.problems.locus.points.point import Form, LocusPoint, located_by
-from contwalk.problems.problem import Located, Sample, Test
+from contwalk.problems.locus.points.point import Form, LocusPoint, born, located_by
+from contwalk.problems.problem import Located, Sample, Seed, Test
 
 
 class ZeroHopf(LocusPoint):
@@ -44,6 +46,10 @@ class PairOnFold(ZeroHopf):
         """A complex pair."""
         return bool(sample.eigenvalues[which].imag != 0.0)
 
+    def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
+        """The curve of Hopf points."""
+        return born(problem, point, "HB", float(point.coefficients["omega"]) ** 2)
+
     def frequency_squared(self, problem: Any, sample: Sample, which: int) -> float:
         """Of the pair that passes."""
         return float(sample.eigenvalues[which].imag) ** 2
@@ -57,6 +63,10 @@ class ZeroOnHopf(ZeroHopf):
     def tells(self, problem: Any, sample: Sample, which: int) -> bool:
         """A real eigenvalue, where the curve's own pair is imaginary."""
         return bool(sample.eigenvalues[which].imag == 0.0) and problem.kappa(sample.z) > 0.0
+
+    def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
+        """The curve of folds."""
+        return born(problem, point, "LP")
 
     def frequency_squared(self, problem: Any, sample: Sample, which: int) -> float:
         """Of the curve's own pair."""

@@ -1,0 +1,108 @@
+"""Curves in two parameters: from a point of another database, or from all special points of a study."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Any
+
+from contwalk.branch import Branch, BranchInfo, SpecialPoint
+from contwalk.continuation.branch_in_progress import Start
+from contwalk.continuation.diagram import Plan
+from contwalk.continuation.settings import Settings
+from contwalk.errors import StartError
+from contwalk.problems.orbit.discretization import Discretization
+from contwalk.storage.hdf5 import Hdf5Database
+from contwalk.studies.loci import opened_locus
+from contwalk.workflow.run_file.reading import RunFile, StartSpec
+
+
+def from_databases(run_file: RunFile, settings: Settings, discretization: Discretization) -> list[Start]:
+    """The starts of a run along two parameters, each a special point of another database.
+
+    Raises
+    ------
+    StartError
+        If a point is none that curves are followed from, or lies outside the ranges.
+    """
+    assert run_file.second is not None
+    found = []
+    for spec in run_file.starts:
+        where = f"{run_file.path}, line {spec.line}, key start: " if spec.line else ""
+        try:
+            info, point = _stored(run_file, spec)
+            given = _Given(run_file, settings, discretization, (run_file.free, run_file.second[0]))
+            origin = f"{spec.point} of {spec.file.name}" if spec.file else ""
+            found.append(_start(given, info, point, origin))
+        except StartError as error:
+            raise StartError(f"{where}{error.sentence}", error.remedy) from error
+    return found
+
+
+def from_branches(
+    run_file: RunFile, branches: Sequence[Branch], settings: Settings, discretization: Discretization
+) -> Iterator[Start]:
+    """Starts at all special points of a study that it asks for, in the order of branches and points."""
+    assert run_file.loci is not None
+    given = _Given(run_file, settings, discretization, (run_file.free, run_file.loci.second))
+    low, high = run_file.loci.range
+    for branch in branches:
+        if branch.info.problem != "equilibrium":
+            continue
+        for point in branch.special_points:
+            wanted = point.label in run_file.loci.of and point.status == "located"
+            if not wanted or "pairs" in point.coefficients:
+                continue
+            if not low <= point.parameters[run_file.loci.second] <= high:
+                continue
+            start = _start(given, branch.info, point, f"{branch.name}/{point.name}")
+            yield replace(start, parent=(branch.name, point.s), depth=1)
+
+
+def coverage_of(run_file: RunFile, settings: Settings) -> Plan:
+    """What is followed of the curves of a study."""
+    assert run_file.loci is not None
+    return Plan(settings, run_file.loci.follow, run_file.depth)
+
+
+class _Given:
+    """What all curves of a run share."""
+
+    def __init__(
+        self, run_file: RunFile, settings: Settings, discretization: Any, free: tuple[str, str]
+    ) -> None:
+        self.system, self.settings, self.discretization, self.free = (
+            run_file.system,
+            settings,
+            discretization,
+            free,
+        )
+
+
+def _start(given: _Given, info: BranchInfo, point: SpecialPoint, origin: str) -> Start:
+    opening = opened_locus(given.system, info, point, given.free, given.settings, given.discretization)
+    known = {name: float(point.parameters[name]) for name in given.system.parameter_names}
+    return Start(given.system, given.free[0], known, opening, origin)
+
+
+def _stored(run_file: RunFile, spec: StartSpec) -> tuple[BranchInfo, SpecialPoint]:
+    """The special point of another database that a start names, and what is true of its branch."""
+    assert spec.file is not None
+    branch_name, point_name = str(spec.point).split("/")
+    with Hdf5Database.open(spec.file) as db:
+        branch = db.branch(branch_name)
+    if branch.info.states != run_file.system.state_names:
+        raise StartError(
+            f"{spec.file} holds states {', '.join(branch.info.states)}, not "
+            f"{', '.join(run_file.system.state_names)}.",
+            "Start from a database of the same system and model.",
+        )
+    if point_name.isdigit():
+        raise StartError(
+            f"{spec.point} is no special point, and a curve in two parameters is one of special points.",
+            "Give the name of a fold (LP) or Hopf point (HB), as b1/HB1.",
+        )
+    try:
+        return branch.info, branch.special(point_name)
+    except KeyError as error:
+        raise StartError(f"{spec.file}: {error.args[0]}") from error

@@ -1,0 +1,222 @@
+"""Curves in two parameters end to end: run file, database, JSON, figures, going on."""
+
+from __future__ import annotations
+
+import json
+from importlib.resources import files
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import pytest
+
+import contwalk as cw
+from contwalk.errors import ContwalkError
+from contwalk.storage.document import document
+
+PLUGIN = '''
+"""Bazykin's predator and prey."""
+from contwalk.system import Mode, Parameter, State, System
+
+
+def field(t, x, p, dx):
+    eaten = x[0] * x[1] / (1.0 + p.alpha * x[0])
+    dx[0] = x[0] - eaten - 0.01 * x[0] ** 2
+    dx[1] = -x[1] + eaten - p.delta * x[1] ** 2
+
+
+SYSTEM = System(
+    "bazykin",
+    states=(State("x"), State("y")),
+    parameters=(Parameter("alpha", 0.3), Parameter("delta", 0.2)),
+    modes=(Mode("only", field),),
+)
+'''
+ONE = """
+system: ./bazykin.py
+start: {state: {x: 2.0, y: 2.0}}
+continue: {parameter: alpha, range: [0.01, 0.9]}
+diagram: none
+output: one.h5
+"""
+TWO = """
+system: ./bazykin.py
+start: [{from: one.h5, point: b1/HB1}, {from: one.h5, point: b1/LP1}, {from: one.h5, point: b1/HB2}]
+continue: {parameters: [alpha, delta], range: {alpha: [0.01, 2.0], delta: [0.001, 1.0]}}
+output: two.h5
+figures: [locus]
+"""
+ALL = """
+system: ./bazykin.py
+start: {state: {x: 2.0, y: 2.0}}
+continue: {parameter: alpha, range: [0.01, 0.9]}
+diagram: none
+loci: {with: delta, range: [0.001, 1.0], of: HB, follow: all}
+output: all.h5
+"""
+# Recomputed with 40 digits; alpha and delta of the Bogdanov-Takens point.
+BT = (0.45362432777812945522, 0.17512759295021742421)
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("loci")
+    (folder / "bazykin.py").write_text(PLUGIN)
+    (folder / "one.yaml").write_text(ONE)
+    (folder / "two.yaml").write_text(TWO)
+    (folder / "all.yaml").write_text(ALL)
+    cw.run(cw.read_run_file(folder / "one.yaml", output=str(folder / "one.h5")))
+    return folder
+
+
+def computed(place: Path, name: str, *overrides: str, output: str = "", **options: bool) -> cw.run:
+    run_file = cw.read_run_file(place / f"{name}.yaml", overrides, str(place / (output or f"{name}.h5")))
+    return cw.run(run_file, **options)
+
+
+@pytest.fixture(scope="module")
+def two(place) -> Path:
+    return computed(place, "two").path
+
+
+def test_points_of_another_database(two) -> None:
+    with cw.open_database(two) as db:
+        assert db.branch_names() == ["b1", "b2"]  # HB2 lies on the curve of HB1
+        assert any("b1/HB2 of one.h5 lies on branch b1" in text for text in db.notes().values())
+        for name in db.branch_names():
+            branch = db.branch(name)
+            assert branch.info.free == ("alpha", "delta")
+            point = next(p for p in branch.special_points if p.label == "BT")
+            for parameter, value in zip(branch.info.free, BT, strict=True):
+                error = abs(point.parameters[parameter] - value)
+                assert error <= point.errors[parameter] + 2.0**-52 * value
+            # A row tells both parameters, and the solution has them.
+            np.testing.assert_array_equal(branch["delta"], branch.points["free"][:, 1])
+            x, y = branch["x"], branch["y"]
+            eaten = x * y / (1.0 + branch["alpha"] * x)
+            np.testing.assert_allclose(eaten - y, branch["delta"] * y**2, atol=1e-13)
+
+
+def test_the_document_obeys_version_2_of_the_schema(two) -> None:
+    schema = json.loads(files("contwalk.storage").joinpath("interface.schema.json").read_text())
+    with cw.open_database(two) as db:
+        told = document(db, points=True)
+    jsonschema.validate(told, schema)
+    assert told["schema_version"] == 2
+    hopf, fold = told["branches"]
+    assert (hopf["problem"], hopf["of"], hopf["of_problem"]) == ("locus", "HB", "equilibrium")
+    assert (fold["of"], fold["free"]) == ("LP", ["alpha", "delta"])
+    kinds = [row["kind"] for row in hopf["points"]]
+    assert set(kinds) == {None, "neutral_saddle"}
+    for row in hopf["points"]:
+        saddle = row["kind"] == "neutral_saddle"
+        assert saddle == (row["observables"]["frequency_squared"] <= 0.0)
+        assert not (saddle and row["stable"] and row["observables"]["frequency_squared"] < 0.0)
+    point = next(p for p in hopf["special_points"] if p["label"] == "BT")
+    assert point["error"] == point["errors"]["alpha"]
+    assert set(point["errors"]) == {"alpha", "delta"}
+
+
+def test_documents_without_curves_stay_at_version_1(place) -> None:
+    with cw.open_database(place / "one.h5") as db:
+        told = document(db)
+    assert told["schema_version"] == 1
+    assert "of" not in told["branches"][0]
+    assert "errors" not in told["branches"][0]["special_points"][0]
+
+
+def test_a_curve_that_was_cut_goes_on_to_the_last_bit(place, two) -> None:
+    computed(place, "two", "continue.max_points=37", output="cut.h5", figures=False)
+    path = computed(place, "two", output="cut.h5", resume=True, figures=False).path
+    with cw.open_database(two) as whole, cw.open_database(path) as resumed:
+        for name in whole.branch_names():
+            a, b = whole.branch(name), resumed.branch(name)
+            assert [p.name for p in a.special_points] == [p.name for p in b.special_points]
+            for column in a.points.dtype.names or ():
+                if column != "seconds":
+                    np.testing.assert_array_equal(a.points[column], b.points[column])
+
+
+def test_curves_of_all_points_of_a_study_and_those_born_on_them(place) -> None:
+    path = computed(place, "all", figures=False).path
+    with cw.open_database(path) as db:
+        branches = {name: db.branch(name) for name in db.branch_names()}
+        notes = list(db.notes().values())
+    assert [b.info.problem for b in branches.values()] == ["equilibrium", "locus", "locus", "locus"]
+    assert [b.info.settings.get("of") for b in branches.values()] == [None, "HB", "LP", "LP"]
+    assert branches["b2"].info.parent[0] == "b1"
+    assert branches["b3"].info.parent[0] == "b2"  # the folds are begun at BT points of the curve
+    assert any("b1/HB2 lies on branch b2" in text for text in notes)
+    for name in ("b3", "b4"):
+        (point,) = (p for p in branches[name].special_points if p.label == "BT")
+        assert point.status == "located"
+    again = computed(place, "all", resume=True, figures=False)
+    assert [b.name for b in again.branches] == list(branches)
+
+
+def test_the_figure_of_curves(place, two) -> None:
+    assert (place / "two_locus.png").stat().st_size > 10_000
+    from contwalk import plotting
+
+    with cw.open_database(two) as db:
+        ax = plotting.plot_locus(db.branches())
+    gids = {line.get_gid() for line in ax.lines}
+    assert {"b1-0", "b1-1", "b1-2", "b2-0", "b1-BT1", "b2-CP1"} <= gids
+    styles = {line.get_gid(): line.get_linestyle() for line in ax.lines}
+    assert styles["b1-0"] != styles["b1-1"]  # neutral saddles
+    with cw.open_database(place / "one.h5") as db:
+        branches = db.branches()
+    with pytest.raises(ContwalkError, match="no curve in two parameters to draw"):
+        plotting.plot_locus(branches)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ("continue.parameters=[alpha, alpha]", "names the same parameter twice"),
+        ("continue.parameters=[alpha]", "has 1 names"),
+        ("continue.parameters=[alpha, beta]", "'beta' is not a parameter of 'bazykin'"),
+        ("continue.parameter=alpha", "both two parameters and a parameter are given"),
+        ("continue.range=[0.1, 0.2]", "gives no range for each of two parameters"),
+        ("continue.range={alpha: [0.1, 0.2]}", "delta: the key is missing"),
+        ("continue.range={alpha: [0.1, 0.2], delta: [2, 1]}", "is empty or the wrong way round"),
+        ("continue.range={alpha: [0.1, 0.2], delta: [1, 2], eps: [0, 1]}", "'eps' is not free"),
+        ("start={state: {x: 1, y: 1}}", "starts at a special point of a database"),
+        ("loci={with: delta, range: [0, 1]}", "belongs to a study along one parameter"),
+    ],
+)
+def test_what_is_wrong_with_a_run_along_two_parameters(place, change, words) -> None:
+    with pytest.raises(ContwalkError, match=words.replace("(", r"\(")):
+        cw.read_run_file(place / "two.yaml", [change])
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ("loci={with: alpha, range: [0, 1]}", "'alpha' is continued already"),
+        ("loci={with: gamma, range: [0, 1]}", "'gamma' is not a parameter"),
+        ("loci={with: delta, range: [0, 1], of: [PD]}", "PD"),
+        ("loci={with: delta}", "range"),
+        ("continue.range={alpha: [0.1, 0.2]}", "gives ranges by name"),
+    ],
+)
+def test_what_is_wrong_with_curves_of_a_study(place, change, words) -> None:
+    with pytest.raises(ContwalkError, match=words):
+        cw.read_run_file(place / "all.yaml", [change])
+
+
+@pytest.mark.parametrize(
+    ("point", "words"),
+    [
+        ("b1/EP1", "No curve in two parameters can be followed from EP1"),
+        ("b1/12", "is no special point"),
+        ("b1/HB7", "no special point 'HB7'"),
+    ],
+)
+def test_points_that_no_curve_begins_at(place, point, words) -> None:
+    run_file = cw.read_run_file(
+        place / "two.yaml", [f"start={{from: one.h5, point: {point}}}"], str(place / "none.h5")
+    )
+    with pytest.raises(ContwalkError, match=words):
+        cw.run(run_file)
+    assert not (place / "none.h5").exists()
