@@ -230,6 +230,7 @@ def test_tolerances_below_rounding_are_no_reason_to_stop(method: str) -> None:
     """States of a thousand, in units of one: their roundings are far above the tolerance."""
     field = field_of(lambda t, x, p: [p[0] * (x[1] - 1000.0), 1000.0 - x[0]], 2, 1)
     start = [1001.0, 1000.0]
-    path = adaptive(field, field.constants([1.0]), 0.0, start, 2.0 * np.pi, 3e-15, [1.0, 1.0], method, 2000)
+    path = adaptive(field, field.constants([1.0]), 0.0, start, 2.0 * np.pi, 3e-15, [1.0, 1.0], method)
+    assert len(path.times) < 2000
     assert path.status == "ok"
     np.testing.assert_allclose(path.states[-1], start, rtol=1e-13)
