@@ -33,11 +33,11 @@ class Arc:
         self._scales = [self.length / norm_in(tangent, weights) for tangent in tangents]
 
     def position(self, z: np.ndarray) -> float:
-        """theta of the foot of z on the chord."""
+        """theta of the foot of z, shape (N + 1,), on the chord."""
         return float(self.normal @ (z - self.ends[0]))
 
     def guess(self, theta: float) -> np.ndarray:
-        """The interpolated place at theta."""
+        """The interpolated place at theta, shape (N + 1,)."""
         t, r = theta, 1.0 - theta
         scale_a, scale_b = self._scales
         ends = self.ends[0] + t * t * (3.0 - 2.0 * t) * self.chord
@@ -45,7 +45,10 @@ class Arc:
         return z + (theta - self.position(z)) * self.chord
 
     def direction(self, theta: float) -> np.ndarray:
-        """Derivative of the interpolation: the way of the branch, also where its Jacobian is singular."""
+        """Derivative of the interpolation by theta, shape (N + 1,).
+
+        It is the way of the branch, also where its Jacobian is singular.
+        """
         t, r = theta, 1.0 - theta
         scale_a, scale_b = self._scales
         along = 6.0 * t * r * self.chord

@@ -16,7 +16,7 @@ BEFORE, NEAR = 0.99, 0.25
 
 
 def turn(a: Sample, tangent: np.ndarray) -> float:
-    """Turn of the tangent, degrees, in the metric of `a`."""
+    """Turn of the tangent, shape (N + 1,), in degrees, in the metric of `a`."""
     u, v = a.tangent / a.weights, tangent / a.weights
     cosine = float(u @ v / np.linalg.norm(u) / np.linalg.norm(v))
     return float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
@@ -25,8 +25,9 @@ def turn(a: Sample, tangent: np.ndarray) -> float:
 def bend(a: Sample, z: np.ndarray, tangent: np.ndarray) -> float:
     """How far the chord's direction is from the mean of the tangents at its ends.
 
-    On a smooth arc it is an eighth of the square of the turn. A step onto another branch that happens to
-    point the same way keeps the tangents alike, but not the chord.
+    z, where the chord from `a` ends, and the tangent there have the shape (N + 1,). On a smooth arc it is an
+    eighth of the square of the turn. A step onto another branch that happens to point the same way keeps the
+    tangents alike, but not the chord.
     """
     chord = (z - a.z) / a.weights
     u, v = a.tangent / a.weights, tangent / a.weights

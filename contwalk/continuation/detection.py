@@ -163,7 +163,7 @@ def _share(sample: Sample, tangent: np.ndarray | None = None) -> float:
 
 
 def at_branch_point(tangent: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """A tangent at a branch point without a share of the parameter that is noise.
+    """A tangent at a branch point, shape (N + 1,), without a share of the parameter that is noise.
 
     The sign of that noise would tell of a fold beside the pitchfork.
     """

@@ -145,7 +145,11 @@ def _on_branch(
 
 
 def passes_through(segment: Segment, z: np.ndarray, tangent: np.ndarray, theta: float, offset: float) -> bool:
-    """Whether the branch passes a branch point along a tangent, judged beside it: at it all is singular."""
+    """Whether the branch passes a branch point along a tangent, judged beside it: at it all is singular.
+
+    z and the tangent have the shape (N + 1,); `theta` is the point's place on the segment, 0..1, and `offset`
+    how far beside it is judged, in theta.
+    """
     along = tangent / float(segment.normal @ tangent)
     for side in (-offset, offset):
         if not 0.0 <= theta + side <= 1.0:

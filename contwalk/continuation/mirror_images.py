@@ -35,7 +35,10 @@ class Entry:
     point: SpecialPoint | None
 
     def image(self, mirror: Mirror, last: np.ndarray) -> np.ndarray | None:
-        """The row's image; None where it does not satisfy the equations. `last`: that of the row before."""
+        """The row's image, one record of shape (1,); None where it does not satisfy the equations.
+
+        `last` is that of the row before, shape (1,).
+        """
         return mirror.row(self.row[0], self.before[0], last[0])
 
 
@@ -49,7 +52,10 @@ class Half:
 
     @classmethod
     def of(cls, rows: list[np.ndarray], points: list[SpecialPoint], sign: float) -> Half | None:
-        """The half of a branch on one side of its start; None where it has no solution, or no end."""
+        """The half of a branch on one side of its start; None where it has no solution, or no end.
+
+        `rows` are all stored ones, the start first, of shape (1,) each.
+        """
         records = iter([p for p in points if p.s * sign > 0.0 and p.label != END])
         ends = [p for p in points if p.s * sign > 0.0 and p.label == END]
         steps: list[list[Entry]] = [[]]
@@ -112,7 +118,10 @@ def differing(mirror: Mirror, half: Half, numbers: list[int]) -> int | None:
 
 
 def continues(mirror: Mirror, half: Half, done: list[np.ndarray]) -> bool:
-    """Whether the rows that are there already are images of a half's first ones, and not walked."""
+    """Whether the rows that are there already are images of a half's first ones, and not walked.
+
+    `done` are the rows, of shape (1,) each.
+    """
     if not done:
         return True
     walked = list(half.entries())[: len(done)]
@@ -128,7 +137,7 @@ def imaged(
 ) -> list[tuple[np.ndarray, SpecialPoint | None]] | str:
     """The image of what a step stored, or in words why it is to be walked.
 
-    `last` is the image of the row that it was a step from.
+    `last` is the image of the row that it was a step from; each row has the shape (1,).
     """
     found: list[tuple[np.ndarray, SpecialPoint | None]] = []
     for entry in step:
@@ -145,7 +154,7 @@ def imaged(
 
 
 def same_rows(a: np.ndarray, b: np.ndarray) -> bool:
-    """Whether two rows are the same to the last bit, but for the time that they took."""
+    """Whether two rows, shape (1,) each, are the same to the last bit, but for the time that they took."""
     a, b = a.copy(), b.copy()
     for column in TIMED:
         a[column] = b[column] = 0.0
@@ -155,7 +164,7 @@ def same_rows(a: np.ndarray, b: np.ndarray) -> bool:
 def end_of_image(
     info: BranchInfo, mirror: Mirror, end: SpecialPoint, outcome: Outcome, row: np.ndarray
 ) -> tuple[Outcome, SpecialPoint]:
-    """How the image of a half ends, with the record of its end, which is its last row."""
+    """How the image of a half ends, with the record of its end, which is its last row, shape (1,)."""
     message = outcome.message
     if outcome.reason not in ALIKE:
         message = f"As the other half, of which it is the image under {in_words(mirror.names)}: {message}"

@@ -98,7 +98,10 @@ class Known:
 
 
 def images(problem: _Imaged, z: np.ndarray, beyond: np.ndarray) -> Iterator[tuple[Product, Pair]]:
-    """z and a point beside it on its branch, and their images under products of the declared symmetries."""
+    """z and a point beside it on its branch, and their images under products of the declared symmetries.
+
+    All of them have the shape (N + 1,). At most `MOST_IMAGES` are given, no two alike.
+    """
     found = [(Product(), (z, beyond))]
     for product, current in found:
         yield product, current

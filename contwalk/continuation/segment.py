@@ -39,7 +39,7 @@ class Segment(Arc):
         return self.a.still and self.b.still
 
     def tangent(self, linearization: Linearization) -> np.ndarray:
-        """Tangent of the branch, pointing along the chord, at a solution on it.
+        """Tangent of the branch, shape (N + 1,), pointing along the chord, at a solution on it.
 
         Exactly at a branch point it is not determined; there the chord stands in for it.
         """

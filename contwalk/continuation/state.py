@@ -54,7 +54,8 @@ def begin(
     """The first solution of a branch near z, with the tangent towards growing parameter (or along `toward`).
 
     With `toward`, z is taken as a solution already (a branch point) and `toward` as the tangent there;
-    `reach` then stands in for magnitudes that z does not tell.
+    `reach` then stands in for magnitudes that z does not tell. z, `toward` and what `reach` returns for the
+    parameter's weight have the shape (N + 1,).
     Returns the failed `Correction` where there is no solution.
     """
     value = float(z[-1])
@@ -98,7 +99,10 @@ def _across(problem: Problem, z: np.ndarray) -> np.ndarray:
 
 
 def first_tangent(jacobian: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Unit tangent at a start, towards growing parameter where the parameter moves at all."""
+    """Unit tangent at a start, shape (N + 1,), towards growing parameter where the parameter moves at all.
+
+    The Jacobian has the shape (N, N + 1), the weights of the metric (N + 1,).
+    """
     tangent = kernel_direction(jacobian, weights)
     lead = tangent[-1] / weights[-1]
     if abs(lead) < 1e-12:

@@ -73,7 +73,7 @@ def plot_histogram(
 
 
 def standard_error(samples: np.ndarray) -> float:
-    """Standard error of the mean; zero where one sample gives no estimate."""
+    """Standard error of the mean of samples, shape (k,), in their unit; zero where one gives no estimate."""
     return _deviation(samples) / math.sqrt(len(samples))
 
 

@@ -25,7 +25,7 @@ SAME_POINT = 1e-6
 
 
 def triangulate(rows: Sequence[Row]) -> tuple[Triangulation, np.ndarray]:
-    """Triangles between neighbouring rows, and the value at their corners.
+    """Triangles between neighbouring rows, and the value at their k corners, shape (k,).
 
     No triangle bridges a hole in the data, along a branch or between two.
 

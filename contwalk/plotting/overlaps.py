@@ -47,7 +47,7 @@ class Cover:
         return _parts(points, samples, self._found(samples, add=True), covered=False)
 
     def shared(self, points: np.ndarray, shortest: float = SHORTEST) -> list[np.ndarray]:
-        """The parts of a curve that lie on what is drawn already."""
+        """The parts, shape (j, 2) each, of a curve, shape (k, 2), that lie on what is drawn already."""
         samples = self._sampled(points)
         return _parts(points, samples, self._found(samples, add=False), covered=True, shortest=shortest)
 

@@ -85,7 +85,7 @@ class Placement:
         self.centres = np.full_like(anchors, np.nan)
 
     def solve(self) -> np.ndarray:
-        """Centres of least cost found; NaN where there is no room for a label."""
+        """Centres of least cost found, shape (n, 2), in pixels; NaN where there is no room for a label."""
         distances = np.hypot(*(self.anchors[:, None] - self.anchors[None]).transpose(2, 0, 1))
         order = np.argsort(-(distances < 45 * self.scale).sum(axis=1), kind="stable")
         self._sweep(order)

@@ -66,7 +66,10 @@ class Playback:
         return float(self.times[-1])
 
     def until(self, time: float) -> tuple[np.ndarray, np.ndarray]:
-        """Times and states from the beginning to an instant, which is the last row; at an event, after it."""
+        """Times, shape (j,), and states, shape (j, n), from the beginning to an instant, in seconds.
+
+        The instant is the last row; at an event, after it.
+        """
         last = int(np.searchsorted(self.times, time, side="right")) - 1
         last = min(max(last, 0), len(self.times) - 1)
         times, states = self.times[: last + 1], self.states[: last + 1]

@@ -61,7 +61,7 @@ def admissible_segments(branch: Branch) -> np.ndarray:
 
 
 def at_birth(branch: Branch) -> np.ndarray:
-    """Whether each row is the one at which the branch leaves another one."""
+    """Whether each row is the one at which the branch leaves another one, shape (k,)."""
     return np.asarray((branch.points["s"] == 0.0) & (branch.info.parent is not None))
 
 
@@ -93,7 +93,10 @@ def _of_segments(row: np.ndarray, special: np.ndarray, before: np.ndarray, after
 
 
 def position(branch: Branch, values: np.ndarray, index: int, s: float) -> float:
-    """Value of a quantity at a special point: that of its row, or between two rows if it has none."""
+    """Value of a quantity at a special point: that of its row, or between two rows if it has none.
+
+    `values` are those of the branch's rows, shape (k,), `s` is the point's arclength; NaN without rows.
+    """
     if 0 <= index < len(branch) and branch.points["special"][index]:
         return float(values[index])
     return float(np.interp(s, branch.points["s"], values)) if len(branch) else float("nan")

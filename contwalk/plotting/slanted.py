@@ -60,7 +60,10 @@ def tell(ax: Axes, labels: Sequence[tuple[np.ndarray, str]]) -> float:
 
 
 def spread(wanted: np.ndarray) -> np.ndarray:
-    """Places in growing order that are `APART` or more from one another, near those that are wanted."""
+    """Places in growing order that are `APART` or more from one another, near those that are wanted.
+
+    Both of shape (k,), k at least 1, in the same unit as `APART`; `wanted` grows.
+    """
     gaps = APART * np.arange(len(wanted))
     # Blocks of neighbours that push one another stand where they do so least: the mean of what they want.
     blocks: list[list[float]] = []

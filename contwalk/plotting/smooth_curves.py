@@ -31,7 +31,7 @@ class Curve:
         return self.points[self.at]
 
     def between(self, first: int, last: int) -> np.ndarray:
-        """The part from one row to another."""
+        """The part from one row to another, both included, shape (j, 2)."""
         return self.points[self.at[first] : self.at[last] + 1]
 
 
@@ -58,7 +58,7 @@ def _has_tangents(branch: Branch) -> bool:
 
 
 def slope_of(branch: Branch, name: str, s: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Derivative of a quantity by the arclength at the points."""
+    """Derivative of a quantity by the arclength s at the points; s, values and it have the shape (k,)."""
     if not _has_tangents(branch):
         return akima(s, values)
     tangent = branch["tangent"]
@@ -71,7 +71,10 @@ def slope_of(branch: Branch, name: str, s: np.ndarray, values: np.ndarray) -> np
 
 
 def akima(s: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Akima's slopes (1970) of values over growing s; NaN beside values that are not finite."""
+    """Akima's slopes (1970) of values over growing s; NaN beside values that are not finite.
+
+    All three have the shape (k,), k at least 2.
+    """
     with np.errstate(divide="ignore", invalid="ignore"):
         d = np.diff(values) / np.diff(s)
         if len(d) == 1:

@@ -88,7 +88,7 @@ def choose(branches: Sequence[Branch], problems: Sequence[str], what: str, other
 
 
 def draw_spectra(ax: Axes, branches: Sequence[Branch], units: Mapping[str, str] | None) -> np.ndarray:
-    """Draw the loci with colour bar and end marks; returns all finite values drawn, complex."""
+    """Draw the loci with colour bar and end marks; returns all finite values drawn, complex, shape (k,)."""
     parameter = default_x(branches)
     chosen = with_names(branches, [parameter])
     colors = [np.asarray(values(branch, parameter)) for branch in chosen]
@@ -182,7 +182,10 @@ def _legend(ax: Axes, parameter: str, branches: Sequence[Branch], colors: Sequen
 
 
 def with_margin(numbers: np.ndarray, include: Sequence[float], share: float = 0.07) -> tuple[float, float]:
-    """Limits of an axis that shows all numbers and these values, with air on both sides."""
+    """Limits of an axis that shows all numbers, shape (k,), and these values, with air on both sides.
+
+    `share` is the air's part of the whole range.
+    """
     shown = np.concatenate([numbers, np.asarray(include, dtype=float)])
     low, high = float(shown.min()), float(shown.max())
     air = share * (high - low) or 1.0

@@ -90,7 +90,10 @@ class Database(ABC):
 
     @abstractmethod
     def append(self, name: str, row: np.ndarray | np.void) -> None:
-        """Append one point, a record of dtype `info.point_dtype()`. `DatabaseError` on a finished branch."""
+        """Append one point, a record of dtype `info.point_dtype()`, shape (1,) or ().
+
+        `DatabaseError` on a finished branch.
+        """
 
     @abstractmethod
     def append_special(self, name: str, point: SpecialPoint) -> None:
@@ -191,6 +194,7 @@ def assemble(
 ) -> Branch:
     """A `Branch` from what is stored in the order of appending.
 
+    `rows` are records of dtype `info.point_dtype()`, shape (k,).
     `end` is None while it is not finished; `running` says whether it still may be.
     """
     info, points = narrowed(info, along(rows))
@@ -204,7 +208,7 @@ def assemble(
 
 
 def checked_row(info: BranchInfo, row: np.ndarray | np.void) -> np.ndarray:
-    """The row as an array of one record; refused unless it has exactly the announced columns."""
+    """The row as an array of one record, shape (1,); refused unless it has exactly the announced columns."""
     record = np.asarray(row)
     if record.dtype != info.point_dtype() or record.size != 1:
         raise DatabaseError(

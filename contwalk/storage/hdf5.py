@@ -142,7 +142,7 @@ class Hdf5Database(FileDatabase):
             self._branches[info.name] = StoredBranch.create(self._file, order, info)
 
     def append(self, name: str, row: np.ndarray | np.void) -> None:
-        """Append one point; it is on disk when this returns."""
+        """Append one point, shape (1,) or (); it is on disk when this returns."""
         record = checked_row(self._unfinished(name).info, row)
         if self._stored(name).points.full(1):
             self._rewrite()
@@ -190,7 +190,7 @@ class Hdf5Database(FileDatabase):
         self._rewrite(dropped=self._stored(name).info.name)
 
     def rows(self, name: str) -> np.ndarray:
-        """Points in the order of appending."""
+        """Points in the order of appending, shape (k,), of dtype `info.point_dtype()`."""
         stored = self._stored(name)
         with failures_of(self._path, "read"):
             return stored.rows()

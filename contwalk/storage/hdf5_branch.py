@@ -60,7 +60,10 @@ class StoredBranch:
         specials: np.ndarray | None = None,
         outcomes: np.ndarray | None = None,
     ) -> StoredBranch:
-        """A new branch, empty or with the given records."""
+        """A new branch, empty or with the given packed records.
+
+        Of points, special points and the outcome's text there are arrays of shape (k,) each.
+        """
         text = info_text(info)
         # Nameless until it is whole and on disk: a kill meanwhile leaves no half branch behind.
         group = file.create_group(None)
@@ -111,16 +114,16 @@ class StoredBranch:
         return found
 
     def append_row(self, row: np.ndarray) -> None:
-        """Append one row of dtype `info.point_dtype()`."""
+        """Append one row of dtype `info.point_dtype()`, shape (1,)."""
         packed = row.astype(self.info.point_dtype().newbyteorder("<"), copy=False)
         self.points.append(packed.view(self.points.dtype))
 
     def special_record(self, point: SpecialPoint) -> np.ndarray:
-        """The record of a special point, checked to fit."""
+        """The record of a special point, shape (1,), checked to fit."""
         return special_record(self.info, point, self.special_points.dtype)
 
     def rows(self) -> np.ndarray:
-        """Whole points in the order of appending."""
+        """Whole points in the order of appending, shape (k,), of dtype `info.point_dtype()`."""
         dtype = self.info.point_dtype()
         return self._read()[0].view(dtype.newbyteorder("<")).astype(dtype)
 

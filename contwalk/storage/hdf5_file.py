@@ -27,7 +27,10 @@ LIBVER = ("earliest", "v110")
 def create_file(
     path: Path, header: RunHeader, header_text: str, notes: np.ndarray | None = None, branches: int = 0
 ) -> h5py.File:
-    """A new file without branches, with room in its catalogue for at least twice as many as announced."""
+    """A new file without branches, with room in its catalogue for at least twice as many as announced.
+
+    `notes` are the records of a text log, shape (k,).
+    """
     # The lock is contwalk's own: it is held while one file takes the place of another.
     file = h5py.File(path, "x", libver=LIBVER, locking=False, rdcc_nbytes=0)
     describe(file, format=FORMAT, system=header.system)

@@ -85,7 +85,7 @@ class MemoryDatabase(Database):
         self._branches[info.name] = _Stored(info_from_text(info_text(info)))
 
     def append(self, name: str, row: np.ndarray | np.void) -> None:
-        """Append one point."""
+        """Append one point, shape (1,) or ()."""
         stored = self._unfinished(name)
         stored.rows.append(checked_row(stored.info, row).copy())
 
@@ -114,7 +114,7 @@ class MemoryDatabase(Database):
         del self._branches[self._stored(name).info.name]
 
     def rows(self, name: str) -> np.ndarray:
-        """Points in the order of appending."""
+        """Points in the order of appending, shape (k,), of dtype `info.point_dtype()`."""
         stored = self._stored(name)
         return np.concatenate([np.empty(0, stored.info.point_dtype()), *stored.rows])
 

@@ -114,7 +114,10 @@ class RecordLog:
         return (max(chunks * chunk, more)) * self._stored.itemsize
 
     def append(self, records: np.ndarray) -> None:
-        """Append records one by one, each on disk before the next, so that one at most can be torn."""
+        """Append records, shape (k,), one by one.
+
+        Each is on disk before the next, so that one at most can be torn.
+        """
         sealed = _sealed(records, self._stored)
         for row in range(len(sealed)):
             self.dataset.id.set_extent((self.count + 1,))
@@ -128,7 +131,7 @@ class RecordLog:
         self.dataset.id.write(self._one, space, sealed, self._type)
 
     def read(self, count: int | None = None) -> np.ndarray:
-        """All whole records; a torn one at the end is left out.
+        """All whole records, shape (k,), of `dtype`; a torn one at the end is left out.
 
         Parameters
         ----------

@@ -40,7 +40,7 @@ class Extent:
 
     @classmethod
     def of(cls, rows: np.ndarray, specials: np.ndarray) -> Extent:
-        """The extent of these records."""
+        """The extent of these records of points and of special points, shapes (k,) and (j,)."""
         return cls(len(rows), len(specials), zlib.crc32(specials.tobytes(), zlib.crc32(rows.tobytes())))
 
 
@@ -193,7 +193,7 @@ def special_record_dtype(info: BranchInfo) -> np.dtype:
 
 
 def special_record(info: BranchInfo, point: SpecialPoint, dtype: np.dtype) -> np.ndarray:
-    """One row of `special_record_dtype(info)`.
+    """One row of `special_record_dtype(info)`, shape (1,).
 
     Raises
     ------
@@ -221,7 +221,7 @@ def pieces(text: str) -> np.ndarray:
 
 
 def joined(rows: np.ndarray) -> list[str]:
-    """Texts of a text log; a last text that lacks its end is left out."""
+    """Texts of a text log, shape (k,), of `TEXT_DTYPE`; a last text that lacks its end is left out."""
     texts, text = [], b""
     for part, left in zip(rows["text"].tolist(), rows["left"].tolist(), strict=True):
         text += part

@@ -95,7 +95,7 @@ def family_at(problem: Orbit, z: np.ndarray, places: Places) -> Family | None:
 
 
 def is_one_of_a_family(problem: Orbit, z: np.ndarray) -> bool:
-    """Whether a solution is one of a family at the same parameters.
+    """Whether a solution z, shape (N + 1,), is one of a family at the same parameters.
 
     More than one direction leads from it to neighbours; one in which another solution lies beside it is none
     of a branch point.
@@ -124,7 +124,9 @@ def is_one_of_a_family(problem: Orbit, z: np.ndarray) -> bool:
 
 
 def member_near(problem: Orbit, z: np.ndarray) -> np.ndarray | None:
-    """A member of a family near a guess, at the same parameters; None where the guess leads to none.
+    """A member of a family near a guess z, at the same parameters; None where the guess leads to none.
+
+    Both have the shape (N + 1,).
 
     Newton's method goes astray there: the smallest singular value vanishes with the residual. Damped by the
     residual's own size, steps by least squares come to the family as fast as Newton's to a single orbit

@@ -16,7 +16,10 @@ from contwalk.studies.families import ONE_OF_A_FAMILY, Places, family_at, is_one
 
 
 def not_alone(problem: HybridOrbit | PeriodicOrbit, z: np.ndarray, failure: Correction) -> Outcome | None:
-    """The outcome where orbits near a start come in a family; None where something else keeps it."""
+    """The outcome where orbits near a start z come in a family; None where something else keeps it.
+
+    `failure` is the correction that failed at z, shape (N + 1,).
+    """
     if failure.reason != "no_convergence":
         return None
     found = outcome_of_family(problem, z)
@@ -24,7 +27,10 @@ def not_alone(problem: HybridOrbit | PeriodicOrbit, z: np.ndarray, failure: Corr
 
 
 def one_of_a_family_near(problem: HybridOrbit, z: np.ndarray) -> Outcome | None:
-    """The outcome of a start that comes back on none of its laps, where orbits near it come in a family."""
+    """The outcome of a start that comes back on none of its laps, where orbits near it come in a family.
+
+    z has the shape (N + 1,); None where none of a family is found near it.
+    """
     try:
         with problem.effort.of_start(problem.cost):
             member = member_near(problem, z)
@@ -36,7 +42,10 @@ def one_of_a_family_near(problem: HybridOrbit, z: np.ndarray) -> Outcome | None:
 
 
 def outcome_of_family(problem: HybridOrbit | PeriodicOrbit, z: np.ndarray) -> Outcome | None:
-    """The outcome of a start whose neighbours are orbits at the same parameters; None where they are not."""
+    """The outcome of a start whose neighbours are orbits at the same parameters; None where they are not.
+
+    z has the shape (N + 1,).
+    """
     if isinstance(problem, HybridOrbit):
         places, word = _hybrid_places(problem), f" (itinerary: {folded(problem.signature) or 'no events'})"
     else:
