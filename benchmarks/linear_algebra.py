@@ -26,7 +26,7 @@ import numpy as np  # noqa: E402
 
 from contwalk.numerics.linear import Factored  # noqa: E402
 from contwalk.problems.hybrid.condensed import factored  # noqa: E402
-from contwalk.problems.hybrid.layout import Layout  # noqa: E402
+from contwalk.problems.orbit.layout import Layout  # noqa: E402
 from contwalk.problems.orbit.null_vectors import critical_vectors  # noqa: E402
 
 ROOT = Path(__file__).resolve().parent.parent
