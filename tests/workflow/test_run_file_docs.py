@@ -18,7 +18,7 @@ PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "run_file.md").read_t
 def test_the_example_has_the_right_form():
     (example,) = re.findall(r"```yaml\n(.*?)```", PAGE, flags=re.DOTALL)
     data, _ = parse_yaml(example, "run_file.md")
-    model = run_model.RunModel.read(data)
+    model = run_model.RunModel.model_validate(data)
     assert model.continue_.parameter == "delta"
     assert list(model.figures[0]) == ["bifurcation_diagram"]
 

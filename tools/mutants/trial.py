@@ -24,6 +24,7 @@ LIBRARIES = (
     "matplotlib.pyplot",
     "mpmath",
     "click",
+    "pydantic",
     "pytest",
     "rich.console",
     "ruamel.yaml",

@@ -1,81 +1,77 @@
-"""The form of a run file: which keys there are, and the form of each.
+"""The form of a run file: which keys there are, and the type of each.
 
-What depends on the system (names, bounds) is checked afterwards, in the modules beside this one. The
-description of a key says what is allowed there; error messages quote it.
+What depends on the system (names, bounds) is checked afterwards, in the `run_*` modules beside this one. The
+description of a field says what is allowed there; error messages quote it.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any, Literal
 
-from contwalk.workflow.run_file.faults import wrong
-from contwalk.workflow.run_file.forms import (
-    anything,
-    list_of,
-    mapping_of,
-    one_of,
-    text,
-    whole,
-    written_as,
-)
+from pydantic import BeforeValidator, Discriminator, Field, Tag
+from pydantic import model_validator as validator_of_model
+
 from contwalk.workflow.run_file.motions import Sampling, Simulation
-from contwalk.workflow.run_file.section import Section, key
+from contwalk.workflow.run_file.section import Section
 from contwalk.workflow.run_file.values import (
-    ACTION,
-    ACTIONS,
     BORN,
     CURVES,
     FIGURES,
     FOLLOWED,
-    angle,
-    as_accuracy,
+    Accuracy,
+    Action,
+    Angle,
+    BornLabel,
+    CurveLabel,
+    End,
+    FileName,
+    FollowedLabel,
+    MarkValue,
+    Names,
+    Number,
+    Numbers,
+    OneOrSeveral,
+    OneOrTwoRanges,
+    Positive,
+    Range,
+    StartUntil,
+    Texts,
+    Values,
     as_born,
     as_curves,
     as_diagram,
     as_figure,
     as_labels,
-    as_list,
     as_starts,
-    file_name,
-    mark_value,
-    number,
-    numbers,
-    positive,
-    start_until,
-    text_or_texts,
-    text_or_values,
-    values,
+    as_tuple,
+    list_or_span,
+    wrong,
 )
 
 MODE, AT = "the name of a mode of the system", "the transition that the state comes right before"
-INTERVAL = list_of(number, written=as_list)
 
 
 class Simulate(Section):
-    """A start by simulation."""
-
-    state: dict[str, float] = key(values, "{state: value, ...} with every state")
-    until: float | str = key(start_until, "settled, a positive number of seconds, or 0", "settled")
-    mode: str | None = key(text, MODE, None)
-    at: str | None = key(text, AT, None)
+    state: Values = Field(description="{state: value, ...} with every state")
+    until: StartUntil = Field(default="settled", description="settled, a positive number of seconds, or 0")
+    mode: str | None = Field(default=None, description=MODE)
+    at: str | None = Field(default=None, description=AT)
 
 
 class Start(Section):
-    """Where branches begin."""
-
-    equilibrium: tuple[str, ...] | None = key(
-        list_of(text), "the name of an equilibrium, a list of names, or all", None
+    equilibrium: Texts | None = Field(
+        default=None, description="the name of an equilibrium, a list of names, or all"
     )
-    state: dict[str, float] | None = key(values, "{state: value, ...} with every state", None)
-    mode: str | None = key(text, MODE, None)
-    at: str | None = key(text, AT, None)
-    simulate: Simulate | None = key(Simulate, "{state: {...}, until: settled}", None)
-    from_: str | None = key(file_name, "the path of a database, other.h5", None, written="from")
-    point: str | None = key(text, "a stored point, as b1/HB1 or b1/12", None)
-    parameters: dict[str, float] = key(values, "{parameter: value, ...} for this start only", {})
+    state: Values | None = Field(default=None, description="{state: value, ...} with every state")
+    mode: str | None = Field(default=None, description=MODE)
+    at: str | None = Field(default=None, description=AT)
+    simulate: Simulate | None = Field(default=None, description="{state: {...}, until: settled}")
+    from_: FileName | None = Field(default=None, alias="from", description="the path of a database, other.h5")
+    point: str | None = Field(default=None, description="a stored point, as b1/HB1 or b1/12")
+    parameters: Values = Field(default={}, description="{parameter: value, ...} for this start only")
 
-    def fit(self) -> None:
-        """One way to start, with what belongs to it."""
+    @validator_of_model(mode="after")
+    def _one_kind(self) -> Start:
         given = [kind for kind in ("equilibrium", "state", "simulate") if getattr(self, kind) is not None]
         given += ["from"] if self.from_ is not None else []
         allowed = "Allowed: exactly one of equilibrium, state, simulate, from."
@@ -84,95 +80,75 @@ class Start(Section):
         if (self.point is None) != (self.from_ is None):
             lacks, has = ("point", "from") if self.point is None else ("from", "point")
             raise wrong(f"has {has} but no {lacks}.", "Give both, as in {from: other.h5, point: b1/HB1}.")
-        for name in ("mode", "at"):
-            if self.state is None and getattr(self, name) is not None:
+        for key in ("mode", "at"):
+            if self.state is None and getattr(self, key) is not None:
                 inside = "simulate" if self.simulate is not None else "state"
-                example = f"{{state: {{...}}, {name}: NAME}}"
+                example = f"{{state: {{...}}, {key}: NAME}}"
                 example = f"{{simulate: {example}}}" if inside == "simulate" else example
-                raise wrong(f"has {name} without a state of its own.", f"It belongs to one, as in {example}.")
+                raise wrong(f"has {key} without a state of its own.", f"It belongs to one, as in {example}.")
         if self.equilibrium == ():
             raise wrong("lists no equilibrium.", "Name one, or write equilibrium: all.")
-
-
-def interval_or_two(value: Any) -> tuple[float, ...] | dict[str, tuple[float, ...]]:
-    """The range of one parameter, or those of two by name."""
-    return mapping_of(INTERVAL)(value) if isinstance(value, dict) else INTERVAL(value)
+        return self
 
 
 class Continue(Section):
-    """What is continued."""
-
-    parameter: str | None = key(text, "the name of a parameter of the system", None)
-    parameters: tuple[str, ...] | None = key(
-        list_of(text), "the names of two parameters, [first, second], for a curve in two", None
+    parameter: str | None = Field(default=None, description="the name of a parameter of the system")
+    parameters: Names | None = Field(
+        default=None, description="the names of two parameters, [first, second], for a curve in two"
     )
-    range: tuple[float, ...] | dict[str, tuple[float, ...]] | None = key(
-        interval_or_two, "two numbers, [lowest, highest], or {parameter: [lowest, highest], ...} of two", None
+    range: OneOrTwoRanges | None = Field(
+        default=None,
+        description="two numbers, [lowest, highest], or {parameter: [lowest, highest], ...} of two",
     )
-    direction: str = key(
-        one_of("both", "forward", "backward", "up", "down"),
-        "both, forward = up (growing parameter), or backward = down",
-        "both",
+    direction: Literal["both", "forward", "backward", "up", "down"] = Field(
+        default="both",
+        description="both, forward = up (growing parameter), or backward = down",
     )
-    max_points: int = key(whole(1), "a whole number from 1 up", 1000)
-    stop_at: dict[str, tuple[float, ...]] = key(
-        mapping_of(numbers), "{parameter or observable: value or [values]}", {}
+    max_points: int = Field(default=1000, ge=1, description="a whole number from 1 up")
+    stop_at: dict[str, Numbers] = Field(
+        default={}, description="{parameter or observable: value or [values]}"
     )
 
 
 class Loci(Section):
     """Curves in two parameters from the special points of a study."""
 
-    with_: str = key(text, "the name of the second parameter", written="with")
-    range: tuple[float, ...] = key(INTERVAL, "two numbers, [lowest, highest], of the second parameter")
-    of: tuple[str, ...] = key(
-        list_of(one_of(*CURVES), written=as_curves),
-        f"a list of labels ({', '.join(CURVES)}), or all",
-        CURVES,
+    with_: str = Field(alias="with", description="the name of the second parameter")
+    range: Range = Field(description="two numbers, [lowest, highest], of the second parameter")
+    of: Annotated[tuple[CurveLabel, ...], BeforeValidator(as_curves)] = Field(
+        default=CURVES, description=f"a list of labels ({', '.join(CURVES)}), or all"
     )
-    follow: tuple[str, ...] = key(
-        list_of(one_of(*BORN), written=as_born), f"a list of labels ({', '.join(BORN)}), all, or none", BORN
+    follow: Annotated[tuple[BornLabel, ...], BeforeValidator(as_born)] = Field(
+        default=BORN, description=f"a list of labels ({', '.join(BORN)}), all, or none"
     )
 
 
 class ParameterPath(Section):
-    """A line through the parameters."""
-
-    from_: str | dict[str, float] = key(
-        text_or_values, "a preset, or {parameter: value, ...}", written="from"
-    )
-    to: str | dict[str, float] = key(text_or_values, "a preset, or {parameter: value, ...}")
+    from_: End = Field(alias="from", description="a preset, or {parameter: value, ...}")
+    to: End = Field(description="a preset, or {parameter: value, ...}")
 
 
 class Diagram(Section):
-    """Which branches are followed."""
-
-    follow: tuple[str, ...] = key(
-        list_of(one_of(*FOLLOWED), written=as_labels),
-        f"a list of labels ({', '.join(FOLLOWED)}), all, or none",
-        ("BP", "HB", "PD"),
+    follow: Annotated[tuple[FollowedLabel, ...], BeforeValidator(as_labels)] = Field(
+        default=("BP", "HB", "PD"), description=f"a list of labels ({', '.join(FOLLOWED)}), all, or none"
     )
-    depth: int = key(whole(0), "a whole number from 0 up", 5)
+    depth: int = Field(default=5, ge=0, description="a whole number from 0 up")
 
 
 class Events(Section):
-    """What becomes of a branch at limits."""
-
-    GR: str = key(ACTION, ACTIONS, "stop")
-    OC: str = key(ACTION, ACTIONS, "switch")
-    AZ: str = key(ACTION, ACTIONS, "ignore")
+    GR: Action = Field(default="stop", description="stop, ignore or switch")
+    OC: Action = Field(default="switch", description="stop, ignore or switch")
+    AZ: Action = Field(default="ignore", description="stop, ignore or switch")
 
 
 class ReportPlace(Section):
-    """Where orbits are reported."""
+    event: str | None = Field(default=None, description="the name of a transition of the system")
+    side: Literal["before", "after"] | None = Field(default=None, description="before or after")
+    section: Values | None = Field(default=None, description="{state: value}")
+    direction: Literal["rising", "falling"] | None = Field(default=None, description="rising or falling")
 
-    event: str | None = key(text, "the name of a transition of the system", None)
-    side: str | None = key(one_of("before", "after"), "before or after", None)
-    section: dict[str, float] | None = key(values, "{state: value}", None)
-    direction: str | None = key(one_of("rising", "falling"), "rising or falling", None)
-
-    def fit(self) -> None:
-        """An event or a section."""
+    @validator_of_model(mode="after")
+    def _one_kind(self) -> ReportPlace:
         allowed = "Allowed: {event: NAME, side: before} or {section: {STATE: VALUE}, direction: rising}."
         if (self.event is None) == (self.section is None):
             raise wrong("needs either an event or a section.", allowed)
@@ -182,128 +158,123 @@ class ReportPlace(Section):
             raise wrong("has a side, which belongs to an event.", allowed)
         if self.section is not None and (len(self.section) != 1 or self.direction is None):
             raise wrong("needs a section of exactly one state, and a direction.", allowed)
+        return self
 
 
 class FigureOptions(Section):
-    """What is drawn, and how."""
-
-    x: str | None = key(text, "a parameter, state or observable", None)
-    y: str | tuple[str, ...] | None = key(
-        text_or_texts,
-        "a parameter, state or observable; of a time_series, a list of them as well",
-        None,
+    x: str | None = Field(default=None, description="a parameter, state or observable")
+    y: OneOrSeveral | None = Field(
+        default=None, description="a parameter, state or observable; of a time_series, a list of them as well"
     )
-    z: str | None = key(text, "a state, for a phase_portrait in space", None)
-    xlim: tuple[float, ...] | None = key(INTERVAL, "two numbers, [left, right]", None)
-    ylim: tuple[float, ...] | None = key(INTERVAL, "two numbers, [lowest, highest]", None)
-    file: str | None = key(file_name, "a file name", None)
+    z: str | None = Field(default=None, description="a state, for a phase_portrait in space")
+    xlim: Range | None = Field(default=None, description="two numbers, [left, right]")
+    ylim: Range | None = Field(default=None, description="two numbers, [lowest, highest]")
+    file: FileName | None = Field(default=None, description="a file name")
 
 
 class Span(Section):
-    """Values at equal distances."""
-
-    from_: float = key(number, "a number", written="from")
-    to: float = key(number, "a number")
-    count: int = key(whole(2, 10_000), "a whole number from 2 to 10000")
+    from_: Number = Field(alias="from", description="a number")
+    to: Number = Field(description="a number")
+    count: int = Field(ge=2, le=10_000, description="a whole number from 2 to 10000")
 
 
 class Engine(Section):
-    """How branches are computed."""
+    step: Positive | None = Field(
+        default=None, description="a positive number: the first relative arclength step"
+    )
+    min_step: Positive | None = Field(default=None, description="a positive number")
+    max_step: Positive | None = Field(default=None, description="a positive number")
+    max_angle: Angle | None = Field(default=None, description="degrees above 0, up to 90")
+    max_share: Positive | None = Field(
+        default=None, description="a positive number: the largest step, in parts of the range"
+    )
+    newton_iterations: int | None = Field(default=None, ge=1, description="a whole number from 1 up")
+    method: Literal["auto", "dop853", "verner98", "radau5", "radau9"] | None = Field(
+        default=None, description="auto, dop853, verner98, radau5 or radau9"
+    )
+    discretization: Literal["shooting", "collocation"] | None = Field(
+        default=None, description="shooting (the default) or collocation"
+    )
+    tolerance: Positive | None = Field(default=None, description="a positive number: local error of the flow")
+    segments: int | None = Field(default=None, ge=1, le=200, description="a whole number from 1 to 200")
+    phase: Literal["section", "integral"] | None = Field(default=None, description="section or integral")
+    mirror_images: Literal["known", "walked"] | None = Field(
+        default=None, description="known (the default) or walked"
+    )
 
-    step: float | None = key(positive, "a positive number: the first relative arclength step", None)
-    min_step: float | None = key(positive, "a positive number", None)
-    max_step: float | None = key(positive, "a positive number", None)
-    max_angle: float | None = key(angle, "degrees above 0, up to 90", None)
-    max_share: float | None = key(
-        positive, "a positive number: the largest step, in parts of the range", None
-    )
-    newton_iterations: int | None = key(whole(1), "a whole number from 1 up", None)
-    method: str | None = key(
-        one_of("auto", "dop853", "verner98", "radau5", "radau9"),
-        "auto, dop853, verner98, radau5 or radau9",
-        None,
-    )
-    discretization: str | None = key(
-        one_of("shooting", "collocation"), "shooting (the default) or collocation", None
-    )
-    tolerance: float | None = key(positive, "a positive number: local error of the flow", None)
-    segments: int | None = key(whole(1, 200), "a whole number from 1 to 200", None)
-    phase: str | None = key(one_of("section", "integral"), "section or integral", None)
-    mirror_images: str | None = key(one_of("known", "walked"), "known (the default) or walked", None)
-
-    def fit(self) -> None:
-        """Steps in order, and an integrator only where one is asked for."""
+    @validator_of_model(mode="after")
+    def _ordered(self) -> Engine:
         given = [step for step in (self.min_step, self.step, self.max_step) if step is not None]
         if given != sorted(given):
             raise wrong("has steps out of order.", "Allowed: min_step <= step <= max_step.")
+        return self
+
+    @validator_of_model(mode="after")
+    def _one_method(self) -> Engine:
         if self.discretization == "collocation" and self.method not in (None, "auto"):
             raise wrong(
                 f"asks for collocation and for the integrator {self.method}.",
                 "Allowed with discretization: collocation: method: auto, or none. Remove one of the two.",
             )
+        return self
 
 
-def swept(value: Any) -> tuple[float, ...] | Span:
-    """Values in a list, or at equal distances."""
-    return Span.read(value) if isinstance(value, dict) else numbers(value)
+SweepValues = Annotated[
+    Annotated[Numbers, Tag("(list)")] | Annotated[Span, Tag("(span)")], Discriminator(list_or_span)
+]
 
 
 class RunModel(Section):
     """Every key of a run file."""
 
-    contwalk: int = key(whole(1, 1), "1, the version of this format", 1)
-    system: str = key(text, "an installed system's name, or the path of a plugin file, ./my_model.py")
-    model: dict[str, Any] = key(mapping_of(anything), "{choice: value, ...}", {})
-    preset: str | None = key(text, "the name of a preset of the system", None)
-    parameters: dict[str, float] = key(values, "{parameter: value, ...}", {})
-    accuracy: float = key(as_accuracy, "a number", 1e-8)
-    start: tuple[Start, ...] = key(
-        list_of(Start.read, written=as_starts),
-        "{equilibrium: NAME}, {state: {...}}, {simulate: {state: {...}, until: settled}}, "
+    contwalk: int = Field(default=1, ge=1, le=1, description="1, the version of this format")
+    system: str = Field(description="an installed system's name, or the path of a plugin file, ./my_model.py")
+    model: dict[str, Any] = Field(default={}, description="{choice: value, ...}")
+    preset: str | None = Field(default=None, description="the name of a preset of the system")
+    parameters: Values = Field(default={}, description="{parameter: value, ...}")
+    accuracy: Accuracy = Field(default=1e-8, description="a number")
+    start: Annotated[tuple[Start, ...], BeforeValidator(as_starts)] = Field(
+        default=(),
+        description="{equilibrium: NAME}, {state: {...}}, {simulate: {state: {...}, until: settled}}, "
         "{from: other.h5, point: b1/HB1}, or a list of these",
-        (),
-        inside=Start,
     )
-    continue_: Continue = key(
-        Continue, "{parameter: NAME, range: [lowest, highest], ...}", Continue(), written="continue"
+    continue_: Continue = Field(
+        default=Continue(), alias="continue", description="{parameter: NAME, range: [lowest, highest], ...}"
     )
-    path: ParameterPath | None = key(ParameterPath, "{from: preset or values, to: preset or values}", None)
-    diagram: Diagram = key(
-        written_as(as_diagram, Diagram.read),
-        "{follow: [labels], depth: 5}, all, or none",
-        Diagram(),
-        inside=Diagram,
+    path: ParameterPath | None = Field(
+        default=None, description="{from: preset or values, to: preset or values}"
     )
-    loci: Loci | None = key(Loci, "{with: parameter, range: [lowest, highest], of: all, follow: all}", None)
-    mark: dict[str, tuple[float | str, ...]] = key(
-        mapping_of(list_of(mark_value)), "{parameter or observable: [values, extremum]}", {}
+    diagram: Annotated[Diagram, BeforeValidator(as_diagram)] = Field(
+        default=Diagram(), description="{follow: [labels], depth: 5}, all, or none"
     )
-    events: Events = key(Events, "{GR: stop, OC: switch, AZ: ignore}", Events())
-    report_at: ReportPlace | None = key(
-        ReportPlace, "{event: NAME, side: before} or {section: {STATE: VALUE}, direction: rising}", None
+    loci: Loci | None = Field(
+        default=None, description="{with: parameter, range: [lowest, highest], of: all, follow: all}"
     )
-    output: str | None = key(file_name, "a file name, results.h5", None)
-    figures: tuple[dict[str, FigureOptions], ...] = key(
-        list_of(written_as(as_figure, mapping_of(FigureOptions.read))),
-        f"a list of {', '.join(FIGURES)}",
-        (),
-        inside=FigureOptions,
+    mark: dict[
+        str,
+        Annotated[tuple[MarkValue, ...], BeforeValidator(as_tuple)],
+    ] = Field(default={}, description="{parameter or observable: [values, extremum]}")
+    events: Events = Field(default=Events(), description="{GR: stop, OC: switch, AZ: ignore}")
+    report_at: ReportPlace | None = Field(
+        default=None,
+        description="{event: NAME, side: before} or {section: {STATE: VALUE}, direction: rising}",
     )
-    sweep: dict[str, tuple[float, ...] | Span] | None = key(
-        mapping_of(swept),
-        "{parameter: [values]} or {parameter: {from: 0, to: 1, count: 11}}",
-        None,
-        inside=Span,
+    output: FileName | None = Field(default=None, description="a file name, results.h5")
+    figures: Annotated[
+        tuple[Annotated[dict[str, FigureOptions], BeforeValidator(as_figure)], ...],
+        BeforeValidator(as_tuple),
+    ] = Field(default=(), description=f"a list of {', '.join(FIGURES)}")
+    sweep: dict[str, SweepValues] | None = Field(
+        default=None, description="{parameter: [values]} or {parameter: {from: 0, to: 1, count: 11}}"
     )
-    engine: Engine = key(
-        Engine,
-        "{step, min_step, max_step, max_angle, max_share, newton_iterations, method, "
+    engine: Engine = Field(
+        default=Engine(),
+        description="{step, min_step, max_step, max_angle, max_share, newton_iterations, method, "
         "discretization, tolerance, segments, phase, mirror_images}, all optional",
-        Engine(),
     )
-    simulate: Simulation | None = key(
-        Simulation, "{until: settled, points: 1000, perturb: {state: value}, ...}", None
+    simulate: Simulation | None = Field(
+        default=None, description="{until: settled, points: 1000, perturb: {state: value}, ...}"
     )
-    sample: Sampling | None = key(
-        Sampling, "{count: 1000, seed: 1, draw: {...}, measure: {...}, settled: {...}, ...}", None
+    sample: Sampling | None = Field(
+        default=None, description="{count: 1000, seed: 1, draw: {...}, measure: {...}, settled: {...}, ...}"
     )

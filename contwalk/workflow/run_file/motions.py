@@ -2,57 +2,66 @@
 
 from __future__ import annotations
 
-from contwalk.workflow.run_file.forms import mapping_of, one_of, text, whole
-from contwalk.workflow.run_file.products import FORM, Product, as_products, product
-from contwalk.workflow.run_file.section import Section, key
-from contwalk.workflow.run_file.values import as_tolerance, positive, until_when, values
+from typing import Annotated, Literal
 
+from pydantic import Field, PlainValidator
+
+from contwalk.workflow.run_file.products import FORM, Product, as_products, product
+from contwalk.workflow.run_file.section import Section
+from contwalk.workflow.run_file.values import Positive, Tolerance, Until, Values
+
+ProductValue = Annotated[Product, PlainValidator(product)]
+Interval = Annotated[tuple[Product, Product], PlainValidator(as_products)]
 METHODS = ("dop853", "verner98", "radau5", "radau9")
 
 
 class Simulation(Section):
     """`contwalk simulate`: one motion."""
 
-    until: float | str = key(until_when, "settled, or a positive length of time", "settled")
-    points: int = key(whole(2, 1_000_000), "a whole number of stored instants from 2 to 1000000", 1000)
-    perturb: dict[str, float] = key(values, "{state: what is added to it at the start, ...}", {})
-    tolerance: float = key(as_tolerance, "a number from 1e-14 to 0.01", 1e-10)
-    method: str = key(one_of(*METHODS), ", ".join(METHODS), "dop853")
+    until: Until = Field(default="settled", description="settled, or a positive length of time")
+    points: int = Field(
+        default=1000, ge=2, le=1_000_000, description="a whole number of stored instants from 2 to 1000000"
+    )
+    perturb: Values = Field(default={}, description="{state: what is added to it at the start, ...}")
+    tolerance: Tolerance = Field(default=1e-10, description="a number from 1e-14 to 0.01")
+    method: Literal["dop853", "verner98", "radau5", "radau9"] = Field(
+        default="dop853", description=", ".join(METHODS)
+    )
 
 
 class Measure(Section):
     """What is taken from each motion: when an observable crosses a level."""
 
-    observable: str = key(text, "an observable of the system")
-    level: Product = key(product, FORM)
-    direction: str = key(one_of("falling", "rising"), "falling or rising", "falling")
-    crossing: str = key(one_of("last", "first"), "last or first", "last")
+    observable: str = Field(description="an observable of the system")
+    level: ProductValue = Field(description=FORM)
+    direction: Literal["falling", "rising"] = Field(default="falling", description="falling or rising")
+    crossing: Literal["last", "first"] = Field(default="last", description="last or first")
 
 
 class TimeUnit(Section):
     """In what times are told."""
 
-    name: str = key(text, "a word for the figure, as revolutions")
-    length: Product = key(product, FORM)
+    name: str = Field(description="a word for the figure, as revolutions")
+    length: ProductValue = Field(description=FORM)
 
 
 class Settled(Section):
     """When a motion has come to rest."""
 
-    equilibrium: str = key(text, "the name of an equilibrium of the system")
-    within: dict[str, float] = key(mapping_of(positive), "{state: distance, ...}")
+    equilibrium: str = Field(description="the name of an equilibrium of the system")
+    within: dict[str, Positive] = Field(description="{state: distance, ...}")
 
 
 class Sampling(Section):
     """`contwalk sample`: many motions from drawn states and parameters."""
 
-    count: int = key(whole(1, 10_000_000), "a whole number from 1 to 10000000")
-    seed: int = key(whole(0), "a whole number from 0 up", 1)
-    draw: dict[str, tuple[Product, Product]] = key(
-        mapping_of(as_products), "{state or parameter: [lowest, highest], ...}"
+    count: int = Field(ge=1, le=10_000_000, description="a whole number from 1 to 10000000")
+    seed: int = Field(default=1, ge=0, description="a whole number from 0 up")
+    draw: dict[str, Interval] = Field(description="{state or parameter: [lowest, highest], ...}")
+    measure: Measure = Field(
+        description="{observable: NAME, level: VALUE, direction: falling, crossing: last}"
     )
-    measure: Measure = key(Measure, "{observable: NAME, level: VALUE, direction: falling, crossing: last}")
-    settled: Settled = key(Settled, "{equilibrium: NAME, within: {state: distance, ...}}")
-    until: float = key(positive, "a positive number of the unit of time")
-    time_unit: TimeUnit | None = key(TimeUnit, "{name: revolutions, length: 2*pi/omega}", None)
-    tolerance: float = key(as_tolerance, "a number from 1e-14 to 0.01", 1e-8)
+    settled: Settled = Field(description="{equilibrium: NAME, within: {state: distance, ...}}")
+    until: Positive = Field(description="a positive number of the unit of time")
+    time_unit: TimeUnit | None = Field(default=None, description="{name: revolutions, length: 2*pi/omega}")
+    tolerance: Tolerance = Field(default=1e-8, description="a number from 1e-14 to 0.01")

@@ -8,8 +8,7 @@ from fractions import Fraction
 
 from contwalk.system.declarations import Parameter, System
 from contwalk.workflow.run_file.model import ParameterPath, RunModel, Span
-from contwalk.workflow.run_file.names import allowed
-from contwalk.workflow.run_file.problems import Problems
+from contwalk.workflow.run_file.problems import Problems, allowed
 from contwalk.workflow.run_file.yaml_lines import Key
 
 

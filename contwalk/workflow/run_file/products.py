@@ -8,8 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from contwalk.workflow.run_file.faults import wrong
-from contwalk.workflow.run_file.values import number
+from contwalk.workflow.run_file.values import number, wrong
 from contwalk.workflow.run_file.yaml_lines import shown
 
 FORM = "a number, or a product of numbers, pi and parameters, as 0.4*m1*l1/M"
@@ -48,7 +47,7 @@ class Product:
 
 
 def product(value: Any) -> Product:
-    """A number or a text as a product; `Invalid` for anything else."""
+    """A number or a text as a product; an error of validation for anything else."""
     if not isinstance(value, str):
         return Product(f"{number(value):.12g}", ((number(value), False),))
     text = value.strip()

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from pydantic import ValidationError
 from ruamel.yaml import YAML
 
 from contwalk.errors import ContwalkError, RunFileError
@@ -21,7 +22,6 @@ from contwalk.problems.parameter_line import ParameterLine
 from contwalk.system import System
 from contwalk.system.loading import load_declaration
 from contwalk.workflow.run_file import settings
-from contwalk.workflow.run_file.faults import Invalid
 from contwalk.workflow.run_file.model import RunModel
 from contwalk.workflow.run_file.parameters import differ, given_values, path_ends, sweep_values
 from contwalk.workflow.run_file.problems import Problems, translate
@@ -43,8 +43,6 @@ __all__ = [
 ]
 
 VERSION = 1
-# Keys that make no difference to the branches.
-_NO_STUDY = ("output", "figures", "simulate", "sample")
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +134,7 @@ class RunFile:
         """What decides the branches of a run file, by key, from its text or data; None where it is none."""
         try:
             return _study(parse_yaml(other, "the stored run file")[0] if isinstance(other, str) else other)
-        except (RunFileError, Invalid):
+        except (RunFileError, ValidationError):
             return None
 
     def studies(self) -> tuple[RunFile, ...]:
@@ -198,8 +196,8 @@ def opened(text: str, path: str | Path, overrides: Sequence[str] = ()) -> tuple[
     problems = Problems(document)
     _check_version(problems)
     try:
-        model = RunModel.read(document.data)
-    except Invalid as error:
+        model = RunModel.model_validate(document.data)
+    except ValidationError as error:
         translate(error, problems)
         raise problems.error() from None
     return problems, model, _load(problems, model, Path(path).parent)
@@ -284,7 +282,7 @@ def _checked(problems: Problems, model: RunModel, system: System, path: Path, ou
         follow=frozenset(model.diagram.follow),
         depth=model.diagram.depth,
         marks=settings.marks(problems, measured, model),
-        events=model.events.as_data(),
+        events=model.events.model_dump(),
         report_at=settings.report_place(problems, system, model.report_at),
         output=_output(problems, model, path, output, starts),
         figures=settings.figures(problems, system, model, DIAGRAM_FIGURES),
@@ -298,7 +296,7 @@ def _checked(problems: Problems, model: RunModel, system: System, path: Path, ou
 def need_start(problems: Problems, model: RunModel) -> None:
     """Note a problem where the file says of no start."""
     if not model.start:
-        allowed = RunModel.keys["start"].description
+        allowed = RunModel.model_fields["start"].description
         problems.add(("start",), "the key is missing.", f"Allowed: {allowed}.")
 
 
@@ -317,5 +315,4 @@ def _output(
 
 def _study(data: Any) -> dict[str, Any]:
     """What decides the branches, in a form that can be compared."""
-    study = RunModel.read(data).as_data()
-    return {name: value for name, value in study.items() if name not in _NO_STUDY}
+    return RunModel.model_validate(data).model_dump(exclude={"output", "figures", "simulate", "sample"})

@@ -12,9 +12,8 @@ from contwalk.system import System
 from contwalk.workflow.run_file import settings
 from contwalk.workflow.run_file.motion_file import MotionFile
 from contwalk.workflow.run_file.motions import Sampling
-from contwalk.workflow.run_file.names import allowed
 from contwalk.workflow.run_file.parameters import check_bounds, given_values
-from contwalk.workflow.run_file.problems import Problems
+from contwalk.workflow.run_file.problems import Problems, allowed
 from contwalk.workflow.run_file.products import Product
 from contwalk.workflow.run_file.reading import opened
 from contwalk.workflow.run_file.settings import FigureSpec

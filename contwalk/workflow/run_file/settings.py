@@ -11,9 +11,8 @@ from contwalk import quantities
 from contwalk.system.declarations import System
 from contwalk.workflow.quantities import listed
 from contwalk.workflow.run_file.model import FigureOptions, ReportPlace, RunModel
-from contwalk.workflow.run_file.names import allowed
 from contwalk.workflow.run_file.parameters import check_bounds, parameter_named
-from contwalk.workflow.run_file.problems import Problems
+from contwalk.workflow.run_file.problems import Problems, allowed
 from contwalk.workflow.run_file.starts import StartSpec
 from contwalk.workflow.run_file.values import FIGURES, MOTION_FIGURES, SAMPLE_FIGURES
 from contwalk.workflow.run_file.yaml_lines import Key
@@ -310,7 +309,7 @@ def engine(problems: Problems, system: System, model: RunModel) -> dict[str, Any
             f"'{system.name}' changes its motion at events, and collocation is of smooth orbits only.",
             "Allowed with such a system: shooting.",
         )
-    return model.engine.as_data(without_none=True)
+    return model.engine.model_dump(exclude_none=True)
 
 
 def _check_event(problems: Problems, system: System, event: str) -> None:
@@ -345,7 +344,7 @@ def figures(
             _check_axes(problems, system, key, options)
             _check_file(problems, model.figures[:index], key, options)
             if name in kinds:
-                result.append(FigureSpec(name, options.as_data(without_none=True)))
+                result.append(FigureSpec(name, options.model_dump(exclude_none=True)))
     return tuple(result)
 
 

@@ -13,9 +13,8 @@ from contwalk.workflow.run_file import settings
 from contwalk.workflow.run_file.model import RunModel
 from contwalk.workflow.run_file.motion_file import MotionFile
 from contwalk.workflow.run_file.motions import Simulation
-from contwalk.workflow.run_file.names import allowed
 from contwalk.workflow.run_file.parameters import given_values
-from contwalk.workflow.run_file.problems import Problems
+from contwalk.workflow.run_file.problems import Problems, allowed
 from contwalk.workflow.run_file.reading import need_start, opened
 from contwalk.workflow.run_file.settings import FigureSpec, ReportAt
 from contwalk.workflow.run_file.starts import StartReader, StartSpec

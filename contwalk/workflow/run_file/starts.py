@@ -13,9 +13,8 @@ from contwalk.branch import LABELS
 from contwalk.errors import StartError
 from contwalk.system.declarations import System
 from contwalk.workflow.run_file.model import Start
-from contwalk.workflow.run_file.names import allowed
 from contwalk.workflow.run_file.parameters import checked_values
-from contwalk.workflow.run_file.problems import Problems
+from contwalk.workflow.run_file.problems import Problems, allowed
 from contwalk.workflow.run_file.yaml_lines import Key
 
 _POINT = re.compile(rf"[A-Za-z]\w*/((?:{'|'.join(LABELS)})[1-9]\d*|\d+)")

@@ -1,14 +1,15 @@
-"""Values in a run file: what is accepted, and the sentence where it is not."""
+"""Types of the values in a run file: what is accepted, and the sentence where it is not."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Discriminator, PlainValidator, Tag
+from pydantic_core import PydanticCustomError
 
 from contwalk.labels import END, MARK, MEANINGS
-from contwalk.workflow.run_file.faults import wrong
-from contwalk.workflow.run_file.forms import as_tuple, list_of, mapping_of, one_of, text
 from contwalk.workflow.run_file.yaml_lines import shown
 
 FOLLOWED = tuple(label for label in MEANINGS if label not in (END, MARK))
@@ -30,6 +31,11 @@ SAMPLE_FIGURES = ("histogram",)
 # each command draws its own
 FIGURES = tuple(dict.fromkeys((*DIAGRAM_FIGURES, *MOTION_FIGURES, *SAMPLE_FIGURES)))
 LOWEST_ACCURACY = 1e-14  # below it, rounding in double precision decides, not the method
+
+
+def wrong(sentence: str, remedy: str = "") -> PydanticCustomError:
+    """A validation error with its sentence and remedy; without a remedy, the field's description is one."""
+    return PydanticCustomError("wrong", "{sentence}", {"sentence": sentence, "remedy": remedy})
 
 
 def number(value: Any) -> float:
@@ -55,8 +61,7 @@ def _within(low: float, high: float, words: str) -> Callable[[Any], float]:
     return check
 
 
-def as_accuracy(value: Any) -> float:
-    """A number that points can be right to."""
+def _accuracy(value: Any) -> float:
     result = _within(0.0, 0.5, f"a number from {LOWEST_ACCURACY:g} to 0.5")(value)
     if result < LOWEST_ACCURACY:
         raise wrong(
@@ -66,16 +71,14 @@ def as_accuracy(value: Any) -> float:
     return result
 
 
-def as_tolerance(value: Any) -> float:
-    """A local error."""
+def _tolerance(value: Any) -> float:
     result = _within(0.0, 1e-2, "a number from 1e-14 to 0.01")(value)
     if result < LOWEST_ACCURACY:
         raise wrong(f"is {shown(result)}, finer than double precision can give.", "Allowed: 1e-14 to 0.01.")
     return result
 
 
-def file_name(value: Any) -> str:
-    """The name of a file."""
+def _file_name(value: Any) -> str:
     if not isinstance(value, str):
         raise wrong(f"is {shown(value)}, which is not a text.")
     if not value.strip() or "\0" in value:
@@ -83,8 +86,7 @@ def file_name(value: Any) -> str:
     return value
 
 
-def until_when(value: Any) -> float | str:
-    """How long to simulate."""
+def _until(value: Any) -> float | str:
     if value == "settled":
         return "settled"
     if isinstance(value, str):
@@ -92,13 +94,11 @@ def until_when(value: Any) -> float | str:
     return _within(0.0, math.inf, "settled, or a positive number of seconds")(value)
 
 
-def start_until(value: Any) -> float | str:
-    """How long to simulate before a start; 0 takes the state as it is."""
-    return 0.0 if value == 0 and not isinstance(value, bool) else until_when(value)
+def _until_or_at_once(value: Any) -> float | str:
+    return 0.0 if value == 0 and not isinstance(value, bool) else _until(value)
 
 
-def mark_value(value: Any) -> float | str:
-    """What is marked of a quantity."""
+def _mark_value(value: Any) -> float | str:
     if value == "extremum":
         return "extremum"
     if isinstance(value, str):
@@ -106,9 +106,11 @@ def mark_value(value: Any) -> float | str:
     return number(value)
 
 
-def as_list(value: Any) -> Any:
-    """A list as a tuple; anything else as it is."""
-    return tuple(value) if isinstance(value, list) else value
+def as_tuple(value: Any) -> Any:
+    """A list as a tuple; a single value as a tuple of one; null stays."""
+    if value is None or isinstance(value, tuple):
+        return value
+    return tuple(value) if isinstance(value, list) else (value,)
 
 
 def as_curves(value: Any) -> Any:
@@ -147,20 +149,52 @@ def as_labels(value: Any) -> Any:
     return () if value == "none" else as_tuple(value)
 
 
-positive = _within(0.0, math.inf, "a positive number")
-angle = _within(0.0, 90.0, "degrees above 0, up to 90")
-numbers = list_of(number)
-values = mapping_of(number)
-_texts = list_of(text)
-ACTIONS = "stop, ignore or switch"
-ACTION = one_of("stop", "ignore", "switch")
+def _text_or_values(value: Any) -> str:
+    return "(preset)" if isinstance(value, str) else "(values)"
 
 
-def text_or_values(value: Any) -> str | dict[str, float]:
-    """The name of a preset, or the values themselves."""
-    return value if isinstance(value, str) else values(value)
+def _one_or_list(value: Any) -> str:
+    return "(list)" if isinstance(value, list | tuple) else "(one)"
 
 
-def text_or_texts(value: Any) -> str | tuple[str, ...]:
-    """A name, or a list of them."""
-    return _texts(value) if isinstance(value, list) else text(value)
+def _one_or_two(value: Any) -> str:
+    return "(two)" if isinstance(value, dict) else "(one)"
+
+
+def list_or_span(value: Any) -> str:
+    """The tag of the form in which swept values are written."""
+    return "(span)" if isinstance(value, dict) else "(list)"
+
+
+Number = Annotated[float, PlainValidator(number)]
+Positive = Annotated[float, PlainValidator(_within(0.0, math.inf, "a positive number"))]
+Angle = Annotated[float, PlainValidator(_within(0.0, 90.0, "degrees above 0, up to 90"))]
+Accuracy = Annotated[float, PlainValidator(_accuracy)]
+Tolerance = Annotated[float, PlainValidator(_tolerance)]
+Until = Annotated[float | str, PlainValidator(_until)]
+StartUntil = Annotated[float | str, PlainValidator(_until_or_at_once)]
+MarkValue = Annotated[float | str, PlainValidator(_mark_value)]
+FileName = Annotated[str, PlainValidator(_file_name)]
+Numbers = Annotated[tuple[Number, ...], BeforeValidator(as_tuple)]
+Texts = Annotated[tuple[str, ...], BeforeValidator(as_tuple)]
+OneOrSeveral = Annotated[
+    Annotated[str, Tag("(one)")] | Annotated[Texts, Tag("(list)")], Discriminator(_one_or_list)
+]
+Values = dict[str, Number]
+Range = Annotated[tuple[Number, ...], BeforeValidator(lambda v: tuple(v) if isinstance(v, list) else v)]
+Names = Annotated[tuple[str, ...], BeforeValidator(lambda v: tuple(v) if isinstance(v, list) else v)]
+OneOrTwoRanges = Annotated[
+    Annotated[Range, Tag("(one)")] | Annotated[dict[str, Range], Tag("(two)")], Discriminator(_one_or_two)
+]
+End = Annotated[
+    Annotated[str, Tag("(preset)")] | Annotated[Values, Tag("(values)")], Discriminator(_text_or_values)
+]
+Action = Literal["stop", "ignore", "switch"]
+if TYPE_CHECKING:
+    FollowedLabel = str
+    CurveLabel = str
+    BornLabel = str
+else:
+    FollowedLabel = Literal[FOLLOWED]
+    CurveLabel = Literal[CURVES]
+    BornLabel = Literal[BORN]
