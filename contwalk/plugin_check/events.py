@@ -22,6 +22,8 @@ TRIES = 40
 # As many where a plugin is loaded.
 FEW_TRIES = 4
 ITERATIONS = 30
+# share of Newton's step that is taken back where the guard has no value at its zero
+SHORT_OF_ZERO = 8.0 * EPSILON
 # How far beyond an event a guard is asked for its sign, as a part of the states' scales.
 BEYOND = 1e-3
 # Rounding leaves a guard this far from zero, in units of the rounding of its terms.
@@ -373,9 +375,16 @@ def states_at_event(
 
 
 def state_on(guard: Traced, t: float, x: np.ndarray, samples: Samples) -> np.ndarray | None:
-    """The state where the guard is zero, reached along its gradient in the metric of the scales."""
+    """The state where the guard is zero, reached along its gradient in the metric of the scales.
+
+    Where the guard has no value at its zero, and beyond, the state is the last one before it.
+    """
+    step: np.ndarray | None = None
     for _ in range(ITERATIONS):
         value = guard.values(t, x, samples.values)[0]
+        if not np.isfinite(value) and step is not None:
+            x = x - SHORT_OF_ZERO * step
+            value = guard.values(t, x, samples.values)[0]
         if not np.isfinite(value):
             return None
         if abs(value) <= _level(guard, t, x, samples):
@@ -384,7 +393,8 @@ def state_on(guard: Traced, t: float, x: np.ndarray, samples: Samples) -> np.nda
         scaled = slope * samples.scales
         if not np.isfinite(scaled).all() or not scaled @ scaled > 0.0:
             return None
-        x = x - value * samples.scales * scaled / (scaled @ scaled)
+        step = -value * samples.scales * scaled / (scaled @ scaled)
+        x = x + step
     return None
 
 

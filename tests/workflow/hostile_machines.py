@@ -729,7 +729,7 @@ WRONG: dict[str, Wrong] = {
         RELAY,
         "error",
         "More than 100 transitions follow each other",
-        "def cold",
+        "def hot",
         ("x[0] - 0.5", "x[0] - 1.5"),
         (WARM, f"{WARM[:-1]}, level=True)"),
         (COOL, f"{COOL[:-1]}, level=True)"),
@@ -1019,7 +1019,7 @@ WRONG: dict[str, Wrong] = {
     ),
     "angle whose period was typed with ten digits": _refused(
         ROTOR,
-        "dx[1] (state rate) is 0.7207464767 at angle = 0.3597 and 0.7207464769 a period later",
+        "dx[1] (state rate) is 0.819451169 at angle = 1.288 and 0.819451168 a period later",
         "def turn",
         ("period=2.0 * math.pi", "period=6.283185307"),
     ),
