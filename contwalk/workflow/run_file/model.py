@@ -52,6 +52,8 @@ MODE, AT = "the name of a mode of the system", "the transition that the state co
 
 
 class Simulate(Section):
+    """A start by simulation."""
+
     state: Values = Field(description="{state: value, ...} with every state")
     until: StartUntil = Field(default="settled", description="settled, a positive number of seconds, or 0")
     mode: str | None = Field(default=None, description=MODE)
@@ -59,6 +61,8 @@ class Simulate(Section):
 
 
 class Start(Section):
+    """Where branches begin."""
+
     equilibrium: Texts | None = Field(
         default=None, description="the name of an equilibrium, a list of names, or all"
     )
@@ -92,6 +96,8 @@ class Start(Section):
 
 
 class Continue(Section):
+    """What is continued."""
+
     parameter: str | None = Field(default=None, description="the name of a parameter of the system")
     parameters: Names | None = Field(
         default=None, description="the names of two parameters, [first, second], for a curve in two"
@@ -124,11 +130,15 @@ class Loci(Section):
 
 
 class ParameterPath(Section):
+    """A line through the parameters."""
+
     from_: End = Field(alias="from", description="a preset, or {parameter: value, ...}")
     to: End = Field(description="a preset, or {parameter: value, ...}")
 
 
 class Diagram(Section):
+    """Which branches are followed."""
+
     follow: Annotated[tuple[FollowedLabel, ...], BeforeValidator(as_labels)] = Field(
         default=("BP", "HB", "PD"), description=f"a list of labels ({', '.join(FOLLOWED)}), all, or none"
     )
@@ -136,12 +146,16 @@ class Diagram(Section):
 
 
 class Events(Section):
+    """What becomes of a branch at limits."""
+
     GR: Action = Field(default="stop", description="stop, ignore or switch")
     OC: Action = Field(default="switch", description="stop, ignore or switch")
     AZ: Action = Field(default="ignore", description="stop, ignore or switch")
 
 
 class ReportPlace(Section):
+    """Where orbits are reported."""
+
     event: str | None = Field(default=None, description="the name of a transition of the system")
     side: Literal["before", "after"] | None = Field(default=None, description="before or after")
     section: Values | None = Field(default=None, description="{state: value}")
@@ -162,6 +176,8 @@ class ReportPlace(Section):
 
 
 class FigureOptions(Section):
+    """What is drawn, and how."""
+
     x: str | None = Field(default=None, description="a parameter, state or observable")
     y: OneOrSeveral | None = Field(
         default=None, description="a parameter, state or observable; of a time_series, a list of them as well"
@@ -173,12 +189,16 @@ class FigureOptions(Section):
 
 
 class Span(Section):
+    """Values at equal distances."""
+
     from_: Number = Field(alias="from", description="a number")
     to: Number = Field(description="a number")
     count: int = Field(ge=2, le=10_000, description="a whole number from 2 to 10000")
 
 
 class Engine(Section):
+    """How branches are computed."""
+
     step: Positive | None = Field(
         default=None, description="a positive number: the first relative arclength step"
     )

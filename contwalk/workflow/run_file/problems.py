@@ -119,9 +119,9 @@ def _schema_at(key: Key) -> tuple[type[Section], FieldInfo | None]:
     """The section that a key path leads into, and the deepest field on the way."""
     section: type[Section] = RunModel
     field: FieldInfo | None = None
-    for piece in key:
+    for part in key:
         for name, info in section.model_fields.items():
-            if piece == (info.alias or name):
+            if part == (info.alias or name):
                 field = info
                 section = _section_in(info.annotation) or section
                 break
