@@ -187,10 +187,11 @@ class LegView:
         """All guards out of the mode, each with its rate, at some instants, shape (k, 2 g)."""
         passage, times = self.piece.passage, self._inside(times)
         try:
-            maps = [passage.guards()]
+            guards = passage.guards()
         except UnsupportedOperation:  # together they compare too often; each alone does not
-            maps = [passage.watched(t.name, t.guard) for t in passage.leaving]
-        return np.hstack([map_.along(times, states, self._values, rates) for map_ in maps])
+            each = [passage.watched(t.name, t.guard) for t in passage.leaving]
+            return np.hstack([map_.along(times, states, self._values, rates) for map_ in each])
+        return guards.along(times, states, self._values, rates)
 
     def _inside(self, times: np.ndarray) -> np.ndarray:
         """Instants in 0..1, the ends moved inside by roundings: a sawtooth of the time may begin anew."""

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from contwalk.numerics.linear import norm_in
 from contwalk.problems import conserving
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.orbit.layout import Segment
@@ -254,15 +255,15 @@ def trivial_error(orbit: OrbitData, z: np.ndarray, jacobian: np.ndarray) -> floa
             last, there = j == len(factors) - 1, (i + 1) % legs
             own = flow_direction(orbit, z, i, j)
             units = orbit.extended(there if last else i)
-            size = float(np.linalg.norm(own / orbit.extended(i)))
+            size = norm_in(own, orbit.extended(i))
             left = factor @ own
             if not last:
                 left = left - flow_direction(orbit, z, i, j + 1)
             elif orbit.word.legs[i].transition is None:
                 left = left - flow_direction(orbit, z, there)
-            scale = float(np.linalg.norm((np.abs(factor) @ np.abs(own)) / units))
+            scale = norm_in(np.abs(factor) @ np.abs(own), units)
             if size > 0.0 and scale > 0.0:
-                worst = max(worst, float(np.linalg.norm(left / units)) / max(scale, size))
+                worst = max(worst, norm_in(left, units) / max(scale, size))
     return worst
 
 

@@ -223,8 +223,8 @@ def _without_value(passage: Passage, values: np.ndarray, path: flow.Path) -> str
 
 def growth_of(deviations: np.ndarray) -> float:
     """How much a deviation grows at most from any time on."""
-    sizes = np.linalg.norm(deviations, axis=1)
-    return float(np.max(sizes / np.minimum.accumulate(np.maximum(sizes, 1e-300))))
+    sizes = np.sqrt((deviations * deviations).sum(axis=1))
+    return float((sizes / np.minimum.accumulate(np.maximum(sizes, 1e-300))).max())
 
 
 _SENTENCES = {

@@ -44,7 +44,7 @@ class Watched:
         if rates is None:
             field = self._field()
             rates = field.along(times, states, field.constants(values))
-        return self._map.along(times, np.hstack([states, rates]), self._map.constants(values))
+        return self._map.along(times, np.concatenate([states, rates], axis=1), self._map.constants(values))
 
     def __call__(self, time: float, x: np.ndarray, values: np.ndarray) -> np.ndarray:
         """Values and rates at one instant, shape (2 g,)."""
@@ -65,6 +65,6 @@ class Watched:
         own = self._map.constants(values)
         given = np.concatenate([x, rates])
         values_there, slopes = self._map.linearized(time, given, own)
-        total = slopes[:, : 2 * n] @ np.vstack([moved, changed])
+        total = slopes[:, : 2 * n] @ np.concatenate([moved, changed])
         total[:, -k:] += slopes[:, 2 * n :]
         return values_there, total
