@@ -28,12 +28,12 @@ from contwalk.problems.hybrid import (
     limits_told,
     margin_values,
     metric,
-    neighbours,
     observing,
     remesh,
     switching,
     undefined,
 )
+from contwalk.problems.hybrid.adjacent import corner, itineraries
 from contwalk.problems.hybrid.diagnosis import HybridDiagnosis
 from contwalk.problems.hybrid.discretized_orbit import MOST_VIEWS, DiscretizedOrbit
 from contwalk.problems.hybrid.margins import Guarded, Limit, Margins
@@ -331,7 +331,7 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
             limit = self.limits[int(located.vectors["limit"])]
             name = limit.kind
             changes = limit.test in ("duration", "past")
-            if changes and neighbours.corners(there, located.z, limit, sample.tangent):
+            if changes and corner.has_corner(there, located.z, limit, sample.tangent):
                 name = "corner"
             record = replace(record, kind=name, note=limits_told.place_of(there, limit, located))
         if kind.test is Test.MARK and abs(observing.split(sample.eigenvalues)) < MEET:
@@ -386,4 +386,4 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         return id(self.system), *kinds, *values
 
     def _beyond(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
-        return neighbours.found(self, point)
+        return itineraries.found(self, point)

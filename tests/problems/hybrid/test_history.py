@@ -78,7 +78,7 @@ def test_neighbours_of_a_limit_are_those_of_its_own_orbits(monkeypatch) -> None:
     asked: list[object] = []
     monkeypatch.setattr(hybrid_orbit, "_NEIGHBOURS", {})
     monkeypatch.setattr(
-        hybrid_orbit.neighbours, "found", lambda problem, point: asked.append(problem) or ([], "")
+        hybrid_orbit.itineraries, "found", lambda problem, point: asked.append(problem) or ([], "")
     )
 
     def ask(orbit) -> int:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from hybrid_runs import machine, solution
 
-from contwalk.problems.hybrid import neighbours
+from contwalk.problems.hybrid.adjacent import at_limit, corner, orbit
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.system import Transition
@@ -54,7 +54,7 @@ def limits_of(test: str):
 def test_without_an_event_its_two_legs_are_one(name):
     problem, z, found = limits_of("rate")
     (limit,) = [each for each in found if each.name == name]
-    neighbour = neighbours._built(problem, z, limit, 1.0)
+    neighbour = at_limit.built_at(problem, z, limit, 1.0)
     there, unknowns = neighbour.problem, neighbour.z
     begins = {"end": 0.0} | {each: phase for each, phase in MARKS.items() if each != name}
     after, names = list(begins.values()), list(begins)
@@ -74,6 +74,6 @@ def test_a_branch_has_no_corner_where_there_is_no_other_order():
     along = np.zeros(len(z))
     along[-1] = 1.0
     for limit in found:
-        with pytest.raises(neighbours._None, match="no orbit in that order is near"):
-            neighbours._built(problem, z, limit, 0.0)
-        assert not neighbours.corners(problem, z, limit, along)
+        with pytest.raises(orbit.NoAdjacentOrbit, match="no orbit in that order is near"):
+            at_limit.built_at(problem, z, limit, 0.0)
+        assert not corner.has_corner(problem, z, limit, along)

@@ -1,0 +1,107 @@
+"""The branch that leaves with an adjacent itinerary, facing the way in which its orbits are the machine's."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contwalk.errors import ContwalkError
+from contwalk.numerics.linear import kernel_direction
+from contwalk.problems.hybrid import margin_values
+from contwalk.problems.hybrid.adjacent.orbit import AdjacentOrbit, NoAdjacentOrbit, Undetermined
+from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.following import follows
+from contwalk.problems.hybrid.least import least
+from contwalk.problems.hybrid.switching import discretized
+from contwalk.problems.hybrid.telling import first_sentence, told_once
+from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
+from contwalk.problems.orbit.solving import newton_on
+from contwalk.problems.problem import Seed
+
+# A state comes back to wherever it starts from if closing up tells this little of it.
+STILL = 1e-9
+# How far along the new branch its orbits are looked at, in the metric: the first that is admissible counts.
+STEPS = (1e-3, 1e-4, 1e-2)
+
+
+def seed_of(neighbour: AdjacentOrbit, label: str, words: str) -> Seed:
+    """The branch of a neighbour, facing the way in which its orbits are the machine's.
+
+    Raises
+    ------
+    NoAdjacentOrbit
+    """
+    rough, z = neighbour.problem, neighbour.z
+    z = newton_on(rough, z, filled_magnitudes(rough, z))
+    # Without its slowest event an orbit of many periods may be one of a single period.
+    rough, z = least(rough, z)
+    there = discretized(rough, z)
+    weights = filled_magnitudes(there, z)
+    _refuse_undetermined(there, z, weights)
+    tangent = kernel_direction(there.linearize(z).jacobian, weights)
+    tried = []
+    for way in (1.0, -1.0):
+        for step in STEPS:
+            verdict = _looks(there, z, way * tangent, weights, step)
+            if verdict is None:
+                break
+            tried.append(verdict)
+        else:
+            continue
+        walking = there.adapted_to(z, weights)
+        direction = way * tangent
+        return Seed(label, z, direction, amplitude(direction), walking, one_sided=True)
+    reasons = told_once(tried)
+    raise NoAdjacentOrbit(
+        f"orbits with signature {words} solve the equations there, but beside it {reasons}."
+    )
+
+
+def _refuse_undetermined(problem: DiscretizedOrbit, z: np.ndarray, weights: np.ndarray) -> None:
+    """Refuse orbits without events in which a state closes up from wherever it starts.
+
+    A mode that only keeps a state until it is left, as a contact does, says nothing of where it is.
+
+    Raises
+    ------
+    Undetermined
+    """
+    if problem.word.eventful or not problem.forced:
+        return
+    scaled = problem.linearize(z).jacobian / problem.equation_scales[:, None] * weights
+    _, sizes, rows = np.linalg.svd(scaled)
+    if sizes[-1] > STILL * sizes[0]:
+        return
+    place, passage = problem.layout.states[0], problem.passages[0]
+    # Of the two directions of solutions, the one in which the parameter stays.
+    one, other = rows[-2], rows[-1]
+    kept = (one * other[-1] - other * one[-1])[place]
+    name = problem.system.state_names[passage.states[int(np.argmax(np.abs(kept)))]]
+    raise Undetermined(
+        f"Beyond it the machine stays in mode '{problem.word.legs[0].mode}' for ever, where '{name}' comes "
+        f"back to whatever it starts from: at each {problem.free} there is a family of such orbits, and no "
+        "branch to follow. Nothing to do."
+    )
+
+
+def _looks(
+    problem: DiscretizedOrbit, z: np.ndarray, tangent: np.ndarray, weights: np.ndarray, step: float
+) -> str | None:
+    """Why the orbit a step along a direction is not the machine's; None if it is."""
+    guess = z + step * tangent / float(np.linalg.norm(tangent / weights))
+    normal = tangent / weights**2
+    try:
+        there = newton_on(problem, guess, weights, normal)
+        margins = problem.margins(there)
+        lost = [
+            o
+            for o, r in zip(margins.limits, margins.relative, strict=True)
+            if r < -margin_values.ZERO and o.label != "AZ"
+        ]
+        if lost:
+            return (
+                f"'{lost[0].name}' ({lost[0].test}) is violated at {problem.free} = {float(there[-1]):.10g}"
+            )
+        followed = follows(problem, there)
+    except (ContwalkError, np.linalg.LinAlgError) as error:
+        return f"Newton's method fails ({first_sentence(str(error))})"
+    return None if followed is None else f"a simulation goes another way: {first_sentence(followed)}"

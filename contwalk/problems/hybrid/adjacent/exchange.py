@@ -1,0 +1,90 @@
+"""Two events happen at once: the orbit as one in which they happen in the other order."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from contwalk.problems.hybrid.adjacent.orbit import (
+    CHANGES,
+    AdjacentOrbit,
+    NoAdjacentOrbit,
+    after_transition,
+    assembled,
+    own_limit,
+    starts_and_durations,
+    state_on_leg,
+)
+from contwalk.problems.hybrid.adjacent.removal import visit, without_visit
+from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.margins import Limit
+from contwalk.problems.hybrid.switching import discretized
+from contwalk.problems.orbit.word import Leg
+from contwalk.system import Transition
+
+
+def _exchanged(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> AdjacentOrbit:
+    """Two transitions that happen at once happen in the other order."""
+    there, i, m = discretized(problem, z), limit.leg, problem.layout.legs
+    if m < 2:
+        raise NoAdjacentOrbit("the itinerary has one event only.")
+    before = (i - 1) % m
+    first, second = problem.word.legs[before].transition, problem.word.legs[i].transition
+    assert first is not None
+    assert second is not None
+    origin, target = problem.word.legs[before].mode, problem.word.target(i)
+    earlier = [t for t in problem.system.leaving(origin) if _like(t, second)]
+    later = [t for t in problem.system.acting if _like(t, first) and t.target == target]
+    pairs = [(b, a) for b in earlier for a in later if b.target == a.source]
+    if not pairs:
+        raise NoAdjacentOrbit(
+            f"out of mode '{origin}' no '{second.name}' leads to a mode in which '{first.name}' leads to "
+            f"'{target}'."
+        )
+    b, a = pairs[0]
+    states, lasting, start = starts_and_durations(there, z)
+    t = float(there.starting_times(z)[before]) + lasting[before]
+    x = state_on_leg(there, z, before, 1.0)
+    legs = list(problem.word.legs)
+    legs[before] = Leg(origin, b, _direction(b, legs[i]))
+    legs[i] = Leg(b.target, a, _direction(a, problem.word.legs[before]))
+    middle = after_transition(problem, legs[before], x, t, z)
+    end = after_transition(problem, legs[i], middle, t, z)
+    following = (i + 1) % m
+    apart = np.abs(end - states[following]) / there.mesh.variation
+    if float(apart.max()) > CHANGES:
+        k = int(np.argmax(apart))
+        raise NoAdjacentOrbit(
+            f"'{second.name}' before '{first.name}' leads to another '{problem.system.state_names[k]}' "
+            f"than after it ({end[k]:.6g} and {states[following][k]:.6g}), so that no orbit in that order is "
+            "near."
+        )
+    states[i], lasting[i] = middle, 0.0
+    other, unknowns = assembled(there, replace(problem.word, legs=tuple(legs)), states, lasting, start, z)
+    return AdjacentOrbit(other, unknowns, own_limit(other, i, "duration"))
+
+
+def gone(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit) -> AdjacentOrbit:
+    """A leg that lasts no time: the events at its ends happen in the other order, or do not happen where it
+    was a visit in another mode.
+
+    z has shape (N + 1,).
+    """
+    try:
+        return _exchanged(problem, z, limit)
+    except NoAdjacentOrbit:
+        m, legs = problem.layout.legs, problem.word.legs
+        first = visit(problem, z, (limit.leg - 1) % m)
+        if first is None or legs[first].mode == legs[(first + 1) % m].mode:
+            raise
+        return without_visit(problem, z, first)
+
+
+def _like(one: Transition, other: Transition) -> bool:
+    """Whether two transitions are the same event out of different modes: they have the same guard."""
+    return one.guard is other.guard or one.name == other.name
+
+
+def _direction(transition: Transition, like: Leg) -> bool:
+    return like.falls if transition.direction == "both" else transition.direction == "falling"

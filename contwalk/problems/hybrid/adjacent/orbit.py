@@ -1,0 +1,132 @@
+"""An orbit at a limit as one of an adjacent itinerary, and what such orbits are put together from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from contwalk.problems.hybrid import cutting
+from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.margins import Limit
+from contwalk.problems.hybrid.switching import discretized
+from contwalk.problems.orbit.closure import imaged
+from contwalk.problems.orbit.word import Leg, Word
+from contwalk.system import Transition
+from contwalk.system.declarations import ParameterValues
+
+# A transition at no speed that moves the state by more than this part of its variation changes something.
+CHANGES = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class AdjacentOrbit:
+    """An orbit at a limit as one of another word; `grows` is the limit whose margin leaves zero there.
+
+    `z` has shape (N + 1,).
+    """
+
+    problem: DiscretizedOrbit
+    z: np.ndarray
+    grows: Limit
+
+
+class NoAdjacentOrbit(Exception):
+    """There is no neighbour; the text says what was tried."""
+
+
+class Undetermined(NoAdjacentOrbit):
+    """There are orbits of the neighbouring word, but no branch of them."""
+
+
+def refuse_change(
+    problem: DiscretizedOrbit, transition: Transition, before: np.ndarray, after: np.ndarray
+) -> None:
+    """Refuse a transition that changes the state although it arrives with no speed.
+
+    Both states have shape (n,).
+    """
+    apart = np.abs(after - before) / problem.mesh.variation
+    if float(apart.max()) > CHANGES:
+        k = int(np.argmax(apart))
+        raise NoAdjacentOrbit(
+            f"'{transition.name}' changes '{problem.system.state_names[k]}' by {after[k] - before[k]:.4g} "
+            "even where it arrives with no speed, so that no orbit through it is near."
+        )
+
+
+def state_on_leg(problem: DiscretizedOrbit, z: np.ndarray, i: int, place: float) -> np.ndarray:
+    """Full state on leg i.
+
+    z has shape (N + 1,), the state shape (n,).
+    """
+    view = problem.view(z)[i]
+    return view.full(view.piece.at(view.nodes, np.array([place]), view.scalars)[0])
+
+
+def after_transition(
+    problem: DiscretizedOrbit, leg: Leg, x: np.ndarray, t: float, z: np.ndarray
+) -> np.ndarray:
+    """Full state after a transition out of a state at a time.
+
+    States have shape (n,), z shape (N + 1,).
+    """
+    from contwalk.flow.hybrid.motions import applied, hybrid_machine
+
+    assert leg.transition is not None
+    return applied(hybrid_machine(problem.system, problem.values_of(z)), leg.transition, t, x)
+
+
+def assembled(
+    problem: DiscretizedOrbit,
+    word: Word,
+    states: Sequence[np.ndarray],
+    lasting: Sequence[float],
+    start: float,
+    z: np.ndarray,
+) -> tuple[DiscretizedOrbit, np.ndarray]:
+    """A problem and its unknowns from full states at the legs' starts and their durations.
+
+    States have shape (n,) each, z shape (N + 1,).
+    """
+    other, drifts = problem.of_word(word), z[problem.layout.drifts]
+    unknowns = other.assembled(states, lasting, drifts, float(z[-1]), start if word.eventful else 0.0)
+    if problem.fitting(z).cuts > 1:
+        unknowns = cutting.copied(other, unknowns, start, discretized(problem, z), z)
+    return discretized(other, unknowns), unknowns
+
+
+def starts_and_durations(
+    problem: DiscretizedOrbit, z: np.ndarray
+) -> tuple[list[np.ndarray], list[float], float]:
+    """Full states at the starts of the legs, durations, and when the first starts.
+
+    States have shape (n,) each, z shape (N + 1,).
+    """
+    states = [
+        passage.full(z[place]) for passage, place in zip(problem.passages, problem.layout.states, strict=True)
+    ]
+    return states, z[problem.layout.durations].tolist(), float(problem.starting_times(z)[0])
+
+
+def across_symmetry(problem: DiscretizedOrbit, z: np.ndarray, x: np.ndarray, i: int) -> np.ndarray:
+    """What a state is, or was, on the other side of the symmetry that is applied at the end of leg i.
+
+    The state has shape (n,), z shape (N + 1,).
+    """
+    name = problem.word.image_at(i)
+    symmetry = problem.system.symmetry(name) if name else None
+    return imaged(symmetry, x, ParameterValues(**problem.values_of(z)))
+
+
+def own_limit(problem: DiscretizedOrbit, i: int, test: str) -> Limit:
+    """The limit of one test that the event which ends leg i has itself."""
+    return next(
+        o for o in problem.limits if o.leg == i and o.test == test and o.name == problem.word.legs[i].name
+    )
+
+
+def minimum_of(problem: DiscretizedOrbit, i: int, transition: Transition) -> Limit:
+    """The minimum on leg i of the guard of another transition."""
+    return next(o for o in problem.limits if o.leg == i and o.test == "dip" and o.name == transition.name)
