@@ -22,9 +22,6 @@ LEFT = {
     "plotting": 4,
     "plugin_check": 10,
     "problems": 405,
-    "problems/equilibrium": 31,
-    "problems/initial": 13,
-    "problems/locus": 32,
     "system": 5,
     "workflow": 4,
 }

@@ -20,9 +20,10 @@ SINGULAR = 1e-10
 
 
 def named_equilibria(system: System, name: str, parameters: Mapping[str, float]) -> list[np.ndarray]:
-    """States of a named start, each corrected by Newton's method where it is no equilibrium to rounding.
+    """States of a named start, shape (n,) each, corrected by Newton's method.
 
-    A forced system's are given as they are: constant solutions, which are corrected as orbits.
+    What is an equilibrium to rounding is given as it is, and so are the states of a forced system: constant
+    solutions, which are corrected as orbits.
 
     Raises
     ------
@@ -44,7 +45,7 @@ def named_equilibria(system: System, name: str, parameters: Mapping[str, float])
 def resting(system: System, x: np.ndarray, parameters: Mapping[str, float]) -> np.ndarray | None:
     """The equilibrium that a state is, to rounding, or that Newton's method finds from it; None if none.
 
-    Of neighbouring equilibria the nearest in units of the states' magnitudes.
+    Both have the shape (n,). Of neighbouring equilibria the nearest in units of the states' magnitudes.
     """
     values = system.all_parameters(parameters)
     problem = Equilibrium(system, values, "path", (values, values))

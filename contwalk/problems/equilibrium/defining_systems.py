@@ -41,6 +41,8 @@ def solve(
     """Newton's method now, refinement when it is asked for; `described` reads a point out of a solution.
 
     `unfolds`: the last unknown is the rounding of the equations, which goes where these are exact.
+
+    `start` holds the unknowns of the system, shape (k,).
     """
     found = newton(system, start)
     if found is None:
@@ -62,6 +64,13 @@ def solve(
 
 
 def dot(a: Sequence[float], b: Sequence[Any]) -> Any:
+    """The sum of products, in the arithmetic of `b`: floats, or numbers of `mpmath`.
+
+    Raises
+    ------
+    ValueError
+        If one is longer than the other.
+    """
     total: Any = 0
     for x, y in zip(a, b, strict=True):
         total = total + float(x) * y

@@ -53,14 +53,14 @@ class EquilibriumDiagnosis:
         )
 
     def explain(self, z: np.ndarray) -> str:
-        """Where in the plugin a residual at z is not finite."""
+        """Where in the plugin a residual at z, shape (N + 1,), is not finite."""
         problem = self.problem
         field = problem.system.modes[0].field
         where = first_not_finite(field, 0.0, z[: problem.states].tolist(), problem.values_of(z))
         return where or "the equations"
 
     def obstacle(self, z: np.ndarray) -> str:
-        """Nothing is known of that."""
+        """Nothing is known of what keeps a branch from going on at z, shape (N + 1,)."""
         return ""
 
     def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
@@ -83,5 +83,5 @@ class EquilibriumDiagnosis:
         return between(problem.switching, evaluate, (a.z, b.z), b.weights, where)
 
     def many_branches(self, z: np.ndarray) -> bool:
-        """Whether more than one branch passes through a solution, to rounding."""
+        """Whether more than one branch passes through a solution z, shape (N + 1,), to rounding."""
         return second_direction(self.problem, z) is not None

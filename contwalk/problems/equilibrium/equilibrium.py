@@ -74,7 +74,7 @@ class Equilibrium(EquilibriumEquations):
         return (*[o.name for o in self.system.observables], MAX_RE)
 
     def with_pins(self, pins: Sequence[Neutral], reference: np.ndarray | None = None) -> Equilibrium:
-        """The same problem with other pinned directions, held at the state `reference`."""
+        """The same problem with other pinned directions, held at the state `reference`, shape (n,)."""
         held = self.reference if reference is None else reference
         return Equilibrium(
             self.system, self.parameters, self.free, self.line.ends, pins, held, self.discretization
@@ -88,7 +88,11 @@ class Equilibrium(EquilibriumEquations):
         linearization: Linearization,
         before: int | None,
     ) -> Sample:
-        """Everything that is watched at a solution."""
+        """Everything that is watched at a solution.
+
+        z, tangent and weights have the shape (N + 1,); `before` is how many eigenvalues were unstable at the
+        solution before, None at the first.
+        """
         length = norm_in(tangent, weights)
         # A stored tangent is a unit vector already; dividing again would change its last digits.
         unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
@@ -116,7 +120,9 @@ class Equilibrium(EquilibriumEquations):
     def spectrum(
         self, z: np.ndarray, tangent: np.ndarray, jacobian: np.ndarray, curvature: np.ndarray | None = None
     ) -> Spectrum:
-        """Eigenvalues without the pinned neutral ones; `jacobian` is DF(z).
+        """Eigenvalues without the pinned neutral ones; `jacobian` is DF(z), shape (N, N + 1).
+
+        z, tangent and curvature have the shape (N + 1,).
 
         `curvature` is the derivative of the tangent where the parameter stands still all along the branch.
         """
@@ -190,6 +196,8 @@ def solution_at(
     discretization: Discretization | None = None,
 ) -> tuple[Equilibrium, np.ndarray]:
     """The problem and the vector z that belong to a start, neutral directions pinned where they are neutral.
+
+    The state has the shape (n,), z the shape (N + 1,).
 
     Raises
     ------

@@ -95,7 +95,10 @@ class EquilibriumEquations(Problem):
         return values
 
     def values_of(self, z: np.ndarray) -> dict[str, float]:
-        """All parameters at z, by name; of what is conserved, what the equilibrium has of it."""
+        """All parameters at z, shape (N + 1,), by name.
+
+        Of what is conserved, what the equilibrium has of it.
+        """
         values = self.line.at(float(z[-1]))
         if self.second is not None:
             values[self.second] = float(z[-2])
@@ -105,7 +108,7 @@ class EquilibriumEquations(Problem):
         return values
 
     def inputs(self, z: np.ndarray) -> tuple[list[float], ...]:
-        """Arguments of the kernels at z."""
+        """Arguments of the kernels at z, shape (N + 1,)."""
         self._evaluations += 1
         values = z.tolist()
         return values[:-1], values[-1:], self._base, self._direction, self._held
@@ -120,7 +123,7 @@ class EquilibriumEquations(Problem):
         return list(z[:unknowns]), [z[unknowns]], *constants
 
     def linearize(self, z: np.ndarray) -> Linearization:
-        """The equations at z."""
+        """The equations at z, shape (N + 1,)."""
         table, rounding = self._evaluated(self.inputs(z))
         jacobian = table[:, 1:]
         return Linearization(table[:, 0], jacobian, lambda: self._levels(z, jacobian, rounding))
@@ -150,7 +153,10 @@ class EquilibriumEquations(Problem):
         return Factored(self.jacobian(z)[:, : self.size]).solve(full)[: self.states]
 
     def crossing_rate(self, z: np.ndarray, q: np.ndarray, p: np.ndarray) -> float:
-        """d Re(eigenvalue) / d(parameter) along the branch, for critical vectors with p.q = 1."""
+        """d Re(eigenvalue) / d(parameter) along the branch, for critical vectors, shape (n,), with p.q = 1.
+
+        z has the shape (N + 1,).
+        """
         jacobian = self.jacobian(z)
         along = Factored(jacobian[:, : self.size]).solve(-jacobian[:, -1])
         rate = self.kernels.rate_of_matrix(*self.inputs(z), [*along.tolist(), 1.0])
@@ -164,7 +170,7 @@ class EquilibriumEquations(Problem):
         return self._observables[name]
 
     def measured(self, z: np.ndarray) -> list[float]:
-        """Values of the system's observables."""
+        """Values of the system's observables at z, shape (N + 1,), in the order of their declaration."""
         x = z[: self.states].reshape(1, -1)
         p = ParameterValues(**self.values_of(z))
         return all_measured(self._named, np.zeros(1), x, p)
@@ -175,11 +181,14 @@ class EquilibriumEquations(Problem):
         return [(f"observable '{o.name}'", o.function) for o in self.system.observables]
 
     def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
-        """The same solution with its angles turned as near as possible to those of another one."""
+        """The same solution with its angles turned as near as possible to those of another one.
+
+        All have the shape (N + 1,).
+        """
         return z + whole_turns(near - z, self.periods)
 
     def image(self, symmetry: str, z: np.ndarray) -> np.ndarray:
-        """Image of a solution under a declared symmetry."""
+        """Image of a solution, shape (N + 1,), under a declared symmetry."""
         declared = next(s for s in self.system.symmetries if s.name == symmetry)
         x = np.zeros(self.states)
         p = ParameterValues(**self.values_of(z))

@@ -16,7 +16,10 @@ ROUNDINGS = 4.0
 
 
 class Forms:
-    """B and C at one point, for vectors of unknowns or of unknowns and parameter."""
+    """B and C at one point, for vectors of unknowns or of unknowns and parameter.
+
+    z has the shape (N + 1,), a vector that one, (N,) or (n,); B and C have the shape (N,).
+    """
 
     def __init__(self, problem: EquilibriumEquations, z: np.ndarray) -> None:
         self._inputs = problem.inputs(z)
@@ -27,16 +30,18 @@ class Forms:
         return np.concatenate([v, np.zeros(self._length - len(v))])
 
     def second(self, v: np.ndarray, w: np.ndarray) -> np.ndarray:
+        """B(v, w), shape (N,)."""
         return self._kernels.second(*self._inputs, self._padded(v), self._padded(w))
 
     def third(self, v: np.ndarray, w: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """C(v, w, y), shape (N,)."""
         return self._kernels.third(*self._inputs, self._padded(v), self._padded(w), self._padded(y))
 
 
 def critical_vectors(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """q and p of a singular matrix, |q| = 1, p.q = 1 (or |p| = 1 where p.q vanishes, a double zero).
 
-    The sign of q makes its largest entry positive.
+    Both have the shape (n,), the matrix (n, n). The sign of q makes its largest entry positive.
     """
     pair = critical_pair(matrix)
     q, p = pair.right.real, pair.left.real
@@ -45,7 +50,10 @@ def critical_vectors(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def rounded(z: np.ndarray, weights: np.ndarray) -> list[np.ndarray]:
-    """Two neighbours of a solution, some roundings away from it in every state, the parameter as it is."""
+    """Two neighbours of a solution, some roundings away from it in every state, the parameter as it is.
+
+    The solution and its weights have the shape (N + 1,).
+    """
     apart = ROUNDINGS * np.finfo(float).eps * np.maximum(np.abs(z), weights)
     apart[-1] = 0.0
     signs = np.cos(np.arange(1.0, len(z) + 1.0))  # no symmetry of a machine has these

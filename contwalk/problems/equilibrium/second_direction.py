@@ -29,7 +29,10 @@ SINGULAR = 1e13
 
 
 def second_direction(problem: EquilibriumEquations, z: np.ndarray) -> np.ndarray | None:
-    """A null vector of F_u where F_lambda lies in its range, a second direction of solutions; else None."""
+    """A null vector of F_u where F_lambda lies in its range, a second direction of solutions; else None.
+
+    z has the shape (N + 1,), the vector (N,).
+    """
     jacobian = problem.jacobian(z)
     matrix = jacobian[:, : problem.size]
     pair = critical_pair(matrix)
@@ -48,8 +51,9 @@ def second_direction(problem: EquilibriumEquations, z: np.ndarray) -> np.ndarray
 def crossing(jacobian: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """At a branch point, the left null vector of DF and the two directions of solutions.
 
-    Shapes (N,) and (N + 1, 2). Where both branches keep the parameter F_u alone has two null vectors, and
-    F_lambda need not lie in its range: there they are those of DF.
+    Shapes (N,) and (N + 1, 2) for a Jacobian of shape (N, N + 1) and weights of shape (N + 1,). Where both
+    branches keep the parameter F_u alone has two null vectors, and F_lambda need not lie in its range: there
+    they are those of DF.
 
     Raises
     ------
@@ -71,7 +75,10 @@ def crossing(jacobian: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.
 
 
 def keep_parameter(problem: EquilibriumEquations, z: np.ndarray, weights: np.ndarray) -> bool:
-    """Whether both branches through a branch point keep the parameter, so that nothing is told against it."""
+    """Whether both branches through a branch point keep the parameter, so that nothing is told against it.
+
+    z and the weights have the shape (N + 1,).
+    """
     plane = crossing(problem.jacobian(z), weights)[1] / weights[:, None]
     return bool(np.all(np.abs(plane[-1]) <= IN_RANGE * np.linalg.norm(plane, axis=0)))
 
@@ -111,7 +118,10 @@ def directions(problem: EquilibriumEquations, z: np.ndarray, weights: np.ndarray
 def tangent_through(
     problem: EquilibriumEquations, z: np.ndarray, weights: np.ndarray, near: np.ndarray
 ) -> np.ndarray | None:
-    """The tangent of a branch at its branch point: of the two, the one nearest to `near`, facing its way."""
+    """The tangent of a branch at its branch point: of the two, the one nearest to `near`, facing its way.
+
+    All vectors have the shape (N + 1,). None where there are no two, or `near` is at a right angle to both.
+    """
     found = directions(problem, z, weights)
     if not found:
         return None

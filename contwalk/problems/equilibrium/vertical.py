@@ -33,7 +33,7 @@ def bending(
 ) -> np.ndarray | None:
     """The tangent's derivative along a branch on which the parameter stands still; None on any other.
 
-    `error` is the solution's own, in the metric of `weights`.
+    Vectors have the shape (N + 1,). `error` is the solution's own, in the metric of `weights`.
     """
     if abs(float(tangent[-1])) > SMALL * float(weights[-1]):
         return None

@@ -22,7 +22,7 @@ def check_moves(system: System, flow: ModeFlow, arc: MotionSegment, reached: np.
 
     Parameters
     ----------
-    reached : ndarray
+    reached : ndarray, shape (n,)
         Largest magnitudes of the states on the whole way.
 
     Raises

@@ -28,6 +28,8 @@ def strobes(
 
     Parameters
     ----------
+    scale : ndarray, shape (n,)
+        Magnitudes by which states are compared.
     first : bool
         The first near return will do: the motion began on an orbit.
     """

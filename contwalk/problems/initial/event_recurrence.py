@@ -93,6 +93,7 @@ def lap_from(
 
     Parameters
     ----------
+    state : ndarray, shape (n,)
     mode : str, optional
         In which the motion begins, the first one by default.
     at : str, optional

@@ -39,6 +39,8 @@ def orbit_of(
 
     `kind` makes it, as a class of orbits does; `at` is the lap's place on the line, by default that of the
     point that the line was made from.
+
+    The unknowns have the shape (N + 1,).
     """
     first = lap.stretches[0]
     line = started(system, line, at, first.state, first.leg.mode)

@@ -87,7 +87,10 @@ def orbit_at(
 
 
 def started(system: System, line: ParameterLine, at: float | None, x: np.ndarray, mode: str) -> ParameterLine:
-    """The line with a start's own values of conserved quantities, where no others are given."""
+    """The line with a start's own values of conserved quantities, where no others are given.
+
+    x is the state of the start, shape (n,).
+    """
     if not system.conserved:
         return line
     own = with_own_values(system, line.at(line.place(at)), x, mode)
@@ -119,8 +122,9 @@ def _neutral(system: System, line: ParameterLine, at: float, x: np.ndarray) -> l
 
 
 def repetitions(problem: PeriodicOrbit, z: np.ndarray) -> int:
-    """How often an orbit runs through itself in its closure: more than once, if it was begun with a multiple
-    of its period.
+    """How often an orbit z, shape (N + 1,), runs through itself in its closure.
+
+    More than once, if it was begun with a multiple of its period.
     """
     x, turns, still = problem.starts(z)[0], problem.closure.turns, np.zeros(len(z))
     own = np.array([s.period or 1.0 for s in problem.system.states])
@@ -165,7 +169,10 @@ def _once_round(problem: PeriodicOrbit, x: np.ndarray, values: np.ndarray) -> tu
 
 
 def cut(problem: PeriodicOrbit, z: np.ndarray, magnitudes: np.ndarray) -> tuple[PeriodicOrbit, np.ndarray]:
-    """The same orbit in as many segments as the growth of deviations asks for; `problem` has one."""
+    """The same orbit in as many segments as the growth of deviations asks for; `problem` has one.
+
+    z has the shape (N + 1,); `magnitudes` are those of the states, shape (n,).
+    """
     cuts, n = first_cuts(problem, z), problem.states
     m = len(cuts)
     # On the problem's own steps: where deviations grow that much, other steps lead elsewhere.
@@ -179,7 +186,7 @@ def symmetric(
 ) -> tuple[PeriodicOrbit, np.ndarray] | None:
     """The same orbit closed up to a spatial symmetry that it has, so that a part of it is integrated.
 
-    None where it has none. `z` is a solution that closes fully.
+    None where it has none. `z` is a solution that closes fully; it and the weights have the shape (N + 1,).
     """
     n, p = problem.states, ParameterValues(**problem.values_of(z))
     x, scale = problem.starts(z)[0], problem.mesh.variation

@@ -58,7 +58,10 @@ class Simulation:
     parameters: Mapping[str, float]
 
     def constants(self) -> np.ndarray:
-        """What the field depends on: a closure of one second (of one period, if forced)."""
+        """What the field depends on: a closure of one second (of one period, if forced).
+
+        Of m parameters it has the shape (2 m + 2,), of a forced system (2 m + 1,).
+        """
         names = self.system.parameter_names
         fixed = np.array([self.parameters[name] for name in names])
         scalars = [1.0] if self.system.period is None else []
@@ -70,18 +73,21 @@ class Simulation:
         return closure_of(self.system, self.system.parameter_names[0], (), (), 1.0, holding=False)
 
     def run(self, t: float, x: np.ndarray, end: float, weights: np.ndarray) -> Choice:
-        """The motion from t to `end` by the method that works least; `path.status`: what became of it."""
+        """The motion from t to `end` by the method that works least; `path.status`: what became of it.
+
+        x and the weights, by which errors are measured, have the shape (n,).
+        """
         field = self.passage.field(PLAIN)
         c = field.constants(self.constants())
         return choose(field, c, t, x, end, ErrorControl(TOLERANCE, weights))
 
     def velocity(self, t: float, x: np.ndarray) -> np.ndarray:
-        """dx/dt."""
+        """dx/dt, shape (n,), at a state x, shape (n,)."""
         field = self.passage.field(PLAIN)
         return field(t, x, field.constants(self.constants()))
 
     def at(self, run: Choice, times: np.ndarray) -> np.ndarray:
-        """States at any times of a motion."""
+        """States, shape (k, n), at any k times of a motion."""
         field = self.passage.field(PLAIN)
         c = field.constants(self.constants())
         return flow.dense(field, c, run.path.times, run.path.states, times, run.method)
@@ -105,6 +111,7 @@ def recurrent(
 
     Parameters
     ----------
+    state : ndarray, shape (n,)
     until : float or "settled"
         Seconds to simulate before looking for a return.
 

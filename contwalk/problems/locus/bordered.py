@@ -44,12 +44,12 @@ class Critical:
 
     @property
     def vector(self) -> np.ndarray:
-        """q at s = i omega, or at s = 0."""
+        """q at s = i omega, or at s = 0: its first part, shape (N,)."""
         return self.right[0]
 
 
 def zero_borders(matrix: np.ndarray) -> Borders:
-    """Borders for a zero eigenvalue of F_u, from its singular vectors in balanced units."""
+    """Borders for a zero eigenvalue of F_u, shape (N, N), from its singular vectors in balanced units."""
     scaled, d = balanced(matrix)
     u, _, vh = np.linalg.svd(scaled)
     return _borders(vh[-1], u[:, -1], d)
@@ -60,6 +60,8 @@ def pair_borders(matrix: np.ndarray, finite: np.ndarray, kappa: float) -> Border
 
     In balanced units the row is the sum of both right vectors, turned to each other: it is at a right angle
     to neither of them, nor to the vector that they become where they meet.
+
+    The matrix is F_u, shape (N, N), `finite` which unknowns have rates, shape (N,).
     """
     scaled, d = balanced(matrix)
     if kappa > 0.0:

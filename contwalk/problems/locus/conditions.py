@@ -106,7 +106,10 @@ class Augmented:
         return (np.array(z) if isinstance(u, np.ndarray) else z), kappas
 
     def joined(self, z: np.ndarray, kappas: Sequence[float]) -> np.ndarray:
-        """U of a z of the plane and the kappas of the conditions that have one."""
+        """U of a z of the plane, shape (N + 2,), and the kappas of the conditions that have one.
+
+        With k of these it has the shape (N + 2 + k,).
+        """
         size = self.plane.size
         return np.concatenate([z[:size], kappas, z[size:]])
 
@@ -116,6 +119,9 @@ class Augmented:
 
     def values(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Residual, its Jacobian by U, and the rounding of the conditions.
+
+        With N equations F and c numbers that vanish beside them, at U of shape (k,), the shapes are (N + c,),
+        (N + c, k) and (c,).
 
         Raises
         ------
@@ -157,6 +163,8 @@ def defining_system(
 
     The slope of the function is taken along the curve on which the conditions hold: the others do not matter
     where they do. Its value is exact, so that refinement goes to the last digit.
+
+    `scale` and `start` have the shape of U, (k,).
     """
     if function is None:
         return DefiningSystem(

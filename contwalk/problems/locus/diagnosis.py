@@ -18,7 +18,7 @@ from contwalk.problems.sample import Sample
 class LocusDiagnosis:
     """What is known of such places: what is known of the equilibria themselves.
 
-    `in_plane` reads (x, drifts, second, first) from the unknowns of the curve.
+    `in_plane` reads (x, drifts, second, first) from the unknowns of the curve, shape (N + 1,).
     """
 
     plane: Plane
@@ -29,11 +29,11 @@ class LocusDiagnosis:
         return None
 
     def explain(self, z: np.ndarray) -> str:
-        """Where in the plugin a residual at z is not finite."""
+        """Where in the plugin a residual at z, shape (N + 1,), is not finite."""
         return EquilibriumDiagnosis(self.plane).explain(self.in_plane(z))
 
     def obstacle(self, z: np.ndarray) -> str:
-        """Nothing is known of that."""
+        """Nothing is known of what keeps a curve from going on at z, shape (N + 1,)."""
         return ""
 
     def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
@@ -42,5 +42,5 @@ class LocusDiagnosis:
         return EquilibriumDiagnosis(self.plane).kinks_between(*places)
 
     def many_branches(self, z: np.ndarray) -> bool:
-        """Nothing is known of curves that cross at the ends of ranges."""
+        """Nothing is known of curves that cross at z, shape (N + 1,), at the ends of ranges."""
         return False

@@ -106,11 +106,11 @@ class EquilibriumLocus:
         return np.concatenate([z[:size], z[size + pairs :]])
 
     def kappa(self, z: np.ndarray) -> float:
-        """Minus the square of the critical eigenvalues; zero along LP curves."""
+        """Minus the square of the critical eigenvalues at z, shape (N + 1,); zero along LP curves."""
         return float(z[self.plane.size]) if self.curve.pairs else 0.0
 
     def values_of(self, z: np.ndarray) -> dict[str, float]:
-        """All parameters at z, by name."""
+        """All parameters at z, shape (N + 1,), by name."""
         return self.plane.values_of(self.in_plane(z))
 
     def reported(self, z: np.ndarray) -> np.ndarray:
@@ -118,11 +118,14 @@ class EquilibriumLocus:
         return z[: self.states]
 
     def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
-        """The same solution with its angles turned as near as possible to those of another one."""
+        """The same solution with its angles turned as near as possible to those of another one.
+
+        All have the shape (N + 1,).
+        """
         return z + whole_turns(near - z, self.periods)
 
     def image(self, symmetry: str, z: np.ndarray) -> np.ndarray:
-        """Image of a solution under a declared symmetry."""
+        """Image of a solution, shape (N + 1,), under a declared symmetry."""
         image = self.plane.image(symmetry, self.in_plane(z))
         return np.concatenate([image[: self.plane.size], z[self.plane.size :]])
 
@@ -134,7 +137,7 @@ class EquilibriumLocus:
     # -- equations -------------------------------------------------------------------------------------------
 
     def linearize(self, z: np.ndarray) -> Linearization:
-        """The equations at z; not finite where the borders do not fit."""
+        """The equations at z, shape (N + 1,); not finite where the borders do not fit."""
         try:
             residual, jacobian, levels = self.augmented.values(z)
         except np.linalg.LinAlgError:
@@ -178,7 +181,11 @@ class EquilibriumLocus:
         linearization: Linearization,
         before: int | None,
     ) -> Sample:
-        """Everything that is watched at a solution."""
+        """Everything that is watched at a solution.
+
+        z, tangent and weights have the shape (N + 1,); `before` is how many eigenvalues were unstable at the
+        solution before, None at the first.
+        """
         length = float(np.linalg.norm(tangent / weights))
         # A stored tangent is a unit vector already; dividing again would change its last digits.
         unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
@@ -203,7 +210,7 @@ class EquilibriumLocus:
         )
 
     def spectrum(self, z: np.ndarray, tangent: np.ndarray) -> tuple[Spectrum, np.ndarray]:
-        """Eigenvalues beside the critical ones, and these."""
+        """Eigenvalues beside the critical ones, and these, shape (1,) or (2,), at z, shape (N + 1,)."""
         n, place = self.states, self.in_plane(z)
         inputs, jacobian = self.plane.inputs(place), self.plane.jacobian(place)
         rate = self.plane.kernels.rate_of_matrix(*inputs, self.in_plane(tangent).tolist())
@@ -257,13 +264,17 @@ class EquilibriumLocus:
         return np.maximum(np.abs(z), 1.0)
 
     def other(self, of: str, z: np.ndarray, kappa: float = 0.0) -> tuple[EquilibriumLocus, np.ndarray]:
-        """Another curve through the place of z, and its unknowns there; `kappa` of its pair, if any."""
+        """Another curve through the place of z, and its unknowns there; `kappa` of its pair, if any.
+
+        z has the shape (N + 1,). The unknowns are one more where only the other curve has a pair, and one
+        fewer where only this one has.
+        """
         place, size = self.in_plane(z), self.plane.size
         own = np.concatenate([place[:size], [kappa] * CURVES[of].pairs, place[size:]])
         return EquilibriumLocus(self.plane, of, own), own
 
     def at(self, z: np.ndarray) -> EquilibriumLocus:
-        """The same curve with borders from the critical vectors at z."""
+        """The same curve with borders from the critical vectors at z, shape (N + 1,)."""
         return EquilibriumLocus(self.plane, self.curve.of, z)
 
     def adapted(self, sample: Sample) -> tuple[EquilibriumLocus, Sample]:
@@ -277,7 +288,7 @@ class EquilibriumLocus:
         return there, kept
 
     def at_stored(self, z: np.ndarray, weights: np.ndarray) -> EquilibriumLocus:
-        """The curve with borders for a solution that is taken up again."""
+        """The curve with borders for a solution that is taken up again; both arguments of shape (N + 1,)."""
         return self.at(z)
 
     def same(self, a: Sample, b: Sample) -> bool:
@@ -305,6 +316,9 @@ def plane_of(
     reference: np.ndarray | None = None,
     discretization: Any = None,
 ) -> Plane:
-    """The equilibria of a system with two free parameters, the first and the second."""
+    """The equilibria of a system with two free parameters, the first and the second.
+
+    `reference` is the state at which pins hold their direction, shape (n,).
+    """
     first, second = free
     return Plane(system, parameters, first, None, pins, reference, discretization, second)

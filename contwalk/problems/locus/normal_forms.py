@@ -28,7 +28,7 @@ def root(kappa: Any) -> Any:
 
 
 def at_frequency(found: Critical, omega: Any) -> tuple[np.ndarray, np.ndarray]:
-    """q and p of the eigenvalue i omega, <p, q> not yet one."""
+    """q and p of the eigenvalue i omega, shape (N,) each, <p, q> not yet one."""
     s = 1j * omega
     return found.right[0] + s * found.right[1], found.left[0] + s * found.left[1]
 
@@ -82,7 +82,7 @@ def _bordered_solve(matrix: np.ndarray, q: np.ndarray, p: np.ndarray, right: np.
 
 
 def cusp_coefficient(plane: Plane, z: np.ndarray) -> dict[str, Any]:
-    """c of y' = b1 + b2 y + c y^3."""
+    """c of y' = b1 + b2 y + c y^3 at z, shape (N + 2,)."""
     place = FloatPlace(plane, z)
     found = zero_condition(place, zero_borders(place.matrix))
     q, p = _normalized(found.right[0], found.left[0], plane.finite)
@@ -96,7 +96,7 @@ def cusp_coefficient(plane: Plane, z: np.ndarray) -> dict[str, Any]:
 
 
 def bogdanov_takens_coefficients(plane: Plane, z: np.ndarray) -> dict[str, Any]:
-    """a and b of y1' = y2, y2' = b1 + b2 y1 + a y1^2 + b y1 y2."""
+    """a and b of y1' = y2, y2' = b1 + b2 y1 + a y1^2 + b y1 y2 at z, shape (N + 2,)."""
     place = FloatPlace(plane, z)
     found = pair_condition(place, pair_borders(place.matrix, plane.finite, 0.0), 0.0)
     finite = plane.finite
@@ -129,7 +129,10 @@ def _pair(place: FloatPlace, kappa: float) -> tuple[np.ndarray, np.ndarray, floa
 
 
 def bautin_coefficients(plane: Plane, z: np.ndarray, kappa: float) -> dict[str, Any]:
-    """l2 = Re G32 / 12 of w' = i omega w + G21 w |w|^2 / 2 + G32 w |w|^4 / 12, where Re G21 = 0."""
+    """l2 = Re G32 / 12 of w' = i omega w + G21 w |w|^2 / 2 + G32 w |w|^4 / 12, where Re G21 = 0.
+
+    z has the shape (N + 2,); kappa is omega squared.
+    """
     place = FloatPlace(plane, z)
     q, p, omega = _pair(place, kappa)
     c, several = np.conj(q), place.several
@@ -176,7 +179,7 @@ def bautin_coefficients(plane: Plane, z: np.ndarray, kappa: float) -> dict[str, 
 
 
 def zero_hopf_coefficients(plane: Plane, z: np.ndarray, kappa: float) -> dict[str, Any]:
-    """s, theta and E of the truncated normal form of a zero-Hopf point."""
+    """s, theta and E of the truncated normal form of a zero-Hopf point z, shape (N + 2,)."""
     place = FloatPlace(plane, z)
     found = zero_condition(place, zero_borders(place.matrix))
     q0, p0 = _normalized(found.right[0], found.left[0], plane.finite)
@@ -210,7 +213,10 @@ def zero_hopf_coefficients(plane: Plane, z: np.ndarray, kappa: float) -> dict[st
 
 
 def double_hopf_coefficients(plane: Plane, z: np.ndarray, kappas: Sequence[float]) -> dict[str, Any]:
-    """Real parts of the cubic coefficients p11, p12, p21, p22, the larger frequency first; theta, delta."""
+    """Real parts of the cubic coefficients p11, p12, p21, p22, the larger frequency first; theta, delta.
+
+    z has the shape (N + 2,); the kappas are both frequencies squared.
+    """
     place = FloatPlace(plane, z)
     fast, slow = (_pair(place, kappa) for kappa in sorted(kappas, reverse=True))
     numbers: dict[str, Any] = {}

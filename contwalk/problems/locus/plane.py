@@ -60,7 +60,7 @@ class Place(ABC):
 
     @abstractmethod
     def solver(self, matrix: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-        """The function that applies the inverse of a matrix."""
+        """The function that applies the inverse of a matrix, shape (k, k)."""
 
     def second(self, v: np.ndarray, w: np.ndarray) -> np.ndarray:
         """B(v, w), shape (N,)."""
@@ -76,7 +76,7 @@ class Place(ABC):
 
 
 class FloatPlace(Place):
-    """The equations in double precision."""
+    """The equations in double precision at z, shape (N + 2,)."""
 
     def __init__(self, plane: Plane, z: np.ndarray) -> None:
         super().__init__(plane)
@@ -107,7 +107,7 @@ class FloatPlace(Place):
         return self.kernels.jacobian_of_first(*self._inputs, self.padded(v))
 
     def solver(self, matrix: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-        """The function that applies the inverse of a matrix."""
+        """The function that applies the inverse of a matrix, shape (k, k)."""
         return Factored(matrix).solve
 
     @cached_property
@@ -146,7 +146,10 @@ class ExactPlace(Place):
         return np.array(kernel.exactly(*self._inputs, *padded), dtype=object)
 
     def solver(self, matrix: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-        """The function that applies the inverse of a matrix: that in floats, refined by exact residuals."""
+        """The function that applies the inverse of a matrix, shape (k, k).
+
+        It is that in floats, refined by exact residuals.
+        """
         rough = Factored(_floats(matrix))
 
         def solve(right: np.ndarray) -> np.ndarray:

@@ -21,7 +21,7 @@ def locus_at(
     pins: Sequence[Neutral] = (),
     discretization: Any = None,
 ) -> tuple[EquilibriumLocus, np.ndarray]:
-    """The curve through a located fold or Hopf point of equilibria, and the vector z of that point.
+    """The curve through a located fold or Hopf point of equilibria, and that point's z, shape (N + 1,).
 
     Parameters
     ----------

@@ -38,7 +38,7 @@ class BranchPoint(EquilibriumPoint):
         return branch_point(problem, sample)
 
     def tangent(self, problem: EquilibriumEquations, located: Located, near: Sample) -> np.ndarray | None:
-        """Of the two tangents there, that of the branch that `near` is on."""
+        """Of the two tangents there, that of the branch that `near` is on, shape (N + 1,)."""
         return tangent_through(problem, located.z, near.weights, near.tangent)
 
     def form(self, problem: EquilibriumEquations, located: Located, sample: Sample) -> Form:
@@ -162,7 +162,8 @@ def branch_point_coefficients(
     With q the null vector of F_u and h solving F_u h = -F_lambda, the branches leave along s q + t h, where
     c11 s^2 + 2 c12 s t + c22 t^2 = 0 (Keller 1977). c11 = 0: one branch has no component in the parameter,
     a pitchfork, and the cubic coefficient c = p.(C(q,q,q) - 3 B(q, A^-1 B(q,q))) / 6 decides. Its error is
-    how far it moves while the solution moves by roundings of its own and of its weights.
+    how far it moves while the solution moves by roundings of its own and of its weights, shape (N + 1,).
+    "q" of the result has the shape (N,).
     """
     size, z = problem.size, located.z
     jacobian = problem.jacobian(z)

@@ -149,7 +149,8 @@ def _complex_as_real(a: np.ndarray, omega: float) -> np.ndarray:
 def hopf_coefficients(problem: EquilibriumEquations, located: Located, weights: np.ndarray) -> dict[str, Any]:
     """First Lyapunov coefficient with its estimated error, and how fast the pair crosses.
 
-    The error is how far l1 moves while the solution moves by roundings of its own and of its weights.
+    The weights have the shape (N + 1,). The error is how far l1 moves while
+    the solution moves by roundings of its own and of its weights.
     """
     omega = float(located.vectors["omega"])
     q = located.vectors["right"] / np.linalg.norm(located.vectors["right"])

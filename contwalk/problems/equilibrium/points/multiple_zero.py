@@ -27,7 +27,7 @@ class MultipleZero(EquilibriumPoint):
         return multiple_zero(problem, sample)
 
     def tangent(self, problem: EquilibriumEquations, located: Located, near: Sample) -> np.ndarray | None:
-        """Only continuity tells."""
+        """Only continuity tells: that of `near`, shape (N + 1,)."""
         return near.tangent
 
     def form(self, problem: EquilibriumEquations, located: Located, sample: Sample) -> Form:
