@@ -89,11 +89,10 @@ def lap_from(
     least: float = 0.0,
     longest: float = np.inf,
 ) -> Lap:
-    """One lap of the orbit that a motion leads to.
+    """One lap of the orbit that a motion leads to from a state, shape (n,).
 
     Parameters
     ----------
-    state : ndarray, shape (n,)
     mode : str, optional
         In which the motion begins, the first one by default.
     at : str, optional
