@@ -42,7 +42,6 @@ LINES_OVER: dict[str, int] = {
 FILES_OVER: dict[str, int] = {
     "contwalk.continuation.diagram": 449,
     "contwalk.flow.explicit.runge_kutta": 441,
-    "contwalk.plugin_check.events": 452,
     "contwalk.problems.hybrid.soft_orbit": 584,
     "contwalk.problems.initial.event_recurrence": 548,
     "contwalk.problems.orbit.passage": 623,

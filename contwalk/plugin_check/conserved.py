@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +12,7 @@ from contwalk.plugin_check.functions import EPSILON
 from contwalk.plugin_check.guards import traced_guard
 from contwalk.plugin_check.modes import CheckedFields, distinct_transitions
 from contwalk.plugin_check.samples import Samples
+from contwalk.plugin_check.states_at_event import states_at_event
 from contwalk.plugin_check.traced import Traced, number_form, traced, vector_form
 from contwalk.python_functions import plain
 from contwalk.system import Conserved, System, Transition
@@ -20,8 +20,6 @@ from contwalk.system.declarations import ParameterValues
 
 # Both sides are sums of rounded terms; their bounds are of first order and of single operations.
 FACTOR = 100.0
-# Corrections of a state until it is on a guard.
-ITERATIONS = 30
 # A guard is met where it is zero but for so many times its rounding.
 MET = 1e3
 
@@ -140,7 +138,7 @@ def _across(
         symmetry = system.symmetry(transition.relabel)
         relabel = traced(silent, "map", symmetry.map, system, vector_form(system, "map", "x_image"))
     before, after = functions[transition.source], functions[transition.target]
-    for t, x in _on(transition, guard, field, samples):
+    for t, x in states_at_event(transition, guard, field, samples):
         landed = x if reset is None else reset.values(t, x, samples.values)
         slope = np.eye(len(x)) if reset is None else np.abs(reset.slopes(t, x, samples.values)[:, 1:])
         if relabel is not None:
@@ -162,26 +160,3 @@ def _across(
             )
             return None
     return compared
-
-
-def _on(
-    transition: Transition, guard: Traced, field: Traced, samples: Samples
-) -> Iterator[tuple[float, np.ndarray]]:
-    """Sampled states moved onto a guard, of those at which it passes zero in its direction."""
-    for t, x in zip(samples.times, samples.states, strict=True):
-        x = guard.given(x)
-        for _ in range(ITERATIONS):
-            value = guard.values(t, x, samples.values)[0]
-            scaled = guard.slopes(t, x, samples.values)[0, 1:] * samples.scales
-            size = float(scaled @ scaled)
-            if not (np.isfinite(value) and size > 0.0):
-                break
-            level = MET * EPSILON * float(np.abs(guard.slopes(t, x, samples.values)[0, 1:]) @ np.abs(x))
-            if abs(value) <= level + MET * EPSILON * guard.roundings(t, x, samples.values)[0]:
-                rate = float(guard.slopes(t, x, samples.values)[0, 1:] @ field.values(t, x, samples.values))
-                wanted = {"falling": rate < 0.0, "rising": rate > 0.0}.get(transition.direction, rate != 0.0)
-                if wanted:
-                    yield t, x
-                break
-            x = x - samples.scales * scaled * value / size
-            x = guard.given(x)

@@ -17,9 +17,10 @@ from contwalk.errors import NO_LINE, UnsupportedOperation
 from contwalk.fields.blame import first_switched
 from contwalk.fields.switching import Inputs, Switching, choices_of
 from contwalk.fields.trace import Tracer, trace
-from contwalk.plugin_check.events import Happening, state_on, traced_reset
+from contwalk.plugin_check.events import Happening, traced_reset
 from contwalk.plugin_check.findings import Report, split_place
 from contwalk.plugin_check.samples import Samples, as_field
+from contwalk.plugin_check.states_at_event import state_on
 from contwalk.plugin_check.traced import Traced, number_form, traced
 from contwalk.problems.event_kinks import EndMap, between, on_a_jump
 from contwalk.problems.kinks import PARTED, Kink

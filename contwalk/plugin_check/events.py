@@ -15,20 +15,15 @@ from contwalk.plugin_check.findings import Report, place_of
 from contwalk.plugin_check.functions import EPSILON, check_guard, check_map
 from contwalk.plugin_check.guards import check_timeless
 from contwalk.plugin_check.samples import Samples
+from contwalk.plugin_check.states_at_event import FACTOR, rate_of, states_at_event
 from contwalk.plugin_check.traced import Form, Traced, traced, vector_form
 from contwalk.system import System, Transition
 
-TRIES = 40
-# As many where a plugin is loaded.
-FEW_TRIES = 4
-ITERATIONS = 30
-# share of Newton's step that is taken back where the guard has no value at its zero
-SHORT_OF_ZERO = 8.0 * EPSILON
+# How many tries are made where a plugin is loaded, and how many states are enough there.
+FEW_TRIES = 16
+FEW = 3
 # How far beyond an event a guard is asked for its sign, as a part of the states' scales.
 BEYOND = 1e-3
-# Rounding leaves a guard this far from zero, in units of the rounding of its terms.
-FACTOR = 1e3
-_SEED = 21
 # How the guard of an event stands after it: left behind; past zero, where it is no event, or gone on through
 # it faster than it came; happening again.
 LEFT, PAST, PUSHED, AGAIN = "left", "past", "pushed", "again"
@@ -253,7 +248,7 @@ def check_soft(
 
 def happening(transition: Transition, guard: Traced, field: Traced, samples: Samples) -> Happening:
     """A transition at a few states, for what is looked at when a plugin is loaded."""
-    return Happening(transition, guard, states_at_event(transition, guard, field, samples, FEW_TRIES))
+    return Happening(transition, guard, states_at_event(transition, guard, field, samples, FEW_TRIES, FEW))
 
 
 def _check_kept(report: Report, happening: Happening, reset: Traced, samples: Samples) -> None:
@@ -355,49 +350,6 @@ def _check_leaving(
             report.warning(what, f"{sentence} A motion that gets there ends.", place)
 
 
-def states_at_event(
-    transition: Transition, guard: Traced, field: Traced, samples: Samples, tries: int = TRIES
-) -> list[tuple[float, np.ndarray]]:
-    """Times and states on the guard that approach it in the transition's direction."""
-    random = np.random.default_rng(_SEED)
-    found = []
-    for k in range(tries):
-        row = k % len(samples.states)
-        t = float(samples.times[row])
-        x = samples.states[row] + samples.scales * random.standard_normal(len(samples.scales))
-        at = state_on(guard, t, guard.given(x), samples)
-        if at is None:
-            continue
-        rate = _rate(guard, field, t, at, samples)
-        if np.isfinite(rate) and rate != 0.0 and _sign(transition, rate) * rate > 0.0:
-            found.append((t, at))
-    return found
-
-
-def state_on(guard: Traced, t: float, x: np.ndarray, samples: Samples) -> np.ndarray | None:
-    """The state where the guard is zero, reached along its gradient in the metric of the scales.
-
-    Where the guard has no value at its zero, and beyond, the state is the last one before it.
-    """
-    step: np.ndarray | None = None
-    for _ in range(ITERATIONS):
-        value = guard.values(t, x, samples.values)[0]
-        if not np.isfinite(value) and step is not None:
-            x = x - SHORT_OF_ZERO * step
-            value = guard.values(t, x, samples.values)[0]
-        if not np.isfinite(value):
-            return None
-        if abs(value) <= _level(guard, t, x, samples):
-            return x
-        slope = guard.slopes(t, x, samples.values)[0, 1:]
-        scaled = slope * samples.scales
-        if not np.isfinite(scaled).all() or not scaled @ scaled > 0.0:
-            return None
-        step = -value * samples.scales * scaled / (scaled @ scaled)
-        x = x + step
-    return None
-
-
 def _left_behind(happening: Happening, system: System, field: Traced, samples: Samples) -> list[str]:
     """For each state at the event how its guard stands after it, where that can be said."""
     from contwalk.flow.hybrid import guard_status  # compiled flows
@@ -421,32 +373,10 @@ def _left_behind(happening: Happening, system: System, field: Traced, samples: S
         if guard_status.UNDEFINED not in kinds:
             again = any(guard_status.happens_at_once(flow, i, standing[i]) for i in numbers)
             stuck = again or guard_status.RESTING in kinds
-            arriving = abs(_rate(happening.guard, field, t, x, samples))
+            arriving = abs(rate_of(happening.guard, field, t, x, samples))
             passed = [standing[i] for i in numbers if flow.transitions[i].name == transition.name]
             pushed = guard_status.BEYOND not in kinds and any(
                 each.kind == guard_status.PASSED and abs(each.rate) > arriving for each in passed
             )
             found.append(AGAIN if stuck else PUSHED if pushed else PAST if goes_on else LEFT)
     return found
-
-
-def _rate(guard: Traced, field: Traced, t: float, x: np.ndarray, samples: Samples) -> float:
-    """Rate of the guard along the motion, exactly zero where it is so but for rounding."""
-    slope = guard.slopes(t, x, samples.values)[0]
-    terms = slope * np.array([1.0, *field.values(t, x, samples.values)])
-    rate = float(terms.sum())
-    return 0.0 if abs(rate) <= FACTOR * EPSILON * np.abs(terms).sum() else rate
-
-
-def _level(guard: Traced, t: float, x: np.ndarray, samples: Samples) -> float:
-    """What rounding leaves of the guard at a zero."""
-    slope = guard.slopes(t, x, samples.values)[0]
-    bound = guard.roundings(t, x, samples.values)[0]
-    return 2.0 * EPSILON * float(bound + np.abs(slope) @ np.abs([t, *x]))
-
-
-def _sign(transition: Transition, rate: float) -> float:
-    """The sign that the guard's rate has at the event."""
-    if transition.direction == "both":
-        return float(np.sign(rate))
-    return -1.0 if transition.direction == "falling" else 1.0

@@ -12,10 +12,11 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.fields.switching import choices_of
-from contwalk.plugin_check.events import FACTOR, happening
+from contwalk.plugin_check.events import happening
 from contwalk.plugin_check.findings import Report, place_of
 from contwalk.plugin_check.functions import EPSILON
 from contwalk.plugin_check.samples import Samples
+from contwalk.plugin_check.states_at_event import FACTOR
 from contwalk.plugin_check.traced import Traced
 from contwalk.system import System, Transition
 

@@ -14,12 +14,13 @@ import numpy as np
 
 from contwalk.fields.derivative import directional
 from contwalk.fields.ranges import ranges
-from contwalk.plugin_check.events import states_at_event, traced_reset
+from contwalk.plugin_check.events import traced_reset
 from contwalk.plugin_check.findings import Report, place_of
 from contwalk.plugin_check.functions import EPSILON, check_map
 from contwalk.plugin_check.guards import parameter_bounds, traced_guard
 from contwalk.plugin_check.modes import CheckedFields, distinct_transitions
 from contwalk.plugin_check.samples import Samples, named_equilibria
+from contwalk.plugin_check.states_at_event import states_at_event
 from contwalk.plugin_check.traced import Form, Traced, traced, vector_form
 from contwalk.system import Neutral, System, Transition
 

@@ -14,6 +14,7 @@ from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
 from contwalk.errors import StartError
 from contwalk.numerics.threads import one_thread
+from contwalk.problems.locus.equilibrium_locus import CURVES
 from contwalk.problems.locus.starts import locus_at
 from contwalk.problems.restoring import pins_of
 from contwalk.studies.verbs import direction_signs
@@ -90,7 +91,7 @@ def opened_locus(
     if info.problem != "equilibrium":
         raise StartError(
             f"No curve in two parameters can be followed from {point.name}, a special point of orbits.",
-            "Start at a located fold (LP) or Hopf point (HB) of equilibria.",
+            f"Start at a located special point of equilibria: {', '.join(sorted(CURVES))}.",
         )
     for name, (low, high) in zip(free, settings.bounds.values(), strict=True):
         system.require_parameter(name)

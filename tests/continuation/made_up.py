@@ -75,7 +75,7 @@ class MadeUp:
     error: float = 1e-14
     evaluated: int = 0
 
-    kind, line, meshed, limited = "made_up", LINE, None, None
+    kind, line, meshed, limited, anchored = "made_up", LINE, None, None, None
     evaluations, point_types = 0, tuple(KINDS.values())
 
     @property

@@ -80,14 +80,21 @@ def test_a_branch_that_cannot_be_begun_is_one_that_failed(monkeypatch, error):
 
 @pytest.mark.parametrize("error", ERRORS)
 def test_a_walk_that_breaks_off_keeps_what_it_has(monkeypatch, error):
-    whole = Equilibrium.adapted
+    class Breaking:
+        """Equations that are made for a place, and cannot be beyond 0.25."""
 
-    def broken(self, sample):
-        if sample.parameter > 0.25:
-            raise error
-        return whole(self, sample)
+        def __init__(self, problem):
+            self.problem = problem
 
-    monkeypatch.setattr(Equilibrium, "adapted", broken)
+        def adapted(self, sample):
+            if sample.parameter > 0.25:
+                raise error
+            return self.problem, sample
+
+        def at_stored(self, z, weights):
+            return self.problem
+
+    monkeypatch.setattr(Equilibrium, "anchored", property(Breaking))
     problem = small_problem(two_points, "xyz", {"mu": -0.5}, "mu")
     branch = cw.continue_branch(problem, [0.0, 0.0, 0.0], (-1.0, 1.0))
     assert (branch.outcome.status, branch.outcome.reason) == ("failed", "not_finite")

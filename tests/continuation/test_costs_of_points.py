@@ -24,9 +24,6 @@ class Counting(MadeUp):
     @evaluations.setter
     def evaluations(self, value: int) -> None: ...
 
-    def adapted(self, sample):
-        return self, sample
-
 
 def test_the_evaluations_of_the_points_are_those_of_the_walk():
     straight = line(lambda z: [-1.0])

@@ -29,6 +29,10 @@ class Remade(MadeUp):
 
     size = 1
 
+    @property
+    def anchored(self) -> Remade:
+        return self
+
     def adapted(self, sample: Sample) -> tuple[MadeUp, Sample]:
         assert self.eigenvalues is not None
         early = self.eigenvalues(np.array([0.0, HOPF]))[0].real > 0.0

@@ -14,7 +14,7 @@ from contwalk.problems.restoring import RESTORED_BY, problem_of
 
 
 def test_every_kind_that_is_stored_can_be_restored():
-    assert set(RESTORED_BY) == {"equilibrium", *ORBITS}
+    assert set(RESTORED_BY) == {"equilibrium", "locus", *ORBITS}
     assert all(callable(import_module(name).restored) for name in RESTORED_BY.values())
 
 

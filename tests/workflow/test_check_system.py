@@ -211,7 +211,7 @@ MISTAKES = {
     ),
     "wrong period": (
         IMPACT, "2.0 * math.pi / p.omega", "math.pi / p.omega", "error",
-        "field of mode 'free'", "does not repeat after period(p) = 2.41661", "def field",
+        "field of mode 'free'", "does not repeat after period(p) = 2.4166", "def field",
     ),
     "negative period": (
         IMPACT, "2.0 * math.pi / p.omega", "-2.0 * math.pi / p.omega", "error",
