@@ -17,6 +17,7 @@ RUN = {
     "docs/howto/friction.md": "docs/test_howto_events.py",
     "docs/howto/mass_matrices.md": "docs/test_mass_matrices.py",
     "docs/howto/point_types.md": "docs/test_point_types.py",
+    "docs/howto/two_parameters.md": "docs/test_two_parameters.py",
     "docs/howto/relays.md": "docs/test_howto_events.py",
     "docs/howto/scuffing.md": "docs/test_scuffing.py",
     "docs/howto/storage_backends.md": "page_backend.py",
@@ -33,11 +34,6 @@ NOT_RUN = {
     ("docs/howto/accuracy.md", "contwalk continue runs/autobalancer_cascade.yaml"): STUDY,
     ("docs/howto/accuracy.md", "contwalk tradeoff runs/autobalancer_cascade.yaml"): STUDY,
     ("docs/howto/accuracy.md", "from contwalk.continuation.reopening import reopened"): PART,
-    ("docs/howto/two_parameters.md", "system: ./bazykin.py"): "a part of a run file; no test of the page yet",
-    ("docs/howto/two_parameters.md", "loci: {with: delta, range: [0.001, 1.0], of: all, follow: all}"): (
-        "a line of a run file; no test of the page yet"
-    ),
-    ("docs/howto/two_parameters.md", "import contwalk as cw"): "no test of the page yet",
     ("docs/reference/cli.md", "contwalk init SYSTEM [-o FILE] [--set CHOICE=VALUE]"): FORMS,
     ("docs/reference/cli.md", "contwalk systems list"): FORMS,
     (

@@ -1,0 +1,60 @@
+"""The how-to page on curves in two parameters: its commands from the page alone, and what they find."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from code_blocks import blocks, commands, run_command, run_python
+
+PAGE = "docs/howto/two_parameters.md"
+# Found with mpmath from the characteristic polynomial; MatCont's tutorial prints the first digits.
+BT = {"alpha": 0.45362432777812945522, "delta": 0.17512759295021742421}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """The page's files, and its commands run in their order."""
+    folder = tmp_path_factory.mktemp("two_parameters")
+    plugin, _ = blocks(PAGE, "python")
+    one, two, every = blocks(PAGE, "yaml")
+    for name, text in (
+        ("bazykin.py", plugin),
+        ("one.yaml", one),
+        ("two.yaml", two),
+        ("all.yaml", every),
+    ):
+        (folder / name).write_text(text, encoding="utf-8")
+    for line in commands(PAGE):
+        run_command(line, folder)
+    return folder
+
+
+def curves(folder, database):
+    """The curves of a database."""
+    told = json.loads(run_command(f"contwalk show {database} --json", folder))
+    return [branch for branch in told["branches"] if branch["problem"] == "locus"]
+
+
+@pytest.mark.parametrize("run", ["two", "all"])
+def test_both_curves_meet_in_a_point_that_is_known(folder, run):
+    if run == "all":
+        run_command("contwalk continue all.yaml", folder)
+    found = curves(folder, f"{run}.h5")
+    through = {
+        curve["of"]
+        for curve in found
+        for point in curve["special_points"]
+        if point["label"] == "BT"
+        and all(abs(point["parameters"][name] - BT[name]) <= point["errors"][name] for name in BT)
+    }
+    assert through == {"LP", "HB"}
+
+
+def test_the_figure_is_drawn(folder):
+    assert (folder / "two.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_script_tells_the_points_of_the_curve(folder):
+    _, script = blocks(PAGE, "python")
+    assert "BT1" in run_python(script, folder)
