@@ -76,10 +76,10 @@ def _print_branch(
     errors_follow: bool,
 ) -> None:
     info, outcome = branch.info, branch.outcome
-    words = [info.problem.replace("_", " ")]
-    if info.free and len(branch):
-        values = branch[info.free[0]]
-        words.append(f"{info.free[0]} from {values.min():.6g} to {values.max():.6g}")
+    of = info.settings.get("of")
+    words = [info.problem.replace("_", " ") + (f" of {of}" if of else "")]
+    for name in info.free if len(branch) else ():
+        words.append(f"{name} from {branch[name].min():.6g} to {branch[name].max():.6g}")
     words += [plural(len(branch), "point"), f"{branch.cost.get('seconds', 0.0):.3g} s"]
     rhs = int(branch.cost.get("rhs", 0))
     words += [plural(rhs, "right-hand side")] if rhs else []

@@ -51,6 +51,11 @@ def test_both_curves_meet_in_a_point_that_is_known(folder, run):
     assert through == {"LP", "HB"}
 
 
+def test_show_says_of_which_points_a_curve_is(folder):
+    shown = run_command("contwalk show two.h5", folder)
+    assert "b1  locus of HB, alpha from 0.0112275 to 0.955472, delta from 0.001 to " in shown
+
+
 def test_the_figure_is_drawn(folder):
     assert (folder / "two.png").read_bytes().startswith(b"\x89PNG")
 
