@@ -580,7 +580,8 @@ def test_a_guard_that_ceases_to_exist_is_no_event(method):
     assert "test_hybrid_arcs.py, line" in found[0].reason
     # The guard is a further state of the steps that approach its edge: its slope grows without bound there.
     assert found[0].times[-1] == pytest.approx(math.asin(edge), abs=1e-6)
-    assert found[0].states[-1][0] <= edge
+    # The edge but for the rounding of the step that is evaluated there.
+    assert found[0].states[-1][0] <= edge * (1.0 + np.finfo(float).eps)
 
 
 def test_a_guard_that_ceases_to_exist_where_it_is_never_asked_acts():

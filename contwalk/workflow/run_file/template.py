@@ -28,6 +28,7 @@ diagram: {{follow: [BP, HB, PD], depth: 5}}   # labels of {labels}; all, or none
 {events}# report_at: {report_at}   # where the state of an orbit is taken
 # output: {system}.h5   # the default is this file's name with .h5, in the current directory
 # figures: [bifurcation_diagram]   # of {figures}
+# loci: {loci}   # curves in two parameters from the special points
 # sweep: {sweep}   # the whole diagram at each value; or NAME: {{from: 0, to: 1, count: 11}}
 # engine: {{max_step: 0.1, max_angle: 20}}   # for experts: step, min_step, newton_iterations
 # simulate: {simulate}   # contwalk simulate: one motion from the start
@@ -84,6 +85,7 @@ def starting_file(system: System, reference: str) -> str:
         figures=", ".join(FIGURES),
         report_at=_report_example(system),
         sweep=_sweep_example(system, parameter),
+        loci=_loci_example(system, parameter),
         simulate=f"{{until: settled, points: 1000, perturb: {{{system.state_names[0]}: 0.01}}}}",
         sample=_sample_example(system),
     )
@@ -96,16 +98,23 @@ def _continued(system: System) -> tuple[Parameter, tuple[float, float]]:
         name, between = system.study.parameter, system.study.range
         return next(p for p in system.parameters if p.name == name), (float(between[0]), float(between[1]))
     for parameter in system.parameters:
-        value = float(parameter.default)
-        ends = sorted((0.5 * value, 2.0 * value)) if value else [-1.0, 1.0]
-        low, high = parameter.bounds
-        ends[0] = ends[0] if low is None else max(ends[0], float(low))
-        ends[1] = ends[1] if high is None else min(ends[1], float(high))
-        if ends[0] < ends[1]:
-            return parameter, (ends[0], ends[1])
+        low, high = _around(parameter)
+        if low < high:
+            return parameter, (low, high)
     raise RunFileError(
         f"System '{system.name}' has no parameter that could be continued.",
         "Declare a parameter whose bounds leave room around its default.",
+    )
+
+
+def _around(parameter: Parameter) -> tuple[float, float]:
+    """A range around a parameter's default, within its bounds."""
+    value = float(parameter.default)
+    ends = sorted((0.5 * value, 2.0 * value)) if value else [-1.0, 1.0]
+    low, high = parameter.bounds
+    return (
+        ends[0] if low is None else max(ends[0], float(low)),
+        ends[1] if high is None else min(ends[1], float(high)),
     )
 
 
@@ -203,6 +212,15 @@ def _sweep_example(system: System, continued: Parameter) -> str:
     known = [parameter for parameter in system.parameters if not math.isnan(parameter.default)]
     others = [parameter for parameter in known if parameter is not continued]
     return f"{{{others[-1].name}: [{float(others[-1].default)!r}]}}" if others else "null"
+
+
+def _loci_example(system: System, continued: Parameter) -> str:
+    """Curves over another parameter that has room around its default; null where there is none."""
+    for parameter in reversed(system.parameters):
+        low, high = _around(parameter)
+        if parameter is not continued and low < high:
+            return f"{{with: {_text(parameter.name)}, range: [{low!r}, {high!r}], of: all, follow: all}}"
+    return "null"
 
 
 def _sample_example(system: System) -> str:
