@@ -132,6 +132,15 @@ def norm_in(step: np.ndarray, weights: np.ndarray) -> float:
     return math.sqrt(scaled.dot(scaled))
 
 
+def unit_in(tangent: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """The unit vector along a tangent in the metric of `weights`, all of shape (n,).
+
+    A stored tangent is a unit vector already and stays as it is: dividing would change its last digits.
+    """
+    length = norm_in(tangent, weights)
+    return tangent if abs(length - 1.0) < 1e-14 else tangent / length
+
+
 def kernel_direction(matrix: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """The vector, shape (n + 1,), that an (n, n + 1) matrix takes to zero, a unit in the metric.
 

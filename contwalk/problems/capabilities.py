@@ -7,7 +7,7 @@ itself.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Protocol
+from typing import Protocol, Self
 
 import numpy as np
 
@@ -15,6 +15,20 @@ from contwalk.branch import Outcome, SpecialPoint
 from contwalk.problems.kinks import Kink
 from contwalk.problems.located import Located
 from contwalk.problems.sample import Sample
+
+
+class OwnMeasures:
+    """The part of a problem that measures and compares its solutions itself."""
+
+    @property
+    def observed(self) -> Self:
+        """It measures its solutions itself."""
+        return self
+
+    @property
+    def equivalence(self) -> Self:
+        """It compares its solutions itself."""
+        return self
 
 
 class Observed(Protocol):

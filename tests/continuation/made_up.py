@@ -13,6 +13,7 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.continuation.segment import Segment
+from contwalk.problems.capabilities import OwnMeasures
 from contwalk.problems.parameter_line import ParameterLine
 from contwalk.problems.problem import Linearization, Located, PointType, Sample, Test
 from contwalk.problems.sample import Rates
@@ -58,7 +59,7 @@ KINDS = {
 
 
 @dataclass
-class MadeUp:
+class MadeUp(OwnMeasures):
     """F(z) = 0 for z of N unknowns and the parameter.
 
     `eigenvalues(z)` is told apart from F; `special` holds the special points by label, and `locate` answers
@@ -79,15 +80,7 @@ class MadeUp:
     evaluations, point_types = 0, tuple(KINDS.values())
 
     @property
-    def observed(self) -> MadeUp:
-        return self
-
-    @property
     def diagnosis(self) -> MadeUp:
-        return self
-
-    @property
-    def equivalence(self) -> MadeUp:
         return self
 
     @property

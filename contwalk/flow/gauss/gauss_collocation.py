@@ -15,7 +15,7 @@ from functools import cache
 
 import numpy as np
 
-from contwalk.flow.compiled.addresses import address
+from contwalk.flow.compiled.call_memory import CallMemory
 from contwalk.flow.compiled.compiled_field import CompiledField
 from contwalk.flow.compiled.entry_points import Entry
 from contwalk.flow.gauss.gauss_call import GaussCall, GaussControl
@@ -51,7 +51,7 @@ def _packed(degree: int) -> np.ndarray:
     return gauss_points(degree).packed()
 
 
-class _Call:
+class _Call(CallMemory):
     """The memory of one call, and the record that tells a kernel of it: a field, a degree, and scratch."""
 
     def __init__(
@@ -60,34 +60,24 @@ class _Call:
         n, entries, s = field.n, len(field.col), TABLEAUS[method].degree
         finer = s + 1 if estimating else 0
         sn = max(s, finer) * n
-        self._kept: list[object] = [field]
+        super().__init__(field)
         self.record = GaussCall(
             rhs=field.rhs_address,
             jac=field.rhs_jac_address,
             n=n,
-            rows=self._keep(field.row_ptr),
-            columns=self._keep(field.col),
+            rows=self.keep(field.row_ptr),
+            columns=self.keep(field.col),
             entries=entries,
-            c=self._keep(c),
+            c=self.keep(c),
             constants=len(c),
-            numbers=self._keep(_packed(s)),
+            numbers=self.keep(_packed(s)),
             s=s,
-            finer_numbers=self._keep(_packed(finer)) if finer else 0,
+            finer_numbers=self.keep(_packed(finer)) if finer else 0,
             finer=finer,
-            scratch=self._keep(np.empty(n + entries + sn * (sn + 3 + q) + n * (3 + q))),
-            pivots=self._keep(np.empty(sn, dtype=np.int64)),
+            scratch=self.keep(np.empty(n + entries + sn * (sn + 3 + q) + n * (3 + q))),
+            pivots=self.keep(np.empty(sn, dtype=np.int64)),
             q=q,
         )
-
-    def _keep(self, array: np.ndarray) -> int:
-        """The address of an array that lives as long as the call."""
-        self._kept.append(array)
-        return address(array)
-
-    def give(self, **arrays: np.ndarray | None) -> None:
-        """Put arrays where the kernel finds them: their addresses into fields of the record."""
-        for name, array in arrays.items():
-            setattr(self.record, name, 0 if array is None or not array.size else self._keep(array))
 
 
 def adaptive(

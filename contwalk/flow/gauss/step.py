@@ -13,6 +13,7 @@ import numpy as np
 from contwalk.flow.compiled.calling import call_rhs, doubles, inlined
 from contwalk.flow.gauss.parts import EPSILON, Points, Work
 from contwalk.flow.radau.dense_lu import factor, solve
+from contwalk.flow.radau.newton import apply
 from contwalk.flow.radau.parts import Equations
 from contwalk.flow.radau.tangents import driven, stage_matrix
 
@@ -76,25 +77,6 @@ def values(eq: Equations, m: Points, w: Work, t: float, h: float, x: np.ndarray)
 
 
 @inlined
-def apply(m: Points, w: Work, n: int) -> float:
-    """Add the correction; its largest entry in units of rounding."""
-    largest = 0.0
-    for k in range(n):
-        reach = move = 0.0
-        for i in range(m.s):
-            change = w.correction[i * n + k]
-            w.z[i * n + k] += change
-            reach = max(reach, abs(w.z[i * n + k]))
-            if not abs(change) <= move:  # NaN too
-                move = abs(change)
-        if move > 0.0 or move != move:
-            size = move / (w.base[k] + EPSILON * reach)
-            if not size <= largest:
-                largest = size
-    return largest
-
-
-@inlined
 def increments(eq: Equations, m: Points, w: Work, t: float, h: float, x: np.ndarray) -> tuple[int, int]:
     """Solve for the increments in `w.z`, from none; (how it ended, evaluations of the field)."""
     n, s = eq.n, m.s
@@ -116,7 +98,7 @@ def increments(eq: Equations, m: Points, w: Work, t: float, h: float, x: np.ndar
             spent += s
             values(eq, m, w, t, h, x)
         solve(w.matrix, w.pivots, sn, w.correction, 1)
-        size = apply(m, w, n)
+        size = apply(w.z, w.correction, w.base, n, s)
         if not size < np.inf:
             return NOT_FINITE, spent
         if size <= ROUNDED:

@@ -188,20 +188,22 @@ def correction(eq: Equations, m: Method, w: Work, h: float) -> None:
 
 
 @inlined
-def apply(eq: Equations, m: Method, w: Work) -> float:
-    """Add the correction; its largest entry in units of rounding."""
-    n, s = eq.n, m.s
+def apply(z: np.ndarray, correction: np.ndarray, base: np.ndarray, n: int, s: int) -> float:
+    """Add a correction of the increments of s stages, both (s n,); its largest entry in units of rounding.
+
+    What rounding leaves of each state is base (n,), beside that of its increments.
+    """
     largest = 0.0
     for k in range(n):
         reach = move = 0.0
         for i in range(s):
-            change = w.delta[i * n + k]
-            w.z[i * n + k] += change
-            reach = max(reach, abs(w.z[i * n + k]))
+            change = correction[i * n + k]
+            z[i * n + k] += change
+            reach = max(reach, abs(z[i * n + k]))
             if not abs(change) <= move:  # NaN too
                 move = abs(change)
         if move > 0.0 or move != move:
-            size = move / (w.base[k] + EPSILON * reach)
+            size = move / (base[k] + EPSILON * reach)
             if not size <= largest:
                 largest = size
     return largest
@@ -225,7 +227,7 @@ def iterate(
     for number in range(1, most + 1):
         residuals(eq, m, w, t, h, x)
         correction(eq, m, w, h)
-        last, size = size, apply(eq, m, w)
+        last, size = size, apply(w.z, w.delta, w.base, eq.n, m.s)
         if not size < np.inf:
             return NOT_FINITE, number, 1.0
         if number == 1:

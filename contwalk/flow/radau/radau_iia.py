@@ -14,7 +14,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from contwalk.flow.compiled.addresses import address
+from contwalk.flow.compiled.call_memory import CallMemory
 from contwalk.flow.compiled.compiled_field import CompiledField
 from contwalk.flow.compiled.entry_points import Entry
 from contwalk.flow.path import ErrorControl, Path, Tangents
@@ -63,7 +63,7 @@ def _errors(estimates: np.ndarray, stages: int) -> np.ndarray:
     return (estimates / SHARE) ** (2 * stages / (stages + 1))
 
 
-class _Call:
+class _Call(CallMemory):
     """The memory of one call, and the record that tells a kernel of it: a field, a tableau, and scratch."""
 
     def __init__(
@@ -73,34 +73,24 @@ class _Call:
         modes, numbers = (s - 1) // 2, _packed(tableau)
         size = 2 * (n + entries) + 5 * s * n + (1 + 2 * modes) * n * n + 5 * n + more
         pivot_size = (1 + modes) * n + pivots
-        self._kept: list[object] = [field]
+        super().__init__(field)
         self.record = RadauCall(
             rhs=field.rhs_address,
             jac=field.rhs_jac_address,
             n=n,
-            rows=self._keep(field.row_ptr),
-            columns=self._keep(field.col),
+            rows=self.keep(field.row_ptr),
+            columns=self.keep(field.col),
             entries=entries,
-            c=self._keep(c),
+            c=self.keep(c),
             constants=len(c),
-            tableau=self._keep(numbers),
+            tableau=self.keep(numbers),
             numbers=len(numbers),
             s=s,
-            scratch=self._keep(np.empty(size)),
+            scratch=self.keep(np.empty(size)),
             size=size,
-            pivots=self._keep(np.empty(pivot_size, dtype=np.int64)),
+            pivots=self.keep(np.empty(pivot_size, dtype=np.int64)),
             pivot_size=pivot_size,
         )
-
-    def _keep(self, array: np.ndarray) -> int:
-        """The address of an array that lives as long as the call."""
-        self._kept.append(array)
-        return address(array)
-
-    def give(self, **arrays: np.ndarray | None) -> None:
-        """Put arrays where the kernel finds them: their addresses into fields of the record."""
-        for name, array in arrays.items():
-            setattr(self.record, name, 0 if array is None or not array.size else self._keep(array))
 
 
 @cache

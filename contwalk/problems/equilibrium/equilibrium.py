@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from contwalk.errors import NotFinite
-from contwalk.numerics.linear import norm_in
+from contwalk.numerics.linear import unit_in
 from contwalk.numerics.spectrum import EPSILON, Spectrum, spectrum
 from contwalk.problems import neutral as neutrals
+from contwalk.problems.capabilities import OwnMeasures
 from contwalk.problems.equilibrium import defining_systems as defining
 from contwalk.problems.equilibrium import vertical
 from contwalk.problems.equilibrium.diagnosis import EquilibriumDiagnosis
@@ -26,7 +27,7 @@ from contwalk.problems.sample import Rates
 from contwalk.system import Neutral, System
 
 
-class Equilibrium(EquilibriumEquations):
+class Equilibrium(OwnMeasures, EquilibriumEquations):
     """The problem f(x, p) = 0.
 
     Parameters
@@ -52,16 +53,6 @@ class Equilibrium(EquilibriumEquations):
     # Its equations are exact and the same everywhere, and its solutions always the system's.
     anchored = meshed = None
     limited = None
-
-    @property
-    def observed(self) -> Equilibrium:
-        """It measures its solutions itself."""
-        return self
-
-    @property
-    def equivalence(self) -> Equilibrium:
-        """It compares its solutions itself."""
-        return self
 
     @property
     def diagnosis(self) -> EquilibriumDiagnosis:
@@ -93,9 +84,7 @@ class Equilibrium(EquilibriumEquations):
         z, tangent and weights have the shape (N + 1,); `before` is how many eigenvalues were unstable at the
         solution before, None at the first.
         """
-        length = norm_in(tangent, weights)
-        # A stored tangent is a unit vector already; dividing again would change its last digits.
-        unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
+        unit = unit_in(tangent, weights)
         orientation, error = linearization.orientation_and_error(unit, weights, linearization.levels[0])
         curvature = vertical.bending(self, z, unit, weights, linearization, error)
         found = self.spectrum(z, unit, linearization.jacobian, curvature)

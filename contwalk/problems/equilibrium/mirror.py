@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.numerics.linear import nearest_eigenpair
+from contwalk.numerics.linear import nearest_eigenpair, unit_in
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.normal_forms import critical_vectors
 from contwalk.problems.images import Product, point_of_image, products, row_of_image
@@ -114,12 +114,11 @@ class Mirror:
         if not residual <= max(SOLVED, 2.0 * float(row["residual"])):
             return None
         tangent = -(derivative @ row["tangent"])
-        length = float(np.linalg.norm(tangent / weights))
         states, parameters = there[None, : problem.states], problem.values_of(there)
         return row_of_image(
             row,
             there,
-            tangent if abs(length - 1.0) < 1e-14 else tangent / length,
+            unit_in(tangent, weights),
             weights,
             state=there[: problem.states],
             observables=[*problem.measured(there), row["observables"][-1]],

@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.numerics.linear import balanced
+from contwalk.numerics.linear import balanced, unit_in
 from contwalk.numerics.spectrum import EPSILON, Spectrum, spectrum
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
+from contwalk.problems.capabilities import OwnMeasures
 from contwalk.problems.linearization import Linearization
 from contwalk.problems.locus.bordered import pair_borders, zero_borders
 from contwalk.problems.locus.conditions import Augmented, Pair, Zero
@@ -44,7 +45,7 @@ class Curve:
 CURVES = {"LP": Curve("LP", 1), "HB": Curve("HB", 2)}
 
 
-class EquilibriumLocus:
+class EquilibriumLocus(OwnMeasures):
     """A curve of special points of equilibria in two parameters.
 
     Its unknowns are z = (x, drifts, kappa, second, first), kappa only along HB curves: minus the square of
@@ -81,16 +82,6 @@ class EquilibriumLocus:
     @property
     def anchored(self) -> EquilibriumLocus:
         """Its borders are made for a place."""
-        return self
-
-    @property
-    def observed(self) -> EquilibriumLocus:
-        """It measures its solutions itself."""
-        return self
-
-    @property
-    def equivalence(self) -> EquilibriumLocus:
-        """It compares its solutions itself."""
         return self
 
     @property
@@ -186,9 +177,7 @@ class EquilibriumLocus:
         z, tangent and weights have the shape (N + 1,); `before` is how many eigenvalues were unstable at the
         solution before, None at the first.
         """
-        length = float(np.linalg.norm(tangent / weights))
-        # A stored tangent is a unit vector already; dividing again would change its last digits.
-        unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
+        unit = unit_in(tangent, weights)
         orientation, error = linearization.orientation_and_error(unit, weights, linearization.levels[0])
         found, critical = self.spectrum(z, unit)
         kappa = [self.kappa(z)] * self.curve.pairs

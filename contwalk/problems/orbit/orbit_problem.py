@@ -10,7 +10,9 @@ from typing import Any, Self
 import numpy as np
 
 from contwalk.branch import SpecialPoint
+from contwalk.numerics.linear import unit_in
 from contwalk.problems import kinks
+from contwalk.problems.capabilities import OwnMeasures
 from contwalk.problems.orbit import (
     augmented,
     branching,
@@ -31,7 +33,7 @@ from contwalk.problems.orbit.return_map import ReturnMap
 from contwalk.problems.problem import Linearization, Located, Sample, Seed
 
 
-class OrbitProblem(OrbitData):
+class OrbitProblem(OwnMeasures, OrbitData):
     """The part of a problem of orbits that does not depend on how they are discretised."""
 
     blur = 1e-3  # solutions are solved for to a part of the tolerance only
@@ -44,16 +46,6 @@ class OrbitProblem(OrbitData):
     @property
     def anchored(self) -> Self:
         """Its mesh is made for the orbit."""
-        return self
-
-    @property
-    def observed(self) -> Self:
-        """It measures its solutions itself."""
-        return self
-
-    @property
-    def equivalence(self) -> Self:
-        """It compares its solutions itself."""
         return self
 
     def jacobian(self, z: np.ndarray) -> np.ndarray:
@@ -122,8 +114,7 @@ class OrbitProblem(OrbitData):
         """Everything that is watched at a solution; of `known`, its sample on other steps, the observables,
         the kinks and the reported state are taken over.
         """
-        length = float(np.linalg.norm(tangent / weights))
-        unit = tangent if abs(length - 1.0) < 1e-14 else tangent / length
+        unit = unit_in(tangent, weights)
         jacobian = linearization.jacobian
         trivial = monodromy.trivial_error(self, z, jacobian)
         found = monodromy.doubted(self, self.multipliers(z, jacobian), trivial, jacobian)
