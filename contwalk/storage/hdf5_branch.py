@@ -11,6 +11,8 @@ from contwalk.branch import BranchInfo, Outcome, SpecialPoint
 from contwalk.storage.hdf5_file import dataset_in, publish
 from contwalk.storage.records import RecordLog, describe
 from contwalk.storage.schema import (
+    LABEL,
+    LABELS_BEFORE,
     POINT_CHUNK,
     SPECIAL_CHUNK,
     TEXT_CHUNK,
@@ -38,7 +40,7 @@ class StoredBranch:
     def __init__(self, group: h5py.Group, info: BranchInfo) -> None:
         self.info = info
         self.points = RecordLog(dataset_in(group, "points"), point_record_dtype(info))
-        self.special_points = RecordLog(dataset_in(group, "special_points"), special_record_dtype(info))
+        self.special_points = _special_points(dataset_in(group, "special_points"), info)
         self.outcomes = RecordLog(dataset_in(group, "outcome"), TEXT_DTYPE)
         texts = joined(self.outcomes.read())
         self._end = outcome_from_text(texts[-1] if texts else None)
@@ -97,6 +99,7 @@ class StoredBranch:
     def copy_to(self, file: h5py.File, order: int, rows: int | None, specials: list[int] | None) -> None:
         """Write the branch into another file, with its first `rows` and some `specials` (all for None)."""
         points, special_points = self._read()
+        special_points = special_points.astype(special_record_dtype(self.info), copy=False)
         kept, special_points = points[:rows], special_points if specials is None else special_points[specials]
         ended = None
         if self._end is not None:
@@ -146,3 +149,11 @@ class StoredBranch:
         """Take the outcome back."""
         self.outcomes.append(pieces(REOPENED))
         self._end = self._extent = None
+
+
+def _special_points(dataset: h5py.Dataset, info: BranchInfo) -> RecordLog:
+    """The log of special points; in files of earlier schemas its labels have less room."""
+    names = dataset.dtype.names or ()
+    stored = dataset.dtype["label"].itemsize if "label" in names else LABEL
+    label = stored if stored in LABELS_BEFORE else LABEL
+    return RecordLog(dataset, special_record_dtype(info, label))

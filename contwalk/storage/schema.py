@@ -1,4 +1,4 @@
-"""Schema version 1: how the objects of a run become JSON text and fixed-length records.
+"""Schema version 2: how the objects of a run become JSON text and fixed-length records.
 
 Stored JSON is standard JSON that round-trips every float: a number that is not finite becomes
 `{"$number": "nan"}`, a complex number `{"$complex": [re, im]}`.
@@ -21,7 +21,9 @@ from contwalk.storage.typed import typed
 
 FORMAT = "contwalk"
 PROBLEMS = ("equilibrium", "periodic_orbit", "hybrid_orbit", "locus")
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
+LABEL = 8  # bytes of a special point's label; those of schema version 1 are in `LABELS_BEFORE`
+LABELS_BEFORE = (2,)
 
 PIECE = 1024  # bytes of text in one row of a text log (outcome, notes)
 TEXT_CHUNK = 8  # rows in one chunk of a text log
@@ -171,8 +173,10 @@ def point_record_dtype(info: BranchInfo) -> np.dtype:
     return np.dtype([(name, dtype[name]) for name in names])
 
 
-def special_record_dtype(info: BranchInfo) -> np.dtype:
+def special_record_dtype(info: BranchInfo, label: int = LABEL) -> np.dtype:
     """One special point as stored: a few numeric columns for other tools, and the whole as JSON text.
+
+    `label` is how many bytes the label has room for.
 
     The length of the text allows 32 characters a number and twice the numbers that the branch announces,
     plus 8 KiB for coefficients, margins and the note.
@@ -182,7 +186,7 @@ def special_record_dtype(info: BranchInfo) -> np.dtype:
     length = 8192 + 2 * (sum(len(name.encode()) + 4 for name in names) + 32 * numbers)
     return np.dtype(
         [
-            ("label", "S2"),
+            ("label", f"S{label}"),
             ("status", "S9"),
             ("s", "<f8"),
             ("free", "<f8", (len(info.free),)),
@@ -198,10 +202,16 @@ def special_record(info: BranchInfo, point: SpecialPoint, dtype: np.dtype) -> np
     Raises
     ------
     DatabaseError
-        If the text does not fit: nothing is cut silently.
+        If the text or the label does not fit: nothing is cut silently.
     """
     text = special_text(point).encode()
     length = dtype["record"].itemsize
+    if len(point.label.encode()) > dtype["label"].itemsize:
+        raise DatabaseError(
+            f"The label {point.label!r} of a special point of branch {info.name} has more than "
+            f"{dtype['label'].itemsize} bytes.",
+            "Give the kind of point a shorter label.",
+        )
     if len(text) > length:
         raise DatabaseError(
             f"A special point {point.label} of branch {info.name} needs {len(text)} bytes, more than the "
