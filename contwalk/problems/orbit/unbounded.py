@@ -40,8 +40,12 @@ FALLEN = 1e-2
 # Newton's method stagnates at rounding, which may be a large part of what is left of the parameter's way.
 STAGNATES = 1e-2
 # How many orbits are asked, the first as far as the step was long, each following one twice as far; one that
-# is not found is looked for less far, so many times.
-PROBES, FURTHER, SHORTER, LOST = 60, 2.0, 0.25, 2
+# is not found is looked for less far, so many times in a row. So many in all are too many before the orbit
+# has grown by this factor: a family that runs to infinity is followed in ever longer steps, a canard's only
+# in short ones through all its changes of shape.
+PROBES, FURTHER, SHORTER, LOST, GROWN_BY_THEN = 60, 2.0, 0.25, 2, 2.0
+# They are asked where a state passes a power of this, and not at every step.
+ASKED = 2.0**0.25
 # A power with which another unknown grows: beyond, it goes straight on.
 MOST_POWER = 4.0
 # Orbits must have grown by this factor: the parameter of a canard stands still too, while its size goes from
@@ -67,7 +71,7 @@ def unbounded(problem: Orbit, a: Sample, b: Sample) -> Outcome | None:
     if abs(b.tangent[-1]) > STILL * b.weights[-1]:
         return None
     which = _growing(problem, b)
-    if which is None or not _suspected(problem, which, a, b):
+    if which is None or not _asked(which, a, b) or not _suspected(problem, which, a, b):
         return None
     found = _limit(problem, which, a, b)
     if found is None:
@@ -95,6 +99,13 @@ def _growing(problem: Orbit, b: Sample) -> int | None:
     rates = np.where(shares > LARGE * shares.max(initial=0.0), rates, 0.0)
     which = int(np.argmax(np.where(rates > ALIKE * rates.max(initial=0.0), shares, 0.0)))
     return which if rates[which] > 0.0 else None
+
+
+def _asked(which: int, a: Sample, b: Sample) -> bool:
+    """Whether a state passes a place at which orbits further out are asked."""
+    with np.errstate(divide="ignore"):
+        before, now = (np.floor(np.log(abs(s.z[which])) / np.log(ASKED)) for s in (a, b))
+    return bool(now > before)
 
 
 def _suspected(problem: Orbit, which: int, a: Sample, b: Sample) -> bool:
@@ -162,8 +173,9 @@ def _further(problem: Orbit, which: int, step: float, a: Sample, b: Sample) -> I
     """The orbit of b on fine steps, and orbits further and further out along a state, while there are any."""
     left = _left(which, a, b)
     states = np.array([problem.state_of(k) is not None for k in range(len(b.z))])
-    last, lost = _solved(problem, which, b.z, b.weights, left), 0
-    if last is None:
+    last = begun = _solved(problem, which, b.z, b.weights, left)
+    lost = running = 0
+    if last is None or begun is None:
         return
     yield last
     for _ in range(PROBES):
@@ -172,13 +184,14 @@ def _further(problem: Orbit, which: int, step: float, a: Sample, b: Sample) -> I
         grown = np.where(states, there / float(b.z[which]), 1.0)
         place = _solved(problem, which, guess, b.weights * grown, left)
         if place is None:
-            lost, step = lost + 1, SHORTER * step
-            if lost > LOST:
+            lost, running, step = lost + 1, running + 1, SHORTER * step
+            small = float(last.z[which] / begun.z[which]) < GROWN_BY_THEN
+            if (lost if small else running) > LOST:
                 return
             continue
         if _slope(which, last) / _slope(which, place) > 1.0:
             left = _left(which, last, place)
-        last, lost, step = place, 0, FURTHER * step
+        last, running, step = place, 0, FURTHER * step
         yield place
 
 

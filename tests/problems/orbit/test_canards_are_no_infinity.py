@@ -1,0 +1,34 @@
+"""Along a canard the parameter stands still while states move: nothing runs to infinity there."""
+
+from __future__ import annotations
+
+from small_systems import small_problem
+
+import contwalk as cw
+from contwalk.problems.orbit import unbounded
+from contwalk.problems.orbit.discretization import Discretization
+
+
+def nerve(t, x, p, dx):
+    dx[0] = x[0] - x[0] ** 3 / 3.0 - x[1] + p.I
+    dx[1] = 0.02 * (x[0] + 0.7 - 0.8 * x[1])
+
+
+def test_orbits_further_out_are_asked_seldom_along_a_canard(monkeypatch):
+    """Each is as dear as a step of the walk."""
+    asked = []
+    solved = unbounded._solved
+
+    def counted(*given):
+        asked.append(1)
+        return solved(*given)
+
+    monkeypatch.setattr(unbounded, "_solved", counted)
+    system = small_problem(nerve, "vw", {"I": 0.0}, "I").system
+    problem = cw.Equilibrium(
+        system, system.defaults(), "I", discretization=Discretization(scheme="collocation")
+    )
+    equilibria = cw.continue_branch(problem, [-1.2, -0.6], (0.0, 2.0))
+    cycle = cw.switch_branch(problem, equilibria, "HB1", (0.0, 2.0), max_points=150)
+    assert cycle.outcome.reason != "unbounded"
+    assert len(asked) < 0.3 * len(cycle.points)
