@@ -6,14 +6,17 @@ start. What is neutral nowhere is an error; what all fields carry along and a tr
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from contwalk.fields.derivative import directional
+from contwalk.fields.graph import Graph
 from contwalk.fields.ranges import ranges
+from contwalk.fields.trace import Outputs, trace
+from contwalk.plugin_check import neutral_somewhere
 from contwalk.plugin_check.events import traced_reset
 from contwalk.plugin_check.findings import Report, place_of
 from contwalk.plugin_check.functions import EPSILON, check_map
@@ -32,6 +35,8 @@ FACTOR = 100.0
 AT_REST = 1e-7
 # Values that switch a term off, or make a factor that of nothing.
 TRIED = (0.0, 1.0)
+# A generator this small against its size at sampled states has no direction.
+VANISHED = 1e-6
 
 
 def check_neutral(
@@ -51,9 +56,16 @@ def check_neutral(
     if lost:
         # It may be neutral for other parameters, or at equilibria that nobody names: that is no mistake.
         where = _where_neutral(generator, fields, system, samples)
-        found = f"is neutral {where}" if where else "nothing shows it to be neutral"
-        unless = "" if where else ". It is held only where a branch begins that shows it to be neutral"
-        report.ok(what, f"{found}; at the defaults {lost}{unless}.", place)
+        if where:
+            report.ok(what, f"is neutral {where}; at the defaults {lost}.", place)
+            return
+        report.warning(
+            what,
+            f"Nothing shows it to be neutral: {lost}, and no parameters and no equilibrium were found with "
+            "which it is. It is held only where a branch begins that shows it to be neutral, and else it has "
+            "no effect. Correct its generator or the field, or remove it, unless you know where it is.",
+            place,
+        )
         return
     report.ok(what, "is carried along by the fields of all modes.", place)
     for transition in distinct_transitions(system):
@@ -80,18 +92,14 @@ def check_somewhere(
 ) -> bool:
     """Whether a direction may be neutral at all; a finding where expressions show that it is nowhere.
 
-    Told of directions that are the same at every state: there A v is the bracket, and equilibria, motions
-    and orbits all need it to vanish.
+    Equilibria, motions and orbits all need the bracket Df v - Dv f to vanish: at an equilibrium it is A v.
     """
     place = place_of(generator.function)
     if generator.system.period is None and 0 in generator.depends():
         sentence = "It depends on t: a direction is a function of the state and the parameters."
         report.error(what, sentence, place)
         return False
-    direction = _constant(generator)
-    if direction is None:
-        return True
-    if not np.any(direction):
+    if _is_zero(generator):
         report.error(
             what,
             "It is zero everywhere, which is no direction. Write its entries into v, or remove it.",
@@ -100,7 +108,7 @@ def check_somewhere(
         return False
     entries = list[str]()
     for each in generator.system.modes:  # of many modes only the first is traced, as a rule
-        entry = _always_changes(fields[each.name], direction, samples)
+        entry = _always_changes(generator, fields[each.name], samples)
         if entry is None:
             return True
         entries.append(entry)
@@ -114,34 +122,39 @@ def check_somewhere(
     return False
 
 
-def _constant(generator: Traced) -> np.ndarray | None:
-    """The direction, shape (n,), if it is the same at every state and for all parameters."""
-    leaves, value = generator.outputs(), generator.program.graph.value
-    if len(leaves) != 1:
-        return None
-    entries = [value(node) for node in leaves[0].nodes]
-    return None if any(entry is None for entry in entries) else np.array(entries, dtype=float)
+def _is_zero(generator: Traced) -> bool:
+    value = generator.program.graph.value
+    return all(value(node) == 0.0 for leaf in generator.outputs() for node in leaf.nodes)
 
 
-def _always_changes(field: Traced, direction: np.ndarray, samples: Samples) -> str | None:
-    """The rate that a shift along a constant direction changes everywhere; None where none does."""
-    graph, bounds = field.program.graph, parameter_bounds(field.system)
-    along = {graph.input("x", i): graph.constant(float(direction[i])) for i in field.existing if direction[i]}
-    common = set(range(len(direction)))
-    for leaf in field.outputs():
-        changes = ranges(graph, tuple(directional(graph, leaf.nodes, along)), bounds)
-        common &= {i for i, (low, high) in enumerate(changes) if low > 0.0 or high < 0.0}
-    seen = [i for i in sorted(common) if _differs(field, direction, i, samples)]
+def _always_changes(generator: Traced, field: Traced, samples: Samples) -> str | None:
+    """The rate that moving along a direction changes everywhere; None where there is none."""
+    n, bounds = len(field.form.names), parameter_bounds(field.system)
+    both = trace(lambda tracer: [*field.recorded(tracer), *generator.recorded(tracer)])
+    common = set(range(n))
+    for leaf in both.leaves():
+        if isinstance(leaf, Outputs):
+            changes = ranges(both.graph, tuple(_bracket_nodes(both.graph, leaf, field.existing)), bounds)
+            common &= {i for i, (low, high) in enumerate(changes) if low > 0.0 or high < 0.0}
+    seen = [i for i in sorted(common) if _differs(generator, field, i, samples)]
     return field.form.entry(seen[0]) if seen else None
 
 
-def _differs(field: Traced, direction: np.ndarray, i: int, samples: Samples) -> bool:
-    """Whether a rate is another one after a shift: what cancels but for rounding changes nothing."""
-    shift = direction * np.min(samples.scales[direction != 0.0] / np.abs(direction[direction != 0.0]))
+def _bracket_nodes(graph: Graph, leaf: Outputs, existing: Sequence[int]) -> list[int]:
+    """Nodes of Df v - Dv f, from those of f and v in one graph."""
+    n = len(leaf.nodes) // 2
+    f, v = leaf.nodes[:n], leaf.nodes[n:]
+    along = directional(graph, f, {graph.input("x", i): v[i] for i in existing})
+    flowing = {graph.input("x", i): f[i] for i in existing} | {graph.input("t", 0): graph.one}
+    turned = directional(graph, v, flowing)
+    return [graph.sub(a, b) for a, b in zip(along, turned, strict=True)]
+
+
+def _differs(generator: Traced, field: Traced, i: int, samples: Samples) -> bool:
+    """Whether a rate is another one after a move: what cancels but for rounding changes nothing."""
     for t, x in zip(samples.times, samples.states, strict=True):
-        moved = np.array([field.values(t, y, samples.values)[i] for y in (x, x + shift)])
-        bound = sum(field.roundings(t, y, samples.values)[i] for y in (x, x + shift))
-        if abs(moved[1] - moved[0]) > FACTOR * EPSILON * bound:
+        apart, terms = _bracket(generator, field, t, field.given(x), samples)
+        if abs(apart[i]) > NEUTRAL * terms[i]:
             return True
     return False
 
@@ -169,7 +182,76 @@ def _where_neutral(generator: Traced, fields: CheckedFields, system: System, sam
             return how
         if _at_rest(generator, fields, system, other):
             return f"{how}, {named}"
-    return ""
+    return _found_neutral(generator, fields, system, samples)
+
+
+def _found_neutral(generator: Traced, fields: CheckedFields, system: System, samples: Samples) -> str:
+    """Where, other than at the defaults, a direction is neutral, by least squares; empty if nowhere."""
+    defaults = np.array(samples.values)
+    starts, units, low, high = neutral_somewhere.parameter_starts(system, defaults)
+
+    sizes = _brackets(generator, fields, samples)[1]
+    sizes = np.where(sizes > 0.0, sizes, 1.0)
+
+    def along_motions(values: np.ndarray) -> np.ndarray:
+        return _brackets(generator, fields, replace(samples, values=values.tolist()))[0] / sizes
+
+    found = neutral_somewhere.zero_of(along_motions, starts, units, low, high)
+    if found is not None:
+        return neutral_somewhere.in_words(system, defaults, found)
+    return _found_at_rest(generator, fields[system.modes[0].name], system, samples)
+
+
+def _brackets(generator: Traced, fields: CheckedFields, samples: Samples) -> tuple[np.ndarray, np.ndarray]:
+    """The bracket at all sampled states in all modes, and the size of its terms, shape (k,) each."""
+    found = [
+        _bracket(generator, fields[mode.name], t, fields[mode.name].given(x), samples)
+        for mode in generator.system.modes
+        for t, x in zip(samples.times, samples.states, strict=True)
+    ]
+    apart, terms = zip(*found, strict=True)
+    return np.concatenate(apart), np.concatenate(terms)
+
+
+def _at(
+    generator: Traced, field: Traced, x: np.ndarray, values: list[float]
+) -> tuple[np.ndarray, np.ndarray, float, float]:
+    """f and A v at a state, shape (n,) each, the length of v and the size of the terms of A v."""
+    v, by = generator.values(0.0, x, values), field.slopes(0.0, x, values)[:, 1:]
+    terms = float((np.abs(by) @ np.abs(v)).max(initial=0.0))
+    return field.values(0.0, x, values), by @ v, float(np.linalg.norm(v)), terms
+
+
+def _found_at_rest(generator: Traced, field: Traced, system: System, samples: Samples) -> str:
+    """An equilibrium of the first mode at which A v = 0 and v is a direction, in words; empty if none."""
+    n, defaults = len(samples.scales), np.array(samples.values)
+    seen = [_at(generator, field, x, samples.values) for x in samples.states]
+    long, steep = (float(np.median([each[k] for each in seen])) or 1.0 for k in (2, 3))
+    fast = np.median([field.roundings(0.0, x, samples.values) for x in samples.states], axis=0)
+    fast = np.where(fast > 0.0, fast, 1.0)
+
+    def at_rest(u: np.ndarray) -> np.ndarray:
+        rates, turned, length, _ = _at(generator, field, field.given(u[:n]), u[n:].tolist())
+        lost = 0.0 if length > VANISHED * long else 1.0
+        return np.concatenate([rates / fast, turned / steep, [lost]])
+
+    starts, units, low, high = neutral_somewhere.parameter_starts(system, defaults)
+    both = [np.concatenate([x, p]) for x, p in zip(samples.states, starts, strict=True)]
+    anywhere = np.full(n, np.inf)
+    found = neutral_somewhere.zero_of(
+        at_rest,
+        both,
+        np.concatenate([samples.scales, units]),
+        np.concatenate([-anywhere, low]),
+        np.concatenate([anywhere, high]),
+    )
+    if found is None:
+        return ""
+    named = ", ".join(
+        f"{name} = {value:.4g}" for name, value in zip(system.state_names, found[:n], strict=True)
+    )
+    others = neutral_somewhere.in_words(system, defaults, found[n:])
+    return f"{others + ', ' if others else ''}at the equilibrium {named}"
 
 
 # -- fields ----------------------------------------------------------------------------------------------
