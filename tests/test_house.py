@@ -31,7 +31,7 @@ METHODS_OVER: dict[str, int] = {
     "contwalk.problems.hybrid.view.LegView": 31,
     "contwalk.problems.initial.event_recurrence._Search": 36,
     "contwalk.problems.orbit.passage.Passage": 37,
-    "contwalk.problems.orbit.protocol.Orbit": 43,
+    "contwalk.problems.orbit.protocol.Orbit": 31,
     "contwalk.problems.orbit.segmented_orbit.SegmentedOrbit": 37,
 }
 LINES_OVER: dict[str, int] = {

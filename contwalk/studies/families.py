@@ -14,7 +14,7 @@ import numpy as np
 
 from contwalk.problems.conserving import ONE_OF_EACH_VALUE
 from contwalk.problems.orbit.branching import filled_magnitudes
-from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.problem import equations_at
 
 # A singular value of the scaled equations below this part of the largest is zero, but for rounding and the
@@ -56,7 +56,7 @@ class Places:
     closing: Mapping[int, str]
 
 
-def family_at(problem: Orbit, z: np.ndarray, places: Places) -> Family | None:
+def family_at(problem: OrbitData, z: np.ndarray, places: Places) -> Family | None:
     """What is known of the family of orbits near a start, at the same parameters; None where there is none.
 
     Parameters
@@ -94,7 +94,7 @@ def family_at(problem: Orbit, z: np.ndarray, places: Places) -> Family | None:
     )
 
 
-def is_one_of_a_family(problem: Orbit, z: np.ndarray) -> bool:
+def is_one_of_a_family(problem: OrbitData, z: np.ndarray) -> bool:
     """Whether a solution z, shape (N + 1,), is one of a family at the same parameters.
 
     More than one direction leads from it to neighbours; one in which another solution lies beside it is none
@@ -123,7 +123,7 @@ def is_one_of_a_family(problem: Orbit, z: np.ndarray) -> bool:
     return moved > THERE * BESIDE and own is not None and _deficient(own)
 
 
-def member_near(problem: Orbit, z: np.ndarray) -> np.ndarray | None:
+def member_near(problem: OrbitData, z: np.ndarray) -> np.ndarray | None:
     """A member of a family near a guess z, at the same parameters; None where the guess leads to none.
 
     Both have the shape (N + 1,).
@@ -155,13 +155,13 @@ def member_near(problem: Orbit, z: np.ndarray) -> np.ndarray | None:
     return None
 
 
-def _scaled(problem: Orbit, z: np.ndarray, weights: np.ndarray) -> np.ndarray | None:
+def _scaled(problem: OrbitData, z: np.ndarray, weights: np.ndarray) -> np.ndarray | None:
     """DF(z) in the units of the unknowns and of the equations; None where it is not finite."""
     matrix = equations_at(problem, z)[1].jacobian * weights
     return matrix / _row_scales(problem, matrix[:, :-1])[:, None] if np.isfinite(matrix).all() else None
 
 
-def _row_scales(problem: Orbit, matrix: np.ndarray) -> np.ndarray:
+def _row_scales(problem: OrbitData, matrix: np.ndarray) -> np.ndarray:
     """Units of the equations, or what they tell, if that is more: of a row of rounding noise it is not."""
     return np.maximum(np.abs(matrix).max(axis=1), problem.equation_scales)
 
@@ -177,7 +177,7 @@ def _largest(sizes: Mapping[str, float]) -> list[str]:
     return [name for name, size in sizes.items() if most > 0.0 and size > MOVES * most]
 
 
-def _conserved(problem: Orbit, z: np.ndarray, places: Places, left: np.ndarray) -> str:
+def _conserved(problem: OrbitData, z: np.ndarray, places: Places, left: np.ndarray) -> str:
     """The second multiplier 1 and its left vector in words; empty where none is seen."""
     found = problem.multipliers(z, problem.linearize(z).jacobian).values
     apart = np.abs(found - 1.0)

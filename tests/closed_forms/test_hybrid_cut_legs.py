@@ -18,7 +18,7 @@ from hybrid_runs import assert_met, branch_of, diagram, machine, solution
 from contwalk.problems.hybrid import condensed, cutting, limit_points
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.switching import rotated
-from contwalk.problems.orbit import monodromy
+from contwalk.problems.orbit import monodromy, variations
 from contwalk.system import System, Transition
 
 C, S, G = 0.1, 0.5, 0.05
@@ -181,9 +181,9 @@ class TestInSegments:
 
         assert quotient(problem.residual) == pytest.approx(found.jacobian @ w, abs=1e-8)
         second = quotient(lambda y: problem.jacobian(y) @ v)
-        assert problem.derivative_along(z, v) @ w == pytest.approx(second, abs=1e-7)
+        assert variations.derivative_along(problem, z, v) @ w == pytest.approx(second, abs=1e-7)
         second = quotient(lambda y: problem.jacobian(y)[:, :-1] @ v[:-1])
-        assert problem.cycle_rate(z, v[:-1], w) == pytest.approx(second, abs=1e-7)
+        assert variations.cycle_rate(problem, z, v[:-1], w) == pytest.approx(second, abs=1e-7)
 
     def test_the_condensed_matrix_is_the_matrix(self, parts, monkeypatch):
         problem, z = parts

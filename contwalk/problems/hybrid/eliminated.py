@@ -10,6 +10,7 @@ import numpy as np
 
 from contwalk.problems.hybrid.discretized_orbit import Kind
 from contwalk.problems.hybrid.grouping import Grouping
+from contwalk.problems.orbit.scales import cycle_scales
 
 # Corrections of what is eliminated, and a residual of it that is solved, in units of its level: what is left
 # of it enters the other equations, to first order.
@@ -105,7 +106,7 @@ class Eliminated(Generic[Kind]):
     @cached_property
     def sizes(self) -> np.ndarray:
         """Units of what is eliminated: the states' variation, and the closure's duration."""
-        return self.grouping.split(np.append(self.explicit.cycle_scales[1], 1.0))[1]
+        return self.grouping.split(np.append(cycle_scales(self.explicit)[1], 1.0))[1]
 
     @cached_property
     def slope(self) -> np.ndarray:

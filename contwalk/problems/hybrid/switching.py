@@ -11,11 +11,12 @@ from contwalk import flow
 from contwalk.problems.hybrid import cutting
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind
 from contwalk.problems.hybrid.shooting import AT_REST
-from contwalk.problems.orbit import monodromy
+from contwalk.problems.orbit import monodromy, variations
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.null_vectors import null_vectors
+from contwalk.problems.orbit.scales import cycle_scales
 from contwalk.problems.orbit.word import imaged_leg
 from contwalk.problems.problem import Seed
 from contwalk.system import Symmetry
@@ -87,12 +88,12 @@ def doubled(problem: DiscretizedOrbit, z: np.ndarray) -> Sequence[Seed]:
     Where the second round is the image of the first, as where a symmetry keeps every state of the parent and
     reverses the critical vector, it is one round that closes up to that image.
     """
-    matrix = problem.cycle_matrix(problem.linearize(z).jacobian, -1.0)
-    v = null_vectors(problem, matrix, *problem.cycle_scales)[0].real
+    matrix = variations.cycle_matrix(problem, problem.linearize(z).jacobian, -1.0)
+    v = null_vectors(problem, matrix, *cycle_scales(problem))[0].real
     name = _reversing(problem, z, v)
     if name:
         there = discretized(problem.of_word(replace(problem.word, image=name), 2), z, problem)
-        size = float(np.linalg.norm(v / there.cycle_scales[1]))
+        size = float(np.linalg.norm(v / cycle_scales(there)[1]))
         tangent = np.append(v, 0.0) / size
         walking = there.adapted_to(z, filled_magnitudes(there, z))
         return (Seed("PD", z, tangent, amplitude(tangent), walking, one_sided=True),)
@@ -105,7 +106,7 @@ def _reversing(problem: DiscretizedOrbit, z: np.ndarray, v: np.ndarray) -> str:
     layout, word = problem.layout, problem.word
     if word.image or not word.eventful or problem.pins or np.any(problem.turns):
         return ""
-    size = float(np.linalg.norm(v / problem.cycle_scales[1]))
+    size = float(np.linalg.norm(v / cycle_scales(problem)[1]))
     if np.any(np.abs(v[layout.durations]) > ALIKE * size * problem.mesh.total):
         return ""
     spatial = (s for s in problem.system.symmetries if s.role == "spatial")
@@ -145,8 +146,8 @@ def _alternating(
 ) -> Sequence[Seed]:
     """A closure followed twice, the second time as its image and with the deviation's sign changed."""
     layout = problem.layout
-    matrix = problem.cycle_matrix(problem.linearize(z).jacobian, -1.0)
-    v, _ = null_vectors(problem, matrix, *problem.cycle_scales)
+    matrix = variations.cycle_matrix(problem, problem.linearize(z).jacobian, -1.0)
+    v, _ = null_vectors(problem, matrix, *cycle_scales(problem))
     v = v.real
     lasting, rest = layout.durations, layout.rest
     still = np.zeros(rest.stop - rest.start)
@@ -170,7 +171,7 @@ def _alternating(
         again, back = [], []
     start, tangent = cutting.completed(start, inner + again), cutting.completed(tangent, moved + back)
     there = discretized(other, start, problem)
-    weights = np.concatenate([there.cycle_scales[1], [1.0]])
+    weights = np.concatenate([cycle_scales(there)[1], [1.0]])
     if problem.pins:
         start, tangent = _held(there, start, tangent, weights)
     tangent = tangent / float(np.linalg.norm(tangent / weights))

@@ -22,7 +22,8 @@ from contwalk import quantities
 from contwalk.errors import NotFinite
 from contwalk.numerics.linear import EPSILON
 from contwalk.problems.orbit.discretization import TIGHTEST
-from contwalk.problems.orbit.protocol import Orbit, OrbitKind
+from contwalk.problems.orbit.orbit_data import OrbitData
+from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.problem import Located, Sample
 
 ITERATIONS = 14
@@ -34,7 +35,7 @@ CHECK = 0.03
 MOST_REFINEMENTS = 4
 
 # residual (N + r,) and Jacobian (N + r, N + 1 + r') of an augmented system at its unknowns
-Evaluate = Callable[["Orbit", np.ndarray], tuple[np.ndarray, np.ndarray]]
+Evaluate = Callable[["OrbitData", np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
 @dataclass(frozen=True)
@@ -44,10 +45,10 @@ class Augmented:
     evaluate: Evaluate
     start: np.ndarray
     scale: np.ndarray
-    vectors: Callable[[Orbit, np.ndarray], dict]
+    vectors: Callable[[OrbitData, np.ndarray], dict]
 
 
-def located(problem: Orbit, kind: OrbitKind, sample: Sample, which: int) -> Located | None:
+def located(problem: OrbitData, kind: OrbitKind, sample: Sample, which: int) -> Located | None:
     """The point of a kind near a sample, found on its own steps; `refine` finds it on finer ones."""
     try:
         system = kind.system(problem, sample, which)
@@ -56,7 +57,7 @@ def located(problem: Orbit, kind: OrbitKind, sample: Sample, which: int) -> Loca
         return None
 
 
-def solved(problem: Orbit, system: Augmented, sample: Sample) -> Located | None:
+def solved(problem: OrbitData, system: Augmented, sample: Sample) -> Located | None:
     """The solution of an augmented system with its refinement."""
     rough = _newton(problem, system, system.start)
     if rough is None:
@@ -67,12 +68,12 @@ def solved(problem: Orbit, system: Augmented, sample: Sample) -> Located | None:
     return replace(located, refine=lambda: _refined(problem, system, rough, sample))
 
 
-def _refined(problem: Orbit, system: Augmented, rough: np.ndarray, sample: Sample) -> Located | None:
+def _refined(problem: OrbitData, system: Augmented, rough: np.ndarray, sample: Sample) -> Located | None:
     """The point on steps fine enough for the accuracy that is asked for, with its estimated error."""
     size, wanted = problem.size, problem.discretization.accuracy
     tolerance = min(problem.discretization.locating, problem.mesh.tolerance)
     found, error, finer = rough, np.inf, problem
-    best: tuple[float, np.ndarray, Orbit] | None = None
+    best: tuple[float, np.ndarray, OrbitData] | None = None
     for _ in range(MOST_REFINEMENTS):
         try:  # on finer steps a motion may meet what it stepped over before
             finer = problem.refined(found[: size + 1], sample.weights, tolerance)
@@ -106,7 +107,7 @@ def _refined(problem: Orbit, system: Augmented, rough: np.ndarray, sample: Sampl
     return Located(found[: size + 1], error, vectors, refined=True, problem=finer)
 
 
-def _rounding(problem: Orbit, system: Augmented, y: np.ndarray) -> float:
+def _rounding(problem: OrbitData, system: Augmented, y: np.ndarray) -> float:
     """What rounding of the equations does to the free parameter."""
     size = problem.size
     level, _ = problem.linearize(y[: size + 1]).levels
@@ -120,7 +121,7 @@ def _rounding(problem: Orbit, system: Augmented, y: np.ndarray) -> float:
     return float(np.abs(row) @ noise) + EPSILON * abs(float(y[size]))
 
 
-def _newton(problem: Orbit, system: Augmented, start: np.ndarray) -> np.ndarray | None:
+def _newton(problem: OrbitData, system: Augmented, start: np.ndarray) -> np.ndarray | None:
     """Newton's method to the rounding of the equations; None where it does not get there."""
     y, before = start.copy(), np.inf
     for iteration in range(ITERATIONS):
@@ -139,7 +140,7 @@ def _newton(problem: Orbit, system: Augmented, start: np.ndarray) -> np.ndarray 
     return None
 
 
-def _correction(problem: Orbit, system: Augmented, y: np.ndarray) -> np.ndarray | None:
+def _correction(problem: OrbitData, system: Augmented, y: np.ndarray) -> np.ndarray | None:
     try:
         residual, jacobian = system.evaluate(problem, y)
         if not (np.all(np.isfinite(residual)) and np.all(np.isfinite(jacobian))):
@@ -152,11 +153,11 @@ def _correction(problem: Orbit, system: Augmented, y: np.ndarray) -> np.ndarray 
 # -- marks -------------------------------------------------------------------------------------------------
 
 
-def observed(problem: Orbit, name: str, level: float, sample: Sample) -> Located | None:
+def observed(problem: OrbitData, name: str, level: float, sample: Sample) -> Located | None:
     """The point near a sample at which an observable has a value: Newton's method along the branch."""
     from contwalk.problems.orbit import rates
 
-    def value(there: Orbit, z: np.ndarray) -> float:
+    def value(there: OrbitData, z: np.ndarray) -> float:
         if name != there.observable_names[-1]:
             return there.observable(name, z) - level
         found = there.multipliers(z, there.linearize(z).jacobian)
@@ -176,7 +177,7 @@ def observed(problem: Orbit, name: str, level: float, sample: Sample) -> Located
 def _lasting(level: float, sample: Sample) -> Augmented:
     """A closure that lasts so long; unlike other observables its derivatives are known."""
 
-    def evaluate(there: Orbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def evaluate(there: OrbitData, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         linearization = there.linearize(z)
         residual = np.append(linearization.residual, there.duration(z) - level)
         return residual, np.vstack([linearization.jacobian, there.duration_gradient(z)])
@@ -184,13 +185,13 @@ def _lasting(level: float, sample: Sample) -> Augmented:
     return Augmented(evaluate, sample.z, sample.weights, lambda there, z: {})
 
 
-def along(sample: Sample, value: Callable[[Orbit, np.ndarray], float], slope: float) -> Augmented | None:
+def along(sample: Sample, value: Callable[[OrbitData, np.ndarray], float], slope: float) -> Augmented | None:
     """F = 0 and a function that vanishes at a point of the branch; `slope` is its rate along it there."""
     if not np.isfinite(slope) or slope == 0.0:
         return None
     gradient = slope * sample.tangent / sample.weights**2
 
-    def evaluate(there: Orbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def evaluate(there: OrbitData, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         linearization = there.linearize(z)
         residual = np.append(linearization.residual, value(there, z))
         return residual, np.vstack([linearization.jacobian, gradient])

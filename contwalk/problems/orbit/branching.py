@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.orbit import variations
+from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.problem import Located, Sample, Seed
 
 # Components of a critical vector below this part of its largest set no scale.
@@ -17,13 +18,13 @@ FAINT = 1e-6
 SINGULAR = 1e-9
 
 
-def filled_magnitudes(problem: Orbit, z: np.ndarray) -> np.ndarray:
+def filled_magnitudes(problem: OrbitData, z: np.ndarray) -> np.ndarray:
     """Typical magnitudes at z, one where nothing tells."""
     magnitudes = problem.magnitudes_near(z)
     return np.where(np.isfinite(magnitudes) & (magnitudes > 0.0), magnitudes, 1.0)
 
 
-def directions(problem: Orbit, located: Located, weights: np.ndarray) -> list[np.ndarray]:
+def directions(problem: OrbitData, located: Located, weights: np.ndarray) -> list[np.ndarray]:
     """Tangents of the two branches through a branch point, each a unit vector in the metric."""
     there = located.problem if located.problem is not None else problem
     vectors, z = located.vectors, located.z
@@ -31,7 +32,7 @@ def directions(problem: Orbit, located: Located, weights: np.ndarray) -> list[np
         return []
     t1, t2 = (np.linalg.qr((vectors["plane"] / weights).T)[0] * weights[:, None]).T
     psi = vectors["left"]
-    h1, h2 = psi @ there.derivative_along(z, t1), psi @ there.derivative_along(z, t2)
+    h1, h2 = psi @ variations.derivative_along(there, z, t1), psi @ variations.derivative_along(there, z, t2)
     form = np.array([[h1 @ t1, h1 @ t2], [h1 @ t2, h2 @ t2]])
     values, axes = np.linalg.eigh(form)
     if not values[0] < 0.0 < values[1]:
@@ -44,7 +45,7 @@ def directions(problem: Orbit, located: Located, weights: np.ndarray) -> list[np
     return found
 
 
-def tangent_through(problem: Orbit, located: Located, near: Sample) -> np.ndarray | None:
+def tangent_through(problem: OrbitData, located: Located, near: Sample) -> np.ndarray | None:
     """The tangent of a branch at its branch point: of the two, the one nearest to `near`, facing its way."""
     found = directions(problem, located, near.weights)
     if not found:
@@ -73,7 +74,7 @@ def crossing(problem: Any, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]
     return (Seed("BP", z, tangent, amplitude(tangent), problem),)
 
 
-def second_direction(problem: Orbit, z: np.ndarray) -> np.ndarray | None:
+def second_direction(problem: OrbitData, z: np.ndarray) -> np.ndarray | None:
     """A second direction of solutions, where there is one to rounding."""
     jacobian = problem.linearize(z).jacobian
     weights = filled_magnitudes(problem, z)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from contwalk.branch import Outcome
 from contwalk.problems import conserving
-from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.problem import Sample
 
 
-def off_its_value(orbit: Orbit, sample: Sample) -> str:
+def off_its_value(orbit: OrbitData, sample: Sample) -> str:
     """Name of a quantity that is not at its value on the orbit, though it is declared to be conserved."""
     if not orbit.system.conserved:
         return ""
@@ -18,7 +18,7 @@ def off_its_value(orbit: Orbit, sample: Sample) -> str:
     return next(filter(None, found), "")
 
 
-def not_conserved(orbit: Orbit, a: Sample, b: Sample) -> Outcome | None:
+def not_conserved(orbit: OrbitData, a: Sample, b: Sample) -> Outcome | None:
     """The end of a branch beyond whose last orbit a quantity is not conserved."""
     name = off_its_value(orbit, b)
     if not name:

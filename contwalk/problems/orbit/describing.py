@@ -10,7 +10,8 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
 from contwalk.problems.orbit.normal_forms import SectionMap
-from contwalk.problems.orbit.protocol import Orbit, OrbitKind
+from contwalk.problems.orbit.orbit_data import OrbitData
+from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.problem import Located, Sample
 
 # Where theta is this near to 2 pi k / q, q = 1..4, the point is a strong resonance.
@@ -34,7 +35,9 @@ PAIR = (
 Form = tuple[str | None, str | None, dict[str, Any], str | None]
 
 
-def described(problem: Orbit, point: OrbitKind, located: Located, sample: Sample, s: float) -> SpecialPoint:
+def described(
+    problem: OrbitData, point: OrbitKind, located: Located, sample: Sample, s: float
+) -> SpecialPoint:
     """The record of a located point, with its normal form."""
     there = located.problem if located.problem is not None else problem
     z = located.z
@@ -76,7 +79,7 @@ def described(problem: Orbit, point: OrbitKind, located: Located, sample: Sample
     )
 
 
-def _form(problem: Orbit, point: OrbitKind, located: Located, sample: Sample) -> Form:
+def _form(problem: OrbitData, point: OrbitKind, located: Located, sample: Sample) -> Form:
     """Kind, criticality, coefficients and note of a located point."""
     if point.multiplier is not None and problem.system.conserved and _double(sample, point.multiplier):
         return point.form_of_pair(problem, located, sample)
@@ -89,7 +92,11 @@ def _double(sample: Sample, critical: float) -> bool:
 
 
 def known(
-    problem: Orbit, located: Located, sample: Sample, name: str, form: Callable[[SectionMap], dict[str, Any]]
+    problem: OrbitData,
+    located: Located,
+    sample: Sample,
+    name: str,
+    form: Callable[[SectionMap], dict[str, Any]],
 ) -> dict[str, Any]:
     """A normal form with the estimated error of one coefficient: what it is on coarser steps tells.
 

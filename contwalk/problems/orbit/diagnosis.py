@@ -10,14 +10,14 @@ import numpy as np
 from contwalk.branch import Outcome
 from contwalk.problems.kinks import Kink
 from contwalk.problems.orbit import branching
-from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.problem import Sample
 
 
 class OrbitDiagnosis(ABC):
     """What is known of such places."""
 
-    def __init__(self, orbit: Orbit) -> None:
+    def __init__(self, orbit: OrbitData) -> None:
         self._orbit = orbit
 
     @abstractmethod

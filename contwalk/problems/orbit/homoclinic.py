@@ -29,7 +29,7 @@ import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.errors import NotFinite, PluginError, StartError
-from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.slow_place import SlowPlace
 from contwalk.problems.orbit.solving import error_holding, newton_on
 from contwalk.problems.problem import Sample
@@ -74,7 +74,7 @@ class _Law:
     where: str
 
 
-def homoclinic(problem: Orbit, a: Sample, b: Sample) -> Outcome | None:
+def homoclinic(problem: OrbitData, a: Sample, b: Sample) -> Outcome | None:
     """The end at a homoclinic or heteroclinic orbit, where two neighbouring orbits show that it is near."""
     if problem.forced or not b.period > a.period:
         return None
@@ -106,7 +106,7 @@ def homoclinic(problem: Orbit, a: Sample, b: Sample) -> Outcome | None:
     )
 
 
-def _held(problem: Orbit, b: Sample) -> tuple[float, float]:
+def _held(problem: OrbitData, b: Sample) -> tuple[float, float]:
     """The parameter of the orbit of this period on the finest steps, and its error; that of the walk's own
     steps where it is not found there.
     """

@@ -6,10 +6,10 @@ import numpy as np
 
 from contwalk.problems import kinks
 from contwalk.problems.kinks import Kink
-from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.orbit.orbit_data import OrbitData
 
 
-def kinks_along(orbit: Orbit, z: np.ndarray) -> tuple[Kink, ...]:
+def kinks_along(orbit: OrbitData, z: np.ndarray) -> tuple[Kink, ...]:
     """Those that the motion of z crosses, each once, and jumps that its events lie on."""
     at_events = orbit.kinks_at_events(z)
     found = (kinks.along(course) for course in orbit.courses(z))

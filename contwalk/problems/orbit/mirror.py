@@ -22,7 +22,7 @@ from contwalk.problems.orbit import monodromy, normal_forms
 from contwalk.problems.orbit.discretization import FINEST
 from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.lifts import PLAIN, TANGENT
-from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.sampling import measured_along
 from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
 from contwalk.problems.orbit.shooting import arrived, velocity
@@ -356,7 +356,7 @@ class Passed:
         return last[:n].copy(), last[n:].copy() if len(last) > n else np.zeros(n)
 
 
-def coefficients_of(own: Orbit, point: SpecialPoint, image: np.ndarray) -> dict[str, Any]:
+def coefficients_of(own: OrbitData, point: SpecialPoint, image: np.ndarray) -> dict[str, Any]:
     """Coefficients of the normal form: odd ones have the sign of the critical vector at the image."""
     given: dict[str, Any] = dict(point.coefficients)
     odd = {"LP": ("a", "b"), "BP": ("c11", "c22")}.get(point.label, ())

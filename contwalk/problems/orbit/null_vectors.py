@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.orbit.orbit_data import OrbitData
 
 # Of a scaled matrix with g as small as this, null vectors are known well enough.
 NULL = 1e-8
@@ -21,7 +21,7 @@ LONGEST = 1e10
 
 
 def bordered(
-    problem: Orbit, matrix: np.ndarray, b: np.ndarray, c: np.ndarray
+    problem: OrbitData, matrix: np.ndarray, b: np.ndarray, c: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, complex]:
     """v, psi and g of the bordered systems of a scaled matrix.
 
@@ -40,7 +40,7 @@ def bordered(
     return right[:size], left[:size], right[size]
 
 
-def critical_vectors(problem: Orbit, matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def critical_vectors(problem: OrbitData, matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Left and right null vectors b and c, of length one, of a scaled matrix that is nearly singular."""
     size = len(matrix)
     c, b = np.cos(np.arange(1.0, size + 1.0)), np.sin(np.arange(1.0, size + 1.0))
@@ -68,7 +68,7 @@ def _by_svd(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def null_vectors(
-    problem: Orbit, matrix: np.ndarray, rows: np.ndarray, columns: np.ndarray
+    problem: OrbitData, matrix: np.ndarray, rows: np.ndarray, columns: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Right and left null vectors of a nearly singular matrix from its scaled form, L v = 0 and psi* L = 0.
 

@@ -21,7 +21,6 @@ from contwalk.problems.orbit import (
     monodromy,
     rates,
     scales,
-    variations,
 )
 from contwalk.problems.orbit.discretization import FINEST
 from contwalk.problems.orbit.kinks_met import kinks_along
@@ -64,31 +63,6 @@ class OrbitProblem(OwnMeasures, OrbitData):
         return scales.equation_scales(self)
 
     # -- second derivatives: see `variations` ------------------------------------------------------------
-
-    @property
-    def cycle_scales(self) -> tuple[np.ndarray, np.ndarray]:
-        """Units of the rows and of the columns of `cycle_matrix`."""
-        return scales.cycle_scales(self)
-
-    def cycle_matrix(self, jacobian: np.ndarray, multiplier: complex) -> np.ndarray:
-        """L(mu), singular where mu is a multiplier."""
-        return variations.cycle_matrix(self, jacobian, multiplier)
-
-    def cycle_return(self, psi: np.ndarray, v: np.ndarray) -> complex:
-        """-psi* L' v, where L' is the derivative of `cycle_matrix` by the multiplier."""
-        return variations.cycle_return(self, psi, v)
-
-    def cycle_derivative(self, z: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """Derivative by z of L v for a real v, shape (N, N + 1)."""
-        return variations.cycle_derivative(self, z, v)
-
-    def cycle_rate(self, z: np.ndarray, v: np.ndarray, tangent: np.ndarray) -> np.ndarray:
-        """Derivative of L v along a direction, for a real v, shape (N,)."""
-        return variations.cycle_rate(self, z, v, tangent)
-
-    def derivative_along(self, z: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """Derivative by z of DF(z) v for a real v of length N + 1, shape (N, N + 1)."""
-        return variations.derivative_along(self, z, v)
 
     # -- once round --------------------------------------------------------------------------------------
 

@@ -19,7 +19,6 @@ from contwalk.problems.orbit.slow_place import SlowPlace
 from contwalk.problems.problem import (
     Equivalence,
     Limited,
-    Linearization,
     Located,
     Meshed,
     Observed,
@@ -77,11 +76,6 @@ class Orbit(Problem, Meshed, Observed, Equivalence, Protocol):
     section: Section | None
 
     @property
-    def size(self) -> int:
-        """Number N of unknowns without the free parameter."""
-        ...
-
-    @property
     def mesh(self) -> Mesh:
         """The steps of this discretisation."""
         ...
@@ -94,11 +88,6 @@ class Orbit(Problem, Meshed, Observed, Equivalence, Protocol):
     @property
     def equation_scales(self) -> np.ndarray:
         """Units of the equations, shape (N,)."""
-        ...
-
-    @property
-    def cycle_scales(self) -> tuple[np.ndarray, np.ndarray]:
-        """Units of the rows and of the columns of `cycle_matrix`."""
         ...
 
     @property
@@ -128,26 +117,6 @@ class Orbit(Problem, Meshed, Observed, Equivalence, Protocol):
         """Typical magnitudes of z, NaN where nothing tells."""
         ...
 
-    def cycle_matrix(self, jacobian: np.ndarray, multiplier: complex) -> np.ndarray:
-        """L(mu), singular where mu is a multiplier."""
-        ...
-
-    def cycle_return(self, psi: np.ndarray, v: np.ndarray) -> complex:
-        """-psi* L' v, where L' is the derivative of `cycle_matrix` by the multiplier."""
-        ...
-
-    def cycle_derivative(self, z: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """Derivative by z of L v for a real v."""
-        ...
-
-    def cycle_rate(self, z: np.ndarray, v: np.ndarray, tangent: np.ndarray) -> np.ndarray:
-        """Derivative of L v along a direction, for a real v."""
-        ...
-
-    def derivative_along(self, z: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """Derivative by z of DF(z) v for a real v of length N + 1, shape (N, N + 1)."""
-        ...
-
     def return_map(self, z: np.ndarray) -> SectionMap:
         """The map that takes the section once round the orbit."""
         ...
@@ -172,21 +141,12 @@ class Orbit(Problem, Meshed, Observed, Equivalence, Protocol):
         """The whole motion: times and states."""
         ...
 
-    @property
-    def eventful(self) -> bool:
-        """Whether events happen on it."""
-        ...
-
     def duration_gradient(self, z: np.ndarray) -> np.ndarray:
         """Derivative of the closure's duration by unknowns and free parameter, shape (N + 1,)."""
         ...
 
     def errors_at(self, z: np.ndarray) -> np.ndarray:
         """Estimated error of each equation at a solution."""
-        ...
-
-    def state_of(self, which: int) -> str | None:
-        """Name of the state that an unknown is a value of, None if it is an angle's or none's."""
         ...
 
     def locate(self, kind: OrbitKind, sample: Sample, which: int) -> Located | None:
@@ -221,10 +181,6 @@ class Orbit(Problem, Meshed, Observed, Equivalence, Protocol):
         """Where the orbit is slower than beside, and the field there; the slowest place first."""
         ...
 
-    def values_of(self, z: np.ndarray) -> dict[str, float]:
-        """All parameters at z, by name."""
-        ...
-
     def duration(self, z: np.ndarray) -> float:
         """Duration of the closure, seconds."""
         ...
@@ -235,10 +191,6 @@ class Orbit(Problem, Meshed, Observed, Equivalence, Protocol):
 
     def leg_starts(self, z: np.ndarray) -> list[tuple[str, np.ndarray]]:
         """Modes of the parts of a closure, and full states at their starts."""
-        ...
-
-    def state_errors(self, errors: np.ndarray) -> np.ndarray:
-        """Of estimated errors of the equations, the sum for each state, shape (n,)."""
         ...
 
     def courses(self, z: np.ndarray) -> list[Course]:
@@ -255,18 +207,6 @@ class Orbit(Problem, Meshed, Observed, Equivalence, Protocol):
 
     def into_section(self, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
         """A tangent moved along the flow into the section."""
-        ...
-
-    def examine(
-        self,
-        z: np.ndarray,
-        tangent: np.ndarray,
-        weights: np.ndarray,
-        linearization: Linearization,
-        before: int | None,
-        known: Any = None,
-    ) -> Sample:
-        """Everything that is watched at a solution."""
         ...
 
 

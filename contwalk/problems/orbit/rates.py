@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk import quantities
+from contwalk.problems.orbit import variations
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.null_vectors import null_vectors
-from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.orbit.orbit_data import OrbitData
+from contwalk.problems.orbit.scales import cycle_scales
 from contwalk.problems.sample import Rates, Sample
 
 # Rates are computed of the leading multipliers whose moduli lie between these: a pair of crossings may
@@ -18,7 +20,7 @@ LEADING, LEAST, MOST = 2, 0.4, 1e8
 BESIDE = 1e-4
 
 
-def of_moduli(problem: Orbit, z: np.ndarray, tangent: np.ndarray, found: Multipliers) -> Rates:
+def of_moduli(problem: OrbitData, z: np.ndarray, tangent: np.ndarray, found: Multipliers) -> Rates:
     """Derivative of each modulus by arclength; NaN where it is far from one, or real and positive.
 
     A real multiplier passes one at a fold or a branch point, which other tests see.
@@ -42,19 +44,19 @@ def of_moduli(problem: Orbit, z: np.ndarray, tangent: np.ndarray, found: Multipl
 
 
 def of_modulus(
-    problem: Orbit, z: np.ndarray, tangent: np.ndarray, value: complex, paired: bool = False
+    problem: OrbitData, z: np.ndarray, tangent: np.ndarray, value: complex, paired: bool = False
 ) -> float:
     """Derivative of |mu| along the branch, exact on the steps: mu' = psi* L_s v / psi* v.
 
     Of one of a pair mu, 1/mu that of |mu + 1/mu| / 2.
     """
     multiplier = value if value.imag else value.real
-    matrix = problem.cycle_matrix(problem.linearize(z).jacobian, multiplier)
-    v, psi = null_vectors(problem, matrix, *problem.cycle_scales)
-    moved = problem.cycle_rate(z, v.real, tangent).astype(complex)
+    matrix = variations.cycle_matrix(problem, problem.linearize(z).jacobian, multiplier)
+    v, psi = null_vectors(problem, matrix, *cycle_scales(problem))
+    moved = variations.cycle_rate(problem, z, v.real, tangent).astype(complex)
     if np.iscomplexobj(v):
-        moved += 1j * problem.cycle_rate(z, v.imag, tangent)
-    scale = problem.cycle_return(psi, v)
+        moved += 1j * variations.cycle_rate(problem, z, v.imag, tangent)
+    scale = variations.cycle_return(problem, psi, v)
     if scale == 0.0:
         return float("nan")
     rate = complex(psi.conj() @ moved) / scale
@@ -64,7 +66,7 @@ def of_modulus(
     return float((np.conj(value) * rate).real / abs(value))
 
 
-def of_observable(problem: Orbit, name: str, sample: Sample) -> float:
+def of_observable(problem: OrbitData, name: str, sample: Sample) -> float:
     """Derivative of an observable along the branch.
 
     An observable is any function of the motion, so it is compared for the motions displaced along the

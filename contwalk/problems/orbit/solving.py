@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.errors import StartError
-from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.problem import equations_at
 
 ITERATIONS = 12
@@ -14,7 +14,7 @@ STAGNATES = 1e-8
 
 
 def newton_on(
-    problem: Orbit,
+    problem: OrbitData,
     guess: np.ndarray,
     weights: np.ndarray,
     normal: np.ndarray | None = None,
@@ -48,7 +48,7 @@ def newton_on(
     raise StartError("Newton's method does not converge.", "")
 
 
-def error_holding(problem: Orbit, z: np.ndarray, weights: np.ndarray, held: np.ndarray) -> float:
+def error_holding(problem: OrbitData, z: np.ndarray, weights: np.ndarray, held: np.ndarray) -> float:
     """What errors of the equations do to the free parameter of an orbit of which something is held.
 
     `held` is its gradient.

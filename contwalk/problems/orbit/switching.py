@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from contwalk.problems.orbit import variations
 from contwalk.problems.orbit.branching import amplitude, filled_magnitudes
 from contwalk.problems.orbit.null_vectors import null_vectors
 from contwalk.problems.orbit.own_image import halved
+from contwalk.problems.orbit.scales import cycle_scales
 from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
 from contwalk.problems.orbit.transport import carried_to, following, segments_for
 from contwalk.problems.problem import Seed
@@ -52,8 +54,8 @@ def _followed(
     """A closure followed several times, the deviation changing its sign each time: an orbit of the other
     problem on steps, and the tangent there.
     """
-    matrix = problem.cycle_matrix(problem.linearize(z).jacobian, -1.0)
-    v, _ = null_vectors(problem, matrix, *problem.cycle_scales)
+    matrix = variations.cycle_matrix(problem, problem.linearize(z).jacobian, -1.0)
+    v, _ = null_vectors(problem, matrix, *cycle_scales(problem))
     direction = np.append(v.real, 0.0)
     scalars = problem.scalars(z).copy()
     if not problem.forced:

@@ -11,13 +11,13 @@ import numpy as np
 from contwalk import flow
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.lifts import PLAIN, TANGENT
-from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.segmented_orbit import Kind, SegmentedOrbit
 from contwalk.problems.orbit.shooting import arrived
 from contwalk.problems.problem import Sample
 from contwalk.system.declarations import ParameterValues
 
-AnyOrbit = TypeVar("AnyOrbit", bound=Orbit)
+AnyOrbit = TypeVar("AnyOrbit", bound=OrbitData)
 
 # Growth over one segment that shooting still takes easily: four digits of sixteen.
 MOST_GROWTH = 1e4

@@ -17,7 +17,7 @@ import numpy as np
 from contwalk.branch import Outcome
 from contwalk.errors import NotFinite, PluginError, StartError
 from contwalk.problems.orbit.discretization import FINEST
-from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.solving import error_holding, newton_on
 from contwalk.problems.problem import Sample, equations_at
 from contwalk.quantities import AMP
@@ -66,7 +66,7 @@ class _Place:
     error: float
 
 
-def unbounded(problem: Orbit, a: Sample, b: Sample) -> Outcome | None:
+def unbounded(problem: OrbitData, a: Sample, b: Sample) -> Outcome | None:
     """The end where orbits grow without bound, if two neighbouring ones and those further out show it."""
     if abs(b.tangent[-1]) > STILL * b.weights[-1]:
         return None
@@ -87,7 +87,7 @@ def unbounded(problem: Orbit, a: Sample, b: Sample) -> Outcome | None:
     )
 
 
-def _growing(problem: Orbit, b: Sample) -> int | None:
+def _growing(problem: OrbitData, b: Sample) -> int | None:
     """Of the states that grow fastest, in units of their own size, the largest; None if there is none.
 
     One that is small beside its variation is known less well than others that grow with it.
@@ -108,7 +108,7 @@ def _asked(which: int, a: Sample, b: Sample) -> bool:
     return bool(now > before)
 
 
-def _suspected(problem: Orbit, which: int, a: Sample, b: Sample) -> bool:
+def _suspected(problem: OrbitData, which: int, a: Sample, b: Sample) -> bool:
     """Whether nearly nothing of the parameter's way is left if its slope goes on falling as it does."""
     change = float(b.z[which] - a.z[which])
     if change * b.z[which] <= GROWS * b.z[which] ** 2 or a.tangent[which] * b.tangent[which] <= 0.0:
@@ -124,7 +124,7 @@ def _suspected(problem: Orbit, which: int, a: Sample, b: Sample) -> bool:
     return bool(now >= before * (b.z[which] / a.z[which]) ** TOGETHER)
 
 
-def _limit(problem: Orbit, which: int, a: Sample, b: Sample) -> tuple[float, float] | None:
+def _limit(problem: OrbitData, which: int, a: Sample, b: Sample) -> tuple[float, float] | None:
     """Limit of the parameter and its error, None where the family goes on."""
     change, size = float(b.z[which] - a.z[which]), float(b.weights[-1])
     before, first = _slope(which, a), _slope(which, b)
@@ -169,7 +169,7 @@ def _left(which: int, a: Sample | _Place, b: Sample | _Place) -> float:
     return last * float(b.z[which] - a.z[which]) / float(np.log(first / last))
 
 
-def _further(problem: Orbit, which: int, step: float, a: Sample, b: Sample) -> Iterator[_Place]:
+def _further(problem: OrbitData, which: int, step: float, a: Sample, b: Sample) -> Iterator[_Place]:
     """The orbit of b on fine steps, and orbits further and further out along a state, while there are any."""
     left = _left(which, a, b)
     states = np.array([problem.state_of(k) is not None for k in range(len(b.z))])
@@ -213,7 +213,9 @@ def _guess(place: _Place, which: int, there: float, left: float) -> np.ndarray:
     return guess
 
 
-def _solved(problem: Orbit, which: int, guess: np.ndarray, weights: np.ndarray, left: float) -> _Place | None:
+def _solved(
+    problem: OrbitData, which: int, guess: np.ndarray, weights: np.ndarray, left: float
+) -> _Place | None:
     """The orbit near a guess with the same value of a state, if there is one that the machine can move on."""
     sizes = np.maximum(weights, np.abs(guess))
     held = np.zeros(len(guess))

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from contwalk.branch import Outcome
-from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.problem import Sample
 
 
-def at_a_point(problem: Orbit, a: Sample, b: Sample) -> Outcome | None:
+def at_a_point(problem: OrbitData, a: Sample, b: Sample) -> Outcome | None:
     """A cycle shrinks to an equilibrium: beyond it the same ones follow, half a period later.
 
     The last orbit touches the section, which need not pass through the equilibrium: the parameter there is

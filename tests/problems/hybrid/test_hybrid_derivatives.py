@@ -11,6 +11,8 @@ from contwalk_systems.planar_walker import SYSTEM as WALKER
 from hybrid_machines import CASES, TANK, orbit
 
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
+from contwalk.problems.orbit import variations
+from contwalk.problems.orbit.scales import cycle_scales
 
 # On fixed steps the equations are smooth, and known to rounding. Central differences with steps of h, h / 2
 # and h / 4 of the unknowns' sizes, extrapolated twice, miss by (5 h)^6 and by eps / h.
@@ -31,7 +33,7 @@ def extrapolated(function: Callable[[np.ndarray], np.ndarray], z: np.ndarray, st
 
 def sizes(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
     """Typical magnitudes of the unknowns and the free parameter."""
-    return np.append(problem.cycle_scales[1], max(abs(z[-1]), 0.1))
+    return np.append(cycle_scales(problem)[1], max(abs(z[-1]), 0.1))
 
 
 def moved(problem: HybridOrbit, z: np.ndarray) -> np.ndarray:
@@ -52,7 +54,7 @@ def on_a_path(name: str) -> tuple[HybridOrbit, np.ndarray]:
         problem.system, problem.word, begin, "path", (begin, end), subharmonic=problem.subharmonic
     )
     other = other.turning(problem.turns)
-    return other.adapted_to(z, np.append(problem.cycle_scales[1], 1.0)), z
+    return other.adapted_to(z, np.append(cycle_scales(problem)[1], 1.0)), z
 
 
 PROBLEMS = {name: lambda name=name: orbit(name) for name in CASES} | {
@@ -82,7 +84,7 @@ class TestDerivatives:
         z, size = moved(problem, z), sizes(problem, z)
         rows = problem.equation_scales
         v = size * np.sin(2.0 + 3.0 * np.arange(len(z)))
-        found = problem.derivative_along(z, v)
+        found = variations.derivative_along(problem, z, v)
         largest = float(np.abs(found / rows[:, None] * size).max())
         for j in range(len(z)):
             step = np.zeros(len(z))
@@ -97,7 +99,10 @@ class TestDerivatives:
         problem, z = PROBLEMS[name]()
         z, size = moved(problem, z), sizes(problem, z)
         v, w = (size * np.sin(k + np.arange(len(z))) for k in (1.0, 2.0))
-        one, other = problem.derivative_along(z, v) @ w, problem.derivative_along(z, w) @ v
+        one, other = (
+            variations.derivative_along(problem, z, v) @ w,
+            variations.derivative_along(problem, z, w) @ v,
+        )
         scale = problem.equation_scales * max(1.0, float(np.abs(one / problem.equation_scales).max()))
         np.testing.assert_allclose(one / scale, other / scale, rtol=0, atol=1e-12)  # to rounding
 

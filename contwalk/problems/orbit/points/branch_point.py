@@ -10,12 +10,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.problems.orbit import branching, normal_forms
+from contwalk.problems.orbit import branching, normal_forms, variations
 from contwalk.problems.orbit.augmented import Augmented
 from contwalk.problems.orbit.describing import PAIR, Form, criticality_of, known
 from contwalk.problems.orbit.null_vectors import critical_vectors
+from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.points.point import OrbitPoint
-from contwalk.problems.orbit.protocol import Orbit
 from contwalk.problems.problem import Located, Sample, Seed, Test
 
 BRANCHING = ("c11", "c12", "c22", "c")
@@ -31,19 +31,19 @@ class BranchPoint(OrbitPoint):
     label, test, changes, singular, daughters = "BP", Test.ORIENTATION, (-1, 0, 1), True, 1
     multiplier = 1.0
 
-    def system(self, problem: Orbit, sample: Sample, which: int) -> Augmented | None:
+    def system(self, problem: OrbitData, sample: Sample, which: int) -> Augmented | None:
         """[F_u F_lambda] of deficient rank."""
         return _crossing(problem, sample)
 
-    def tangent(self, problem: Orbit, located: Located, near: Sample) -> np.ndarray | None:
+    def tangent(self, problem: OrbitData, located: Located, near: Sample) -> np.ndarray | None:
         """Of the two tangents there, that of the branch that `near` is on."""
         return problem.tangent_at(located, near)
 
-    def form(self, problem: Orbit, located: Located, sample: Sample) -> Form:
+    def form(self, problem: OrbitData, located: Located, sample: Sample) -> Form:
         """Transcritical or a pitchfork, and to which side that opens."""
         return _branch_point(problem, located, sample)
 
-    def form_of_pair(self, problem: Orbit, located: Located, sample: Sample) -> Form:
+    def form_of_pair(self, problem: OrbitData, located: Located, sample: Sample) -> Form:
         """As `form`; coefficients up to a common factor, and no criticality."""
         if located.vectors.get("fallen_back"):
             return None, None, {}, PAIR
@@ -52,11 +52,11 @@ class BranchPoint(OrbitPoint):
         coefficients = {name: c[name] / largest for name in BRANCHING} | {"convention": UP_TO_A_FACTOR}
         return ("transcritical" if c["c11"] != 0.0 else "pitchfork"), None, coefficients, PAIR
 
-    def seeds(self, problem: Orbit, point: SpecialPoint) -> Sequence[Seed]:
+    def seeds(self, problem: OrbitData, point: SpecialPoint) -> Sequence[Seed]:
         """The branch that crosses, if the orbit is not its parent again."""
         return problem.leaving(self, point) if point.coefficients else ()
 
-    def branches(self, problem: Orbit, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
+    def branches(self, problem: OrbitData, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
         """The branch that crosses."""
         return branching.crossing(problem, z, point)
 
@@ -65,7 +65,7 @@ class BranchPoint(OrbitPoint):
         return point.label == self.label and point.kind != "symmetry-breaking"
 
 
-def _branch_point(problem: Orbit, located: Located, sample: Sample) -> Form:
+def _branch_point(problem: OrbitData, located: Located, sample: Sample) -> Form:
     if located.vectors.get("fallen_back"):
         return "pitchfork", None, {}, "the orbit is its parent again here: the branch ends on it"
     weight = float(sample.weights[-1])
@@ -76,7 +76,7 @@ def _branch_point(problem: Orbit, located: Located, sample: Sample) -> Form:
     return "pitchfork", criticality, c, vanishes
 
 
-def _crossing(problem: Orbit, sample: Sample) -> Augmented:
+def _crossing(problem: OrbitData, sample: Sample) -> Augmented:
     """[F_u F_lambda] of deficient rank: another branch passes."""
     size = problem.size
     rows, columns = problem.equation_scales, sample.weights
@@ -86,7 +86,7 @@ def _crossing(problem: Orbit, sample: Sample) -> Augmented:
     b = left[:size] / np.linalg.norm(left[:size])
     c = np.linalg.qr(np.column_stack([own, other]))[0].T  # the plane of this branch and the other one
 
-    def scaled(there: Orbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    def scaled(there: OrbitData, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         jacobian = there.linearize(z).jacobian
         whole = np.zeros((size + 2, size + 2))
         whole[:size, : size + 1] = jacobian / rows[:, None] * columns
@@ -96,17 +96,17 @@ def _crossing(problem: Orbit, sample: Sample) -> Augmented:
         left = factored.solve_adjoint(np.eye(size + 2)[:, -1])
         return (right[: size + 1] * columns[:, None]).T, left[:size] / rows, left[size:], jacobian
 
-    def evaluate(there: Orbit, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def evaluate(there: OrbitData, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         z, mu = y[: size + 1], y[-1]
         vs, psi, g, jacobian = scaled(there, z)
         matrix = np.zeros((size + 2, size + 2))
         matrix[:size, : size + 1], matrix[:size, -1] = jacobian, b * rows
         for k in range(2):
-            matrix[size + k, : size + 1] = psi @ there.derivative_along(z, vs[k])
+            matrix[size + k, : size + 1] = psi @ variations.derivative_along(there, z, vs[k])
         residual = there.linearize(z).residual + mu * b * rows
         return np.concatenate([residual, -g]), matrix
 
-    def vectors(there: Orbit, y: np.ndarray) -> dict:
+    def vectors(there: OrbitData, y: np.ndarray) -> dict:
         vs, psi, _, _ = scaled(there, y[: size + 1])
         return {"plane": vs, "left": psi, "unfolding": float(y[-1])}
 

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from contwalk.problems.orbit import normal_forms
+from contwalk.problems.orbit import normal_forms, variations
 from contwalk.problems.orbit.augmented import Augmented, along
 from contwalk.problems.orbit.describing import Form
 from contwalk.problems.orbit.null_vectors import bordered, critical_vectors
+from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.points.point import OrbitPoint
-from contwalk.problems.orbit.protocol import Orbit
 from contwalk.problems.problem import Located, Sample, Test
 
 # Displacement along the branch, in the metric, for the rate of a multiplier.
@@ -26,11 +26,11 @@ class FlatFold(OrbitPoint):
 
     label, test, changes, multiplier = "LP", Test.TURN, (-1, 1), 1.0
 
-    def system(self, problem: Orbit, sample: Sample, which: int) -> Augmented | None:
+    def system(self, problem: OrbitData, sample: Sample, which: int) -> Augmented | None:
         """A real multiplier at one."""
         return _flat_fold(problem, sample)
 
-    def form(self, problem: Orbit, located: Located, sample: Sample) -> Form:
+    def form(self, problem: OrbitData, located: Located, sample: Sample) -> Form:
         """The coefficients of the return map's normal form."""
         return None, None, normal_forms.fold(problem.return_map(located.z)), None
 
@@ -40,39 +40,39 @@ class Fold(FlatFold):
 
     flat = (FlatFold(),)
 
-    def system(self, problem: Orbit, sample: Sample, which: int) -> Augmented | None:
+    def system(self, problem: OrbitData, sample: Sample, which: int) -> Augmented | None:
         """F_u singular."""
         return _fold(problem, sample)
 
 
-def _fold(problem: Orbit, sample: Sample) -> Augmented:
+def _fold(problem: OrbitData, sample: Sample) -> Augmented:
     """F_u singular."""
     size = problem.size
     rows, columns = problem.equation_scales, sample.weights[:size]
     b, c = critical_vectors(problem, problem.jacobian(sample.z)[:, :size] / rows[:, None] * columns)
 
-    def scaled(there: Orbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
+    def scaled(there: OrbitData, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
         jacobian = there.linearize(z).jacobian
         v, psi, g = bordered(there, jacobian[:, :size] / rows[:, None] * columns, b, c)
         return v * columns, psi / rows, float(g.real), jacobian
 
-    def evaluate(there: Orbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def evaluate(there: OrbitData, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         v, psi, g, jacobian = scaled(there, z)
-        gradient = -psi @ there.derivative_along(z, np.append(v, 0.0))
+        gradient = -psi @ variations.derivative_along(there, z, np.append(v, 0.0))
         residual = np.append(there.linearize(z).residual, g)
         return residual, np.vstack([jacobian, gradient])
 
-    def vectors(there: Orbit, z: np.ndarray) -> dict:
+    def vectors(there: OrbitData, z: np.ndarray) -> dict:
         v, psi, _, _ = scaled(there, z)
         return {"right": v, "left": psi}
 
     return Augmented(evaluate, sample.z, sample.weights, vectors)
 
 
-def _flat_fold(problem: Orbit, sample: Sample) -> Augmented | None:
+def _flat_fold(problem: OrbitData, sample: Sample) -> Augmented | None:
     """A real multiplier at one, where the parameter stands still."""
 
-    def value(there: Orbit, z: np.ndarray) -> float:
+    def value(there: OrbitData, z: np.ndarray) -> float:
         found = there.multipliers(z, there.linearize(z).jacobian).values
         nearest = complex(found[int(np.argmin(np.abs(found - 1.0)))])
         return float(np.log(nearest.real)) if nearest.imag == 0.0 < nearest.real else float("nan")

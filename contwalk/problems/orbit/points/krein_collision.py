@@ -7,8 +7,8 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.numerics import krein
 from contwalk.problems.orbit.describing import Form
+from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.points.point import OrbitPoint
-from contwalk.problems.orbit.protocol import Orbit
 from contwalk.problems.problem import Located, Sample, Test
 
 NOTE = (
@@ -22,19 +22,19 @@ class KreinCollision(OrbitPoint):
 
     label, test, changes, along = "NS", Test.STABILITY, (-2, 2), True
 
-    def tells(self, problem: Orbit, sample: Sample, which: int) -> bool:
+    def tells(self, problem: OrbitData, sample: Sample, which: int) -> bool:
         """A quadruple, of multipliers that come as mu and 1/mu."""
         values = sample.eigenvalues
         return (
             bool(values[which].imag != 0.0) and krein.symplectic(values) and self.value(problem, sample) < 0.0
         )
 
-    def value(self, problem: Orbit, sample: Sample) -> float:
+    def value(self, problem: OrbitData, sample: Sample) -> float:
         """How far two pairs are apart: positive on the circle, negative of a quadruple."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return krein.parted(sample.eigenvalues, sample.eigenvalues + 1.0 / sample.eigenvalues)
 
-    def form(self, problem: Orbit, located: Located, sample: Sample) -> Form:
+    def form(self, problem: OrbitData, located: Located, sample: Sample) -> Form:
         """The angle at which the pairs meet."""
         theta = abs(float(np.angle(sample.eigenvalues[int(located.vectors["which"])])))
         return None, None, {"theta": theta, "rotation_number": theta / (2.0 * np.pi), "pairs": 2}, NOTE

@@ -8,12 +8,13 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.problems.orbit import normal_forms
+from contwalk.problems.orbit import normal_forms, variations
 from contwalk.problems.orbit.augmented import Augmented
 from contwalk.problems.orbit.describing import Form, criticality_of, known
 from contwalk.problems.orbit.null_vectors import bordered, critical_vectors
+from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.points.point import OrbitPoint
-from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.orbit.scales import cycle_scales
 from contwalk.problems.problem import Located, Sample, Test
 
 # Where theta is this near to 2 pi k / q, q = 1..4, the point is a strong resonance.
@@ -25,15 +26,15 @@ class NeimarkSacker(OrbitPoint):
 
     label, test, changes = "NS", Test.STABILITY, (-2, 2)
 
-    def tells(self, problem: Orbit, sample: Sample, which: int) -> bool:
+    def tells(self, problem: OrbitData, sample: Sample, which: int) -> bool:
         """A complex pair; a real multiplier at one is told by the tests of folds and branch points."""
         return bool(sample.eigenvalues[which].imag != 0.0)
 
-    def system(self, problem: Orbit, sample: Sample, which: int) -> Augmented | None:
+    def system(self, problem: OrbitData, sample: Sample, which: int) -> Augmented | None:
         """A pair of multipliers at exp(+-i theta)."""
         return _torus(problem, sample, which)
 
-    def form(self, problem: Orbit, located: Located, sample: Sample) -> Form:
+    def form(self, problem: OrbitData, located: Located, sample: Sample) -> Form:
         """The cubic coefficient, and the side on which tori are, if it is no strong resonance."""
         return _form(problem, located, sample)
 
@@ -42,7 +43,7 @@ class NeimarkSacker(OrbitPoint):
         return complex(np.exp(1j * float(point.coefficients["theta"])))
 
 
-def _form(problem: Orbit, located: Located, sample: Sample) -> Form:
+def _form(problem: OrbitData, located: Located, sample: Sample) -> Form:
     theta = float(located.vectors["theta"])
     resonance = _resonance(theta)
     if resonance is not None:
@@ -65,33 +66,33 @@ def _resonance(theta: float) -> str | None:
     return None
 
 
-def _torus(problem: Orbit, sample: Sample, which: int, modulus: float = 1.0) -> Augmented:
+def _torus(problem: OrbitData, sample: Sample, which: int, modulus: float = 1.0) -> Augmented:
     """A pair of multipliers at modulus exp(+-i theta)."""
-    size, (rows, columns) = problem.size, problem.cycle_scales
+    size, (rows, columns) = problem.size, cycle_scales(problem)
     value = sample.eigenvalues[which]
     theta = abs(float(np.angle(value)))
-    start = problem.cycle_matrix(problem.jacobian(sample.z), complex(value.real, abs(value.imag)))
+    start = variations.cycle_matrix(problem, problem.jacobian(sample.z), complex(value.real, abs(value.imag)))
     b, c = critical_vectors(problem, start / rows[:, None] * columns)
 
-    def scaled(there: Orbit, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, complex, np.ndarray]:
+    def scaled(there: OrbitData, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, complex, np.ndarray]:
         jacobian = there.linearize(y[: size + 1]).jacobian
-        matrix = there.cycle_matrix(jacobian, modulus * np.exp(1j * y[-1]))
+        matrix = variations.cycle_matrix(there, jacobian, modulus * np.exp(1j * y[-1]))
         v, psi, g = bordered(there, matrix / rows[:, None] * columns, b, c)
         return v * columns, psi / rows, complex(g), jacobian
 
-    def evaluate(there: Orbit, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def evaluate(there: OrbitData, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         z = y[: size + 1]
         v, psi, g, jacobian = scaled(there, y)
-        derivative = there.cycle_derivative(z, v.real) + 1j * there.cycle_derivative(z, v.imag)
-        gradient = -psi.conj() @ derivative
-        turning = 1j * modulus * np.exp(1j * y[-1]) * there.cycle_return(psi, v)
+        real, imaginary = (variations.cycle_derivative(there, z, part) for part in (v.real, v.imag))
+        gradient = -psi.conj() @ (real + 1j * imaginary)
+        turning = 1j * modulus * np.exp(1j * y[-1]) * variations.cycle_return(there, psi, v)
         matrix = np.zeros((size + 2, size + 2))
         matrix[:size, : size + 1] = jacobian
         matrix[size, : size + 1], matrix[size + 1, : size + 1] = gradient.real, gradient.imag
         matrix[size, -1], matrix[size + 1, -1] = turning.real, turning.imag
         return np.concatenate([there.linearize(z).residual, [g.real, g.imag]]), matrix
 
-    def vectors(there: Orbit, y: np.ndarray) -> dict:
+    def vectors(there: OrbitData, y: np.ndarray) -> dict:
         v, psi, _, _ = scaled(there, y)
         return {"right": v, "left": psi, "multiplier": modulus * np.exp(1j * y[-1]), "theta": float(y[-1])}
 

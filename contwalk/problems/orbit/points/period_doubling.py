@@ -10,12 +10,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.problems.orbit import normal_forms
+from contwalk.problems.orbit import normal_forms, variations
 from contwalk.problems.orbit.augmented import Augmented
 from contwalk.problems.orbit.describing import PAIR, Form, criticality_of, known
 from contwalk.problems.orbit.null_vectors import bordered, critical_vectors
+from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.points.point import OrbitPoint
-from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.orbit.scales import cycle_scales
 from contwalk.problems.problem import Located, Sample, Seed, Test
 
 
@@ -24,11 +25,11 @@ class _Flip(OrbitPoint):
 
     test, changes, daughters, multiplier = Test.STABILITY, (-1, 1), 1, -1.0
 
-    def system(self, problem: Orbit, sample: Sample, which: int) -> Augmented | None:
+    def system(self, problem: OrbitData, sample: Sample, which: int) -> Augmented | None:
         """A multiplier at -1."""
         return _flip(problem, sample)
 
-    def seeds(self, problem: Orbit, point: SpecialPoint) -> Sequence[Seed]:
+    def seeds(self, problem: OrbitData, point: SpecialPoint) -> Sequence[Seed]:
         """The orbit that leaves along the critical vector."""
         return problem.leaving(self, point)
 
@@ -42,18 +43,18 @@ class PeriodDoubling(_Flip):
 
     label = "PD"
 
-    def tells(self, problem: Orbit, sample: Sample, which: int) -> bool:
+    def tells(self, problem: OrbitData, sample: Sample, which: int) -> bool:
         """A negative multiplier of a whole orbit."""
         value = sample.eigenvalues[which]
         return bool(value.imag == 0.0 and value.real <= 0.0 and problem.rounds == 1)
 
-    def form(self, problem: Orbit, located: Located, sample: Sample) -> Form:
+    def form(self, problem: OrbitData, located: Located, sample: Sample) -> Form:
         """The cubic coefficient, and the side to which the doubled orbit leaves."""
         coefficients = known(problem, located, sample, "c", normal_forms.flip)
         criticality, vanishes = criticality_of(-coefficients["c"], coefficients.get("c_error"))
         return None, criticality, coefficients, vanishes
 
-    def branches(self, problem: Orbit, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
+    def branches(self, problem: OrbitData, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
         """The doubled orbit."""
         return problem.doubled_from(z)
 
@@ -64,23 +65,23 @@ class SymmetryBreaking(_Flip):
     # Its row tells no error, as those of all branch points.
     label, singular = "BP", True
 
-    def tells(self, problem: Orbit, sample: Sample, which: int) -> bool:
+    def tells(self, problem: OrbitData, sample: Sample, which: int) -> bool:
         """A negative multiplier of half an orbit."""
         value = sample.eigenvalues[which]
         return bool(value.imag == 0.0 and value.real <= 0.0 and problem.rounds > 1)
 
-    def form(self, problem: Orbit, located: Located, sample: Sample) -> Form:
+    def form(self, problem: OrbitData, located: Located, sample: Sample) -> Form:
         """As of a doubling; of the whole orbit it is a pitchfork."""
         coefficients = known(problem, located, sample, "c", normal_forms.flip)
         criticality, vanishes = criticality_of(-coefficients["c"], coefficients.get("c_error"))
         note = vanishes or f"the orbits that leave have lost '{problem.whole[0]}'"
         return "symmetry-breaking", criticality, coefficients, note
 
-    def form_of_pair(self, problem: Orbit, located: Located, sample: Sample) -> Form:
+    def form_of_pair(self, problem: OrbitData, located: Located, sample: Sample) -> Form:
         """As `form`, without coefficients."""
         return "symmetry-breaking", None, {}, PAIR
 
-    def branches(self, problem: Orbit, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
+    def branches(self, problem: OrbitData, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
         """The whole orbit without the symmetry."""
         return problem.unfolded_from(z)
 
@@ -89,24 +90,24 @@ class SymmetryBreaking(_Flip):
         return point.label == self.label and point.kind == "symmetry-breaking"
 
 
-def _flip(problem: Orbit, sample: Sample) -> Augmented:
+def _flip(problem: OrbitData, sample: Sample) -> Augmented:
     """A multiplier at -1."""
-    size, (rows, columns) = problem.size, problem.cycle_scales
-    start = problem.cycle_matrix(problem.jacobian(sample.z), -1.0)
+    size, (rows, columns) = problem.size, cycle_scales(problem)
+    start = variations.cycle_matrix(problem, problem.jacobian(sample.z), -1.0)
     b, c = critical_vectors(problem, start / rows[:, None] * columns)
 
-    def scaled(there: Orbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
+    def scaled(there: OrbitData, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
         jacobian = there.linearize(z).jacobian
-        matrix = there.cycle_matrix(jacobian, -1.0)
+        matrix = variations.cycle_matrix(there, jacobian, -1.0)
         v, psi, g = bordered(there, matrix / rows[:, None] * columns, b, c)
         return v * columns, psi / rows, float(g.real), jacobian
 
-    def evaluate(there: Orbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def evaluate(there: OrbitData, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         v, psi, g, jacobian = scaled(there, z)
         residual = np.append(there.linearize(z).residual, g)
-        return residual, np.vstack([jacobian, -psi @ there.cycle_derivative(z, v)])
+        return residual, np.vstack([jacobian, -psi @ variations.cycle_derivative(there, z, v)])
 
-    def vectors(there: Orbit, z: np.ndarray) -> dict:
+    def vectors(there: OrbitData, z: np.ndarray) -> dict:
         v, psi, _, _ = scaled(there, z[: size + 1])
         return {"right": v, "left": psi, "multiplier": -1.0}
 

@@ -13,7 +13,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.problems.orbit.augmented import Augmented
 from contwalk.problems.orbit.describing import PAIR, Form
-from contwalk.problems.orbit.protocol import Orbit
+from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.problem import Located, PointType, Sample, Seed
 
 
@@ -28,11 +28,11 @@ class OrbitPoint(PointType):
 
     multiplier: ClassVar[float | None] = None
 
-    def system(self, problem: Orbit, sample: Sample, which: int) -> Augmented | None:
+    def system(self, problem: OrbitData, sample: Sample, which: int) -> Augmented | None:
         """The augmented system whose solution near a sample is such a point; None if there is none."""
         return None
 
-    def form(self, problem: Orbit, located: Located, sample: Sample) -> Form:
+    def form(self, problem: OrbitData, located: Located, sample: Sample) -> Form:
         """Kind, criticality, coefficients and note of a located point.
 
         Raises
@@ -44,21 +44,21 @@ class OrbitPoint(PointType):
         """
         return None, None, {}, None
 
-    def form_of_pair(self, problem: Orbit, located: Located, sample: Sample) -> Form:
+    def form_of_pair(self, problem: OrbitData, located: Located, sample: Sample) -> Form:
         """As `form`, where the critical multiplier is double, as of a pair mu, 1/mu.
 
         Coefficients on the critical direction alone do not exist there, and their signs tell no stability.
         """
         return None, None, {}, PAIR
 
-    def branches(self, problem: Orbit, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
+    def branches(self, problem: OrbitData, z: np.ndarray, point: SpecialPoint) -> Sequence[Seed]:
         """The branches that leave a point, on fine steps."""
         return ()
 
-    def locate(self, problem: Orbit, sample: Sample, which: int) -> Located | None:
+    def locate(self, problem: OrbitData, sample: Sample, which: int) -> Located | None:
         """The point near a sample, by its augmented system."""
         return problem.locate(self, sample, which)
 
-    def describe(self, problem: Orbit, located: Located, sample: Sample, s: float) -> SpecialPoint:
+    def describe(self, problem: OrbitData, located: Located, sample: Sample, s: float) -> SpecialPoint:
         """The record of a located point, with its normal form."""
         return problem.special_point(self, located, sample, s)
