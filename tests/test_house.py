@@ -30,13 +30,11 @@ METHODS_OVER: dict[str, int] = {
     "contwalk.problems.hybrid.soft_orbit.SoftOrbit": 52,
     "contwalk.problems.hybrid.view.LegView": 31,
     "contwalk.problems.initial.event_recurrence._Search": 36,
-    "contwalk.problems.orbit.passage.Passage": 37,
     "contwalk.problems.orbit.protocol.Orbit": 31,
     "contwalk.problems.orbit.segmented_orbit.SegmentedOrbit": 37,
 }
 LINES_OVER: dict[str, int] = {
     "contwalk.problems.hybrid.soft_orbit.SoftOrbit": 482,
-    "contwalk.problems.orbit.passage.Passage": 480,
 }
 # Lines of files.
 FILES_OVER: dict[str, int] = {
@@ -44,14 +42,11 @@ FILES_OVER: dict[str, int] = {
     "contwalk.flow.explicit.runge_kutta": 441,
     "contwalk.problems.hybrid.soft_orbit": 584,
     "contwalk.problems.initial.event_recurrence": 548,
-    "contwalk.problems.orbit.passage": 623,
     "contwalk.studies.verification": 469,
 }
 # Arguments of functions that may be given by position; what is given by name alone explains itself.
 ARGUMENTS_OVER: dict[str, int] = {
     "contwalk.problems.hybrid.discretized_orbit.DiscretizedOrbit.__init__": 9,
-    "contwalk.problems.orbit.passage.Passage.__init__": 10,
-    "contwalk.problems.orbit.passage.passage_of": 10,
 }
 
 

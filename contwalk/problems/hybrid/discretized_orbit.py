@@ -26,6 +26,7 @@ from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.passage import Passage, passage_of
 from contwalk.problems.orbit.piece import Piece
 from contwalk.problems.orbit.section import Section
+from contwalk.problems.orbit.traced_leg import Closing, ScalarInputs
 from contwalk.problems.orbit.word import Word
 from contwalk.problems.parameter_line import Ends
 from contwalk.system import Condition, Neutral, System, Transition
@@ -128,9 +129,9 @@ class DiscretizedOrbit(OrbitData):
     @cached_property
     def passages(self) -> tuple[Passage, ...]:
         """The legs' compiled functions."""
-        own, moving = self.line.own, self.line.moving
+        inputs = ScalarInputs(self.line.own, self.line.moving, self.pins)
         return tuple(
-            passage_of(self.system, leg, self.word.target(i), own, moving, self.pins, self.word.image_at(i))
+            passage_of(self.system, leg, self.word.target(i), inputs, Closing(self.word.image_at(i)))
             for i, leg in enumerate(self.word.legs)
         )
 

@@ -11,8 +11,9 @@ from contwalk.fields.codegen import source
 from contwalk.fields.rebind import rebound
 from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow.compiled.traced import CONSTANT, TIME, arguments, field_program, shared_program
-from contwalk.problems.orbit.passage import TIME as OF_LEG
 from contwalk.problems.orbit.passage import passage_of
+from contwalk.problems.orbit.traced_leg import TIME as OF_LEG
+from contwalk.problems.orbit.traced_leg import ScalarInputs
 from contwalk.problems.orbit.word import Leg
 from contwalk.problems.tracing import (
     parameter_symbols,
@@ -102,7 +103,8 @@ def _transition(system: System, transition: Transition, free: str | None) -> lis
     """Guard, reset and relabelling."""
     mode = system.mode(transition.source)
     if not mode.constants:
-        passage = passage_of(system, Leg(transition.source, transition), transition.target, free, (), ())
+        leg = Leg(transition.source, transition)
+        passage = passage_of(system, leg, transition.target, ScalarInputs(free))
         watched = transition.role == "watched"
         return [passage.watched_program(transition.guard) if watched else passage.end_program]
     guard, maps = rebound(transition.guard), []

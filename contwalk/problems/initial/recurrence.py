@@ -17,6 +17,7 @@ from contwalk.problems.initial.magnitudes import magnitudes_on
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.passage import Passage, closure_of
 from contwalk.problems.orbit.shooting import roughness
+from contwalk.problems.orbit.traced_leg import ScalarInputs
 from contwalk.system import System
 
 TOLERANCE = 1e-9
@@ -70,7 +71,7 @@ class Simulation:
     @property
     def passage(self) -> Passage:
         """The field in units of a second, or of a period."""
-        return closure_of(self.system, self.system.parameter_names[0], (), (), 1.0, holding=False)
+        return closure_of(self.system, ScalarInputs(self.system.parameter_names[0]), holding=False)
 
     def run(self, t: float, x: np.ndarray, end: float, weights: np.ndarray) -> Choice:
         """The motion from t to `end` by the method that works least; `path.status`: what became of it.

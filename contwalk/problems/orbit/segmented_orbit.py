@@ -29,6 +29,7 @@ from contwalk.problems.orbit.piece import Piece, passed
 from contwalk.problems.orbit.section import Section, section_at
 from contwalk.problems.orbit.shooting import Mesh, velocity
 from contwalk.problems.orbit.solution import Curve, Solution
+from contwalk.problems.orbit.traced_leg import Closing, ScalarInputs
 from contwalk.problems.orbit.word import Leg, Word
 from contwalk.problems.parameter_line import Ends
 from contwalk.system import Neutral, System
@@ -70,9 +71,9 @@ class SegmentedOrbit(OrbitData):
         line = self.line
         image = "" if closure.symmetry is None else closure.symmetry.name
         self.closure, self.turns = closure, closure.turns
-        given = self.system, line.own, line.moving, self.pins, self.forcings
+        inputs = ScalarInputs(line.own, line.moving, self.pins)
         # The field over one closure, and the map at its end.
-        self.passage: Passage = closure_of(*given, image=image, power=closure.power)
+        self.passage: Passage = closure_of(self.system, inputs, Closing(image, closure.power, self.forcings))
 
     def closing(self, turns: np.ndarray, symmetry: Any = None, power: int = 1, fold: int = 1) -> Self:
         """The same orbits closed up to a symmetry (or to none), with angles that turn."""

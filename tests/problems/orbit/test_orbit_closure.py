@@ -12,6 +12,7 @@ from contwalk.problems.orbit.closure import Closure, imaged, order_of
 from contwalk.problems.orbit.lifts import JET, MIXED, PLAIN, TANGENT
 from contwalk.problems.orbit.passage import closure_of
 from contwalk.problems.orbit.piece import Piece
+from contwalk.problems.orbit.traced_leg import Closing, ScalarInputs
 from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
 
@@ -41,7 +42,7 @@ def closure():
 
 @pytest.fixture
 def passage():
-    return closure_of(SYSTEM, "lam", (), (), 1.0, image="turn")
+    return closure_of(SYSTEM, ScalarInputs("lam"), Closing("turn"))
 
 
 def test_the_order_of_a_symmetry():

@@ -11,6 +11,7 @@ from small_systems import small_system
 from contwalk import flow
 from contwalk.problems.orbit.lifts import JET, MIXED, PLAIN, TANGENT
 from contwalk.problems.orbit.passage import closure_of
+from contwalk.problems.orbit.traced_leg import Closing, ScalarInputs
 
 
 def oscillator(t, x, p, dx):
@@ -27,7 +28,7 @@ FIXED = np.array([1.0, 0.4, 0.0, 0.0])
 
 
 def carried(lift, y, scalars, *directions):
-    field = closure_of(SYSTEM, "k", (), (), 1.0).field(lift)
+    field = closure_of(SYSTEM, ScalarInputs("k")).field(lift)
     c = field.constants(np.concatenate([scalars, FIXED, *directions]))
     return flow.along(field, c, STEPS, np.asarray(y, dtype=float), "dop853")[-1]
 
@@ -107,7 +108,7 @@ def test_forced_motions_take_their_duration_from_the_parameters(cycles):
         dx[0] = np.cos(p.w * t)
 
     system = small_system(field, "x", {"w": 3.0}, period=lambda p: 2.0 * math.pi / p.w)
-    passage = closure_of(system, "w", (), (), cycles)
+    passage = closure_of(system, ScalarInputs("w"), Closing(periods=cycles))
     assert passage.columns == [("l", 0)]
     lift = passage.field(TANGENT)
     c = lift.constants(np.array([3.0, 3.0, 0.0, 1.0]))
