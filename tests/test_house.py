@@ -29,7 +29,6 @@ METHODS_OVER: dict[str, int] = {
     "contwalk.problems.hybrid.hybrid_orbit.HybridOrbit": 48,
     "contwalk.problems.hybrid.soft_orbit.SoftOrbit": 52,
     "contwalk.problems.hybrid.view.LegView": 31,
-    "contwalk.problems.initial.event_recurrence._Search": 36,
     "contwalk.problems.orbit.protocol.Orbit": 31,
     "contwalk.problems.orbit.segmented_orbit.SegmentedOrbit": 37,
 }
@@ -41,7 +40,6 @@ FILES_OVER: dict[str, int] = {
     "contwalk.continuation.diagram": 449,
     "contwalk.flow.explicit.runge_kutta": 441,
     "contwalk.problems.hybrid.soft_orbit": 584,
-    "contwalk.problems.initial.event_recurrence": 548,
     "contwalk.studies.verification": 469,
 }
 # Arguments of functions that may be given by position; what is given by name alone explains itself.

@@ -5,75 +5,22 @@ What happened in between is the lap's word; nobody has to type it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from contwalk.errors import NotFinite, StartError
 from contwalk.flow.hybrid.event_integrator import METHOD
 from contwalk.flow.hybrid.motion_segment import Control, MotionSegment
 from contwalk.flow.hybrid.motions import HybridMachine, applied, hybrid_machine, motion_segments
 from contwalk.flow.hybrid.on_guard import check_on_guard
 from contwalk.flow.hybrid.past_zero import past_zero
 from contwalk.flow.hybrid.scales import magnitudes
-from contwalk.problems import neutral as neutrals
-from contwalk.problems.angles import whole_turns
-from contwalk.problems.conserving import ONE_OF_EACH_VALUE
-from contwalk.problems.forcing import period_at
-from contwalk.problems.hybrid import families
 from contwalk.problems.hybrid.lap import Lap
-from contwalk.problems.hybrid.mirrors import Span, carries
-from contwalk.problems.initial.coming_to_rest import check_moves
-from contwalk.problems.initial.event_free import strobes
-from contwalk.problems.initial.recurrence import recurrent
-from contwalk.problems.initial.volume import Volume
-from contwalk.problems.orbit.closure import imaged, order_of
-from contwalk.problems.orbit.word import Leg
-from contwalk.system import Neutral, System
-from contwalk.system.declarations import ParameterValues
+from contwalk.problems.initial.event_search import Search
+from contwalk.problems.initial.giving_up import given_up
+from contwalk.system import System
 
 TOLERANCE = 1e-9
-# What a return misses by, in units of the variation: of a motion that has settled; at all.
-SETTLED, NEARLY = 1e-5, 0.2
-# A part of a lap that misses by less than so many times as much is the lap.
-ROUND = 100.0
-# The durations of laps that accumulate tend to less than this part of the last of them: to zero, but for
-# rounding (a geometric series), or seemingly to half of it where they fall as 1/n.
-SHRINKS = 0.75
-# Two laps that are all there is last alike: the second is not shorter by more than this part.
-ALIKE = 0.05
-ROUNDING = 1e-9
-# Events that are looked back.
-LOOK_BACK = 64
-# Steps within which a return is found or given up, and those that an event costs beside its own: it is
-# located, happens, and is compared with earlier ones. A time that is to pass first may cost so much more.
-MOST_STEPS, EVENT, BEFORE = 500_000, 25, 20
-# The same where the first near return is looked for: a motion that is near an orbit comes back soon.
-FIRST_STEPS = 200_000
-# Periods of the forcing without an event before an orbit without events is looked for: no whole number, so
-# that no event of a clock is cut off.
-QUIET = 4.618
-# How long to simulate at once, in units of what the fastest state needs to change by its own size; steps
-# without an event after which there will be none, for a start that is said to be on an orbit and otherwise.
-STRETCH, FIRST_PATIENCE, PATIENCE = 300.0, 2_000, 20_000
-LEAST = 1e-3
-FIRST_RETURN = " Where it is near an orbit that may be unstable, until: 0 takes its first near return."
-# A return that is as good as this times the best one so far is as good.
-AS_GOOD = 0.5
-
-
-@dataclass(frozen=True, eq=False)
-class _Arrival:
-    """Where an event leads, or its image under a mirror: earlier stretches are compared with it."""
-
-    time: float
-    mode: str
-    event: str
-    after: np.ndarray
-    scale: np.ndarray
-    image: str
 
 
 def lap_from(
@@ -122,7 +69,7 @@ def lap_from(
         scales = [each.scale for each in system.states]
         typical = magnitudes(machine, time, x, mode, np.inf, scales, METHOD, at)
         check_on_guard(machine, happening, time, before, typical)
-    search = _Search(system, parameters, None if until == 0 else until, least)
+    search = Search(system, parameters, None if until == 0 else until, least)
     if after is not None:
         search.first = False  # the first arc is a whole leg
     search.origin = x
@@ -132,7 +79,7 @@ def lap_from(
         lap = search.add(arc)
         if lap is not None:
             return lap
-    return search.given_up()
+    return given_up(search)
 
 
 def _motion(
@@ -141,7 +88,7 @@ def _motion(
     x: np.ndarray,
     mode: str,
     last: str | None,
-    search: _Search,
+    search: Search,
     end: float,
 ) -> Iterator[MotionSegment]:
     """Arcs of the motion until `end`, in stretches short enough to notice that nothing happens.
@@ -168,381 +115,3 @@ def _motion(
                 mode = machine.transition(arc.transition, arc.mode).target
         if t >= end or not search.waits(quiet):
             return
-
-
-class _Search:
-    """Looks for a return while a motion is simulated."""
-
-    def __init__(
-        self, system: System, parameters: Mapping[str, float], until: float | str | None, least: float = 0.0
-    ) -> None:
-        self.system, self.parameters, self.until, self.least = system, dict(parameters), until, least
-        self.period = 0.0
-        if system.period is not None:
-            self.period = period_at(system, parameters)
-        self.turns = np.array([s.period or 0.0 for s in system.states])
-        self.stretches: list[Span] = []
-        self.low = np.full(len(system.states), np.inf)
-        self.high = -self.low
-        self.best: Lap | None = None
-        self.shrinking = 0.0  # duration of the first lap of those that accumulate
-        self.settled: dict[tuple[int, str], set[int]] = {}  # when laps of a kind have come back
-        self.patience = 0  # events until the best lap is taken, if it is one up to an image
-        self.begun: tuple[float, np.ndarray] | None = (
-            None  # time and state at the start of a leg that goes on
-        )
-        self.work = 0  # steps since a return has been looked for
-        self.events = 0
-        self.since = 0.0  # when that began
-        self.volume = Volume()
-        self.looking = not isinstance(until, int | float)
-        self.first = True
-        self.origin: np.ndarray | None = None
-        self.note = ""  # on the start
-        self.ended: MotionSegment | None = None
-        self.last_state: tuple[float, np.ndarray, str] | None = None
-
-    def weights(self, x: np.ndarray) -> np.ndarray:
-        """Typical magnitudes as far as they are known."""
-        seen = np.where(np.isfinite(self.low), 0.5 * (self.high - self.low), 0.0)
-        reached = np.where(np.isfinite(self.low), np.maximum(np.abs(self.low), np.abs(self.high)), 0.0)
-        known = np.maximum(seen, LEAST * np.maximum(np.abs(x), reached))
-        largest = float(known.max())
-        # What is zero, or nothing against the others, will be more than that.
-        return np.where(known > ROUNDING * largest, known, LEAST * largest if largest > 0.0 else 1.0)
-
-    def stretch(
-        self, machine: HybridMachine, t: float, x: np.ndarray, mode: str, weights: np.ndarray
-    ) -> float:
-        """How long to simulate before it is noticed that nothing happens."""
-        if self.period:
-            return QUIET * self.period
-        flow = machine.mode(mode)
-        rates = np.abs(flow.field(t, x[flow.states], flow.c)) / weights[flow.states]
-        fastest = float(np.max(rates, initial=0.0))
-        return STRETCH / fastest if fastest > 0.0 else STRETCH
-
-    def check_moves(self, machine: HybridMachine, arc: MotionSegment) -> None:
-        """Raise where the motion of an autonomous system has come to rest without an event."""
-        if not self.period and arc.transition is None and arc.status in ("ok", "too_many_steps"):
-            reached = np.maximum(np.abs(self.low), np.abs(self.high))
-            check_moves(self.system, machine.mode(arc.mode), arc, reached)
-
-    def waits(self, steps: int) -> bool:
-        """Whether to go on although nothing has happened for so many steps."""
-        return steps < (PATIENCE if self.until is not None or self.first else FIRST_PATIENCE)
-
-    @property
-    def exhausted(self) -> bool:
-        """Whether a return, or the time from which on it is looked for, has cost what it may."""
-        return self.work > self._most * (1 if self.looking else BEFORE)
-
-    @property
-    def _most(self) -> int:
-        return FIRST_STEPS if self.until is None else MOST_STEPS
-
-    @property
-    def keeps_volumes(self) -> bool:
-        """Whether the motion does not settle within a search: volumes of states stay what they are in it."""
-        return self.looking and self.volume.kept(self._span)
-
-    @property
-    def _span(self) -> float:
-        """Seconds that a search lasts at most, as it has gone so far."""
-        now = self.since if self.last_state is None else self.last_state[0]
-        return (now - self.since) * self._most / max(self.work, 1)
-
-    def hopeless(self, machine: HybridMachine, arc: MotionSegment) -> bool:
-        """Whether to end the search after an arc: it has cost what it may, or nothing can settle."""
-        if self.looking:
-            self.volume.add(machine, arc, self.events)
-        return self.exhausted or (self.keeps_volumes and self.volume.seen_all(machine))
-
-    def _spend(self, arc: MotionSegment) -> None:
-        """Count an arc's work; anew, once the time has passed that was asked for."""
-        if not self.looking and float(arc.times[-1]) >= float(self.until or 0.0):
-            self.looking, self.work, self.events, self.since = True, 0, 0, float(arc.times[0])
-        happens = int(arc.transition is not None)
-        self.events += happens
-        self.work += len(arc.times) + EVENT * happens
-
-    def add(self, arc: MotionSegment) -> Lap | None:
-        """Take an arc in; the lap that it closes, if it does."""
-        self._spend(arc)
-        self.low = np.minimum(self.low, arc.states.min(axis=0))
-        self.high = np.maximum(self.high, arc.states.max(axis=0))
-        self.last_state = float(arc.times[-1]), arc.states[-1], arc.mode
-        if arc.status != "ok":
-            self.ended = arc
-            return None
-        if arc.transition is None:
-            if not self.first and self.begun is None:  # the leg goes on
-                self.begun = float(arc.times[0]), arc.states[0]
-            return self._strobed(arc)
-        transition = self.system.transition(arc.transition, arc.mode)
-        if not self.first:
-            leg = Leg(arc.mode, transition, not arc.rising, arc.collapsed)
-            start, x = self.begun or (float(arc.times[0]), arc.states[0])
-            lasting = float(arc.times[-1]) - start
-            self.stretches.append(Span(leg, start, x, lasting, arc.states[-1]))
-        self.first, self.begun = False, None
-        # Laps end with hard transitions, where there are any.
-        hard = any(s.leg.transition is not None and s.leg.transition.role == "hard" for s in self.stretches)
-        return self._closed(arc) if self.stretches and not (transition.role == "soft" and hard) else None
-
-    def _closed(self, arc: MotionSegment) -> Lap | None:
-        """The shortest lap that ends with this arc's event."""
-        if not self.looking:
-            return None
-        shorter: list[Lap] = []
-        arrivals = [self._arrival(arc, image) for image in self.images]
-        misses = np.array([self._misses(arrival) for arrival in arrivals])
-        for back in np.flatnonzero((misses < NEARLY).any(axis=0)):
-            for arrival, missed in zip(arrivals, misses[:, back], strict=True):
-                if not (missed < ROUND * SETTLED or self._better(missed)):
-                    continue
-                part = self.stretches[-1 - back :]
-                if not any(stretch.duration > 0.0 for stretch in part):  # transitions at one instant
-                    continue
-                lap = self._lap(arrival, part, float(missed))
-                if lap is None:
-                    continue
-                if self._better(missed):
-                    self.best = lap
-                if lap.missed < SETTLED:
-                    if self._accumulates(len(lap.stretches)):
-                        return self._first_image()  # so do longer laps, of which less is known
-                    if self._again(lap):
-                        self._refuse_chatter(lap)
-                        return self._shortest(lap, shorter)
-                shorter.append(lap)
-                if self.until is None and self.best is not None and not self.best.image:
-                    return self.best
-        return self._first_image()
-
-    def _again(self, lap: Lap) -> bool:
-        """Whether the lap before came back as well: irregular motions come near by chance."""
-        now, back = len(self.stretches), len(lap.stretches)
-        times = self.settled.setdefault((back, lap.image), set())
-        times.add(now)
-        return self.until is None or now - back in times
-
-    def _refuse_chatter(self, lap: Lap) -> None:
-        """A lap may pass through transitions that accumulate, where rounding ends them.
-
-        Raises
-        ------
-        StartError
-            If one in it follows itself ever sooner, down to rounding.
-        """
-        whole = sum(stretch.duration for stretch in lap.stretches)
-        for three in zip(lap.stretches, lap.stretches[1:], lap.stretches[2:], strict=False):
-            first, second, third = (stretch.duration for stretch in three)
-            same = len({stretch.leg.name for stretch in three}) == 1
-            if same and first > second > third and third < ROUNDING * whole:
-                lasts, ends = (self.system.lasting(time) for time in (third, three[-1].start))
-                raise StartError(
-                    f"Transition '{three[0].leg.name}' accumulates: it follows itself ever sooner, "
-                    f"{lasts} later at t = {ends}, and only rounding ends that.",
-                    "The plugin must declare a mode for what comes after.",
-                )
-
-    def _better(self, missed: float) -> bool:
-        """Whether a lap is nearly one, and the best so far."""
-        return missed < (NEARLY if self.best is None else AS_GOOD * self.best.missed)
-
-    def _first_image(self) -> Lap | None:
-        """Where the first return is wanted, one up to an image, after a whole lap was looked at too."""
-        if self.until is not None or self.best is None:
-            return None
-        self.patience = self.patience or len(self.stretches) + len(self.best.stretches)
-        return self.best if len(self.stretches) >= self.patience else None
-
-    @cached_property
-    def images(self) -> tuple[str, ...]:
-        """Up to what a motion may return: nothing, or a mirror that is its own inverse."""
-        mirrors = [s for s in self.system.symmetries if s.role == "spatial"]
-        p, x = ParameterValues(**self.parameters), np.zeros(len(self.system.states))
-        return ("", *(s.name for s in mirrors if order_of(s, x, p) == 2))
-
-    def _arrival(self, arc: MotionSegment, image: str) -> _Arrival:
-        """The event that ends an arc, or its image."""
-        assert arc.after is not None
-        event, after = str(arc.transition), arc.after
-        mode, scale = self.system.transition(event, arc.mode).target, self.weights(after)
-        if image:
-            symmetry = self.system.symmetry(image)
-            mode, event = symmetry.modes.get(mode, mode), symmetry.events.get(event, event)
-            after = imaged(symmetry, after, ParameterValues(**self.parameters))
-        return _Arrival(float(arc.times[-1]), mode, event, after, scale, image)
-
-    def _misses(self, arrival: _Arrival) -> np.ndarray:
-        """By what each of the last stretches misses to begin where an event leads, the last one first.
-
-        Infinite where it began with another event.
-        """
-        count = len(self.stretches)
-        recent = self.stretches[: -LOOK_BACK - 1 : -1]
-        alike = np.array(
-            [
-                first.leg.mode == arrival.mode and self._led_in(count - back) in (None, arrival.event)
-                for back, first in enumerate(recent, 1)
-            ]
-        )
-        apart = arrival.after - np.array([first.state for first in recent])
-        apart = apart - whole_turns(apart, self.turns)
-        if self.neutral:
-            for k in np.flatnonzero(alike):
-                along = neutrals.directions(self.system, self.neutral, recent[k].state, self.parameters)
-                apart[k] = neutrals.across(apart[k], along, arrival.scale)
-        missed = np.linalg.norm(apart / arrival.scale, axis=1)
-        lasted = arrival.time - np.array([first.start for first in recent])
-        if self.period:
-            laps = lasted / self.period * (2 if arrival.image else 1)  # of half a cycle: half periods
-            missed = np.maximum(missed, np.abs(laps - np.round(laps)) / 0.05)
-            alike &= np.round(laps) > 0
-        return np.where(alike & (lasted >= self.least), missed, np.inf)
-
-    def _lap(self, arrival: _Arrival, stretches: Sequence[Span], missed: float) -> Lap | None:
-        """The lap over some stretches that end where they began, or, if the machine has one, at its image."""
-        lasted = arrival.time - stretches[0].start
-        if arrival.image and not self._carries(arrival.image, stretches, lasted, arrival.scale):
-            return None
-        return Lap(tuple(stretches), arrival.scale, missed, arrival.after, arrival.image, self.origin)
-
-    def _carries(self, image: str, stretches: Sequence[Span], lasted: float, scale: np.ndarray) -> bool:
-        """Whether the machine is its own image after half a cycle: there the forcing is at another phase."""
-        machine, later = hybrid_machine(self.system, self.parameters), 0.0
-        if self.period:
-            later = 0.5 * self.period * round(2.0 * lasted / self.period)
-        return carries(machine, self.system.symmetry(image), stretches, later, scale)
-
-    @cached_property
-    def neutral(self) -> list[Neutral]:
-        """Directions along which a motion may return elsewhere: those that the first stretch keeps."""
-        if not self.system.neutral:
-            return []
-        machine, first = hybrid_machine(self.system, self.parameters), self.stretches[0]
-        given = first.leg.mode, first.start, first.state, self.weights(first.state)
-        return [neutral for neutral in self.system.neutral if families.commutes(machine, neutral, *given)]
-
-    def _accumulates(self, back: int) -> bool:
-        """Whether the last laps last ever shorter, down to nothing: they return to a point, not to an orbit.
-
-        What the durations tend to follows from three of them, whose differences are a geometric series. Later
-        the differences are nothing but rounding.
-        """
-        recent = self.stretches[-3 * back :]
-        lasting = [stretch.duration for stretch in recent[len(recent) % back :]]
-        laps = [sum(lasting[k : k + back]) for k in range(0, len(lasting), back)]
-        changes = np.diff(laps)
-        if len(laps) < 3:
-            return bool(np.any(changes < -ALIKE * laps[-1]))
-        before, last = changes
-        if before < last < 0.0 and laps[2] - last**2 / (last - before) < SHRINKS * laps[2]:
-            self.shrinking = max(self.shrinking, laps[2])
-            return True
-        return laps[2] < 0.5 * self.shrinking
-
-    def _shortest(self, lap: Lap, shorter: list[Lap]) -> Lap:
-        """The shortest lap that a longer one repeats: one that alternates looks settled there later."""
-        for part in shorter:
-            whole = part.word.unfolded(self.system)
-            times, rest = divmod(len(lap.word), len(whole))
-            # The part is the end of the lap; where it is half of a whole, the other half came before it.
-            whole = whole.rotated(self.system, len(part.word) % len(whole))
-            alike = not rest and not lap.image and lap.word == whole.repeated(times)
-            if alike and part.missed < ROUND * max(lap.missed, 0.1 * SETTLED):
-                return part
-        return lap
-
-    def _led_in(self, k: int) -> str | None:
-        """The transition that leads into stretch k; None where it is not known."""
-        return self.stretches[k - 1].leg.name if k > 0 else None
-
-    def _strobed(self, arc: MotionSegment) -> Lap | None:
-        """An orbit without events: of a forced system, the motion is the same again after some periods."""
-        if not (self.period and self.looking):
-            return None
-        scale = self.weights(arc.states[-1])
-        return strobes(self.system, self.parameters, arc, self.period, scale, self.until is None)
-
-    def given_up(self) -> Lap:
-        """The best return, where the motion ended or went on without an exact one.
-
-        Raises
-        ------
-        NotFinite, StartError
-        """
-        if self.ended is not None:
-            return self._cut_short(self.ended)
-        if not self.period and self.last_state is not None and not self.stretches:
-            return self._smooth()
-        raise StartError(f"{self._found_nothing()}{self._nearest()}{self._noted()}", self._remedy())
-
-    def _cut_short(self, arc: MotionSegment) -> Lap:
-        """The best return of a motion that has ended, if it was not to settle, or to last for longer."""
-        if self.best is not None and self.until is None:
-            return self.best
-        error = NotFinite if arc.status == "not_finite" else StartError
-        remedy = "Start elsewhere, or mend the plugin."
-        if self.best is not None:
-            remedy += FIRST_RETURN
-        raise error(f"The simulation ends{self._where()}: {arc.reason or arc.status}{self._noted()}", remedy)
-
-    def _noted(self) -> str:
-        return f" {self.note}" if self.note else ""
-
-    def _where(self) -> str:
-        return "" if self.last_state is None else f" at t = {self.system.lasting(self.last_state[0])}"
-
-    def _found_nothing(self) -> str:
-        """Why there is no return, of a motion that goes on."""
-        if self.keeps_volumes:
-            return (
-                f"The motion did not come back within {self.events} events{self._where()}, and does not "
-                "settle: volumes of states neither shrink nor grow along it, as where nothing is lost. "
-                f"It looks quasi-periodic or irregular{self._conserves()}."
-            )
-        if not self.exhausted:
-            return f"The simulation meets no more events{self._where()}, and has not come back before."
-        work = f"after {self.events} events and {self.work - EVENT * self.events} steps{self._where()}"
-        if not self.looking:
-            return f"The simulation was given up {work}: that is more than may pass before until."
-        return (
-            f"The search for a return was given up {work}: it settles slower than that, or on one that "
-            f"is not periodic, or comes back after more than {LOOK_BACK} events."
-        )
-
-    def _nearest(self) -> str:
-        if self.best is None:
-            return ""
-        return f" Its nearest return missed by {self.best.missed:.2g} of the motion's size."
-
-    def _conserves(self) -> str:
-        """What a machine that loses nothing seems to do; forcing changes its energy."""
-        if self.period or self.system.conserved:
-            return ""
-        return ", and the machine seems to conserve a quantity, such as its energy"
-
-    def _remedy(self) -> str:
-        if self.keeps_volumes:
-            declare = f"{ONE_OF_EACH_VALUE} " if self._conserves() else ""
-            return f"{declare}Start from a state on, or near, a periodic orbit.{FIRST_RETURN}"
-        remedy = "Start from another state"
-        if self.looking:
-            remedy += ", or look for a return later with until: SECONDS"
-        # Else it is the first near return that was looked for.
-        return remedy + "." + (FIRST_RETURN if self.until is not None else "")
-
-    def _smooth(self) -> Lap:
-        """An orbit of an autonomous system that meets no event."""
-        assert self.last_state is not None
-        _, x, mode = self.last_state
-        if mode != self.system.modes[0].name:
-            raise StartError(
-                f"The simulation stays in mode '{mode}' without an event.", "Start from another state."
-            )
-        found = recurrent(self.system, self.parameters, x)
-        stretch = Span(Leg(mode), 0.0, found.state, found.period, found.state)
-        return Lap((stretch,), found.magnitudes, 0.0, found.state)

@@ -6,7 +6,7 @@ from hybrid_runs import machine
 
 from contwalk.continuation.settings import Settings
 from contwalk.errors import StartError
-from contwalk.problems.initial import event_recurrence as recurrence
+from contwalk.problems.initial import event_search as recurrence
 from contwalk.problems.initial.event_recurrence import lap_from
 from contwalk.studies.opening_orbits import opened_orbit
 from contwalk.system import Transition

@@ -7,7 +7,8 @@ import pytest
 from hybrid_runs import machine
 
 from contwalk.errors import StartError
-from contwalk.problems.initial.event_recurrence import MOST_STEPS, lap_from
+from contwalk.problems.initial.event_recurrence import lap_from
+from contwalk.problems.initial.event_search import MOST_STEPS
 from contwalk.problems.initial.recurrence import AtRest
 from contwalk.system import Conserved, State, System, Transition
 
