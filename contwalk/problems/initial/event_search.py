@@ -98,7 +98,7 @@ class Search:
         self.last_state: tuple[float, np.ndarray, str] | None = None
 
     def weights(self, x: np.ndarray) -> np.ndarray:
-        """Typical magnitudes as far as they are known."""
+        """Typical magnitudes of the states as far as they are known, shape (n,)."""
         seen = np.where(np.isfinite(self.low), 0.5 * (self.high - self.low), 0.0)
         reached = np.where(np.isfinite(self.low), np.maximum(np.abs(self.low), np.abs(self.high)), 0.0)
         known = np.maximum(seen, LEAST * np.maximum(np.abs(x), reached))
@@ -109,7 +109,7 @@ class Search:
     def stretch(
         self, machine: HybridMachine, t: float, x: np.ndarray, mode: str, weights: np.ndarray
     ) -> float:
-        """How long to simulate before it is noticed that nothing happens."""
+        """Seconds to simulate before it is noticed that nothing happens; states and weights are (n,)."""
         if self.period:
             return QUIET * self.period
         flow = machine.mode(mode)
