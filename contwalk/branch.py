@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 from importlib import import_module
 from typing import Any
 
@@ -67,32 +68,38 @@ class BranchInfo:
 
     def point_dtype(self) -> np.dtype:
         """NumPy dtype of one stored point."""
-        n, o, f = len(self.states), len(self.observables), len(self.free)
-        return np.dtype(
-            [
-                ("s", "f8"),  # signed arclength from the start of the branch, in the problem's metric
-                ("free", "f8", (f,)),
-                ("state", "f8", (n,)),
-                ("observables", "f8", (o,)),
-                ("period", "f8"),  # NaN for an equilibrium
-                ("trivial_error", "f8"),  # |M f - f| / |f| of an orbit; NaN otherwise
-                ("spectrum", "c16", (self.spectrum,)),
-                ("spectrum_error", "f8"),  # estimated error of the leading eigenvalue
-                ("unstable", "i4"),
-                ("stable", "?"),
-                ("admissible", "?"),
-                ("special", "?"),  # the row of a special point
-                ("unknowns", "f8", (self.unknowns,)),
-                ("tangent", "f8", (self.unknowns + 1,)),  # unit vector, towards growing s
-                ("weights", "f8", (self.unknowns + 1,)),  # of the metric
-                ("step", "f8"),  # next step length from here
-                ("error", "f8"),  # estimated error of the point in its metric; NaN where the branch is born
-                ("residual", "f8"),  # residual over its own rounding error
-                ("iterations", "i4"),
-                ("rhs", "i8"),  # evaluations of the vector field spent on this point
-                ("seconds", "f8"),
-            ]
-        )
+        sizes = len(self.free), len(self.states), len(self.observables)
+        return _point_dtype(*sizes, self.spectrum, self.unknowns)
+
+
+@cache
+def _point_dtype(free: int, states: int, observables: int, spectrum: int, unknowns: int) -> np.dtype:
+    """What `BranchInfo.point_dtype` gives: one object for the same numbers, which is compared at once."""
+    return np.dtype(
+        [
+            ("s", "f8"),  # signed arclength from the start of the branch, in the problem's metric
+            ("free", "f8", (free,)),
+            ("state", "f8", (states,)),
+            ("observables", "f8", (observables,)),
+            ("period", "f8"),  # NaN for an equilibrium
+            ("trivial_error", "f8"),  # |M f - f| / |f| of an orbit; NaN otherwise
+            ("spectrum", "c16", (spectrum,)),
+            ("spectrum_error", "f8"),  # estimated error of the leading eigenvalue
+            ("unstable", "i4"),
+            ("stable", "?"),
+            ("admissible", "?"),
+            ("special", "?"),  # the row of a special point
+            ("unknowns", "f8", (unknowns,)),
+            ("tangent", "f8", (unknowns + 1,)),  # unit vector, towards growing s
+            ("weights", "f8", (unknowns + 1,)),  # of the metric
+            ("step", "f8"),  # next step length from here
+            ("error", "f8"),  # estimated error of the point in its metric; NaN where the branch is born
+            ("residual", "f8"),  # residual over its own rounding error
+            ("iterations", "i4"),
+            ("rhs", "i8"),  # evaluations of the vector field spent on this point
+            ("seconds", "f8"),
+        ]
+    )
 
 
 @dataclass(frozen=True)

@@ -9,11 +9,14 @@ no error.
 from __future__ import annotations
 
 import hashlib
+import marshal
 import os
 import sys
 import tempfile
+from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 MOST_BYTES = 256 * 1024 * 1024
 # A folder of many files takes long to list. It is listed before more than this part of `MOST_BYTES` has been
@@ -74,6 +77,23 @@ def store(name: str, content: bytes) -> None:
         _room[target.parent] = _room.get(target.parent, 0.0) - _DIGEST - len(content)
         if _room[target.parent] < 0.0:
             _room[target.parent] = _made_room(target.parent, MOST_BYTES)
+
+
+def load_values(name: str) -> list[Any] | None:
+    """What `store_values` has kept under a key; None if there is nothing, or something else."""
+    content = load(name)
+    if content is None:
+        return None
+    try:
+        own, *values = marshal.loads(content)
+    except (ValueError, TypeError, EOFError):
+        return None
+    return values if own == name else None
+
+
+def store_values(name: str, values: Iterable[Any]) -> None:
+    """Keep numbers, texts, and tuples and lists of them, as `store` does; for this version of Python."""
+    store(name, marshal.dumps((name, *values)))
 
 
 def _file(name: str) -> Path:

@@ -190,7 +190,7 @@ def _iterated(
             sentence = "The bordered Jacobian is singular."
             return equations.ended(z, lin, iteration, "no_convergence", sentence)
         size = norm_in(step, weights)
-        if (size < NEARLY or iteration >= 2) and lin.excess <= 2.0:
+        if (size < NEARLY or iteration >= 2) and not lin.exceeds(2.0, weights):
             return equations.ended(z, lin, iteration)
         if size < 1e-11 or (size > 0.25 * previous and size < 1e-7):
             return _settled(equations, z, lin, (guess, normal, weights), iteration)
@@ -268,11 +268,11 @@ def _settled(
             break
         before, size = size, norm_in(step, weights)
         there = equations.at(z - step)
-        gains = there.finite and (there.excess <= 0.5 * lin.excess or NOTHING < size < 0.1 * before)
+        gains = there.finite and (NOTHING < size < 0.1 * before or there.excess <= 0.5 * lin.excess)
         if not gains:
             break
         z, lin, iteration = z - step, there, iteration + 1
-        if lin.excess <= 2.0:
+        if not lin.exceeds(2.0, weights):
             break
     if lin.excess <= ROUNDED or size <= NOTHING:
         return equations.ended(z, lin, iteration)

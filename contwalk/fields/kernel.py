@@ -136,17 +136,37 @@ class Kernel:
         shape: tuple[int, ...] | None = None,
         where: Sequence[int] | None = None,
     ) -> None:
-        self.text = source(program, groups)
-        self.shape = shape
+        self._take(source(program, groups), program.graph.tables, shape, where)
+
+    @classmethod
+    def of_text(
+        cls,
+        text: str,
+        tables: Sequence[tuple[float, ...]],
+        shape: tuple[int, ...] | None,
+        where: Sequence[int] | None,
+    ) -> Kernel:
+        """The kernel whose `text` and `tables` another one has had, with the same shape and places."""
+        kernel = cls.__new__(cls)
+        kernel._take(text, tables, shape, where)
+        return kernel
+
+    def _take(
+        self,
+        text: str,
+        tables: Sequence[tuple[float, ...]],
+        shape: tuple[int, ...] | None,
+        where: Sequence[int] | None,
+    ) -> None:
+        self.text, self.tables, self.shape = text, tables, shape
         self.where = None if where is None else np.asarray(where, dtype=int)
         self._size = math.prod(shape or ())
-        self._tables = program.graph.tables
         self._functions: dict[str, Callable[..., list[Any]]] = {}
 
     def _function(self, arithmetic: str) -> Callable[..., list[Any]]:
         if arithmetic not in self._functions:
             names = _float_names() if arithmetic == "float" else _mp_names()
-            names = {**names, "PluginRaised": PluginRaised, **_with_total(_of_tables(self._tables))}
+            names = {**names, "PluginRaised": PluginRaised, **_with_total(_of_tables(self.tables))}
             exec(_compiled(self.text), names)
             self._functions[arithmetic] = names["evaluate"]
         return self._functions[arithmetic]

@@ -11,6 +11,10 @@ import numpy as np
 from contwalk.memory import computed_once
 from contwalk.numerics.linear import EPSILON, Factored, Factorization
 
+# Magnitudes of unknowns are at most so many times their weights, where a residual is told from rounding
+# without asking for them.
+LARGEST_MAGNITUDE = 1e3
+
 # Unknowns fitted for a corrector's hyperplane, given with its normal and the metric.
 Fitted = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray | None]
 
@@ -24,6 +28,10 @@ class Linearization:
     where there are none. Where the discretisation does not reach z nothing is finite, and `remeshed()` gives
     the problem on one that does as well.
     """
+
+    # That part of the rounding levels, shape (N,), that is known without magnitudes of z, where these have a
+    # price.
+    evaluation: Callable[[], np.ndarray] | None = None
 
     def __init__(
         self,
@@ -106,3 +114,14 @@ class Linearization:
         """Largest residual in units of its rounding level; at most a few at a solution."""
         ratio = float((np.abs(self.residual) / self.levels[0]).max())
         return ratio if math.isfinite(ratio) else float("inf")
+
+    def exceeds(self, most: float, weights: np.ndarray) -> bool:
+        """Whether `excess` is more than `most`.
+
+        Where that is plain from the metric, magnitudes are not asked for. Weights have the shape (N + 1,).
+        """
+        if self.evaluation is not None:
+            level = self.evaluation() + EPSILON * (np.abs(self.jacobian) @ (LARGEST_MAGNITUDE * weights))
+            if (np.abs(self.residual) > most * level).any():
+                return True
+        return self.excess > most

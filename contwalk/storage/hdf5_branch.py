@@ -39,6 +39,7 @@ class StoredBranch:
 
     def __init__(self, group: h5py.Group, info: BranchInfo) -> None:
         self.info = info
+        self._packed = info.point_dtype().newbyteorder("<")
         self.points = RecordLog(dataset_in(group, "points"), point_record_dtype(info))
         self.special_points = _special_points(dataset_in(group, "special_points"), info)
         self.outcomes = RecordLog(dataset_in(group, "outcome"), TEXT_DTYPE)
@@ -118,8 +119,7 @@ class StoredBranch:
 
     def append_row(self, row: np.ndarray) -> None:
         """Append one row of dtype `info.point_dtype()`, shape (1,)."""
-        packed = row.astype(self.info.point_dtype().newbyteorder("<"), copy=False)
-        self.points.append(packed.view(self.points.dtype))
+        self.points.append(row.astype(self._packed, copy=False).view(self.points.dtype))
 
     def special_record(self, point: SpecialPoint) -> np.ndarray:
         """The record of a special point, shape (1,), checked to fit."""
@@ -127,8 +127,7 @@ class StoredBranch:
 
     def rows(self) -> np.ndarray:
         """Whole points in the order of appending, shape (k,), of dtype `info.point_dtype()`."""
-        dtype = self.info.point_dtype()
-        return self._read()[0].view(dtype.newbyteorder("<")).astype(dtype)
+        return self._read()[0].view(self._packed).astype(self.info.point_dtype())
 
     def specials(self) -> list[SpecialPoint]:
         """Whole special points in the order of appending."""

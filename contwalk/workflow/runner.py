@@ -24,7 +24,6 @@ from contwalk.storage.database import Database, RunHeader
 from contwalk.storage.failures import refuse_existing
 from contwalk.storage.file_database import FileDatabase
 from contwalk.system.loading import plugin_files
-from contwalk.workflow import loci
 from contwalk.workflow.equations import equations_hash, equations_text
 from contwalk.workflow.figures import draw_figure
 from contwalk.workflow.file_names import beside
@@ -128,6 +127,8 @@ def run(
 def _studies(run_file: RunFile) -> list[tuple[RunFile, list[Place] | list[Start], list[str]]]:
     """What a run consists of, each study with where it starts, and notes on what does not exist."""
     if run_file.second is not None:
+        from contwalk.workflow import loci  # of few runs
+
         settings, discretization = settings_of(run_file), discretization_of(run_file)
         return [(run_file, loci.from_databases(run_file, settings, discretization), [])]
     return [(study, *places(study)) for study in run_file.studies()]
@@ -135,6 +136,8 @@ def _studies(run_file: RunFile) -> list[tuple[RunFile, list[Place] | list[Start]
 
 def _curves(run_file: RunFile, db: Database, branches: list[Branch], claims: Mapping[str, Any]) -> Diagram:
     """The curves in two parameters from what a study has found."""
+    from contwalk.workflow import loci  # of few runs
+
     assert run_file.loci is not None
     settings = replace(settings_of(run_file), second_range=run_file.loci.range)
     starts_ = loci.from_branches(run_file, branches, settings, discretization_of(run_file))

@@ -10,7 +10,7 @@ import pytest
 from numba.extending import is_jitted
 
 from contwalk.flow.compiled.compiled_field import EACH
-from contwalk.flow.compiled.entry_points import Entry, modules_behind
+from contwalk.flow.compiled.entry_points import Entry
 from contwalk.flow.ensemble.sampling import _BATCH
 from contwalk.flow.explicit.explicit_call import ExplicitCall, StepControl
 from contwalk.flow.explicit.runge_kutta import ADAPTIVE, INTERPOLATE
@@ -18,6 +18,7 @@ from contwalk.flow.hybrid.event_integrator import INTEGRATE
 from contwalk.flow.hybrid.event_records import ModeRecord
 from contwalk.flow.radau.radau_call import RadauCall
 from contwalk.flow.radau.radau_iia import _ADAPTIVE, _TANGENTS
+from contwalk.module_texts import modules_behind
 from contwalk.problems.hybrid.condensed import ELIMINATE
 
 ENTRIES = (INTEGRATE, ADAPTIVE, INTERPOLATE, _ADAPTIVE, _TANGENTS, _BATCH, EACH, ELIMINATE)

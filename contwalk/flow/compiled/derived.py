@@ -6,14 +6,13 @@ All that belongs to one field is one entry: where constants stand is the same in
 
 from __future__ import annotations
 
-import marshal
 import sys
 from collections.abc import Callable
 from functools import cache
 from typing import Any, NamedTuple
 
 from contwalk import object_cache
-from contwalk.flow.compiled.entry_points import text_behind
+from contwalk.module_texts import text_behind
 
 
 class Derived(NamedTuple):
@@ -51,23 +50,19 @@ def derived(described: object, derive: Callable[[], Derived]) -> Derived:
         Asked if nothing is kept, or if it is damaged.
     """
     name = object_cache.key("derived", sys.version, _generator(), repr(described))
-    found = _read(name, object_cache.load(name))
+    found = _read(object_cache.load_values(name))
     if found is None:
         found = derive()
-        object_cache.store(name, marshal.dumps((name, *found)))
+        object_cache.store_values(name, found)
     return found
 
 
-def _read(name: str, content: bytes | None) -> Derived | None:
-    """An entry; None if it is none of this name."""
-    if content is None:
+def _read(values: list[Any] | None) -> Derived | None:
+    """An entry; None if it is none."""
+    if values is None or len(values) != len(Derived._fields):
         return None
-    try:
-        own, *values = marshal.loads(content)
-        found = Derived(*values)
-    except (ValueError, TypeError, EOFError):
-        return None
-    return found if own == name and _is_sound(found) else None
+    found = Derived(*values)
+    return found if _is_sound(found) else None
 
 
 def _is_sound(found: Derived) -> bool:

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.fields.derivative import directional, jacobian
+from contwalk.fields.kept_kernels import KeptKernels
 from contwalk.fields.kernel import Kernel
 from contwalk.fields.rebind import rebound
 from contwalk.fields.rounding import error_bounds
@@ -100,14 +101,20 @@ class Equations:
                 offset += 1
         return [*result, *pinned]
 
-    @cached_property
+    @property
     def program(self) -> Program:
         """The residual, N outputs."""
+        return self._traced[0]
+
+    @cached_property
+    def _traced(self) -> tuple[Program, KeptKernels]:
+        """The residual, and what has been derived of it, which is known by its graph as it is now."""
         mode = self.system.modes[0]
         refuse_time(self.system, mode.name, mode.field, f"field of mode '{mode.name}'")
         for pin in self._pins:
             refuse_time(self.system, mode.name, pin.generator, f"neutral direction '{pin.name}'")
-        return trace(self._residual)
+        program = trace(self._residual)
+        return program, KeptKernels(program, __name__)
 
     def _inputs(self) -> list[int]:
         graph = self.program.graph
@@ -122,9 +129,20 @@ class Equations:
 
     def _kernel(
         self,
+        name: str,
         change: Callable[[tuple[int, ...]], Sequence[int]],
         groups: Sequence[str] = GROUPS,
         shape: tuple[int, ...] | None = None,
+    ) -> Kernel:
+        """A kernel of what `change` makes of F's nodes, under a name of its own among these equations."""
+        described = name, tuple(groups), shape, self.states, self.size, self.unknowns
+        return self._traced[1].kernel(described, lambda: self._derived(change, groups, shape))
+
+    def _derived(
+        self,
+        change: Callable[[tuple[int, ...]], Sequence[int]],
+        groups: Sequence[str],
+        shape: tuple[int, ...] | None,
     ) -> Kernel:
         program = self.program.transformed(change)
         if shape is None:
@@ -139,7 +157,7 @@ class Equations:
     @cached_property
     def residual(self) -> Kernel:
         """F, shape (N,)."""
-        return self._kernel(lambda o: o)
+        return self._kernel("residual", lambda o: o)
 
     def _beside_each_other(self, outputs: tuple[int, ...]) -> list[list[int]]:
         """For each equation F and its row of the Jacobian."""
@@ -151,6 +169,7 @@ class Equations:
     def linearization(self) -> Kernel:
         """F and its Jacobian side by side, (N, 1 + unknowns + 1): column 0 is F, the last dF/dlambda."""
         return self._kernel(
+            "linearization",
             lambda o: [node for row in self._beside_each_other(o) for node in row],
             shape=(self.size, self.unknowns + 2),
         )
@@ -159,7 +178,7 @@ class Equations:
     def rounding(self) -> Kernel:
         """Bounds of the rounding error of F, in units of the machine epsilon, shape (N,)."""
         graph = self.program.graph
-        return self._kernel(lambda o: error_bounds(graph, o))
+        return self._kernel("rounding", lambda o: error_bounds(graph, o))
 
     @cached_property
     def linearization_and_rounding(self) -> Kernel:
@@ -170,7 +189,7 @@ class Equations:
             rows, bounds = self._beside_each_other(outputs), error_bounds(graph, outputs)
             return [node for row, bound in zip(rows, bounds, strict=True) for node in (*row, bound)]
 
-        return self._kernel(change, shape=(self.size, self.unknowns + 3))
+        return self._kernel("linearization_and_rounding", change, shape=(self.size, self.unknowns + 3))
 
     def _along(self, group: str, with_parameter: bool = True) -> dict[int, int]:
         graph = self.program.graph
@@ -184,13 +203,15 @@ class Equations:
     def first(self) -> Kernel:
         """DF(z) v for a direction v of length N + 1, shape (N,)."""
         graph, v = self.program.graph, self._along("v")
-        return self._kernel(lambda o: directional(graph, o, v), (*GROUPS, "v"))
+        return self._kernel("first", lambda o: directional(graph, o, v), (*GROUPS, "v"))
 
     @cached_property
     def second(self) -> Kernel:
         """D2F(z)(v, w), shape (N,); directions may be complex."""
         graph, v, w = self.program.graph, self._along("v"), self._along("w")
-        return self._kernel(lambda o: directional(graph, directional(graph, o, v), w), (*GROUPS, "v", "w"))
+        return self._kernel(
+            "second", lambda o: directional(graph, directional(graph, o, v), w), (*GROUPS, "v", "w")
+        )
 
     @cached_property
     def third(self) -> Kernel:
@@ -201,7 +222,7 @@ class Equations:
         def change(outputs: tuple[int, ...]) -> list[int]:
             return directional(graph, directional(graph, directional(graph, outputs, v), w), y)
 
-        return self._kernel(change, (*GROUPS, "v", "w", "y"))
+        return self._kernel("third", change, (*GROUPS, "v", "w", "y"))
 
     def along(self, order: int) -> Kernel:
         """The derivative of F along so many directions, shape (N,), which may be complex."""
@@ -215,7 +236,7 @@ class Equations:
                     nodes = directional(graph, nodes, direction)
                 return nodes
 
-            self._along_several[order] = self._kernel(change, (*GROUPS, *groups))
+            self._along_several[order] = self._kernel(f"along {order}", change, (*GROUPS, *groups))
         return self._along_several[order]
 
     @cached_property
@@ -223,6 +244,7 @@ class Equations:
         """Jacobian of DF(z) v by z, shape (N, N + 1)."""
         graph, v, inputs = self.program.graph, self._along("v"), self._inputs()
         return self._kernel(
+            "jacobian_of_first",
             lambda o: self._dense_rows(directional(graph, o, v), inputs),
             (*GROUPS, "v"),
             (self.size, self.unknowns + 1),
@@ -239,13 +261,14 @@ class Equations:
     @cached_property
     def adjoint(self) -> Kernel:
         """psi . DF(z), shape (N + 1,)."""
-        return self._kernel(self._adjoint_nodes, (*GROUPS, "v"))
+        return self._kernel("adjoint", self._adjoint_nodes, (*GROUPS, "v"))
 
     @cached_property
     def jacobian_of_adjoint(self) -> Kernel:
         """Jacobian of psi . DF(z) by z, shape (N + 1, N + 1)."""
         inputs = self._inputs()
         return self._kernel(
+            "jacobian_of_adjoint",
             lambda o: self._dense_rows(self._adjoint_nodes(o), inputs),
             (*GROUPS, "v"),
             (self.unknowns + 1, self.unknowns + 1),
@@ -259,13 +282,14 @@ class Equations:
         def change(outputs: tuple[int, ...]) -> list[int]:
             return directional(graph, self._dense_rows(outputs[: self.states], inputs), v)
 
-        return self._kernel(change, (*GROUPS, "v"), (self.states, self.states))
+        return self._kernel("rate_of_matrix", change, (*GROUPS, "v"), (self.states, self.states))
 
     @cached_property
     def rounding_of_matrix(self) -> Kernel:
         """Bounds of the rounding errors of A = df/dx, in units of the machine epsilon, shape (n, n)."""
         graph, inputs = self.program.graph, self._inputs()[: self.states]
         return self._kernel(
+            "rounding_of_matrix",
             lambda o: error_bounds(graph, self._dense_rows(o[: self.states], inputs)),
             shape=(self.states, self.states),
         )
@@ -280,14 +304,17 @@ class Equations:
             return [copy(np.zeros(1), x, self._parameters(tracer))]
 
         program = trace(value)
-        graph = program.graph
+        kept, graph = KeptKernels(program, __name__), program.graph
         inputs = [*[graph.input("u", i) for i in range(self.unknowns)], graph.input("l", 0)]
 
         def gradient(outputs: tuple[int, ...]) -> list[int]:
             row = jacobian(graph, outputs, inputs)[0]
             return [row.get(k, graph.zero) for k in range(len(inputs))]
 
-        return Kernel(program, GROUPS), Kernel(program.transformed(gradient), GROUPS)
+        return (
+            kept.kernel("value", lambda: Kernel(program, GROUPS)),
+            kept.kernel(("gradient", self.unknowns), lambda: Kernel(program.transformed(gradient), GROUPS)),
+        )
 
     def of_symmetry(self, function: Callable[..., None]) -> Kernel:
         """Jacobian of a symmetry's map of the states by z, shape (n, N + 1)."""

@@ -126,7 +126,9 @@ class EquilibriumEquations(Problem):
         """The equations at z, shape (N + 1,)."""
         table, rounding = self._evaluated(self.inputs(z))
         jacobian = table[:, 1:]
-        return Linearization(table[:, 0], jacobian, lambda: self._levels(z, jacobian, rounding))
+        found = Linearization(table[:, 0], jacobian, lambda: self._levels(z, jacobian, rounding))
+        found.evaluation = lambda: _evaluation(z, np.abs(jacobian), rounding)
+        return found
 
     def _evaluated(self, inputs: tuple[list[float], ...]) -> tuple[np.ndarray, np.ndarray]:
         """F beside its Jacobian, shape (N, N + 2), and the bounds of F's rounding in epsilons, shape (N,)."""
@@ -210,8 +212,7 @@ class EquilibriumEquations(Problem):
     ) -> tuple[np.ndarray, np.ndarray]:
         """Rounding levels of the equations and typical magnitudes of z."""
         derivatives, sizes = np.abs(jacobian), np.abs(z)
-        # Beside the rounding of the evaluation: z itself is only known to half an ulp ...
-        level = EPSILON * (rounding + derivatives @ sizes) + TINY
+        level = _evaluation(z, derivatives, rounding)
         shares, some = derivatives * sizes, derivatives > 1e-100
         telling = self._telling(z, shares, some, level / EPSILON)
         magnitudes = self._magnitudes(z, derivatives, shares, some, telling)
@@ -305,3 +306,8 @@ class EquilibriumEquations(Problem):
         if np.any(told):
             return max(size, float(np.min(terms[told] / slopes[told])))
         return size if size >= 1e-13 else float("nan")
+
+
+def _evaluation(z: np.ndarray, derivatives: np.ndarray, rounding: np.ndarray) -> np.ndarray:
+    """Rounding levels, shape (N,), of equations evaluated at a z that is only known to half an ulp itself."""
+    return EPSILON * (rounding + derivatives @ np.abs(z)) + TINY
