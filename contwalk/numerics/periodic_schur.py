@@ -40,6 +40,8 @@ def product_eigenvalues(factors: Sequence[np.ndarray]) -> np.ndarray:
         return np.linalg.eigvals(factors[0]).astype(complex)
     if not all(np.any(factor) for factor in factors):
         return np.zeros(len(factors[0]), dtype=complex)
+    if len(factors[0]) == 1:
+        return scaled_product(np.array([factor[0] for factor in factors], dtype=complex))
     # A product has the eigenvalues of its cyclic permutations: where one stalls another one may not.
     for first in range(len(factors)):
         chain = [np.array(factor, dtype=complex) for factor in (*factors[first:], *factors[:first])]
@@ -48,8 +50,28 @@ def product_eigenvalues(factors: Sequence[np.ndarray]) -> np.ndarray:
             _sweeps(chain)
         except np.linalg.LinAlgError:
             continue
-        return np.prod([np.diag(factor) for factor in chain], axis=0)
+        return scaled_product(np.array([np.diag(factor) for factor in chain]))
     raise np.linalg.LinAlgError("the periodic QR iteration does not converge")
+
+
+def scaled_product(entries: np.ndarray) -> np.ndarray:
+    """Products over the first axis of complex numbers (m, r), shape (r,).
+
+    Partial products may lie far beyond the range of doubles where the whole lies in it: powers of two are
+    taken out on the way.
+    """
+    product, exponents = np.ones(entries.shape[1], dtype=complex), np.zeros(entries.shape[1], dtype=int)
+    for row in entries:
+        product = product * row
+        _, shift = np.frexp(np.maximum(np.abs(product.real), np.abs(product.imag)))
+        product, exponents = _shifted(product, -shift), exponents + shift
+    return _shifted(product, exponents)
+
+
+def _shifted(values: np.ndarray, exponents: np.ndarray) -> np.ndarray:
+    """Complex numbers times powers of two."""
+    with np.errstate(over="ignore"):
+        return np.ldexp(values.real, exponents) + 1j * np.ldexp(values.imag, exponents)
 
 
 def _hessenberg(chain: list[np.ndarray]) -> None:

@@ -64,9 +64,9 @@ class Spectrum:
 
 
 def complement(generators: np.ndarray) -> np.ndarray:
-    """Orthonormal basis of the complement of the neutral directions, shape (n, n - k)."""
+    """Orthonormal basis of the complement of the neutral directions, shape (..., n, n - k)."""
     q, _ = np.linalg.qr(generators, mode="complete")
-    return q[:, generators.shape[1] :]
+    return q[..., generators.shape[-1] :]
 
 
 def spectrum(

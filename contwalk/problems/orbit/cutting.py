@@ -8,18 +8,20 @@ Russell, "Numerical Solution of Boundary Value Problems for Ordinary Differentia
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
-from contwalk import flow
-from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
+from contwalk.problems.orbit.step_blocks import Steps, blocks, first_of_blocks, steps_of
 from contwalk.problems.orbit.stretching import stretched
 from contwalk.problems.orbit.transport import segments_for
 
 # Growth over a segment that is cut by it.
 GROWN = 1e3
+# Steps over which deviations grow by no more than this together are not parted.
+RESOLVED = 10.0
 # Segments that a branch has room for, and unknowns with them.
 MOST_CUTS, MOST_UNKNOWNS = 64, 400
 # More than that, and it is cut anew; so many times more segments than growth asks for are too many.
@@ -40,12 +42,13 @@ def recutting(orbit: SegmentedOrbit, z: np.ndarray, room: int) -> np.ndarray | N
     m = orbit.mesh.segments
     if not orbit.uneven:
         return np.arange(2 * m) / (2 * m) if 2 * m <= max(room, m) and stretched(orbit, z) else None
-    times, factors = _steps(orbit, z, 0.0)
-    most = most_segments(orbit, room)
-    grown = _most_grown(times, factors, orbit.mesh.cuts)
-    found = _cuts(times, factors, orbit.parts, most)
+    steps, most = steps_of(orbit, z), most_segments(orbit, room)
+    found = _cuts(steps, orbit.parts, most)
     fewer = m > TOO_MANY * len(found)
-    return found if fewer or (grown > TOO_GROWN and len(found) > m) else None
+    if fewer or len(found) <= m:
+        return found if fewer else None
+    grown = _most_grown(steps, orbit.mesh.cuts)
+    return found if grown > TOO_GROWN else None
 
 
 def begun_at(orbit: SegmentedOrbit, z: np.ndarray, room: int, begin: float) -> np.ndarray:
@@ -72,59 +75,51 @@ def cuts_for(orbit: SegmentedOrbit, z: np.ndarray, most: int, begin: float = 0.0
     begin : float
         Where the closure begins; times count from there.
     """
-    return _cuts(*_steps(orbit, z, begin), orbit.parts, most)
+    steps = steps_of(orbit, z)
+    first = int(np.searchsorted(steps.begins, begin - APART)) % len(steps.begins)
+    later = steps.begun(first)
+    return _cuts(replace(later, begins=later.begins - begin), orbit.parts, most)
 
 
-def _cuts(times: np.ndarray, factors: np.ndarray, parts: int, most: int) -> np.ndarray:
-    """As `cuts_for`, of steps that end at some times, with their derivatives."""
+def _cuts(steps: Steps, parts: int, most: int) -> np.ndarray:
+    """As `cuts_for`, of steps in their order."""
+    firsts = first_of_blocks(steps.factors, RESOLVED, np.inf)
+    begins, factors = steps.begins[firsts], blocks(steps.factors, firsts)
     allowed = float(np.log(GROWN))
     while True:
-        cuts = _alike(_greedy(times, factors, allowed), parts)
+        cuts = _alike(_greedy(begins, factors, allowed), parts)
         if len(cuts) <= most or allowed > 600.0:
             return cuts
         allowed *= 1.3
 
 
-def _most_grown(times: np.ndarray, factors: np.ndarray, cuts: np.ndarray) -> float:
+def _most_grown(steps: Steps, cuts: np.ndarray) -> float:
     """By how much deviations grow at most within a segment, from any time in it on."""
-    n, largest = factors.shape[1], 1.0
-    begins = np.append(0.0, times[:-1])
-    for first, last in pairwise(np.append(np.searchsorted(begins, cuts - APART), len(times))):
+    n, largest, count = steps.factors.shape[1], 1.0, len(steps.begins)
+    for first, last in pairwise(np.append(np.searchsorted(steps.begins, cuts - APART), count)):
+        own = steps.factors[first:last]
         since = np.zeros((0, n, n))
-        for factor in factors[first:last]:
+        for factor in blocks(own, first_of_blocks(own, RESOLVED, np.inf)):
             since = factor @ np.concatenate([since, np.eye(n)[None]])
-            largest = max(largest, float(np.linalg.norm(since, axis=(1, 2)).max()))
+            largest = max(largest, _size(since))
     return largest
 
 
-def _steps(orbit: SegmentedOrbit, z: np.ndarray, begin: float) -> tuple[np.ndarray, np.ndarray]:
-    """Times at which steps end, counted from `begin`, and the derivative of each in the metric, (s, n, n)."""
-    mesh, n, variation = orbit.mesh, orbit.states, orbit.mesh.variation
-    nodes = orbit.solution(z).nodes
-    own = np.flatnonzero(np.diff(mesh.times) > 0.0)
-    pairs = np.column_stack([mesh.times[own], mesh.times[own + 1]]).ravel()
-    field = orbit.passage.field(PLAIN)
-    c = field.constants(orbit.given(z))
-    sources = np.full(n, -1)
-    _, moved = flow.along_with_tangents(field, c, pairs, nodes[own], np.eye(n), sources, mesh.method)
-    ends = mesh.times[own + 1]
-    first = int(np.searchsorted(ends, begin + APART, side="right")) % len(ends)
-    scaled = np.roll(moved / variation[:, None] * variation, -first, axis=0)
-    counted = np.roll(ends, -first) - begin
-    counted[counted <= APART] += 1.0
-    return counted, scaled
-
-
-def _greedy(times: np.ndarray, factors: np.ndarray, allowed: float) -> np.ndarray:
+def _greedy(begins: np.ndarray, factors: np.ndarray, allowed: float) -> np.ndarray:
     """Starts of segments, from 0 on: each ends before a deviation from any time in it has grown too much."""
     starts, n = [0.0], factors.shape[1]
     since = np.zeros((0, n, n))
-    for k, factor in enumerate(factors):
+    for begin, factor in zip(begins, factors, strict=True):
         since = factor @ np.concatenate([since, np.eye(n)[None]])
-        if len(since) > 1 and np.log(np.linalg.norm(since, axis=(1, 2)).max()) > allowed:
-            starts.append(float(times[k - 1]))
+        if len(since) > 1 and np.log(_size(since)) > allowed:
+            starts.append(float(begin))
             since = factor[None]
     return np.array(starts)
+
+
+def _size(products: np.ndarray) -> float:
+    """The largest norm of some matrices (w, n, n)."""
+    return float(np.sqrt(np.einsum("wij,wij->w", products, products).max()))
 
 
 def _alike(cuts: np.ndarray, parts: int) -> np.ndarray:

@@ -153,7 +153,7 @@ def neutral_directions(
     return np.array(directions).reshape(len(directions), len(orbit.extended(i))).T
 
 
-def _becoming(orbit: OrbitData, z: np.ndarray) -> np.ndarray | None:
+def becoming_of(orbit: OrbitData, z: np.ndarray) -> np.ndarray | None:
     """Of an orbit without events that is a point still, the way that it is about to move: across its section.
 
     None of an orbit that moves, or that an event or the force begins.
@@ -180,7 +180,7 @@ def spectrum(orbit: OrbitData, z: np.ndarray, jacobian: np.ndarray) -> Multiplie
     if len(orbit.layout.segments) > orbit.layout.legs and not gradients:
         found = of_sections(*_sections(orbit, z, jacobian), tolerance)
     else:
-        neutral = neutral_directions(orbit, z, smallest, 0, _becoming(orbit, z))
+        neutral = neutral_directions(orbit, z, smallest, 0, becoming_of(orbit, z))
         found = multipliers([once], [neutral], orbit.extended(smallest), tolerance, gradients=gradients)
     if _arrives_without_rate(orbit, jacobian):
         endless = np.abs(found.values) > 0.01 / NO_RATE
@@ -202,7 +202,7 @@ def _sections(
     found, magnitudes, left_out = [], [], []
     flows = orbit.word.eventful or not orbit.forced
     segments, legs, first = chain(orbit, jacobian), orbit.layout.legs, orbit.smallest
-    becoming = _becoming(orbit, z)
+    becoming = becoming_of(orbit, z)
     for i in ((first + k) % legs for k in range(legs)):
         for j, factor in enumerate(segments[i]):
             own = orbit.extended(i)
@@ -211,13 +211,13 @@ def _sections(
             flow = flow_direction(orbit, z, i, j) if becoming is None else becoming
             left_out.append(flow[:, None] if j and flows else np.zeros((len(own), 0)))
             becoming = None if becoming is None else factor @ becoming
-    left_out[0] = neutral_directions(orbit, z, first, 0, _becoming(orbit, z))
+    left_out[0] = neutral_directions(orbit, z, first, 0, becoming_of(orbit, z))
     return found, magnitudes, left_out
 
 
 def _of_closure(orbit: OrbitData, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
     """Multipliers of one leg that no event ends, by its segments, without the flow's own and pinned ones."""
-    (segments,), becoming, leaving, ends = chain(orbit, jacobian), _becoming(orbit, z), [], z.copy()
+    (segments,), becoming, leaving, ends = chain(orbit, jacobian), becoming_of(orbit, z), [], z.copy()
     if not all(np.all(np.isfinite(factor)) for factor in segments):
         size = orbit.spectrum_size
         return Multipliers(np.full(size, np.nan + 0j), np.full(size, np.inf), 1.0)
@@ -241,7 +241,7 @@ def trivial_error(orbit: OrbitData, z: np.ndarray, jacobian: np.ndarray) -> floa
     A start a little later on the same orbit leads to the same event: P f = 0. Where an event has no rate
     its map has no derivative: NaN.
     """
-    if orbit.forced or _becoming(orbit, z) is not None:
+    if orbit.forced or becoming_of(orbit, z) is not None:
         return float("nan")
     if not orbit.eventful and len(orbit.word) == 1:
         return _missed(orbit, z, jacobian)

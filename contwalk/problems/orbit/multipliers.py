@@ -11,6 +11,8 @@ from contwalk.numerics import krein
 from contwalk.numerics.periodic_schur import product_eigenvalues
 from contwalk.numerics.spectrum import complement
 
+Matrices = np.ndarray | Sequence[np.ndarray]
+
 # Relative rounding error of a derivative of the flow: some hundred steps of one rounding each.
 ROUNDING = 1e-14
 REAL = 1e-11
@@ -104,27 +106,27 @@ class Multipliers:
 
 
 def multipliers(
-    factors: Sequence[np.ndarray],
-    neutral: Sequence[np.ndarray],
+    factors: Matrices,
+    neutral: Matrices,
     magnitudes: np.ndarray,
     tolerance: float,
-    arriving: Sequence[np.ndarray] | None = None,
+    arriving: Matrices | None = None,
     gradients: int = 0,
 ) -> Multipliers:
     """Multipliers of the product of the segments' derivatives.
 
     Parameters
     ----------
-    factors : sequence of ndarray, shape (n, n)
+    factors : ndarray, shape (m, n, n), or sequence of ndarray
         Derivative of each segment's end by its start, the closure applied to the last one.
-    neutral : sequence of ndarray, shape (n, k)
+    neutral : ndarray, shape (m, n, k), or sequence of ndarray
         At the start of each segment, the directions that are carried into each other: the flow's own (of an
         autonomous system) and pinned generators. They are left out by going over to the quotient space.
     magnitudes : ndarray, shape (n,)
         Typical magnitudes of the states; the quotient is orthogonal in their units.
     tolerance : float
         Of the integration.
-    arriving : sequence of ndarray, shape (n, k), optional
+    arriving : ndarray, shape (m, n, k), or sequence of ndarray, optional
         The same directions at the end of each segment, which is the next one's start but for the gap that a
         solution has left. Where deviations grow, what has grown lies along the flow there, and what is left
         of it beside the flow is a small part: at the state that it has arrived at, not at that next to it.
@@ -133,19 +135,19 @@ def multipliers(
         a right angle to them stays so, and they themselves are carried elsewhere. Moduli of one are common
         then: no multiplier counts as better known than the steps allow.
     """
-    scaled = [factor / magnitudes[:, None] * magnitudes for factor in factors]
-    sizes = [max(float(np.linalg.norm(factor, 2)), LEAST) for factor in scaled]
-    begin = [directions / magnitudes[:, None] for directions in neutral]
-    end = begin[1:] + begin[:1] if arriving is None else [ends / magnitudes[:, None] for ends in arriving]
-    bases = [complement(directions) for directions in begin] if begin[0].shape[1] else []
+    scaled = np.asarray(factors) / magnitudes[:, None] * magnitudes
+    sizes = np.maximum(np.linalg.norm(scaled, 2, axis=(1, 2)), LEAST)
+    begin = np.asarray(neutral) / magnitudes[:, None]
+    end = np.roll(begin, -1, axis=0) if arriving is None else np.asarray(arriving) / magnitudes[:, None]
+    bases = complement(begin) if begin.shape[2] else None
     quotients = _quotients(scaled, bases, end)
-    if not len(quotients[0]):
+    if not quotients.shape[1]:
         return Multipliers(np.zeros(0, dtype=complex), np.zeros(0), 0.0)
-    values, errors = _eigenvalues(quotients, sizes)
+    values, errors = _eigenvalues(list(quotients), sizes)
     coarser = 1.0 + GLOBAL * tolerance / ROUNDING
     accuracy = float(errors[0] * coarser)
     leak = np.zeros(len(values))
-    if arriving is not None and neutral[0].shape[1]:
+    if arriving is not None and bases is not None:
         leak = _leak(scaled, begin, end, bases, quotients, values, gradients)
     lost = leak > UNKNOWN * np.abs(values)
     found = Multipliers(
@@ -153,7 +155,7 @@ def multipliers(
     )
     if not gradients:
         return _bordering(found)
-    whole = np.linalg.multi_dot(scaled[::-1]) if len(scaled) > 1 else scaled[0]
+    whole = np.linalg.multi_dot(list(scaled[::-1])) if len(scaled) > 1 else scaled[0]
     error = ROUNDING * coarser * max(1.0, *sizes, float(np.linalg.norm(whole, 2)))
     return _bordering(reciprocal(found, error))
 
@@ -231,36 +233,35 @@ def reciprocal(found: Multipliers, error: float) -> Multipliers:
     return Multipliers(values[order], errors[order], found.accuracy, paired[order])
 
 
-def _eigenvalues(quotients: Sequence[np.ndarray], sizes: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
+def _eigenvalues(
+    quotients: Sequence[np.ndarray], sizes: Sequence[float] | np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Eigenvalues of the product by descending modulus, and what rounding does to them."""
     values, errors = _single(quotients[0], sizes[0]) if len(quotients) == 1 else _product(quotients, sizes)
     order = np.lexsort((-values.imag, -np.abs(values)))
     return values[order], errors[order]
 
 
-def _quotients(
-    factors: Sequence[np.ndarray], bases: Sequence[np.ndarray], end: Sequence[np.ndarray]
-) -> list[np.ndarray]:
+def _quotients(factors: np.ndarray, bases: np.ndarray | None, end: np.ndarray) -> np.ndarray:
     """Each factor between the quotient spaces at its ends, in orthonormal bases of those at the starts.
 
     Without bases nothing is left out.
     """
-    if not bases:
-        return list(factors)
-    m, result = len(factors), []
-    for i, factor in enumerate(factors):
-        moved = factor @ bases[i]
-        directions, _ = np.linalg.qr(end[i])
-        result.append(bases[(i + 1) % m].T @ (moved - directions @ (directions.T @ moved)))
-    return result
+    if bases is None:
+        return factors
+    moved = factors @ bases
+    directions, _ = np.linalg.qr(end)
+    there = np.roll(bases, -1, axis=0).transpose(0, 2, 1)
+    along = directions @ (directions.transpose(0, 2, 1) @ moved)
+    return np.asarray(there @ (moved - along))
 
 
 def _leak(
-    factors: Sequence[np.ndarray],
-    begin: Sequence[np.ndarray],
-    end: Sequence[np.ndarray],
-    bases: Sequence[np.ndarray],
-    quotients: Sequence[np.ndarray],
+    factors: np.ndarray,
+    begin: np.ndarray,
+    end: np.ndarray,
+    bases: np.ndarray,
+    quotients: np.ndarray,
     values: np.ndarray,
     gradients: int,
 ) -> np.ndarray:
@@ -269,24 +270,20 @@ def _leak(
     Both are the same but for the errors of the steps. What has grown comes to lie along these directions;
     where far more has decayed beside them, what is left there is these errors.
     """
-    k = begin[0].shape[1] - gradients
+    k = begin.shape[2] - gradients
     if not k:
         return np.zeros(len(values))
-    carried = [
-        np.hstack([factor @ directions[:, :k], there[:, k:]])
-        for factor, directions, there in zip(factors, begin, end, strict=True)
-    ]
-    if not all(np.all(np.any(directions, axis=0)) for directions in carried):
+    carried = np.concatenate([factors @ begin[:, :, :k], end[:, :, k:]], axis=2)
+    if not np.all(np.any(carried, axis=1)):
         return np.zeros(len(values))
     others = _quotients(factors, bases, carried)
-    changes = [
-        float(np.linalg.norm(a - b)) / max(float(np.linalg.norm(a)), LEAST)
-        for a, b in zip(quotients, others, strict=True)
-    ]
-    if len(factors) > 1 and sum(changes) < LITTLE:
-        return sum(changes) * np.abs(values)
+    changes = np.linalg.norm(quotients - others, axis=(1, 2))
+    total = float(np.sum(changes / np.maximum(np.linalg.norm(quotients, axis=(1, 2)), LEAST)))
+    if len(factors) > 1 and total < LITTLE:
+        return total * np.abs(values)
     # Of one factor without vectors, which take longer than the eigenvalues.
-    found = product_eigenvalues(others) if len(others) == 1 else _product(others, [1.0] * len(others))[0]
+    each = list(others)
+    found = product_eigenvalues(each) if len(each) == 1 else _product(each, [1.0] * len(each))[0]
     return np.abs(np.abs(values) - np.sort(np.abs(found))[::-1])
 
 
@@ -307,7 +304,9 @@ def _single(matrix: np.ndarray, size: float) -> tuple[np.ndarray, np.ndarray]:
     return values, np.minimum(condition * ROUNDING * size, size * np.sqrt(ROUNDING))
 
 
-def _product(factors: Sequence[np.ndarray], sizes: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
+def _product(
+    factors: Sequence[np.ndarray], sizes: Sequence[float] | np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Eigenvalues of an unformed product, with errors relative to their own size."""
     try:
         values = product_eigenvalues(factors)

@@ -13,7 +13,7 @@ from contwalk.errors import measured
 from contwalk.memory import of_unowned, unowned
 from contwalk.numerics.linear import Factored
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.orbit import ending, equations, switching
+from contwalk.problems.orbit import ending, equations, monodromy, switching
 from contwalk.problems.orbit.cutting import begun_at, most_segments, recutting
 from contwalk.problems.orbit.discretization import STAGES
 from contwalk.problems.orbit.meeting import distance
@@ -28,6 +28,7 @@ from contwalk.problems.orbit.segmented_orbit import MOST_KEPT, SAMPLES, Segmente
 from contwalk.problems.orbit.shooting import meshed
 from contwalk.problems.orbit.slow_place import SlowPlace
 from contwalk.problems.orbit.smooth_diagnosis import SmoothDiagnosis
+from contwalk.problems.orbit.step_blocks import multipliers_of
 from contwalk.problems.orbit.transport import closed, moved, recut
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.passing import Place
@@ -140,11 +141,6 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         t, x = self.motion_of(z)
         return crossing(self, z, t, x, Place.of(self.system, *place))
 
-    @property
-    def _most_unknowns(self) -> int:
-        """Unknowns of an orbit in as many segments as it may be cut into along its branch."""
-        return self._laid_out(most_segments(self, ROOM)).size
-
     def beginnings(self, z: np.ndarray) -> np.ndarray:
         """Typical magnitudes for the first corrections of a start, shape (N + 1,)."""
         scalars = np.maximum(np.abs(self.scalars(z)), 1e-300)
@@ -157,7 +153,7 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         return {
             "problem": self.kind,
             "observables": self.observable_names,
-            "unknowns": self._most_unknowns,
+            "unknowns": self._laid_out(most_segments(self, ROOM)).size,
             "spectrum": max(self.states - neutral, 1),
             "closure": self.closure.name,
             "subharmonic": self.subharmonic,
@@ -203,6 +199,12 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         t, x = self.motion_of(z)
         p = ParameterValues(**self.values_of(z))
         return measured(f"observable '{name}'", function, t, x, p)
+
+    def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
+        """Multipliers of the closure, without the flow's own and the pinned ones."""
+        if self.uneven and self.mesh.segments > 1:
+            return multipliers_of(self, z, monodromy.becoming_of(self, z))
+        return monodromy.spectrum(self, z, jacobian)
 
     # -- discretisations ---------------------------------------------------------------------------------
 
