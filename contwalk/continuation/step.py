@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.continuation import control, limits, outcomes
+from contwalk.continuation import control, kinks_passed, limits, outcomes
 from contwalk.continuation.detection import at_branch_point, at_the_end, bifurcations
 from contwalk.continuation.locating import Disagreement, Found, TooLong, passes_through
 from contwalk.continuation.marks import Observer, marked
@@ -19,8 +18,6 @@ from contwalk.continuation.state import ContinuationState
 from contwalk.continuation.zeros_of_test_functions import zeros_of_test_functions
 from contwalk.errors import NotFinite, PluginError
 from contwalk.numerics.linear import norm_in
-from contwalk.problems.event_kinks import Met
-from contwalk.problems.kinks import refusal
 from contwalk.problems.problem import Linearization, Located, Problem, Sample, Test
 
 # A mark this near to a bifurcation, in parts of the step, is at the same place.
@@ -119,14 +116,14 @@ def take_step(
             correction = _corrected(problem, state, prediction, settings)
         reason, sentence = correction.reason, correction.sentence
         # Newton's method may fail because it is asked for a solution beyond a jump.
-        passed = _passed_at_events(problem, state, correction.z if correction.ok else prediction.guess)
-        jump = _jump(passed)
+        passed = kinks_passed.between(problem, state, correction.z if correction.ok else prediction.guess)
+        jump = kinks_passed.jump(passed)
         if jump is not None:
-            reason, sentence = "plugin_error", refusal(jump.kink).sentence
+            reason, sentence = "plugin_error", kinks_passed.refusal(problem, jump)
         elif correction.ok:
             try:
                 segment = _segment(state, prediction, correction, settings, smallest)
-                segment = _with_kinks(segment, passed)
+                segment = kinks_passed.with_kinks(segment, passed)
                 if outcome := segment.problem.diagnosis.ended(segment.a, segment.b):
                     if outcome.reason == "shrunk" and length > NEARLY_SHRUNK and not smallest:
                         raise TooLong("The orbit shrinks to nothing within the step.")
@@ -149,29 +146,15 @@ def take_step(
             edge = reason, sentence
         if smallest or (length < EDGE and (edge is not None or jump is not None)):
             reason, sentence = edge or (reason, sentence)
-            known = problem.diagnosis.obstacle(state.sample.z)
+            known = problem.diagnosis.obstacle(state.sample.z) or kinks_passed.sentence(problem, passed)
             return outcomes.stuck(reason, sentence, length, observer.line.free, state.sample.parameter, known)
         # A solution beyond has jumped: where it does along the step, the guess tells.
-        ahead = None if jump is None else _jump(_passed_at_events(problem, state, prediction.guess))
+        ahead = (
+            None
+            if jump is None
+            else kinks_passed.jump(kinks_passed.between(problem, state, prediction.guess))
+        )
         length = control.shrunk(length) if ahead is None else control.beside(length, ahead.share)
-
-
-def _passed_at_events(problem: Problem, state: ContinuationState, z: np.ndarray) -> Sequence[Met]:
-    """What jumps at events on the way to another place, of problems that have some."""
-    return () if problem.limited is None else problem.limited.passed_at_events(state.sample.z, z)
-
-
-def _jump(passed: Sequence[Met]) -> Met | None:
-    """The first of what events pass beyond which no branch goes on."""
-    return next((met for met in passed if met.kink.refused), None)
-
-
-def _with_kinks(segment: Segment, passed: Sequence[Met]) -> Segment:
-    """A segment whose end tells of what events pass on the way to it."""
-    if not passed:
-        return segment
-    kinks = (*segment.b.kinks, *(met.kink for met in passed))
-    return Segment(segment.problem, segment.a, replace(segment.b, kinks=tuple(dict.fromkeys(kinks))))
 
 
 def _corrected(

@@ -72,6 +72,8 @@ class Switching:
 
     def sides(self, inputs: Inputs) -> np.ndarray:
         """What each choice is at some inputs, shape (.., choices); NaN where it is undefined."""
+        if not self.choices:
+            return np.zeros((1, 0))
         chosen: dict[int, Any] = {}
         _values(self.graph, self._deciding, inputs, {}, chosen)
         return np.stack(np.broadcast_arrays(*[chosen[node] for node in self.choices]), axis=-1).astype(float)
@@ -106,14 +108,35 @@ class Switching:
 
         Shape (2, count, 3, number of outputs).
         """
-        given = {("k", k): directions.get(name, 0.0) for k, name in enumerate(self.unknowns)}
-        pieces = []
-        for place in (before, after):
-            held: dict[int, Any] = {}
-            self._outputs(self._lifted.tree, {**place, **given}, {}, held)
-            outputs = self._outputs(self._lifted.tree, {**inputs, **given}, held, {})
-            pieces.append(np.broadcast_to(outputs, (count, outputs.shape[-1])).reshape(count, 3, -1))
-        return np.array(pieces)
+        held = [self.held(place, directions) for place in (before, after)]
+        return np.array([self.pieces(inputs, each, directions, count) for each in held])
+
+    def held(self, place: Inputs, directions: Mapping[tuple[str, int], float]) -> dict[int, Any]:
+        """What all choices are at a place, those in first and second derivatives among them."""
+        held: dict[int, Any] = {}
+        self._outputs(self._lifted.tree, {**place, **self._along(directions)}, {}, held)
+        return held
+
+    def pieces(
+        self, inputs: Inputs, held: Held, directions: Mapping[tuple[str, int], float], count: int
+    ) -> np.ndarray:
+        """Values and derivatives as of `beside_each`, with these choices: shape (count, 3, outputs)."""
+        outputs = self._outputs(self._lifted.tree, {**inputs, **self._along(directions)}, held, {})
+        return np.broadcast_to(outputs, (count, outputs.shape[-1])).reshape(count, 3, -1)
+
+    def _along(self, directions: Mapping[tuple[str, int], float]) -> dict[tuple[str, int], float]:
+        return {("k", k): directions.get(name, 0.0) for k, name in enumerate(self.unknowns)}
+
+    def limited_to(self, choices: Iterable[int]) -> Switching:
+        """The same program, of which only some of the choices are watched."""
+        limited = Switching(self.program, self.unknowns, self._time)
+        limited.choices = tuple(choices)
+        return limited
+
+    @property
+    def lifted_nodes(self) -> list[int]:
+        """Nodes of the program with its derivatives, in an order of evaluation."""
+        return self._behind[id(self._lifted.tree)]
 
     def moves(self, inputs: Inputs, changed: Iterable[int], directions: Mapping[Any, float]) -> bool:
         """Whether the instant at which choices change depends on the unknowns."""

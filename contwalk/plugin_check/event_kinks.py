@@ -23,7 +23,7 @@ from contwalk.plugin_check.samples import Samples, as_field
 from contwalk.plugin_check.states_at_event import state_on
 from contwalk.plugin_check.traced import Traced, number_form, traced
 from contwalk.problems.event_kinks import EndMap, between, on_a_jump
-from contwalk.problems.kinks import PARTED, Kink
+from contwalk.problems.kink import PARTED, Kink
 from contwalk.system import System, Transition
 
 # How many pairs of states at an event are looked between, and at how many places each.

@@ -12,7 +12,8 @@ from contwalk.fields.switching import Inputs, Switching, choices_of
 from contwalk.plugin_check.findings import Report, split_place
 from contwalk.plugin_check.samples import Samples
 from contwalk.plugin_check.traced import Traced
-from contwalk.problems.kinks import CLOCK, REMEDY, Kink, between
+from contwalk.problems.kink import CLOCK, REMEDY, FieldKink
+from contwalk.problems.kinks import between
 from contwalk.system import System
 
 
@@ -38,7 +39,7 @@ def check_kinks(report: Report, name: str, field: Traced, system: System, sample
 
     places = np.column_stack([[field.given(x) for x in samples.states], samples.times])
     sizes = np.abs(places).max(axis=0)
-    found: dict[Kink, None] = {}
+    found: dict[FieldKink, None] = {}
     for ends in pairwise(places):
         found |= dict.fromkeys(between(switching, evaluate, ends, sizes, where))
     for kink in found:
@@ -51,7 +52,7 @@ def check_kinks(report: Report, name: str, field: Traced, system: System, sample
         report.add(level, f"field of mode '{name}'", _sentence(told, what.rstrip(")")), place)
 
 
-def _sentence(kink: Kink, what: str) -> str:
+def _sentence(kink: FieldKink, what: str) -> str:
     if kink.order == 0 and not kink.moves:
         return f"It jumps at instants of time ({what}): steps are short and rough there. {CLOCK}."
     if kink.order == 0:

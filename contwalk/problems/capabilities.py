@@ -12,7 +12,7 @@ from typing import Protocol, Self
 import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
-from contwalk.problems.kinks import Kink
+from contwalk.problems.kink import Kink, Met
 from contwalk.problems.located import Located
 from contwalk.problems.sample import Sample
 
@@ -65,6 +65,12 @@ class Diagnosis(Protocol):
 
     def obstacle(self, z: np.ndarray) -> str:
         """What makes solutions beside z hard to find, and what helps; empty if nothing is known of that."""
+        ...
+
+    def passed(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
+        """Where the equations change their piece on the straight way from a solution to another z, which
+        need not be one, in their order: what no solution tells of itself, and where a branch may end.
+        """
         ...
 
     def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:

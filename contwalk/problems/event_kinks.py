@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from contwalk.fields.switching import Inputs, Switching
-from contwalk.problems.kinks import JUMPS, PARTS, Course, Kink, differ, directions, located
+from contwalk.problems.kink import EventKink, JumpThroughZero, Kink, Met
+from contwalk.problems.kinks import JUMPS, PARTS, Course, differ, directions, located
 
 # A state this near to a jump, against its size, is on it: on which side is left to rounding.
 ON = 1e-9
@@ -53,14 +54,6 @@ class EndMap:
     sizes: np.ndarray
     blame: Callable[[np.ndarray, np.ndarray], tuple[str, str]]
     through_zero: bool = False
-
-
-@dataclass(frozen=True)
-class Met:
-    """A kink on the straight way between two places, and after which part of it."""
-
-    kink: Kink
-    share: float
 
 
 def between(event: EndMap, a: np.ndarray, b: np.ndarray) -> tuple[Met, ...]:
@@ -116,7 +109,7 @@ def _told(event: EndMap, places: np.ndarray) -> Kink | None:
         if not np.any(through_zero(one[0], other[0])):
             return None
         of, where = event.blame(*places)
-        return Kink(0, where, of=of, acts=event.acts, through_zero=True)
+        return JumpThroughZero(0, where, of, event.acts)
     if not (np.all(np.isfinite(one[:2])) and np.all(np.isfinite(other[:2]))):
         return None
     level = np.max(np.abs([*one[:2], *other[:2]]), axis=0)
@@ -127,7 +120,7 @@ def _told(event: EndMap, places: np.ndarray) -> Kink | None:
         if not np.any(np.abs(one[1] - other[1]) > JUMPS[1] * level):
             return None
     of, where = event.blame(*places)
-    return Kink(order, where, of=of)
+    return EventKink(order, where, of)
 
 
 def _single(event: EndMap, place: np.ndarray) -> Inputs:

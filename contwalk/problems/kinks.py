@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.errors import NotSmooth
 from contwalk.fields.switching import Inputs, Switching
+from contwalk.problems.kink import REMEDY, FieldKink, Met
 
 # Parts that an interval is looked at in, and how often, to find where a choice changes in it.
 PARTS, PASSES = 64, 5
@@ -31,71 +31,11 @@ LATELY = 40
 STATES = ("u", "x")
 # A change this near to an end of a leg is the event there.
 AT_END = 1e-9
-REMEDY = (
-    "Declare two modes, one for each side, with a transition between them whose guard is what is compared "
-    "there."
-)
-PARTED = "Declare two transitions, one for each side, each with its own guard and reset"
-CLOCK = "Declare a transition whose guard is a function of time (a clock)"
-
 Evaluate = Callable[[np.ndarray, np.ndarray], Inputs]
-
-
-@dataclass(frozen=True)
-class Kink:
-    """A crossing of such a place: the lowest derivative that jumps, and the plugin's line.
-
-    `moves`: whether the instant depends on the unknowns. `of`: what jumps there, if not the field: a guard or
-    a reset, at the states of its own event; or what matters only where it jumps `through_zero`: a guard of
-    another event, which `acts`, or what is told of the motion there.
-    """
-
-    order: int
-    where: str
-    moves: bool = True
-    of: str = ""
-    acts: bool = True
-    through_zero: bool = False
-
-    @property
-    def refused(self) -> bool:
-        """Whether derivatives of the motion are wrong."""
-        return self.order == 0 and self.moves and self.acts
-
-    def sentence(self, of: str) -> str:
-        """What it means for `equilibria` or `orbits` of a branch."""
-        if not self.acts:
-            return (
-                f"Its orbits pass a place where {self.of} jumps through zero: {self.where}. They become "
-                "admissible there, or cease to be, without a special point. Return a number that passes "
-                "zero there smoothly instead."
-            )
-        if self.of:
-            return (
-                f"Its orbits pass a place where slopes of {self.of} jump: {self.where}. Multipliers jump "
-                f"there, and special points near it may stay unlocated. {PARTED}, or make it smooth."
-            )
-        if self.order == 0 and not self.moves:
-            return (
-                f"Its {of} pass an instant at which the field jumps: {self.where}. Steps are short and rough "
-                f"there. {CLOCK}, with a mode for each piece."
-            )
-        what = "the field jumps" if self.order == 0 else "slopes of the field jump"
-        if of == "equilibria":
-            return (
-                f"Its equilibria cross a place where {what}: {self.where}. Eigenvalues jump there, and "
-                "stability may change without a special point."
-            )
-        if self.order == 1:
-            return (
-                f"Its orbits cross a place where {what}: {self.where}. Special points near it may stay "
-                f"unlocated, steps become small, and coefficients of normal forms are not right. {REMEDY} "
-                'With role="soft" orbits pass it exactly.'
-            )
-        return (
-            f"Its orbits cross a place where second derivatives of the field jump: {self.where}. Cubic "
-            f"coefficients, and with them criticality, are not right there. {REMEDY}"
-        )
+# A time and a state.
+Place = tuple[float, np.ndarray]
+# The plugin's line, of two places, and of the `parameters` at both where they are not the same.
+Where = Callable[..., str]
 
 
 def inputs(groups: Mapping[str, int], values: np.ndarray, times: np.ndarray, states: np.ndarray) -> Inputs:
@@ -103,37 +43,6 @@ def inputs(groups: Mapping[str, int], values: np.ndarray, times: np.ndarray, sta
     names = [(group, i) for group, size in groups.items() for i in range(size)]
     given: dict[tuple[str, int], Any] = dict(zip(names, values.tolist(), strict=True))
     return {**given, ("t", 0): times, **{("u", i): x for i, x in enumerate(states.T)}}
-
-
-def refuse(kinks: tuple[Kink, ...]) -> None:
-    """Raise for an orbit that crosses a jump of the field, or whose event lies at one of its guard or reset.
-
-    Raises
-    ------
-    NotSmooth
-    """
-    for kink in kinks:
-        if kink.refused:
-            raise refusal(kink)
-
-
-def refusal(kink: Kink) -> NotSmooth:
-    """Why orbits do not go on beyond a jump."""
-    if kink.through_zero:
-        return NotSmooth(
-            f"Away from its event {kink.of} jumps through zero: {kink.where}. The event happens there, or "
-            "ceases to, without a number that passes zero, which orbits are equations of. Return one that "
-            "passes zero evenly, as a distance does."
-        )
-    if kink.of:
-        return NotSmooth(
-            f"At its event {kink.of} jumps: {kink.where}. Orbits beyond are not near to "
-            f"those before. {PARTED}, or make it continuous."
-        )
-    return NotSmooth(
-        f"The motion crosses a place where the field jumps: {kink.where}. Derivatives of the motion "
-        f"are wrong there, and with them its multipliers. {REMEDY}"
-    )
 
 
 @dataclass(frozen=True)
@@ -149,11 +58,13 @@ class Course:
     at : callable
         States at times in growing order.
     where : callable
-        The plugin's line, of two times and states.
+        The plugin's line.
     ends : bool
         Whether events happen at both ends.
     lines : dict
         Lines that have been told, by all choices on both sides, which they follow from.
+    of : str
+        What is looked at.
     """
 
     switching: Switching
@@ -161,9 +72,10 @@ class Course:
     times: np.ndarray
     states: np.ndarray
     at: Callable[[np.ndarray], np.ndarray]
-    where: Callable[[tuple[float, np.ndarray], tuple[float, np.ndarray]], str]
+    where: Where
     ends: bool = False
     lines: dict[bytes, str] = field(default_factory=dict)
+    of: str = "the field"
 
     @cached_property
     def sizes(self) -> np.ndarray:
@@ -190,7 +102,7 @@ class Course:
         return np.broadcast_to(found, (len(times), found.shape[-1]))
 
 
-def along(course: Course) -> tuple[Kink, ...]:
+def along(course: Course) -> tuple[FieldKink, ...]:
     """The kinks of a motion."""
     sides = course.sides(course.times, course.states)
     crossed = np.flatnonzero(np.any(differ(sides[:-1], sides[1:]), axis=1))
@@ -244,29 +156,49 @@ def between(
     evaluate: Evaluate,
     ends: tuple[np.ndarray, np.ndarray],
     sizes: np.ndarray,
-    where: Callable[[tuple[float, np.ndarray], tuple[float, np.ndarray]], str],
-) -> tuple[Kink, ...]:
+    where: Where,
+) -> tuple[FieldKink, ...]:
     """The kinks that solutions cross between two of them, or that the second one lies on.
 
     `evaluate`: inputs of the equations at any numbers and unknowns z, shape (k, N + 1).
     """
-    a, b = ends
-    aside = ASIDE * sizes * np.cos(1.0 + np.arange(len(b)))
-
-    def straight(begin: np.ndarray, end: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-        return lambda shares: begin + shares[:, None] * (end - begin)
-
-    found: dict[Kink, None] = {}
-    for at in (straight(a, b), straight(b - aside, b + aside)):
-        shares = np.array([0.0, 1.0])
-        course = Course(switching, evaluate, shares, at(shares), at, where)
-        changed = differ(*course.sides(shares, at(shares)))
-        if np.any(changed):
-            found |= dict.fromkeys(along(course))
-    return tuple(found)
+    on_the_way = (met.kink for met in passed(switching, evaluate, ends, where))
+    return tuple(dict.fromkeys([*on_the_way, *lying(switching, evaluate, ends[1], sizes, where)]))
 
 
-def _kinks(course: Course, low: np.ndarray, high: np.ndarray) -> Iterator[Kink]:
+def passed(
+    switching: Switching, evaluate: Evaluate, ends: tuple[np.ndarray, np.ndarray], where: Where
+) -> tuple[Met[FieldKink], ...]:
+    """The kinks on the straight way between two solutions, in their order; `evaluate` as of `between`."""
+    course = _straight(switching, evaluate, *ends, where)
+    crossed = np.flatnonzero(np.any(differ(*course.sides(course.times, course.states))))
+    if not len(crossed):
+        return ()
+    low, high = _located(course, crossed)
+    return tuple(Met(kink, float(low[0])) for kink in _kinks(course, low, high))
+
+
+def lying(
+    switching: Switching, evaluate: Evaluate, at: np.ndarray, sizes: np.ndarray, where: Where
+) -> tuple[FieldKink, ...]:
+    """The kinks that a solution lies on; `evaluate` as of `between`."""
+    aside = ASIDE * sizes * np.cos(1.0 + np.arange(len(at)))
+    return tuple(met.kink for met in passed(switching, evaluate, (at - aside, at + aside), where))
+
+
+def _straight(
+    switching: Switching, evaluate: Evaluate, begin: np.ndarray, end: np.ndarray, where: Where
+) -> Course:
+    """The straight way between two solutions, its parts in place of instants."""
+
+    def at(shares: np.ndarray) -> np.ndarray:
+        return begin + shares[:, None] * (end - begin)
+
+    shares = np.array([0.0, 1.0])
+    return Course(switching, evaluate, shares, at(shares), at, where)
+
+
+def _kinks(course: Course, low: np.ndarray, high: np.ndarray) -> Iterator[FieldKink]:
     """What jumps between neighbouring instants, where something does that matters."""
     if course.ends:
         inside = (high >= AT_END) & (low <= 1.0 - AT_END)
@@ -281,17 +213,17 @@ def _kinks(course: Course, low: np.ndarray, high: np.ndarray) -> Iterator[Kink]:
     pieces = switching.beside_each(before, before, after, along_, count)
     sides = course.sides(times.ravel(), states.reshape(2 * count, -1)).reshape(count, 2, -1)
     for k in range(count):
-        order = _jumping(pieces[:, k], course.level)
+        order = jumping(pieces[:, k], course.level)
         if order is None:
             continue
         moves = order > 0
         if not moves:
             changed = np.flatnonzero(differ(*sides[k])).tolist()
             moves = switching.moves(course.evaluate(times[k, :1], states[k, :1]), changed, along_)
-        yield Kink(order, course.line(sides[k], times[k], states[k]), moves)
+        yield FieldKink(order, course.line(sides[k], times[k], states[k]), moves=moves)
 
 
-def _jumping(pieces: np.ndarray, level: np.ndarray) -> int | None:
+def jumping(pieces: np.ndarray, level: np.ndarray) -> int | None:
     """The lowest derivative that differs on two sides, of shape (2, 3, outputs), against these levels."""
     if not np.all(np.isfinite(pieces)):
         return None

@@ -23,7 +23,6 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite
 from contwalk.problems.capabilities import Diagnosis, Equivalence, Mirror, Observed
-from contwalk.problems.event_kinks import Met
 from contwalk.problems.linearization import Linearization
 from contwalk.problems.located import Located
 from contwalk.problems.parameter_line import ParameterLine
@@ -231,10 +230,6 @@ class Limited(Protocol):
 
     def neighbours(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
         """The branches beyond a limit, and in words what was found, or tried."""
-        ...
-
-    def passed_at_events(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
-        """What jumps at the events of orbits on the way from one to another, which need not be one."""
         ...
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from contwalk.problems.kinks import Kink
+from contwalk.problems.kink import Kink
 
 # A relative margin this far below zero is zero still: on the steps of a branch it is not known better.
 NO_MARGIN = 1e-7

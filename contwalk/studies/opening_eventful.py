@@ -25,7 +25,7 @@ from contwalk.problems.hybrid.soft_orbit import SoftOrbit, applies, softened
 from contwalk.problems.hybrid.switching import discretized
 from contwalk.problems.initial.event_recurrence import lap_from
 from contwalk.problems.initial.orbit_from_recurrence import orbit_of
-from contwalk.problems.kinks import refuse
+from contwalk.problems.kink import refuse
 from contwalk.problems.orbit.conservation import off_its_value
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.kinks_met import kinks_along

@@ -13,7 +13,7 @@ from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
 from contwalk.problems.initial.orbit_from_state import orbit_at, repetitions, symmetric
 from contwalk.problems.initial.recurrence import AtRest, recurrent
-from contwalk.problems.kinks import refuse
+from contwalk.problems.kink import refuse
 from contwalk.problems.orbit.conservation import off_its_value
 from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit

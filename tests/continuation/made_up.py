@@ -151,6 +151,9 @@ class MadeUp(OwnMeasures):
     def many_branches(self, z: np.ndarray) -> bool:
         return any(np.allclose(p.z, z, atol=1e-12) for p in self.special.get("BP", []))
 
+    def passed(self, a, b):
+        return ()
+
     def kinks_between(self, a, b):
         return ()
 

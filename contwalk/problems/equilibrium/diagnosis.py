@@ -4,18 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.fields.blame import first_not_finite, first_switched
 from contwalk.fields.switching import Inputs
+from contwalk.problems import kinks, parameter_kinks
 from contwalk.problems.equilibrium.equations import GROUPS
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.held_by_force import forced
 from contwalk.problems.equilibrium.second_direction import second_direction
 from contwalk.problems.equilibrium.unbounded import escape
-from contwalk.problems.kinks import Kink, between
+from contwalk.problems.kink import Kink, Met
+from contwalk.problems.kinks import Course, Place
+from contwalk.problems.parameter_kinks import Way, choices_of_parameters
 from contwalk.problems.sample import Sample
 
 # A limit of the parameter this small against its magnitude is zero.
@@ -63,25 +67,65 @@ class EquilibriumDiagnosis:
         """Nothing is known of what keeps a branch from going on at z, shape (N + 1,)."""
         return ""
 
-    def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
-        """Those that lie between two equilibria, or that the second one lies on."""
+    def passed(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
+        """Those that lie between an equilibrium a and another solution b, shape (N + 1,)."""
         problem = self.problem
         if problem.switching is None:
             return ()
-        field, constants = problem.system.modes[0].field, problem.inputs(a.z)[2:]
+        course = Course(problem.switching, self._evaluate, np.zeros(1), a[None], _still, self._where)
+        own = parameter_kinks.passed(course, self._way(a, b))
+        others = choices_of_parameters(problem.switching, problem.free_inputs).others
+        return *own, *kinks.passed(others, self._evaluate, (a, b), self._where)
 
-        def evaluate(_: np.ndarray, places: np.ndarray) -> Inputs:
-            given = {("u", i): x for i, x in enumerate(places.T[:-1])} | {("l", 0): places[:, -1]}
-            named = zip(GROUPS[2:], constants, strict=True)
-            return {**given, **{(group, i): v for group, own in named for i, v in enumerate(own)}}
+    def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
+        """Those that lie between two equilibria, or that the second one lies on."""
+        switching = self.problem.switching
+        if switching is None:
+            return ()
+        met = [met.kink for met in self.passed(a.z, b.z)]
+        lying = kinks.lying(switching, self._evaluate, b.z, self._states_of(b.weights), self._where)
+        return tuple(dict.fromkeys([*met, *lying]))
 
-        def where(before: tuple[float, np.ndarray], after: tuple[float, np.ndarray]) -> str:
-            (_, a), (_, b) = before, after
-            places = [(0.0, z[: problem.states].tolist()) for z in (a, b)]
-            return first_switched(field, places[0], places[1], problem.values_of(a), problem.values_of(b))
+    def _evaluate(self, _: np.ndarray, places: np.ndarray) -> Inputs:
+        """Inputs of the equations at places, shape (k, N + 1)."""
+        constants = self.problem.inputs(places[0])[2:]
+        given = {("u", i): x for i, x in enumerate(places.T[:-1])} | {("l", 0): places[:, -1]}
+        named = zip(GROUPS[2:], constants, strict=True)
+        return {**given, **{(group, i): v for group, own in named for i, v in enumerate(own)}}
 
-        return between(problem.switching, evaluate, (a.z, b.z), b.weights, where)
+    def _where(self, before: Place, after: Place, /, parameters: Any = None) -> str:
+        """The plugin's line at which two places differ; z tells their parameters."""
+        problem = self.problem
+        ends = [(0.0, z[: problem.states].tolist()) for _, z in (before, after)]
+        given = [problem.values_of(z) for _, z in (before, after)]
+        return first_switched(problem.system.modes[0].field, ends[0], ends[1], given[0], given[1])
+
+    def _way(self, a: np.ndarray, b: np.ndarray) -> Way:
+        """From the parameters of an equilibrium a to those of another solution b, shape (N + 1,)."""
+        problem, free = self.problem, self.problem.free_inputs
+
+        def at(share: float) -> str:
+            place, named = a + share * (b - a), zip(problem.line.names, free.values(), strict=True)
+            return ", ".join(f"{name} = {place[k]:.10g}" for name, k in named)
+
+        def blame(low: float, high: float, _: int) -> str:
+            moved = np.where(self._states_of(np.ones(len(a))) == 0.0, b - a, 0.0)
+            return self._where((0.0, a + low * moved), (0.0, a + high * moved))
+
+        begin, end = ({name: float(z[k]) for name, k in free.items()} for z in (a, b))
+        return Way(begin, end, at, blame)
+
+    def _states_of(self, z: np.ndarray) -> np.ndarray:
+        """Numbers z, shape (N + 1,), with those of the free parameters set to zero."""
+        own = z.copy()
+        own[list(self.problem.free_inputs.values())] = 0.0
+        return own
 
     def many_branches(self, z: np.ndarray) -> bool:
         """Whether more than one branch passes through a solution z, shape (N + 1,), to rounding."""
         return second_direction(self.problem, z) is not None
+
+
+def _still(times: np.ndarray) -> np.ndarray:
+    """An equilibrium goes nowhere: it is not asked for states at other times, shape (k,)."""
+    raise NotImplementedError

@@ -205,6 +205,13 @@ class EquilibriumEquations(Problem):
             return None
         return Switching(program, [*[("u", i) for i in range(self.kernels.unknowns)], ("l", 0)], ("t", 0))
 
+    @cached_property
+    def free_inputs(self) -> dict[tuple[str, int], int]:
+        """The free parameters by their names as inputs of the equations, with their places in z."""
+        last = self.kernels.unknowns
+        names = {("l", 0): last}
+        return names if self.second is None else {**names, ("u", last - 1): last - 1}
+
     # -- rounding, and magnitudes ----------------------------------------------------------------------------
 
     def _levels(

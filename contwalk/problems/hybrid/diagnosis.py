@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.problems.hybrid import obstacles, undefined
+from contwalk.problems.hybrid import end_maps, jumping_limits, obstacles, undefined
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.vanishing import in_no_time, onto_an_event
+from contwalk.problems.kink import Met
 from contwalk.problems.orbit.conservation import not_conserved
 from contwalk.problems.orbit.diagnosis import OrbitDiagnosis
 from contwalk.problems.orbit.homoclinic import homoclinic
@@ -29,6 +32,14 @@ class HybridDiagnosis(OrbitDiagnosis):
         shrinks = (in_no_time, onto_an_event) if orbit.word.eventful else (at_a_point,)
         reasons = (not_conserved, *shrinks, homoclinic, unbounded)
         return next((outcome for reason in reasons if (outcome := reason(orbit, a, b)) is not None), None)
+
+    def passed(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
+        """What changes with the free parameter alone on the way from an orbit to another one; jumps of guards
+        and resets, and of their slopes, that events pass on it; of other guards and of what is only told,
+        jumps through zero.
+        """
+        orbit = self._eventful
+        return *super().passed(a, b), *end_maps.passed(orbit, a, b), *jumping_limits.passed(orbit, a, b)
 
     def without_value(self, z: np.ndarray) -> str:
         """The plugin's line at which the motion of z has no value, as a sentence; empty if none is found."""

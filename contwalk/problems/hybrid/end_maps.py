@@ -10,10 +10,10 @@ import numpy as np
 from contwalk.errors import NO_LINE, ContwalkError, NotFinite, PluginError
 from contwalk.fields.blame import first_switched
 from contwalk.fields.switching import Inputs, Switching
-from contwalk.problems.event_kinks import EndMap, Met, between, on_a_jump
+from contwalk.problems.event_kinks import EndMap, between, on_a_jump
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.view import LegView
-from contwalk.problems.kinks import Kink
+from contwalk.problems.kink import Kink, Met
 from contwalk.problems.orbit.passage import Passage
 
 Written = Callable[[Any, Any, Any, Any], None]

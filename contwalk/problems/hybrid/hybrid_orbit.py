@@ -14,7 +14,6 @@ from contwalk.branch import SpecialPoint
 from contwalk.memory import of_unowned, remembered, unowned
 from contwalk.numerics.linear import Factored, Factorization
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.event_kinks import Met
 from contwalk.problems.hybrid import (
     condensed,
     cutting,
@@ -39,7 +38,7 @@ from contwalk.problems.hybrid.discretized_orbit import MOST_VIEWS, DiscretizedOr
 from contwalk.problems.hybrid.margins import Guarded, Limit, Margins
 from contwalk.problems.hybrid.mirror_image import HybridMirror, mirror_of
 from contwalk.problems.hybrid.stretch import Stretch
-from contwalk.problems.kinks import Kink
+from contwalk.problems.kink import Kink
 from contwalk.problems.orbit import equations, monodromy
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.orbit_problem import OrbitProblem
@@ -253,12 +252,6 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
     def kinks_at_events(self, z: np.ndarray) -> tuple[Kink, ...]:
         """Jumps of guards and resets that events lie on, and of guards through zero on the way."""
         return *end_maps.lying(self, z), *jumping_limits.along(self, z)
-
-    def passed_at_events(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
-        """Jumps of guards and resets, and of their slopes, that events pass between two orbits; of other
-        guards and of what is only told, jumps through zero.
-        """
-        return *end_maps.passed(self, a, b), *jumping_limits.passed(self, a, b)
 
     def observables(self, z: np.ndarray, found: Multipliers) -> np.ndarray:
         """Values of `observable_names`, shape (o,)."""

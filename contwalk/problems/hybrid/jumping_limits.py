@@ -15,7 +15,7 @@ import numpy as np
 from contwalk.errors import NO_LINE, NotFinite, PluginError
 from contwalk.fields.blame import first_switched
 from contwalk.fields.switching import Inputs, Switching
-from contwalk.problems.event_kinks import Met, between, through_zero
+from contwalk.problems.event_kinks import between, through_zero
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.end_maps import (
     Written,
@@ -27,7 +27,8 @@ from contwalk.problems.hybrid.end_maps import (
     written,
 )
 from contwalk.problems.hybrid.view import LegView
-from contwalk.problems.kinks import AT_END, Course, Kink, differ, directions, inputs, located
+from contwalk.problems.kink import JumpThroughZero, Kink, Met
+from contwalk.problems.kinks import AT_END, Course, differ, directions, inputs, located
 from contwalk.problems.orbit.passage import Passage
 from contwalk.system import Condition, Transition
 
@@ -68,11 +69,11 @@ def passed(problem: DiscretizedOrbit, a: np.ndarray, b: np.ndarray) -> tuple[Met
         found = tuple(met for pair in _alike(*views) for met in _on_leg(problem, *pair))
     except (NotFinite, PluginError, np.linalg.LinAlgError):
         return ()
-    if not any(met.kink.acts for met in found):
+    if not any(met.kink.refused for met in found):
         return found
     # A guard that is armed again by its jump, as a sawtooth of the time is, changes nothing.
     changes = problem.admissible_at(a) != problem.admissible_at(b)
-    return tuple(met for met in found if changes or not met.kink.acts)
+    return tuple(met for met in found if changes or not met.kink.refused)
 
 
 def _alike(before: tuple[LegView, ...], later: tuple[LegView, ...]) -> Iterator[tuple[LegView, LegView]]:
@@ -152,7 +153,7 @@ def _along_leg(problem: DiscretizedOrbit, view: LegView, z: np.ndarray) -> Itera
             ):
                 states = course.at(np.array([low, high]))
                 where = course.where((low, states[0]), (high, states[1]))
-                yield Kink(0, where, of=told.name, acts=told.acts, through_zero=True)
+                yield JumpThroughZero(0, where, told.name, told.acts)
 
 
 def _course(problem: DiscretizedOrbit, view: LegView, told: _Told, z: np.ndarray) -> Course:

@@ -9,7 +9,7 @@ import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.problems.equilibrium.diagnosis import EquilibriumDiagnosis
-from contwalk.problems.kinks import Kink
+from contwalk.problems.kink import Kink, Met
 from contwalk.problems.locus.plane import Plane
 from contwalk.problems.sample import Sample
 
@@ -35,6 +35,10 @@ class LocusDiagnosis:
     def obstacle(self, z: np.ndarray) -> str:
         """Nothing is known of what keeps a curve from going on at z, shape (N + 1,)."""
         return ""
+
+    def passed(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
+        """Where the equilibria's equations change their piece between two places, shape (N + 1,)."""
+        return EquilibriumDiagnosis(self.plane).passed(self.in_plane(a), self.in_plane(b))
 
     def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
         """Where the equilibria's equations are smooth by pieces only."""

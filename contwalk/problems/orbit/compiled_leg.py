@@ -19,7 +19,7 @@ from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow import CompiledField, Field, Restricted
 from contwalk.memory import remembered
 from contwalk.problems.forcing import period_at
-from contwalk.problems.kinks import Course, inputs
+from contwalk.problems.kinks import Course, Place, inputs
 from contwalk.problems.orbit.lifts import DIRECTIONS, PLAIN, STATES, TANGENT, lifted
 from contwalk.problems.orbit.traced_leg import Scalar, TracedLeg
 
@@ -182,9 +182,10 @@ class CompiledLeg(TracedLeg):
         mode, known = self.system.mode(self.leg.mode), self.parameters(values)
         start, lasting = self.clock(values)
 
-        def where(before: tuple[float, np.ndarray], after: tuple[float, np.ndarray]) -> str:
+        def where(before: Place, after: Place, /, parameters: Any = None) -> str:
             places = [(start + lasting * t, self.full(x).tolist()) for t, x in (before, after)]
-            return first_switched(mode.field, places[0], places[1], {**known, **mode.constants})
+            then = [{**values, **mode.constants} for values in parameters or (known, known)]
+            return first_switched(mode.field, places[0], places[1], then[0], then[1])
 
         def evaluate(times: np.ndarray, states: np.ndarray) -> Inputs:
             return inputs(self.groups, values, times, states)

@@ -8,8 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.problems.kinks import Kink
+from contwalk.problems.kink import Kink, Met
 from contwalk.problems.orbit import branching
+from contwalk.problems.orbit.kinks_met import passed_by_parameters
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.problem import Sample
 
@@ -37,8 +38,12 @@ class OrbitDiagnosis(ABC):
         known = self.without_value(z).removesuffix(".")
         return known or "the motion from there ends or grows without bound within one period"
 
+    def passed(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
+        """What changes with the free parameter alone on the way from an orbit to another solution."""
+        return passed_by_parameters(self._orbit, a, b)
+
     def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
-        """Those that the second orbit crosses, and those that events pass on the step to it."""
+        """Those that the second orbit crosses, and those that are passed on the step to it."""
         return b.kinks
 
     def many_branches(self, z: np.ndarray) -> bool:

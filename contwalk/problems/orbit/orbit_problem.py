@@ -11,8 +11,8 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.numerics.linear import unit_in
-from contwalk.problems import kinks
 from contwalk.problems.capabilities import OwnMeasures
+from contwalk.problems.kink import refuse
 from contwalk.problems.orbit import (
     augmented,
     branching,
@@ -94,7 +94,7 @@ class OrbitProblem(OwnMeasures, OrbitData):
         found = monodromy.doubted(self, self.multipliers(z, jacobian), trivial, jacobian)
         found = found.beside(float(unit[-1] / weights[-1]))
         met = kinks_along(self, z) if known is None else known.kinks
-        kinks.refuse(met)
+        refuse(met)
         errors = equations.errors(self, linearization)
         orientation, error = linearization.orientation_and_error(unit, weights, errors)
         # The flow's own multiplier is one exactly: what it misses by, the others may.

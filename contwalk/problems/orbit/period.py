@@ -6,16 +6,21 @@ from typing import Any
 
 import numpy as np
 
+from contwalk.fields.blame import first_switched
 from contwalk.fields.rebind import rebound
-from contwalk.fields.trace import Tracer, trace
+from contwalk.fields.switching import Inputs, Switching, choices_of
+from contwalk.fields.trace import Program, Tracer, trace
 from contwalk.flow import Field
 from contwalk.problems.forcing import positive
+from contwalk.problems.kinks import Course, Place, inputs
 from contwalk.problems.orbit.lifts import DIRECTIONS, lifted
+from contwalk.problems.parameter_line import ParameterLine
 from contwalk.problems.tracing import parameter_symbols
 from contwalk.system import System
 
 ORDERS = {"plain": 1, "tangent": 2, "jet": 4}
 _KNOWN: dict[tuple, tuple[System, Field]] = {}
+_CHOICES: dict[tuple, tuple[System, Switching | None]] = {}
 
 
 def period_map(system: System, free: str | None, change: np.ndarray, lift: str) -> Field:
@@ -33,18 +38,61 @@ def period_map(system: System, free: str | None, change: np.ndarray, lift: str) 
     key = id(system), free, moving, lift
     if key in _KNOWN:
         return _KNOWN[key][1]
+    groups = {**_groups(system), **dict.fromkeys(DIRECTIONS[lift], 1)}
+    program = lifted(_program(system, free, moving), 0, [("l", 0)], lift)
+    found = Field(program, [], groups, [("l", 0)], time=("t", 0), outputs=ORDERS[lift])
+    _KNOWN[key] = system, found
+    return found
+
+
+def _program(system: System, free: str | None, moving: tuple[int, ...]) -> Program:
     assert system.period is not None
     period = rebound(system.period)
 
     def value(tracer: Tracer) -> list[Any]:
         return [period(parameter_symbols(tracer, system.parameter_names, free, moving))]
 
+    return trace(value)
+
+
+def _groups(system: System) -> dict[str, int]:
     count = len(system.parameters)
-    groups = {"l": 1, "b": count, "d": count, **dict.fromkeys(DIRECTIONS[lift], 1)}
-    program = lifted(trace(value), 0, [("l", 0)], lift)
-    found = Field(program, [], groups, [("l", 0)], time=("t", 0), outputs=ORDERS[lift])
-    _KNOWN[key] = system, found
-    return found
+    return {"l": 1, "b": count, "d": count}
+
+
+def period_course(system: System, line: ParameterLine) -> Course | None:
+    """The period as it is looked at for changes along a branch; None where it is smooth, or none."""
+    if system.period is None:
+        return None
+    switching = _switching(system, line)
+    if switching is None:
+        return None
+    period, values = rebound(system.period), np.concatenate([[0.0], line.constants])
+
+    def evaluate(times: np.ndarray, states: np.ndarray) -> Inputs:
+        return inputs(_groups(system), values, times, states)
+
+    def where(before: Place, after: Place, /, parameters: Any) -> str:
+        def written(t: Any, x: Any, p: Any, out: Any) -> None:
+            out[0] = period(p)
+
+        return first_switched(written, (0.0, [0.0]), (0.0, [0.0]), *parameters)
+
+    def still(times: np.ndarray) -> np.ndarray:
+        return np.zeros((len(times), 0))
+
+    times = np.zeros(1)
+    return Course(switching, evaluate, times, still(times), still, where, of="the period")
+
+
+def _switching(system: System, line: ParameterLine) -> Switching | None:
+    """Where the period is smooth by pieces only along a line; None where it is smooth."""
+    key = id(system), line.own, line.moving
+    if key not in _CHOICES:
+        program = _program(system, line.own, line.moving)
+        found = Switching(program, [("l", 0)], ("t", 0)) if choices_of(program) else None
+        _CHOICES[key] = system, found
+    return _CHOICES[key][1]
 
 
 def period_and_slope(

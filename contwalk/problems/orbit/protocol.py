@@ -9,7 +9,8 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.numerics.linear import Factorization
-from contwalk.problems.kinks import Course, Kink
+from contwalk.problems.kink import Kink
+from contwalk.problems.kinks import Course
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.normal_forms import SectionMap

@@ -18,7 +18,8 @@ import numpy as np
 
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.forcing import period_at
-from contwalk.problems.kinks import Course, Kink
+from contwalk.problems.kink import Kink
+from contwalk.problems.kinks import Course
 from contwalk.problems.orbit.closure import Closure
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.extrema import with_extrema
