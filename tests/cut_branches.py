@@ -9,7 +9,7 @@ import numpy as np
 
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.continuation.branch_in_progress import Stored
-from contwalk.continuation.diagram import Event, Found
+from contwalk.continuation.events import Event, Found
 
 
 def bits(branch: Branch) -> bytes:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from contwalk.cli.jobs_option import jobs_option
+
 if TYPE_CHECKING:
     from contwalk.branch import Branch
     from contwalk.cli.termination import Termination
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
 @click.option("--output", metavar="X.h5", help="The database to write, instead of the run file's output.")
 @click.option("--resume", is_flag=True, help="Go on with a database that an earlier run has begun.")
 @click.option("--force", is_flag=True, help="Replace a database that exists.")
+@jobs_option("Processes that branches are walked in (1); auto: one for each processor.", 1)
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @click.option("--no-figures", is_flag=True, help="Do not draw the figures of the run file.")
 @click.option("--strict", is_flag=True, help="Exit with 1 if a special point could not be located.")
@@ -33,6 +36,7 @@ def command(
     output: str | None,
     resume: bool,
     force: bool,
+    jobs: int,
     quiet: bool,
     no_figures: bool,
     strict: bool,
@@ -40,7 +44,8 @@ def command(
     """Compute the study that the run file FILE describes.
 
     Every point is stored when it is found: after Ctrl-C or a crash, --resume goes on from there. Several
-    values are set with several options: --set parameters.c=0.9 --set continue.range=[1,6].
+    values are set with several options: --set parameters.c=0.9 --set continue.range=[1,6]. With --jobs the
+    branches of a study are walked in several processes at once; what is stored is the same for every number.
 
     Exit codes: 0; 1 if a branch failed, or the disk is full; 2 for bad input, with nothing written; 130
     after Ctrl-C, 143 after SIGTERM.
@@ -59,14 +64,14 @@ def command(
 
     run_file = read_run_file(file, overrides, output)
     loaded()
-    again = _resuming(
-        file, overrides, output, {"--no-figures": no_figures, "--strict": strict, "--quiet": quiet}
-    )
+    flags = {"--no-figures": no_figures, "--strict": strict, "--quiet": quiet}
+    again = _resuming(file, overrides, output, flags, jobs)
     reporter = reporter_for(run_file.range, quiet)
     with termination() as terminated:
         try:
             with reporter:
-                result = run(run_file, resume=resume, force=force, figures=not no_figures, reporter=reporter)
+                kept = {"resume": resume, "force": force, "figures": not no_figures}
+                result = run(run_file, **kept, reporter=reporter, jobs=jobs)
         except KeyboardInterrupt:  # outside the computing itself; what was found is stored all the same
             return _interrupted(again if run_file.output.exists() else None, terminated)
         except WriteError as error:
@@ -122,11 +127,14 @@ def _interrupted(again: str | None, terminated: Termination) -> int:
     return TERMINATED if terminated.came else INTERRUPTED
 
 
-def _resuming(file: str, overrides: Sequence[str], output: str | None, flags: dict[str, bool]) -> str:
+def _resuming(
+    file: str, overrides: Sequence[str], output: str | None, flags: dict[str, bool], jobs: int
+) -> str:
     """The command that goes on with this run."""
     words = ["contwalk", "continue", file]
     for override in overrides:
         words += ["--set", override]
     if output is not None:
         words += ["--output", output]
+    words += ["--jobs", str(jobs)] if jobs != 1 else []
     return shlex.join([*words, "--resume", *[flag for flag, given in flags.items() if given]])

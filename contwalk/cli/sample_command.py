@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from contwalk.cli.jobs_option import jobs_option
+
 if TYPE_CHECKING:
     from rich.console import Console
 
@@ -18,7 +20,8 @@ if TYPE_CHECKING:
 @click.argument("file")
 @click.option("--set", "overrides", metavar="KEY=VALUE", multiple=True, help="Set a value of the run file.")
 @click.option("--output", metavar="X.h5", help="Base of the files' names, instead of the run file's output.")
-@click.option("--threads", type=click.IntRange(1, 1024), help="Threads; the result does not depend on it.")
+@jobs_option("Motions at once; as many as there are processors by default. The result is the same.", None)
+@click.option("--threads", type=click.IntRange(1, 1024), hidden=True, help="Another name of --jobs.")
 @click.option("--force", is_flag=True, help="Replace files that exist.")
 @click.option("--quiet", is_flag=True, help="Print errors only.")
 @click.option("--no-figures", is_flag=True, help="Draw no figures.")
@@ -26,6 +29,7 @@ def command(
     file: str,
     overrides: tuple[str, ...],
     output: str | None,
+    jobs: int | None,
     threads: int | None,
     force: bool,
     quiet: bool,
@@ -43,7 +47,7 @@ def command(
     from contwalk.workflow.run_file.sample import read_sampling
     from contwalk.workflow.sampling import sample
 
-    run = read_sampling(file, overrides, output)
+    run, threads = read_sampling(file, overrides, output), jobs or threads
     watched = sys.stdout.isatty() and sys.stderr.isatty() and not quiet
     if watched:
         from rich.progress import Progress

@@ -25,7 +25,8 @@ class Start:
     """One entry of the queue.
 
     `opening` is an `Outcome` where the start failed; `orbit`: of an orbit; `leaves`: the kind of special
-    point that it leaves.
+    point that it leaves; `number`: which start of a run it is, counted from 0, then which of those that grow
+    out of that one's branch, and so on, where others can make it from that.
     """
 
     system: System
@@ -37,6 +38,7 @@ class Start:
     depth: int = 0
     orbit: bool = False
     leaves: PointType | None = None
+    number: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)

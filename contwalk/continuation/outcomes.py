@@ -107,6 +107,13 @@ def broken(sentence: str, remedy: str) -> Outcome:
     return Outcome("failed", "not_finite", f"{sentence} {remedy}".strip())
 
 
+def broken_by(error: ContwalkError | np.linalg.LinAlgError, what: str) -> Outcome:
+    """The outcome of a branch that an error ended, and of what cannot be done for it."""
+    if isinstance(error, ContwalkError):
+        return broken(f"{what}: {error.sentence}", error.remedy)
+    return broken(f"{what}: its equations are singular ({error}).", "Start elsewhere.")
+
+
 def refused(sentence: str, remedy: str) -> Outcome:
     """The start leads to no solution, for a reason with a remedy of its own."""
     return Outcome("failed", "no_convergence", f"The start leads to no solution. {sentence} {remedy}".strip())

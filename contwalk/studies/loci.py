@@ -8,7 +8,8 @@ from typing import Any
 from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint
 from contwalk.continuation import outcomes
 from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.diagram import Diagram, Plan
+from contwalk.continuation.diagram import Diagram
+from contwalk.continuation.events import Plan
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin

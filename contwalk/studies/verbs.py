@@ -12,7 +12,8 @@ import numpy as np
 from contwalk import quantities
 from contwalk.branch import Branch, Outcome, SpecialPoint
 from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.diagram import Diagram, Plan
+from contwalk.continuation.diagram import Diagram
+from contwalk.continuation.events import Plan
 from contwalk.continuation.kinds import kind_of
 from contwalk.continuation.marks import observer_of
 from contwalk.continuation.opening import Opening

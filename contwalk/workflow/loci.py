@@ -8,7 +8,7 @@ from typing import Any
 
 from contwalk.branch import Branch, BranchInfo, SpecialPoint
 from contwalk.continuation.branch_in_progress import Start
-from contwalk.continuation.diagram import Plan
+from contwalk.continuation.events import Plan
 from contwalk.continuation.settings import Settings
 from contwalk.errors import StartError
 from contwalk.problems.orbit.discretization import Discretization

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -13,12 +14,12 @@ import numpy as np
 
 from contwalk.branch import Branch, BranchInfo, SpecialPoint
 from contwalk.continuation import outcomes
-from contwalk.continuation.branch_in_progress import Start, Stored
-from contwalk.continuation.diagram import Began, Cut, Diagram, Ended, Event, Found, Noted, Plan
-from contwalk.continuation.settings import Mark, Settings
+from contwalk.continuation.ahead import Ahead, Task
+from contwalk.continuation.branch_in_progress import Stored
+from contwalk.continuation.diagram import Diagram
+from contwalk.continuation.events import Began, Cut, Ended, Event, Found, Noted
 from contwalk.errors import ContwalkError, DatabaseError
 from contwalk.numerics.threads import one_thread
-from contwalk.problems.orbit.discretization import OF_ORBITS, Discretization, of_orbits
 from contwalk.storage.backends import backend_of
 from contwalk.storage.database import Database, RunHeader
 from contwalk.storage.failures import refuse_existing
@@ -29,8 +30,16 @@ from contwalk.workflow.figures import draw_figure
 from contwalk.workflow.file_names import beside
 from contwalk.workflow.going_on import WIDENED, Claims, differences, header_of_both
 from contwalk.workflow.machine import name_of_machine
+from contwalk.workflow.plans import (
+    Study,
+    all_places,
+    all_starts,
+    coverage_of,
+    discretization_of,
+    settings_of,
+    studies_of,
+)
 from contwalk.workflow.run_file.reading import RunFile
-from contwalk.workflow.starting import Place, places, starts
 from contwalk.workflow.sweep_notes import lost_values
 from contwalk.workflow.without_value import notes_of
 
@@ -72,6 +81,8 @@ def run(
     force: bool = False,
     figures: bool = True,
     reporter: Reporter | None = None,
+    jobs: int = 1,
+    executor: Any = None,
 ) -> RunResult:
     """Compute the diagram that a run file describes.
 
@@ -85,6 +96,11 @@ def run(
     figures : bool
         Draw the figures of the run file.
     reporter : Reporter, optional
+    jobs : int
+        Processes of this machine that branches are walked in, where there are several at once.
+    executor : object, optional
+        Walks them instead: with `submit`, as of `concurrent.futures` and dask, or with `map` alone. What is
+        stored is the same, whoever walks.
 
     Raises
     ------
@@ -95,18 +111,19 @@ def run(
     traced(run_file)
     if figures:
         check_figures(run_file, replacing=force or (resume and run_file.output.exists()))
-    studies = _studies(run_file)
+    studies = studies_of(run_file)
     result = RunResult(run_file.output)
-    with _database(run_file, resume, force) as db:
+    with _database(run_file, resume, force) as db, _ahead(run_file, studies, jobs, executor) as ahead:
         for _, _, notes in studies:
             for text in notes:
                 reporter.note(text)
         claims = _claims(db)
         diagram = Diagram(
-            _all_starts([(study, found) for study, found, _ in studies]),
-            _coverage(run_file),
+            all_starts(studies),
+            coverage_of(run_file),
             lambda name: _stored(db, name),
             **claims,
+            ahead=ahead,
         )
         recorder = _Recorder(db, reporter, result, run_file)
         recorder.record(diagram)
@@ -124,14 +141,23 @@ def run(
     return result
 
 
-def _studies(run_file: RunFile) -> list[tuple[RunFile, list[Place] | list[Start], list[str]]]:
-    """What a run consists of, each study with where it starts, and notes on what does not exist."""
-    if run_file.second is not None:
-        from contwalk.workflow import loci  # of few runs
+@contextmanager
+def _ahead(run_file: RunFile, studies: Sequence[Study], jobs: int, executor: Any) -> Iterator[Ahead | None]:
+    """Who walks branches ahead of their turn, if anybody does; nobody is left behind."""
+    if jobs == 1 and executor is None:
+        yield None
+        return
+    from contwalk.workflow.executors import Executed
+    from contwalk.workflow.walking_ahead import StudyText
+    from contwalk.workflow.workers import Workers
 
-        settings, discretization = settings_of(run_file), discretization_of(run_file)
-        return [(run_file, loci.from_databases(run_file, settings, discretization), [])]
-    return [(study, *places(study)) for study in run_file.studies()]
+    study = StudyText.of(run_file)
+    ahead = Workers(study, jobs) if executor is None else Executed(study, executor)
+    try:
+        ahead.expect([Task((number,)) for number in range(len(all_places(studies)))])
+        yield ahead
+    finally:
+        ahead.close()
 
 
 def _curves(run_file: RunFile, db: Database, branches: list[Branch], claims: Mapping[str, Any]) -> Diagram:
@@ -155,52 +181,6 @@ def traced(run_file: RunFile) -> None:
         With the line of the plugin.
     """
     equations_text(run_file)
-
-
-def discretization_of(run_file: RunFile) -> Discretization:
-    """How finely a run's orbits are computed."""
-    given = of_orbits(run_file.engine)
-    place = run_file.report_at
-    event = None if place is None or place.event is None else (place.event, place.side or "before")
-    return Discretization(run_file.accuracy, report_at=_report_at(run_file), report_event=event, **given)
-
-
-def _report_at(run_file: RunFile) -> tuple[int, float, float] | None:
-    """State, value and direction at which orbits are reported."""
-    place = run_file.report_at
-    if place is None or place.section is None:
-        return None
-    name, value = place.section
-    return run_file.system.state_names.index(name), value, 1.0 if place.direction == "rising" else -1.0
-
-
-def settings_of(run_file: RunFile) -> Settings:
-    """Settings of every walk of a run."""
-    engine: dict[str, Any] = {k: v for k, v in run_file.engine.items() if k not in OF_ORBITS}
-    if "newton_iterations" in engine:
-        engine["newton_iterations"] = int(engine["newton_iterations"])
-    return Settings(
-        range=run_file.range,
-        second_range=None if run_file.second is None else run_file.second[1],
-        max_points=run_file.max_points,
-        marks=tuple(Mark(m.name, m.values, m.extremum) for m in run_file.marks),
-        stop_at=run_file.stop_at,
-        events=run_file.events,
-        **engine,
-    )
-
-
-def _coverage(run_file: RunFile) -> Plan:
-    follow = frozenset[str]() if run_file.second is not None else run_file.follow
-    directions = {"both": (1.0, -1.0), "forward": (1.0,), "backward": (-1.0,)}[run_file.direction]
-    return Plan(settings_of(run_file), follow, run_file.depth, directions)
-
-
-def _all_starts(studies: list[tuple[RunFile, list[Place] | list[Start]]]) -> Iterator[Start]:
-    for study, found in studies:
-        yield from (start for start in found if isinstance(start, Start))
-        places_ = [place for place in found if isinstance(place, Place)]
-        yield from starts(study, places_, settings_of(study), discretization_of(study))
 
 
 def _database(run_file: RunFile, resume: bool, force: bool) -> FileDatabase:

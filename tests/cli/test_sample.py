@@ -92,8 +92,8 @@ def test_samples_are_measured_stored_drawn_and_told(contwalk, falling):
 
 
 def test_a_seed_gives_the_same_samples_whatever_their_number_and_that_of_threads(contwalk, falling):
-    fewer = ("--threads", "4", "--set", "sample.count=35")
-    for name, options in {"a": ("--threads", "1"), "b": fewer}.items():
+    fewer = ("--jobs", "4", "--set", "sample.count=35")
+    for name, options in {"a": ("--jobs", "1"), "b": fewer}.items():
         assert contwalk("sample", "s.yaml", *options, "--output", f"{name}.h5", "--quiet").code == 0
     a, b = (read_samples(falling / f"{name}_samples.h5") for name in "ab")
     np.testing.assert_array_equal(a.draws[:35], b.draws)

@@ -1,0 +1,134 @@
+"""Branches walked ahead of their turn: what others are asked, what they tell, and how it is taken over.
+
+A branch follows from its start alone, wherever and however often it is walked. So the diagram takes the
+branches in the order of its queue, from whoever has walked them, and stores the same bits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Protocol
+
+import numpy as np
+
+from contwalk.branch import Outcome, SpecialPoint
+from contwalk.continuation.branch_in_progress import BranchInProgress, Start
+from contwalk.continuation.branch_walk import BranchWalk
+from contwalk.continuation.events import Began, Event, Found, Noted
+
+# Stands in texts for the name of a branch that is not known yet.
+NAMELESS = "\ue000"
+
+
+@dataclass(frozen=True)
+class Task:
+    """A branch to walk: data that any process understands.
+
+    Parameters
+    ----------
+    number : tuple of int
+        Which start of the run, counted from 0; then which of the branches that leave that start's branch; and
+        so on.
+    ancestors : tuple of tuples of SpecialPoint
+        Of each branch on the way, the first one's first, its special points.
+    """
+
+    number: tuple[int, ...]
+    ancestors: tuple[tuple[SpecialPoint, ...], ...] = field(default=(), compare=False)
+
+    @property
+    def turn(self) -> tuple[int, int, tuple[int, ...]]:
+        """Tasks in this order are in that of the queue: each start with all that grows out of it."""
+        return self.number[0], len(self.number), self.number
+
+
+@dataclass(frozen=True)
+class Point:
+    """A row of the branch, shape (1,), a special point, or one with its row."""
+
+    row: np.ndarray | None
+    special: SpecialPoint | None
+
+
+@dataclass(frozen=True)
+class Note:
+    """A note on the branch, under a key."""
+
+    key: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Beginning:
+    """The branch begins."""
+
+
+@dataclass(frozen=True)
+class Ends:
+    """How each direction has ended, by its sign: the last that is told of a branch."""
+
+    outcomes: tuple[tuple[float, Outcome], ...]
+
+
+Message = Beginning | Point | Note | Ends
+
+
+class Ahead(Protocol):
+    """Who walks branches ahead of their turn."""
+
+    def expect(self, tasks: Sequence[Task]) -> None:
+        """These branches are likely to be asked for, in the order of their turns."""
+
+    def drop(self, task: Task) -> None:
+        """This one will not be asked for."""
+
+    def messages(self, task: Task) -> Iterator[Message]:
+        """What is told of a branch whose turn has come, up to its `Ends`."""
+
+
+def messages_of(walk: BranchWalk, start: Start) -> Iterator[Message]:
+    """All that is to be told of the branch of a start, walked here, whatever its name will be."""
+    if isinstance(start.opening, Outcome):
+        return
+    work = BranchInProgress(walk.info(start, NAMELESS))
+    for event in walk.events(start, start.opening, work, None):
+        if isinstance(event, Began):
+            yield Beginning()
+        elif isinstance(event, Found):
+            yield Point(event.row, event.special)
+        elif isinstance(event, Noted):
+            yield Note(event.key, event.text)
+    yield Ends(tuple(work.outcomes))
+
+
+def taken_over(messages: Iterator[Message], work: BranchInProgress) -> Iterator[Event]:
+    """The events of a branch that was walked elsewhere; `work` is told of them."""
+    name = work.info.name
+    for message in messages:
+        if isinstance(message, Beginning):
+            yield Began(work.info)
+        elif isinstance(message, Note):
+            yield Noted(_named(message.key, name), _named(message.text, name))
+        elif isinstance(message, Point):
+            special = None if message.special is None else _with_name(message.special, name)
+            if message.row is not None:
+                work.rows.append(message.row)
+            if special is not None:
+                work.special_points.append(special)
+            yield Found(work.info, message.row, special)
+        else:
+            work.outcomes += [
+                (sign, replace(outcome, message=_named(outcome.message, name)))
+                for sign, outcome in message.outcomes
+            ]
+
+
+def _named(text: str, name: str) -> str:
+    return text.replace(NAMELESS, name)
+
+
+def _with_name(point: SpecialPoint, name: str) -> SpecialPoint:
+    if point.note is None or NAMELESS not in point.note:
+        return point
+    return replace(point, note=_named(point.note, name))

@@ -1,0 +1,198 @@
+"""One branch: both directions from its start, or what is missing of them."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator
+from dataclasses import replace
+
+from contwalk.branch import BranchInfo, Outcome
+from contwalk.continuation import mirror_images, outcomes
+from contwalk.continuation.branch_in_progress import (
+    BranchInProgress,
+    Start,
+    Stored,
+    closed,
+    info_of,
+    outdated,
+    resumed,
+    spent,
+)
+from contwalk.continuation.events import Began, Cut, Event, Found, Noted, Plan
+from contwalk.continuation.marks import Observer, marks_at, observer_of
+from contwalk.continuation.opening import Opening
+from contwalk.continuation.pseudo_arclength import End, walk
+from contwalk.continuation.records import start_record
+from contwalk.continuation.rows import from_row, to_row
+from contwalk.continuation.state import ContinuationState
+from contwalk.problems.problem import Mirror, Problem, Sample
+
+
+class BranchWalk:
+    """How the branches of a plan are walked. What is found depends on the start alone.
+
+    Parameters
+    ----------
+    plan : Plan
+    """
+
+    def __init__(self, plan: Plan) -> None:
+        self._plan = plan
+        self._mirrored: tuple[Opening, Mirror | None] | None = None
+
+    def signs(self, start: Start) -> tuple[float, ...]:
+        """The directions that the branch of a start is walked in, the first one first."""
+        if start.parent is None:
+            return self._plan.directions
+        one_sided = isinstance(start.opening, Opening) and start.opening.one_sided
+        return (1.0,) if one_sided else (1.0, -1.0)
+
+    def mirror(self, opening: Opening, start: Start) -> Mirror | None:
+        """What takes one half of a branch to the other, so that one of them is known."""
+        both = start.parent is not None and len(self.signs(start)) == 2
+        if not both or self._plan.settings.mirror_images == "walked":
+            return None
+        if self._mirrored is None or self._mirrored[0] is not opening:  # asked several times of one start
+            self._mirrored = opening, opening.problem.equivalence.mirror(opening.state.sample)
+        return self._mirrored[1]
+
+    def info(self, start: Start, name: str) -> BranchInfo:
+        """What is true of the whole branch of a start, its symmetry among it."""
+        info = info_of(start, name)
+        try:
+            mirror = None if isinstance(start.opening, Outcome) else self.mirror(start.opening, start)
+        except outcomes.BREAKDOWNS:  # then the walk itself tells what is wrong
+            mirror = None
+        return info if mirror is None else replace(info, settings={**info.settings, "mirror": mirror.names})
+
+    def events(
+        self, start: Start, opening: Opening, work: BranchInProgress, stored: Stored | None
+    ) -> Iterator[Event]:
+        """All that happens on a branch, which `work` is told of; an error ends it with an outcome."""
+        try:
+            yield from self._walked(start, opening, work, stored)
+        except outcomes.BREAKDOWNS as error:
+            work.outcomes.append((1.0, outcomes.broken_by(error, "The branch cannot be followed")))
+
+    def _walked(
+        self, start: Start, opening: Opening, work: BranchInProgress, stored: Stored | None
+    ) -> Iterator[Event]:
+        """Both directions of a branch, or what is missing of them."""
+        problem, settings, signs = opening.problem, self._plan.settings, self.signs(start)
+        observer = observer_of(problem)
+        if stored is None or not len(stored.rows):
+            if stored is None:
+                yield Began(work.info)
+                if problem.meshed is not None:
+                    text = f"{work.info.name}: integrated by {problem.meshed.method}."
+                    yield Noted(f"method {work.info.name}", text)
+            yield from self._kinks(problem, work, opening.state.sample, opening.state.sample)
+            work.rows = [to_row(work.info, problem, opening.state, 1.0, None)]
+            yield Found(work.info, work.rows[0], None)
+            # The walk sets out from what the row tells, as it would when taken up again.
+            born = work.info.parent is not None
+            places = {sign: from_row(problem, work.rows[0][0], sign, born) for sign in signs}
+        else:
+            without = outdated(stored, settings)
+            places, points = resumed(problem, work, stored, signs, settings.events, without)
+            yield Cut(work.info, len(work.rows), points)
+        if len(work.rows) == 1:
+            yield from self._start_marks(work, opening, observer)
+        for sign in signs:
+            if sign not in places or closed(work):
+                continue
+            if sign < 0.0 and (mirror := self.mirror(opening, start)) is not None:
+                ended = yield from self._imaged(mirror, problem, work)
+                if ended:
+                    continue
+                side = [row[0] for row in work.rows if row["s"][0] < 0.0]
+                if side:
+                    places[sign] = from_row(problem, side[-1], sign, work.info.parent is not None)
+            yield from self._direction(problem, work, places[sign], sign, observer)
+
+    def _direction(
+        self,
+        problem: Problem,
+        work: BranchInProgress,
+        place: tuple[Problem, ContinuationState],
+        sign: float,
+        observer: Observer,
+    ) -> Iterator[Event]:
+        """One direction of a branch, walked from a place to its end."""
+        settings, last = self._plan.settings, place[1].sample
+        for event in walk(*place, settings, observer, sign, settings.max_points - spent(work, sign)):
+            if isinstance(event, End):
+                work.outcomes.append((sign, event.outcome))
+                work.special_points.append(event.special)
+                yield Found(work.info, None, event.special)
+                continue
+            # Before the point itself is: a run that is killed between the two tells it again.
+            yield from self._kinks(problem, work, last, event.state.sample)
+            last = event.state.sample
+            row = to_row(work.info, problem, event.state, sign, event.special)
+            work.rows.append(row)
+            if event.special is not None:
+                work.special_points.append(event.special)
+            yield Found(work.info, row, event.special)
+
+    def _imaged(
+        self, mirror: Mirror, problem: Problem, work: BranchInProgress
+    ) -> Generator[Event, None, bool]:
+        """What is missing of the half towards negative s, as images; whether it is whole then."""
+        half = mirror_images.Half.of(work.rows, work.special_points, 1.0)
+        if half is None:
+            return False
+        key, done = f"images {work.info.name}", [row for row in work.rows if row["s"][0] < 0.0]
+        numbers = mirror_images.watched(self._plan.settings, problem.line.free, work.info.observables)
+        other = mirror_images.differing(mirror, half, numbers)
+        if other is not None:
+            why = f"'{work.info.observables[other]}', which is looked for, is not the same there"
+            yield Noted(key, mirror_images.walked_sentence(work.info, mirror, 0, why))
+            return False
+        if not mirror_images.continues(mirror, half, done):
+            return False
+        before = [half.start, *(row for row in done if not row["special"][0])][-1]
+        last = mirror.sample(before[0])
+        for step in half.after(len(done)):
+            images = mirror_images.imaged(mirror, step, before)
+            if isinstance(images, str):
+                value = float(step[-1].row["free"][0, 0])
+                count = sum(1 for row in work.rows if row["s"][0] < 0.0)
+                why = f"at {problem.line.free} = {value:.10g} {images}"
+                yield Noted(key, mirror_images.walked_sentence(work.info, mirror, count, why))
+                return False
+            for row, point in images:
+                sample = mirror.sample(row[0])
+                yield from self._kinks(problem, work, last, sample)
+                last = sample
+                work.rows.append(row)
+                if point is not None:
+                    work.special_points.append(point)
+                yield Found(work.info, row, point)
+            before = images[-1][0]
+        outcome = next(outcome for sign, outcome in work.outcomes if sign > 0.0)
+        outcome, end = mirror_images.end_of_image(work.info, mirror, half.end, outcome, work.rows[-1])
+        # Before the end itself is: a run that is killed between the two tells it again.
+        yield Noted(key, mirror_images.image_sentence(work.info, mirror, sum(map(len, half.steps))))
+        work.outcomes.append((-1.0, outcome))
+        work.special_points.append(end)
+        yield Found(work.info, None, end)
+        return True
+
+    def _kinks(self, problem: Problem, work: BranchInProgress, a: Sample, b: Sample) -> Iterator[Noted]:
+        """Once a branch, that the equations of its solutions are smooth by pieces only at a plugin's line."""
+        of = "equilibria" if problem.meshed is None else "orbits"
+        for kink in problem.diagnosis.kinks_between(a, b):
+            key = f"kink {work.info.name} {kink.order} {kink.where}"
+            if key not in work.noted:
+                work.noted.add(key)
+                yield Noted(key, f"{work.info.name}: {kink.sentence(of)}")
+
+    def _start_marks(self, work: BranchInProgress, opening: Opening, observer: Observer) -> Iterator[Found]:
+        """Marks that the start of a branch has itself."""
+        problem, state = opening.problem, opening.state
+        for kind in marks_at(state.sample, self._plan.settings.marks, observer):
+            record = start_record(problem, state, kind)
+            row = to_row(work.info, problem, state, 1.0, record)
+            work.rows.append(row)
+            work.special_points.append(record)
+            yield Found(work.info, row, record)

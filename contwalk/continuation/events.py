@@ -1,0 +1,68 @@
+"""What a diagram covers, and what happens while it is computed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contwalk.branch import Branch, BranchInfo
+from contwalk.continuation.settings import Settings
+from contwalk.labels import FOLLOWED
+from contwalk.special_point import SpecialPoint
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a diagram covers: the labels that are followed, how deep, and the directions from a start."""
+
+    settings: Settings
+    follow: frozenset[str] = FOLLOWED
+    depth: int = 5
+    directions: tuple[float, ...] = (1.0, -1.0)
+
+
+@dataclass(frozen=True)
+class Began:
+    """A branch begins."""
+
+    info: BranchInfo
+
+
+@dataclass(frozen=True)
+class Found:
+    """A point of the current branch, with its row, shape (1,); `special` where it is a special point.
+
+    An end point has no row of its own (`row` is None): it is the last point's.
+    """
+
+    info: BranchInfo
+    row: np.ndarray | None
+    special: SpecialPoint | None
+
+
+@dataclass(frozen=True)
+class Cut:
+    """A branch that is stored goes on: keep so many rows, and the special points of these numbers."""
+
+    info: BranchInfo
+    rows: int
+    special_points: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Ended:
+    """The current branch ended."""
+
+    branch: Branch
+
+
+@dataclass(frozen=True)
+class Noted:
+    """Something about the diagram as a whole, under a key."""
+
+    key: str
+    text: str
+
+
+Event = Began | Found | Cut | Ended | Noted

@@ -1,0 +1,64 @@
+"""The branches that leave the special points of a branch, as starts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from contwalk.branch import Outcome, SpecialPoint
+from contwalk.continuation import outcomes
+from contwalk.continuation.branch_in_progress import Start
+from contwalk.continuation.events import Plan
+from contwalk.continuation.kinds import kind_of
+from contwalk.continuation.opening import Opening
+from contwalk.continuation.state import ContinuationState, begin
+from contwalk.problems.problem import LimitType, PointType, Problem
+
+
+def grown(
+    plan: Plan, start: Start, problem: Problem, name: str, special_points: Sequence[SpecialPoint]
+) -> Iterator[Start]:
+    """Starts for the branches that leave the special points of the branch of a start, which has this name."""
+    if start.depth >= plan.depth:
+        return
+    number = 0
+    for point in special_points:
+        kind = kind_of(problem, point)
+        if kind is None or not _followed(plan, kind) or point.status != "located":
+            continue
+        if start.parent is not None and abs(point.s) < 1e-9:
+            continue  # the point that this branch itself was born at
+        for opening in _openings(plan, problem, kind, point):
+            yield replace(
+                start,
+                opening=opening,
+                origin=f"{name}/{point.name}",
+                parent=(name, point.s),
+                depth=start.depth + 1,
+                leaves=kind,
+                orbit=start.orbit or problem.meshed is not None or kind.births,
+                number=(*start.number, number) if start.number else (),
+            )
+            number += 1
+
+
+def _followed(plan: Plan, kind: PointType) -> bool:
+    """Whether the branches that leave points of a kind are wanted."""
+    if isinstance(kind, LimitType) and not kind.declared:
+        return plan.settings.events.get(kind.label) == "switch"
+    return kind.label in plan.follow
+
+
+def _openings(
+    plan: Plan, problem: Problem, kind: PointType, point: SpecialPoint
+) -> Iterator[Opening | Outcome]:
+    """The branches that leave a point; of one that cannot be begun, why."""
+    try:
+        for seed in kind.seeds(problem, point):
+            state = begin(seed.problem, seed.z, plan.settings, seed.tangent, seed.reach)
+            if isinstance(state, ContinuationState):
+                yield Opening(seed.problem, state, one_sided=seed.one_sided)
+            else:
+                yield outcomes.no_start(state.reason, state.sentence)
+    except outcomes.BREAKDOWNS as error:
+        yield outcomes.broken_by(error, f"The branch that leaves {point.name} cannot be begun")

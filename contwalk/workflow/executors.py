@@ -1,0 +1,91 @@
+"""Branches walked by whatever can call a function elsewhere: a pool of processes, a cluster, an MPI pool."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from functools import partial
+from typing import Any
+
+from contwalk.continuation.ahead import Message, Task
+from contwalk.errors import ContwalkError
+from contwalk.workflow.walking_ahead import StudyText, walked
+
+
+class NoExecutor(ContwalkError):
+    """What was given calls no functions."""
+
+
+class Executed:
+    """Branches of one run file as calls of a function, whose results are lists of messages.
+
+    Parameters
+    ----------
+    study : StudyText
+    executor : object
+        With `submit(function, *arguments)`, whose result has `result()`, as of `concurrent.futures` and dask;
+        or with `map(function, items)` alone.
+
+    Raises
+    ------
+    NoExecutor
+    """
+
+    def __init__(self, study: StudyText, executor: Any) -> None:
+        if not hasattr(executor, "submit") and not hasattr(executor, "map"):
+            raise NoExecutor(
+                f"The executor {executor!r} has neither submit nor map.",
+                "Give a concurrent.futures executor, a client of dask.distributed, or any object with map.",
+            )
+        self._study, self._executor = study, executor
+        self._waiting: dict[tuple[int, ...], Task] = {}
+        self._futures: dict[tuple[int, ...], Any] = {}
+        self._known: dict[tuple[int, ...], list[Message]] = {}
+        self._begun = False
+
+    def expect(self, tasks: Sequence[Task]) -> None:
+        """These branches are likely to be asked for; none is walked before the first one is."""
+        for task in tasks:
+            if task.number not in self._futures and task.number not in self._known:
+                self._waiting[task.number] = task
+        if self._begun and hasattr(self._executor, "submit"):
+            self._submit()
+
+    def drop(self, task: Task) -> None:
+        """This branch will not be asked for."""
+        self._waiting.pop(task.number, None)
+        self._known.pop(task.number, None)
+        future = self._futures.pop(task.number, None)
+        if hasattr(future, "cancel"):
+            future.cancel()
+
+    def messages(self, task: Task) -> Iterator[Message]:
+        """What is told of a branch, when all of it is known."""
+        self._begun = True
+        self.expect([task])
+        if task.number not in self._known:
+            if task.number in self._futures:
+                self._known[task.number] = self._futures.pop(task.number).result()
+            else:
+                self._map()
+        yield from self._known.pop(task.number)
+
+    def close(self) -> None:
+        """Give up what is not wanted any more."""
+        for future in self._futures.values():
+            if hasattr(future, "cancel"):
+                with suppress(Exception):  # of a cluster that is gone
+                    future.cancel()
+        self._futures.clear()
+
+    def _submit(self) -> None:
+        for task in sorted(self._waiting.values(), key=lambda task: task.turn):
+            self._futures[task.number] = self._executor.submit(walked, self._study, task)
+        self._waiting.clear()
+
+    def _map(self) -> None:
+        """All that is expected in one call: without `submit` no more can be asked for until it returns."""
+        tasks = sorted(self._waiting.values(), key=lambda task: task.turn)
+        found = self._executor.map(partial(walked, self._study), tasks)
+        self._known.update(zip((task.number for task in tasks), found, strict=True))
+        self._waiting.clear()

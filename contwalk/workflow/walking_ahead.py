@@ -1,0 +1,89 @@
+"""A branch of a run file from the run file's text and the branch's number: the same wherever it is walked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import islice
+
+from contwalk.branch import Outcome
+from contwalk.continuation.ahead import NAMELESS, Message, Task, messages_of
+from contwalk.continuation.branch_in_progress import Start
+from contwalk.continuation.branch_walk import BranchWalk
+from contwalk.continuation.growing import grown
+from contwalk.errors import PluginError
+from contwalk.memory import remembered
+from contwalk.numerics.threads import one_thread
+from contwalk.workflow.plans import all_places, coverage_of, start_at, studies_of
+from contwalk.workflow.run_file.reading import RunFile, read_run_text
+
+# Starts are kept for the branches that leave theirs.
+MOST_STARTS = 64
+
+
+@dataclass(frozen=True)
+class StudyText:
+    """A run file as data that any process understands, with the hash of its plugin's source."""
+
+    text: str
+    path: str
+    overrides: tuple[str, ...]
+    source: str
+
+    @classmethod
+    def of(cls, run_file: RunFile) -> StudyText:
+        """That of a run file that was read."""
+        path = str(run_file.path.resolve())
+        return cls(run_file.text, path, run_file.overrides, str(run_file.system.source))
+
+
+class Walker:
+    """The branches of one run file, walked in this process.
+
+    Raises
+    ------
+    PluginError
+        If the plugin is not the one that the run began with.
+    """
+
+    def __init__(self, study: StudyText) -> None:
+        run_file = read_run_text(study.text, study.path, study.overrides)
+        if str(run_file.system.source) != study.source:
+            raise PluginError(
+                f"The plugin '{run_file.system_reference}' is not the one that the run began with: its "
+                "source has changed, or another version is installed where branches are walked.",
+                "Install the same version everywhere, and start the run again.",
+            )
+        self._coverage = coverage_of(run_file)
+        self._walk = BranchWalk(self._coverage)
+        self._places = all_places(studies_of(run_file))
+        self._known: dict[tuple[int, ...], Start] = {}
+
+    def messages(self, task: Task) -> Iterator[Message]:
+        """All that is to be told of a branch, as it is found."""
+        yield from messages_of(self._walk, self._start(task))
+
+    def _start(self, task: Task) -> Start:
+        """The start of a branch: one of the run's, or one that grows out of another branch."""
+        return remembered(self._known, task.number, MOST_STARTS, lambda: self._begun(task))
+
+    def _begun(self, task: Task) -> Start:
+        *above, last = task.number
+        if not above:
+            return start_at(*self._places[last])
+        parent = self._start(Task(tuple(above), task.ancestors[:-1]))
+        assert not isinstance(parent.opening, Outcome)
+        found = grown(self._coverage, parent, parent.opening.problem, NAMELESS, task.ancestors[-1])
+        return next(islice(found, last, None))
+
+
+_WALKERS: dict[StudyText, Walker] = {}
+
+
+@one_thread()
+def walked(study: StudyText, task: Task) -> list[Message]:
+    """All that is to be told of a branch of a run file: pure, and to be sent to any process.
+
+    What a process has prepared for a run file is kept for its next branch.
+    """
+    return list(remembered(_WALKERS, study, 1, lambda: Walker(study)).messages(task))

@@ -1,0 +1,230 @@
+"""A study is the same to the last bit on any number of processes, whatever becomes of them."""
+
+from __future__ import annotations
+
+import os
+import signal
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from multiprocessing import get_context
+from pathlib import Path
+
+import pytest
+
+from contwalk.continuation.ahead import NAMELESS, Ends, Note, Point, Task
+from contwalk.errors import PluginError
+from contwalk.storage import open_database
+from contwalk.workflow.executors import NoExecutor
+from contwalk.workflow.run_file.reading import read_run_file
+from contwalk.workflow.runner import Reporter, run
+from contwalk.workflow.walking_ahead import StudyText, Walker
+from contwalk.workflow.workers import MOST_LOST, Workers
+
+ROOT = Path(__file__).parents[2]
+
+PLUGIN = """
+from contwalk.system import Mode, Parameter, Start, State, System
+
+
+def field(t, x, p, dx):
+    dx[0] = p.a * x[0] - x[0] ** 3 + p.c * x[1]
+    dx[1] = (p.a - p.b) * x[1] - x[1] ** 3 - p.c * x[0]
+
+
+def rest(p):
+    return [[0.0, 0.0]]
+
+
+SYSTEM = System(
+    "pair",
+    states=(State("x", "1", 1.0, "first"), State("y", "1", 1.0, "second")),
+    parameters=(
+        Parameter("a", 0.5, "1", (-9.0, 9.0), "growth"),
+        Parameter("b", 0.3, "1", (-9.0, 9.0), "difference"),
+        Parameter("c", 0.0, "1", (-9.0, 9.0), "coupling"),
+    ),
+    modes=(Mode("only", field),),
+    starts=(Start("rest", rest, "at rest"),),
+)
+"""
+STUDY = """
+contwalk: 1
+system: ./pair.py
+start: {{equilibrium: rest}}
+continue: {{parameter: a, range: [-0.5, 1.5], max_points: 40}}
+diagram: {{follow: [BP, HB], depth: {depth}}}
+sweep: {{c: {values}}}
+output: pair.h5
+"""
+
+
+@pytest.fixture
+def study(tmp_path) -> Path:
+    """Three lines, of branches of equilibria that leave each other, and of an orbit where it is turning."""
+    (tmp_path / "pair.py").write_text(PLUGIN)
+    path = tmp_path / "pair.yaml"
+    path.write_text(STUDY.format(depth=3, values="[0.0, 0.05, 0.4]"))
+    return path
+
+
+def computed(path: Path, name: str, overrides: tuple[str, ...] = (), **given) -> Path:
+    output = name if path.parent == ROOT / "runs" else str(path.parent / name)
+    run_file = read_run_file(path, overrides, output)
+    run(run_file, figures=False, **given)
+    return run_file.output
+
+
+def assert_identical(one: Path, other: Path) -> None:
+    """All that is stored but for the seconds that it took, byte by byte."""
+    with open_database(one) as a, open_database(other) as b:
+        assert a.branch_names() == b.branch_names()
+        assert a.notes() == b.notes()
+        for first, second in zip(a.branches(), b.branches(), strict=True):
+            assert first.info == second.info
+            for column in set(first.points.dtype.names) - {"seconds"}:
+                assert first.points[column].tobytes() == second.points[column].tobytes(), column
+            assert repr(first.outcome) == repr(second.outcome)
+            for p, q in zip(first.special_points, second.special_points, strict=True):
+                assert repr(vars(p)) == repr(vars(q))
+
+
+def test_any_number_of_processes_stores_the_same_bytes(study):
+    alone = computed(study, "1.h5")
+    with open_database(alone) as db:
+        assert len(db.branches()) == 6
+        assert {branch.info.problem for branch in db.branches()} == {"equilibrium", "periodic_orbit"}
+    for jobs in (2, 4):
+        assert_identical(alone, computed(study, f"{jobs}.h5", jobs=jobs))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("file", "short"),
+    [
+        ("autobalancer_load.yaml", ("continue.max_points=25",)),
+        ("autobalancer_cascade.yaml", ("continue.max_points=12",)),
+        ("planar_slope.yaml", ("continue.max_points=6",)),
+        ("walker3d_figure9.yaml", ("continue.max_points=3", "diagram.depth=1")),
+    ],
+)
+def test_studies_of_the_thesis_are_the_same_on_two_processes(file, short, tmp_path):
+    path = ROOT / "runs" / file
+    alone = computed(path, str(tmp_path / "1.h5"), short)
+    assert_identical(alone, computed(path, str(tmp_path / "2.h5"), short, jobs=2))
+
+
+class Interrupting(Reporter):
+    """Ctrl-C at the point of a given number."""
+
+    def __init__(self, number: int) -> None:
+        self._left = number
+
+    def point(self, info, parameter, step, unstable, number):
+        self._left -= 1
+        if self._left == 0:
+            raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize("first", [1, 2])
+def test_what_was_interrupted_goes_on_on_another_number_of_processes(study, first):
+    alone = computed(study, "whole.h5")
+    for number in (7, 90):
+        path = study.parent / f"{number}.h5"
+        run_file = read_run_file(study, (), str(path))
+        result = run(run_file, figures=False, reporter=Interrupting(number), jobs=first)
+        assert result.interrupted
+        assert sum(len(branch) for branch in result.branches) == number
+        computed(study, path.name, jobs=3 - first, resume=True)
+        assert_identical(alone, path)
+
+
+def shown(messages) -> list:
+    """Messages as plain values, without the seconds that they took."""
+    result = []
+    for message in messages:
+        if isinstance(message, Point):
+            row = message.row
+            names = [] if row is None else [name for name in row.dtype.names if name != "seconds"]
+            special = None if message.special is None else vars(message.special)
+            result.append(([row[name].tobytes() for name in names], repr(special)))
+        else:
+            result.append(repr(message))
+    return result
+
+
+def test_a_killed_process_loses_nothing(study):
+    text = StudyText.of(read_run_file(study))
+    expected = shown(Walker(text).messages(Task((2,))))
+    for kills in (1, MOST_LOST, MOST_LOST + 1):  # after the last one it is walked here
+        workers = Workers(text, 1)
+        try:
+            found, left = [], kills
+            for message in workers.messages(Task((2,))):
+                found.append(message)
+                if left and len(found) > 4 * (kills - left + 1):
+                    for number in workers.process_ids:
+                        os.kill(number, signal.SIGKILL)
+                    left -= 1
+            assert shown(found) == expected
+        finally:
+            workers.close()
+
+
+def test_a_run_goes_on_though_a_process_is_killed(study, monkeypatch):
+    alone = computed(study, "1.h5")
+    made: list[Workers] = []
+    begin = Workers.__init__
+    monkeypatch.setattr(Workers, "__init__", lambda own, *given: (made.append(own), begin(own, *given))[1])
+
+    class Killing(Reporter):
+        left = 3
+
+        def point(self, info, parameter, step, unstable, number):
+            if number == 5 and self.left:
+                self.left -= 1
+                for process in made[0].process_ids:
+                    os.kill(process, signal.SIGKILL)
+
+    reporter = Killing()
+    assert_identical(alone, computed(study, "2.h5", jobs=2, reporter=reporter))
+    assert reporter.left == 0
+    assert made[0].process_ids == []
+
+
+class OnlyMap:
+    """As of an MPI pool: one call, whose results come in order."""
+
+    def __init__(self) -> None:
+        self.calls: list[int] = []
+
+    def map(self, function, items):
+        items = list(items)
+        self.calls.append(len(items))
+        return [function(item) for item in items]
+
+
+def test_any_object_with_map_or_submit_walks(study):
+    alone = computed(study, "1.h5")
+    pool = OnlyMap()
+    assert_identical(alone, computed(study, "map.h5", executor=pool))
+    assert pool.calls[0] == 3  # all lines at once
+    with ProcessPoolExecutor(2, mp_context=get_context("forkserver")) as executor:
+        assert_identical(alone, computed(study, "submit.h5", executor=executor))
+    with pytest.raises(NoExecutor, match="neither submit nor map"):
+        computed(study, "none.h5", executor=object())
+
+
+def test_another_plugin_than_that_of_the_run_is_refused(study):
+    text = StudyText.of(read_run_file(study))
+    (study.parent / "pair.py").write_text(PLUGIN.replace("p.a * x[0]", "p.a * x[0] * 1.0"))
+    with pytest.raises(PluginError, match="not the one that the run began with"):
+        Walker(text)
+
+
+def test_texts_are_without_a_name_until_their_turn(study):
+    """Branches are numbered in the order of the queue, which nobody who walks ahead knows."""
+    walker = Walker(StudyText.of(read_run_file(study)))
+    messages = list(walker.messages(Task((0,))))
+    assert isinstance(messages[-1], Ends)
+    assert all(NAMELESS in message.text for message in messages if isinstance(message, Note))
+    assert Task((0,)) == replace(Task((0,)), ancestors=((),))
