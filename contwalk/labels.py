@@ -27,6 +27,20 @@ OF_LOCI = {
     "GH": "generalized Hopf point",
     "ZH": "zero-Hopf point",
     "HH": "double Hopf point",
+    "CPC": "cusp of cycles",
+    "GPD": "generalized period doubling",
+    "CH": "Chenciner point",
+    "R1": "resonance 1:1",
+    "R2": "resonance 1:2",
+    "R3": "resonance 1:3",
+    "R4": "resonance 1:4",
+    "LPPD": "fold and period doubling",
+    "LPNS": "fold and torus",
+    "PDNS": "period doubling and torus",
+    "NSNS": "two tori",
+    "GRLP": "grazing at a fold",
+    "GRPD": "grazing at a period doubling",
+    "GRNS": "grazing at a torus",
 }
 EVERY_MEANING = ChainMap(OF_LOCI, MEANINGS)  # in the order of the second, then of the first
 

@@ -16,6 +16,21 @@ VISIT = "@"
 PERIOD = "period"
 # Of curves of Hopf points the square of the frequency; where it is negative they go on as neutral saddles.
 FREQUENCY_SQUARED, NEUTRAL_SADDLE = "frequency_squared", "neutral_saddle"
+# Of curves of Neimark-Sacker points (mu + 1/mu) / 2; beyond one in modulus they go on likewise.
+COSINE = "cos_theta"
+
+
+def saddles(observables: Sequence[str], values: np.ndarray) -> np.ndarray:
+    """Which points of a curve in two parameters are neutral saddles, shape (k,).
+
+    `observables` are the names of the columns of `values`, shape (k, o).
+    """
+    names = list(observables)
+    if FREQUENCY_SQUARED in names:
+        return np.asarray(values[:, names.index(FREQUENCY_SQUARED)] <= 0.0)
+    if COSINE in names:
+        return np.asarray(np.abs(values[:, names.index(COSINE)]) >= 1.0)
+    return np.zeros(len(values), dtype=bool)
 
 
 def extreme_names(states: Sequence[str]) -> tuple[str, ...]:

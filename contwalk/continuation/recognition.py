@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Protocol, cast
@@ -133,12 +133,17 @@ def _comparable(problem: _Comparable, branch: Branch) -> bool:
         return False
     if branch.info.settings.get("pins") != [pin.name for pin in problem.pins]:
         return False
-    if "of" in info.settings and info.settings["of"] != problem.branch_facts()["settings"]["of"]:
+    if "of" in info.settings and not _of_the_same(info.settings, problem.branch_facts()["settings"]):
         return False  # curves of other special points
     # Along a path, a problem may have been made at any of its points.
     moving = problem.line.moving_names
     fixed = {name: v for name, v in problem.line.parameters.items() if name not in moving}
     return all(branch.info.parameters.get(name) == v for name, v in fixed.items())
+
+
+def _of_the_same(stored: Mapping[str, Any], own: Mapping[str, Any]) -> bool:
+    """Whether two curves are of special points of one kind."""
+    return all(stored.get(name) == own.get(name) for name in ("of", "of_problem", "limit"))
 
 
 def _on(problem: _Imaged, pair: Pair, weights: np.ndarray, branch: Branch) -> bool:
@@ -289,12 +294,20 @@ def _orbit_on(problem: _Closed, sample: Sample, branch: Branch, closures: int = 
         there, z = found
         if abs(there.duration(z) - period) > SAME * period:
             continue
+        if not np.allclose(_free(there, z), _free(problem, sample.z), rtol=SAME, atol=0.0):
+            continue
         x, p = problem.first_state(sample.z), ParameterValues(**problem.values_of(sample.z))
         spatial = [s for s in problem.system.symmetries if s.role == "spatial"]
         passed = there.first_passed(z, [x, *[imaged(symmetry, x, p) for symmetry in spatial]])
         if passed is not None:
             return (spatial[passed - 1].name,) if passed else ()
     return None
+
+
+def _free(problem: _Closed, z: np.ndarray) -> list[float]:
+    """Values of the parameters that are free; none along a path."""
+    values = problem.values_of(z)
+    return [values[name] for name in problem.line.names if name in values]
 
 
 def _at_parameter(

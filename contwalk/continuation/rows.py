@@ -34,7 +34,7 @@ def to_row(
     known = sample.spectrum_error if known is None else known
     row["spectrum_error"] = own if known is None else known
     row["unstable"] = sample.unstable
-    row["stable"] = sample.unstable == 0 and not np.any(sample.resting.real > 0.0)
+    row["stable"] = sample.stable
     row["admissible"] = sample.admissible
     row["special"] = special is not None
     for column, values in (

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from contwalk import quantities
 from contwalk.branch import Branch
 from contwalk.errors import ContwalkError
 from contwalk.labels import MEANINGS
@@ -17,13 +18,12 @@ from contwalk.plotting.labels import Label, place_labels
 from contwalk.plotting.quantities import axis_label, called
 from contwalk.plotting.special_points import legend_entries, marker
 from contwalk.plotting.style import INK, PALETTE, dark, dress, legend_above, new_axes
-from contwalk.quantities import FREQUENCY_SQUARED
 
 LINE: dict[str, Any] = {"linewidth": 1.6, "solid_capstyle": "round"}
 # A curve of Hopf points beyond a Bogdanov-Takens point, where no eigenvalue is imaginary.
 SADDLE: dict[str, Any] = {"linewidth": 1.0, "linestyle": (0, (1.0, 2.0))}
 # The colour of a curve is by what it is of.
-OF = ("LP", "HB")
+OF = ("LP", "HB", "PD", "NS", "GR", "OC", "AZ")
 
 
 def plot_locus(
@@ -93,9 +93,7 @@ def _color(branch: Branch) -> str:
 
 def saddles(branch: Branch) -> np.ndarray:
     """Which points of a curve are neutral saddles, shape (k,)."""
-    if FREQUENCY_SQUARED not in branch.info.observables:
-        return np.zeros(len(branch), dtype=bool)
-    return np.asarray(branch[FREQUENCY_SQUARED] < 0.0)
+    return quantities.saddles(branch.info.observables, branch.points["observables"])
 
 
 def _draw(ax: Axes, branch: Branch, name: str, points: np.ndarray) -> None:

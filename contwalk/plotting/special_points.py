@@ -12,7 +12,8 @@ from contwalk.labels import EVERY_MEANING
 from contwalk.plotting.style import GREY, INK
 
 # Every marker has an inside, so that one drawn hollow can say "not located".
-MARKERS = {
+# A tuple is (number of tips, 1 for a star, angle).
+MARKERS: dict[str, Any] = {
     "EP": ".",
     "UZ": "v",
     "LP": "s",
@@ -28,6 +29,20 @@ MARKERS = {
     "GH": "p",
     "ZH": "d",
     "HH": "H",
+    "CPC": (4, 1, 0),
+    "GPD": "8",
+    "CH": (6, 1, 0),
+    "R1": "$1$",
+    "R2": "$2$",
+    "R3": "$3$",
+    "R4": "$4$",
+    "LPPD": (3, 1, 0),
+    "LPNS": (3, 1, 180),
+    "PDNS": (3, 1, 90),
+    "NSNS": (7, 1, 0),
+    "GRLP": (5, 1, 180),
+    "GRPD": (8, 1, 0),
+    "GRNS": (9, 1, 0),
 }
 # Points wide; equal numbers do not look equally large for all shapes.
 SIZES = {"EP": 5.0, "GR": 8.5, "PD": 5.0, "LP": 5.2}

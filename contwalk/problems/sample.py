@@ -11,6 +11,8 @@ from contwalk.problems.kink import Kink
 
 # A relative margin this far below zero is zero still: on the steps of a branch it is not known better.
 NO_MARGIN = 1e-7
+# What an eigenvalue that is critical all along a branch may be off by rounding.
+RESTS = 1e-12
 
 
 class Rates:
@@ -131,7 +133,16 @@ class Sample:
         if not (self.still or len(self.resting)):
             return self.eigenvalues
         values = np.concatenate([self.eigenvalues, self.resting])
-        return values[np.lexsort((-values.imag, -values.real))]
+        return values[np.lexsort((-values.imag, -self._sizes(values)))]
+
+    def _sizes(self, values: np.ndarray) -> np.ndarray:
+        """What eigenvalues are ordered by: real parts; of orbits, moduli."""
+        return values.real if self.critical == 0.0 else np.abs(values)
+
+    @property
+    def stable(self) -> bool:
+        """Whether no eigenvalue is unstable, of a pair of which one is on either side neither."""
+        return self.unstable == 0 and not np.any(self._sizes(self.resting) > self.critical + RESTS)
 
     @property
     def leading(self) -> int:

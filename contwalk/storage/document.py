@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import Branch, SpecialPoint
-from contwalk.quantities import FREQUENCY_SQUARED, NEUTRAL_SADDLE
+from contwalk.quantities import NEUTRAL_SADDLE, saddles
 from contwalk.storage.database import Database
 
 DOCUMENT_VERSION, WITH_LOCI = 1, 2
@@ -144,11 +144,8 @@ def _point(branch: Branch, row: np.void) -> dict[str, Any]:
 
 
 def kind_of_row(branch: Branch, row: np.void) -> str | None:
-    """`neutral_saddle` where a curve of Hopf points goes on with real eigenvalues; else None."""
-    if FREQUENCY_SQUARED not in branch.info.observables:
-        return None
-    squared = float(row["observables"][branch.info.observables.index(FREQUENCY_SQUARED)])
-    return None if squared > 0.0 else NEUTRAL_SADDLE
+    """`neutral_saddle` where a curve of pairs goes on with real eigenvalues; else None."""
+    return NEUTRAL_SADDLE if saddles(branch.info.observables, row["observables"][None])[0] else None
 
 
 def _finite(value: float | None) -> float | None:

@@ -5,19 +5,22 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from contwalk.branch import Branch, BranchInfo, Outcome, SpecialPoint
+import numpy as np
+
+from contwalk.branch import ORBITS, Branch, Outcome, SpecialPoint
 from contwalk.continuation import outcomes
 from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.diagram import Diagram
 from contwalk.continuation.events import Plan
 from contwalk.continuation.opening import Opening
+from contwalk.continuation.reopening import stored_place
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
 from contwalk.errors import StartError
 from contwalk.numerics.threads import one_thread
-from contwalk.problems.locus.equilibrium_locus import CURVES
 from contwalk.problems.locus.starts import locus_at
-from contwalk.problems.restoring import pins_of
+from contwalk.problems.problem import Problem
+from contwalk.problems.restoring import Facts, pins_of
 from contwalk.studies.verbs import direction_signs
 from contwalk.system import System
 
@@ -31,9 +34,13 @@ def continue_locus(
     point: str | SpecialPoint,
     ranges: Mapping[str, Range],
     direction: str = "both",
+    discretization: Any = None,
     **settings: Any,
 ) -> Branch:
-    """The curve in two parameters through a fold or a Hopf point of a branch of equilibria.
+    """The curve in two parameters through a located special point of a branch.
+
+    Of equilibria it is a fold or a Hopf point; of orbits a fold, a period doubling, a Neimark-Sacker
+    point, and of those through events a limit (GR, OC, AZ) as well.
 
     Parameters
     ----------
@@ -47,6 +54,8 @@ def continue_locus(
         Errors of special points are those of the first one.
     direction : str
         `both`, or `forward` or `backward` as the first parameter grows.
+    discretization : Discretization, optional
+        How finely orbits are computed.
     **settings
         Further fields of `continuation.settings.Settings`, such as `max_points`.
 
@@ -63,7 +72,7 @@ def continue_locus(
     special = branch.special(point) if isinstance(point, str) else point
     first, second = ranges
     chosen = Settings(range=ranges[first], second_range=ranges[second], **settings)
-    opening = opened_locus(system, branch.info, special, (first, second), chosen)
+    opening = opened_locus(system, branch, special, (first, second), chosen, discretization)
     if isinstance(opening, Outcome):
         raise StartError(opening.message)
     origin = f"{branch.name}/{special.name}"
@@ -76,7 +85,7 @@ def continue_locus(
 
 def opened_locus(
     system: System,
-    info: BranchInfo,
+    branch: Branch,
     point: SpecialPoint,
     free: tuple[str, str],
     settings: Settings,
@@ -89,10 +98,10 @@ def opened_locus(
     StartError
         If no curve begins at points of its kind, or it lies outside the ranges.
     """
-    if info.problem != "equilibrium":
+    if branch.info.problem not in ("equilibrium", *ORBITS):
         raise StartError(
-            f"No curve in two parameters can be followed from {point.name}, a special point of orbits.",
-            f"Start at a located special point of equilibria: {', '.join(sorted(CURVES))}.",
+            f"No curve in two parameters can be followed from {point.name}, a special point of such a curve.",
+            "Start at a located special point of equilibria or orbits.",
         )
     for name, (low, high) in zip(free, settings.bounds.values(), strict=True):
         system.require_parameter(name)
@@ -104,7 +113,7 @@ def opened_locus(
             )
     known = {name: float(point.parameters[name]) for name in system.parameter_names}
     try:
-        problem, z = locus_at(system, point, known, free, pins_of(system, info), discretization)
+        problem, z = _problem(system, branch, point, known, free, discretization)
         state = begin(problem, z, settings)
     except StartError:
         raise
@@ -113,3 +122,23 @@ def opened_locus(
     if not isinstance(state, ContinuationState):
         return outcomes.no_start(state.reason, state.sentence, "the special point")
     return Opening(problem, state)
+
+
+def _problem(
+    system: System,
+    branch: Branch,
+    point: SpecialPoint,
+    known: dict[str, float],
+    free: tuple[str, str],
+    discretization: Any,
+) -> tuple[Problem, np.ndarray]:
+    """The equations of the curve through a special point, and its unknowns there."""
+    info = branch.info
+    if info.problem == "equilibrium":
+        return locus_at(system, point, known, free, pins_of(system, info), discretization)
+    from contwalk.problems.locus import orbit_starts  # orbits need compiled flows
+
+    place = stored_place(branch, point)
+    state = place.z[: len(info.states)]
+    facts = Facts(system, info, known, None, pins_of(system, info), state, discretization)
+    return orbit_starts.locus_at(facts, point, place.weights, free)

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-from contwalk.branch import Branch, BranchInfo, SpecialPoint
+from contwalk.branch import Branch, SpecialPoint
 from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.events import Plan
 from contwalk.continuation.settings import Settings
@@ -30,10 +30,10 @@ def from_databases(run_file: RunFile, settings: Settings, discretization: Discre
     for spec in run_file.starts:
         where = f"{run_file.path}, line {spec.line}, key start: " if spec.line else ""
         try:
-            info, point = _stored(run_file, spec)
+            branch, point = _stored(run_file, spec)
             given = _Given(run_file, settings, discretization, (run_file.free, run_file.second[0]))
             origin = f"{spec.point} of {spec.file.name}" if spec.file else ""
-            found.append(_start(given, info, point, origin))
+            found.append(_start(given, branch, point, origin))
         except StartError as error:
             raise StartError(f"{where}{error.sentence}", error.remedy) from error
     return found
@@ -47,7 +47,7 @@ def from_branches(
     given = _Given(run_file, settings, discretization, (run_file.free, run_file.loci.second))
     low, high = run_file.loci.range
     for branch in branches:
-        if branch.info.problem != "equilibrium":
+        if branch.info.problem == "locus":
             continue
         for point in branch.special_points:
             wanted = point.label in run_file.loci.of and point.status == "located"
@@ -55,7 +55,7 @@ def from_branches(
                 continue
             if not low <= point.parameters[run_file.loci.second] <= high:
                 continue
-            start = _start(given, branch.info, point, f"{branch.name}/{point.name}")
+            start = _start(given, branch, point, f"{branch.name}/{point.name}")
             yield replace(start, parent=(branch.name, point.s), depth=1)
 
 
@@ -79,14 +79,14 @@ class _Given:
         )
 
 
-def _start(given: _Given, info: BranchInfo, point: SpecialPoint, origin: str) -> Start:
-    opening = opened_locus(given.system, info, point, given.free, given.settings, given.discretization)
+def _start(given: _Given, branch: Branch, point: SpecialPoint, origin: str) -> Start:
+    opening = opened_locus(given.system, branch, point, given.free, given.settings, given.discretization)
     known = {name: float(point.parameters[name]) for name in given.system.parameter_names}
     return Start(given.system, given.free[0], known, opening, origin)
 
 
-def _stored(run_file: RunFile, spec: StartSpec) -> tuple[BranchInfo, SpecialPoint]:
-    """The special point of another database that a start names, and what is true of its branch."""
+def _stored(run_file: RunFile, spec: StartSpec) -> tuple[Branch, SpecialPoint]:
+    """The special point of another database that a start names, and its branch."""
     assert spec.file is not None
     branch_name, point_name = str(spec.point).split("/")
     with Hdf5Database.open(spec.file) as db:
@@ -103,6 +103,6 @@ def _stored(run_file: RunFile, spec: StartSpec) -> tuple[BranchInfo, SpecialPoin
             "Give the name of a fold (LP) or Hopf point (HB), as b1/HB1.",
         )
     try:
-        return branch.info, branch.special(point_name)
+        return branch, branch.special(point_name)
     except KeyError as error:
         raise StartError(f"{spec.file}: {error.args[0]}") from error

@@ -16,13 +16,14 @@ BT = {"alpha": 0.45362432777812945522, "delta": 0.17512759295021742421}
 def folder(tmp_path_factory):
     """The page's files, and its commands run in their order."""
     folder = tmp_path_factory.mktemp("two_parameters")
-    plugin, _ = blocks(PAGE, "python")
-    one, two, every = blocks(PAGE, "yaml")
+    plugin, _, _ = blocks(PAGE, "python")
+    one, two, every, stop = blocks(PAGE, "yaml")
     for name, text in (
         ("bazykin.py", plugin),
         ("one.yaml", one),
         ("two.yaml", two),
         ("all.yaml", every),
+        ("stop.yaml", stop),
     ):
         (folder / name).write_text(text, encoding="utf-8")
     for line in commands(PAGE):
@@ -61,5 +62,18 @@ def test_the_figure_is_drawn(folder):
 
 
 def test_the_script_tells_the_points_of_the_curve(folder):
-    _, script = blocks(PAGE, "python")
+    _, script, _ = blocks(PAGE, "python")
     assert "BT1" in run_python(script, folder)
+
+
+def test_curves_of_orbits_with_impacts(folder):
+    found = {curve["of"]: curve for curve in curves(folder, "stop.h5")}
+    assert set(found) == {"GR", "PD"}
+    labels = {of: [point["label"] for point in curve["special_points"]] for of, curve in found.items()}
+    assert labels == {"GR": ["EP", "EP"], "PD": ["EP", "GPD", "EP"]}
+    assert (folder / "stop_locus.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_grazing_curve_is_the_function_of_the_page(folder):
+    _, _, script = blocks(PAGE, "python")
+    assert float(run_python(script, folder)) < 1e-7

@@ -16,6 +16,7 @@ from contwalk.problems.hybrid.margin_values import BELOW, LITTLE, at_entry, larg
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.orbit import augmented
+from contwalk.problems.orbit.augmented import Near
 from contwalk.problems.orbit.branching import filled_magnitudes
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.piece import Piece
@@ -83,29 +84,34 @@ def _beside(
 
 def located(problem: DiscretizedOrbit, which: int, sample: Sample) -> Located | None:
     """The point near a sample at which limit number `which` passes zero."""
-    limit = problem.limits[which]
     try:
-        system = _system(problem, which, limit, sample)
+        system = system_of(problem, which, sample)
         return None if system is None else augmented.solved(problem, system, sample)
     except (np.linalg.LinAlgError, UnsupportedOperation):
         return None
 
 
-def _system(
-    problem: DiscretizedOrbit, which: int, limit: Limit, sample: Sample
+def system_of(
+    problem: DiscretizedOrbit, which: int, near: Near, further: np.ndarray | None = None
 ) -> augmented.Augmented | None:
-    """The orbit's equations with those of the limit."""
+    """The orbit's equations with those of limit number `which`, near a place; None where it is nowhere met.
+
+    `further` are values of the unknowns that the limit has beside those of the orbit, shape (k,), where they
+    are known: of a guard that touches zero, the instant.
+    """
+    limit = problem.limits[which]
     for leg in _doubtful(problem, limit):
-        if _vanishes(problem, leg, sample):
-            return _vanishing(problem, which, leg, sample)
+        if _vanishes(problem, leg, near):
+            return _vanishing(problem, which, leg, near)
     i, size = limit.leg, problem.size
-    start, scale = sample.z, sample.weights
+    start, scale = near.z, near.weights
     share = 1.0
     if limit.test == "dip":
-        share = float(problem.margins(sample.z).places[which])
+        duration = float(near.z[problem.layout.durations][i])
+        known = further is not None and len(further) == 1
+        share = float(further[0]) / duration if known else float(problem.margins(near.z).places[which])  # type: ignore[index]
         if not np.isfinite(share):
             return None
-        duration = float(sample.z[problem.layout.durations][i])
         start, scale = np.append(start, share * duration), np.append(scale, abs(duration))
 
     def evaluate(there: Any, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -132,7 +138,7 @@ def _doubtful(problem: DiscretizedOrbit, limit: Limit) -> tuple[int, ...]:
     return (limit.leg,) if limit.test == "duration" else ()
 
 
-def _vanishes(problem: DiscretizedOrbit, i: int, sample: Sample) -> bool:
+def _vanishes(problem: DiscretizedOrbit, i: int, sample: Near) -> bool:
     """Whether leg i, at whose start its own guard is zero, too, is nearly none.
 
     Then guard and rate at its end are zero wherever it lasts no time: its equation says nothing there.
@@ -149,7 +155,7 @@ def _vanishes(problem: DiscretizedOrbit, i: int, sample: Sample) -> bool:
     return turns and abs(float(values[0])) <= max(BELOW * most, ROUNDED * typical)
 
 
-def _solution(problem: DiscretizedOrbit, sample: Sample) -> np.ndarray:
+def _solution(problem: DiscretizedOrbit, sample: Near) -> np.ndarray:
     """The solution nearest to a sample, which may be a guess."""
     try:
         return newton_on(problem, sample.z, sample.weights)
@@ -157,7 +163,7 @@ def _solution(problem: DiscretizedOrbit, sample: Sample) -> np.ndarray:
         return sample.z
 
 
-def _typical(problem: DiscretizedOrbit, i: int, transition: Transition, sample: Sample) -> float:
+def _typical(problem: DiscretizedOrbit, i: int, transition: Transition, sample: Near) -> float:
     """What typical changes of the states make of a guard where leg i begins."""
     piece, (x, scalars) = problem.pieces[i], problem.layout.inputs(i, sample.z)
     own = problem.layout.inputs(i, sample.weights)[0]
@@ -187,7 +193,7 @@ def collapses(problem: DiscretizedOrbit, i: int) -> bool:
     return not armed and leg.name not in system.left_at_zero(before.name, leg.mode)
 
 
-def _vanishing(problem: DiscretizedOrbit, which: int, i: int, sample: Sample) -> augmented.Augmented:
+def _vanishing(problem: DiscretizedOrbit, which: int, i: int, sample: Near) -> augmented.Augmented:
     """The equations of an orbit whose leg i lasts no time, between zeros of a guard that turns there.
 
     Its duration is zero, and so is the first of the guard's derivatives along the motion at its start that is
@@ -252,7 +258,7 @@ def _redundant(jacobian: np.ndarray, rows: np.ndarray, columns: np.ndarray, coun
     return left / lengths
 
 
-def _vanishing_with(problem: DiscretizedOrbit, i: int, sample: Sample) -> list[int]:
+def _vanishing_with(problem: DiscretizedOrbit, i: int, sample: Near) -> list[int]:
     """The other legs that vanish, and last as long as leg i."""
     lasting = sample.z[problem.layout.durations]
     return [
@@ -264,7 +270,7 @@ def _vanishing_with(problem: DiscretizedOrbit, i: int, sample: Sample) -> list[i
     ]
 
 
-def _first_derivative(problem: DiscretizedOrbit, i: int, transition: Transition, sample: Sample) -> int:
+def _first_derivative(problem: DiscretizedOrbit, i: int, transition: Transition, sample: Near) -> int:
     """The order of the first derivative of a guard by time that is not zero where a short leg begins, however
     long it lasts: after a release from rest it is not the rate.
 

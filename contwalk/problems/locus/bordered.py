@@ -66,21 +66,28 @@ def pair_borders(matrix: np.ndarray, finite: np.ndarray, kappa: float) -> Border
     scaled, d = balanced(matrix)
     if kappa > 0.0:
         u, _, vh = np.linalg.svd(scaled - 1j * np.sqrt(kappa) * np.diag(finite))
-        return _borders(_major(vh[-1].conj()), _major(u[:, -1]), d)
+        return _borders(major(vh[-1].conj()), major(u[:, -1]), d)
     s = np.sqrt(-kappa)
     first, second = (np.linalg.svd(scaled - sign * s * np.diag(finite)) for sign in (1.0, -1.0))
-    right = _towards(second[2][-1], first[2][-1]) + first[2][-1]
-    left = _towards(second[0][:, -1], first[0][:, -1]) + first[0][:, -1]
+    right = towards(second[2][-1], first[2][-1]) + first[2][-1]
+    left = towards(second[0][:, -1], first[0][:, -1]) + first[0][:, -1]
     return _borders(right, left, d)
 
 
-def _major(v: np.ndarray) -> np.ndarray:
-    """The real part of a complex vector, turned so that it is as long as possible."""
+def major(v: np.ndarray) -> np.ndarray:
+    """The real part of a complex vector, turned so that it is as long as possible.
+
+    v has the shape (N,).
+    """
     turned = v * np.exp(-0.5j * np.angle(np.sum(v * v)))
     return np.asarray(turned.real)
 
 
-def _towards(v: np.ndarray, other: np.ndarray) -> np.ndarray:
+def towards(v: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """A vector or its opposite, whichever is at no obtuse angle to another one.
+
+    v has the shape (N,).
+    """
     return v if v @ other >= 0.0 else -v
 
 

@@ -13,8 +13,9 @@ on steps of a hundredth of the tolerance, and on still finer ones, whose correct
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -36,6 +37,20 @@ MOST_REFINEMENTS = 4
 
 # residual (N + r,) and Jacobian (N + r, N + 1 + r') of an augmented system at its unknowns
 Evaluate = Callable[["OrbitData", np.ndarray], tuple[np.ndarray, np.ndarray]]
+
+
+class Near(Protocol):
+    """A place that a system is made near: the unknowns and their typical magnitudes, shape (N + 1,) each."""
+
+    @property
+    def z(self) -> np.ndarray:
+        """The unknowns."""
+        ...
+
+    @property
+    def weights(self) -> np.ndarray:
+        """Typical magnitudes."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -71,9 +86,10 @@ def solved(problem: OrbitData, system: Augmented, sample: Sample) -> Located | N
 def _refined(problem: OrbitData, system: Augmented, rough: np.ndarray, sample: Sample) -> Located | None:
     """The point on steps fine enough for the accuracy that is asked for, with its estimated error."""
     size, wanted = problem.size, problem.discretization.accuracy
+    free = {name: size - k for k, name in enumerate(problem.line.names)}
     tolerance = min(problem.discretization.locating, problem.mesh.tolerance)
-    found, error, finer = rough, np.inf, problem
-    best: tuple[float, np.ndarray, OrbitData] | None = None
+    found, finer = rough, problem
+    best: tuple[dict[str, float], np.ndarray, OrbitData] | None = None
     for _ in range(MOST_REFINEMENTS):
         try:  # on finer steps a motion may meet what it stepped over before
             finer = problem.refined(found[: size + 1], sample.weights, tolerance)
@@ -88,27 +104,34 @@ def _refined(problem: OrbitData, system: Augmented, rough: np.ndarray, sample: S
             break
         if correction is None:
             break
-        error = 4.0 * abs(float(correction[size])) + _rounding(check, system, found)
+        rounding = _rounding(check, system, found, list(free.values()))
+        errors = {
+            name: 4.0 * abs(float(correction[place])) + noise
+            for (name, place), noise in zip(free.items(), rounding, strict=True)
+        }
         found, finer = found - correction, check
-        if best is None or error < best[0]:
-            best = (error, found, finer)
-        if error <= 0.3 * wanted * abs(float(found[size])) or tolerance <= 4.0 * TIGHTEST:
+        if best is None or max(errors[name] / best[0][name] for name in free) < 1.0:
+            best = (errors, found, finer)
+        enough = all(errors[name] <= 0.3 * wanted * abs(float(found[place])) for name, place in free.items())
+        if enough or tolerance <= 4.0 * TIGHTEST:
             break
         tolerance = max(0.01 * tolerance, 4.0 * TIGHTEST)
     if best is None:
         return None
-    error, found, finer = best
+    errors, found, finer = best
     moved = np.abs(found - rough)[: size + 1] / sample.weights
     if not np.max(moved) < 1e-2:
         return None  # refinement has left the neighbourhood
     vectors = system.vectors(finer, found)
     if "plane" in vectors:
         vectors["fallen_back"] = finer.fallen_back(found[: size + 1], sample.tangent)
-    return Located(found[: size + 1], error, vectors, refined=True, problem=finer)
+    if len(free) > 1:
+        vectors["errors"] = errors
+    return Located(found[: size + 1], errors[problem.line.free], vectors, refined=True, problem=finer)
 
 
-def _rounding(problem: OrbitData, system: Augmented, y: np.ndarray) -> float:
-    """What rounding of the equations does to the free parameter."""
+def _rounding(problem: OrbitData, system: Augmented, y: np.ndarray, places: Sequence[int]) -> list[float]:
+    """What rounding of the equations does to the free parameters, which stand at some places."""
     size = problem.size
     level, _ = problem.linearize(y[: size + 1]).levels
     own = np.minimum(
@@ -117,8 +140,10 @@ def _rounding(problem: OrbitData, system: Augmented, y: np.ndarray) -> float:
     _, jacobian = system.evaluate(problem, y)
     # The last rows are bordered inverses: their terms are of size one.
     noise = np.concatenate([own, np.full(len(jacobian) - size, 1e2 * EPSILON)])
-    row = problem.factored(jacobian, system.scale).solve_adjoint(np.eye(len(y))[size])
-    return float(np.abs(row) @ noise) + EPSILON * abs(float(y[size]))
+    factored = problem.factored(jacobian, system.scale)
+    rows = (factored.solve_adjoint(np.eye(len(y))[place]) for place in places)
+    each = zip(places, rows, strict=True)
+    return [float(np.abs(row) @ noise) + EPSILON * abs(float(y[place])) for place, row in each]
 
 
 def _newton(problem: OrbitData, system: Augmented, start: np.ndarray) -> np.ndarray | None:

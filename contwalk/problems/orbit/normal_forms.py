@@ -122,6 +122,18 @@ def fold(map_: SectionMap) -> dict[str, Any]:
     }
 
 
+def cusp(map_: SectionMap) -> dict[str, Any]:
+    """c of xi -> xi + c xi^3 at a fold whose quadratic coefficient is zero."""
+    q, p = map_.critical(1.0)
+    bordered = Factored(np.block([[map_.a - np.eye(len(q)), p[:, None]], [q[None, :], np.zeros((1, 1))]]))
+    h = bordered.solve(np.append(-map_.b(q, q), 0.0))[:-1]
+    return {
+        "c": float(p @ map_.curve(q, h)[2]) / 6.0,
+        "convention": "return map xi -> xi + c xi^3, c = p.(C(q,q,q) - 3 B(q, (A-1)^-1 B(q,q)))/6, |q| = 1 "
+        "over the orbit, p.q = 1 (Kuznetsov 2004, section 9.2)",
+    }
+
+
 def flip(map_: SectionMap) -> dict[str, Any]:
     """c of xi -> -(1 + mu) xi + c xi^3: positive where the doubled orbit is stable beside a stable one."""
     q, p = map_.critical(-1.0)

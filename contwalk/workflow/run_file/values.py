@@ -13,8 +13,8 @@ from contwalk.labels import END, MARK, MEANINGS
 from contwalk.workflow.run_file.yaml_lines import shown
 
 FOLLOWED = tuple(label for label in MEANINGS if label not in (END, MARK))
-# Special points of equilibria that curves are of, and those on curves at which other curves begin.
-CURVES = ("LP", "HB")
+# Special points that curves are of, and those on curves at which other curves begin.
+CURVES = ("LP", "HB", "PD", "NS", "GR", "OC", "AZ")
 BORN = ("BT", "ZH", "HH")
 DIAGRAM_FIGURES = (
     "bifurcation_diagram",

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from contwalk.problems.orbit import normal_forms, variations
-from contwalk.problems.orbit.augmented import Augmented, along
+from contwalk.problems.orbit.augmented import Augmented, Near, along
 from contwalk.problems.orbit.describing import Form
 from contwalk.problems.orbit.null_vectors import bordered, critical_vectors
 from contwalk.problems.orbit.orbit_data import OrbitData
@@ -42,14 +42,14 @@ class Fold(FlatFold):
 
     def system(self, problem: OrbitData, sample: Sample, which: int) -> Augmented | None:
         """F_u singular."""
-        return _fold(problem, sample)
+        return fold_system(problem, sample)
 
 
-def _fold(problem: OrbitData, sample: Sample) -> Augmented:
-    """F_u singular."""
+def fold_system(problem: OrbitData, near: Near) -> Augmented:
+    """F_u singular, near a place."""
     size = problem.size
-    rows, columns = problem.equation_scales, sample.weights[:size]
-    b, c = critical_vectors(problem, problem.jacobian(sample.z)[:, :size] / rows[:, None] * columns)
+    rows, columns = problem.equation_scales, near.weights[:size]
+    b, c = critical_vectors(problem, problem.jacobian(near.z)[:, :size] / rows[:, None] * columns)
 
     def scaled(there: OrbitData, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
         jacobian = there.linearize(z).jacobian
@@ -66,7 +66,7 @@ def _fold(problem: OrbitData, sample: Sample) -> Augmented:
         v, psi, _, _ = scaled(there, z)
         return {"right": v, "left": psi}
 
-    return Augmented(evaluate, sample.z, sample.weights, vectors)
+    return Augmented(evaluate, near.z, near.weights, vectors)
 
 
 def _flat_fold(problem: OrbitData, sample: Sample) -> Augmented | None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.problems.orbit import normal_forms, variations
-from contwalk.problems.orbit.augmented import Augmented
+from contwalk.problems.orbit.augmented import Augmented, Near
 from contwalk.problems.orbit.describing import PAIR, Form, criticality_of, known
 from contwalk.problems.orbit.null_vectors import bordered, critical_vectors
 from contwalk.problems.orbit.orbit_data import OrbitData
@@ -27,7 +27,7 @@ class _Flip(OrbitPoint):
 
     def system(self, problem: OrbitData, sample: Sample, which: int) -> Augmented | None:
         """A multiplier at -1."""
-        return _flip(problem, sample)
+        return flip_system(problem, sample)
 
     def seeds(self, problem: OrbitData, point: SpecialPoint) -> Sequence[Seed]:
         """The orbit that leaves along the critical vector."""
@@ -90,10 +90,10 @@ class SymmetryBreaking(_Flip):
         return point.label == self.label and point.kind == "symmetry-breaking"
 
 
-def _flip(problem: OrbitData, sample: Sample) -> Augmented:
-    """A multiplier at -1."""
+def flip_system(problem: OrbitData, near: Near) -> Augmented:
+    """A multiplier at -1, near a place."""
     size, (rows, columns) = problem.size, cycle_scales(problem)
-    start = variations.cycle_matrix(problem, problem.jacobian(sample.z), -1.0)
+    start = variations.cycle_matrix(problem, problem.jacobian(near.z), -1.0)
     b, c = critical_vectors(problem, start / rows[:, None] * columns)
 
     def scaled(there: OrbitData, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, np.ndarray]:
@@ -111,4 +111,4 @@ def _flip(problem: OrbitData, sample: Sample) -> Augmented:
         v, psi, _, _ = scaled(there, z[: size + 1])
         return {"right": v, "left": psi, "multiplier": -1.0}
 
-    return Augmented(evaluate, sample.z, sample.weights, vectors)
+    return Augmented(evaluate, near.z, near.weights, vectors)

@@ -1,0 +1,125 @@
+"""Orbits of a curve in two parameters: how they are read from its unknowns, and compared."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from contwalk.problems.locus.orbit_curves import OrbitCurve
+from contwalk.problems.locus.orbit_places import OrbitPlane
+from contwalk.problems.problem import Mirror
+from contwalk.problems.sample import Sample
+
+# Of two solutions that are one, the second parameters differ by less than this part of their magnitude.
+SAME_SECOND = 1e-6
+
+
+class CurveOfOrbits:
+    """Unknowns z = (u, v, second, first), shape (N + k + 2,): of the orbit, of the curve, both parameters.
+
+    Parameters
+    ----------
+    plane : OrbitPlane
+    curve : OrbitCurve
+    """
+
+    def __init__(self, plane: OrbitPlane, curve: OrbitCurve) -> None:
+        self.plane, self.curve = plane, curve
+
+    @property
+    def orbit(self) -> Any:
+        """The orbit on these steps, at no place of the plane."""
+        return self.plane.orbit
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns without the first parameter."""
+        return self.plane.size + self.curve.further + 1
+
+    @property
+    def mesh(self) -> Any:
+        """The steps of this discretisation."""
+        return self.orbit.mesh
+
+    @property
+    def method(self) -> str:
+        """How motions are integrated, and why so."""
+        return str(self.orbit.method)
+
+    @property
+    def evaluations(self) -> int:
+        """Right-hand sides evaluated so far."""
+        return int(self.orbit.evaluations)
+
+    def further(self, z: np.ndarray) -> np.ndarray:
+        """What z, shape (N + k + 2,), has beside the orbit's unknowns and both parameters, shape (k,)."""
+        return z[len(z) - 2 - self.curve.further : len(z) - 2]
+
+    def of_orbit(self, z: np.ndarray) -> np.ndarray:
+        """Unknowns of the orbit with the first parameter, shape (N + 1,), of z or of weights like it."""
+        return np.append(z[: len(z) - 2 - self.curve.further], z[-1])
+
+    def joined(self, own: np.ndarray, like: np.ndarray) -> np.ndarray:
+        """Unknowns of the orbit, shape (N,), with what a vector of the curve has beside them."""
+        return np.concatenate([own, like[len(like) - 2 - self.curve.further :]])
+
+    def values_of(self, z: np.ndarray) -> dict[str, float]:
+        """All parameters at z, shape (N + k + 2,), by name."""
+        return self.plane.values_of(z)
+
+    def reported(self, z: np.ndarray) -> np.ndarray:
+        """The state that stands for the orbit, shape (n,)."""
+        there, own = self.plane.first(z)
+        found: np.ndarray = there.reported(own)
+        return found
+
+    def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
+        """The same solution with its angles turned as near as possible to those of another one.
+
+        All have the shape (N + k + 2,).
+        """
+        return self.joined(self.orbit.nearest_turn(self.of_orbit(z), self.of_orbit(near))[:-1], z)
+
+    @property
+    def whole(self) -> tuple[str, int]:
+        """How the orbit closes (`full`, or the name of a symmetry), and how many closures its period has."""
+        found: tuple[str, int] = self.orbit.whole
+        return found
+
+    def duration(self, z: np.ndarray) -> float:
+        """Duration of the closure, seconds.
+
+        z has the shape (N + k + 2,).
+        """
+        there, own = self.plane.first(z)
+        return float(there.duration(own))
+
+    def first_state(self, z: np.ndarray) -> np.ndarray:
+        """The state at the start, shape (n,)."""
+        there, own = self.plane.first(z)
+        found: np.ndarray = there.first_state(own)
+        return found
+
+    def first_passed(self, z: np.ndarray, points: Sequence[np.ndarray]) -> int | None:
+        """Number of the first of some states that the orbit of z passes; None if it passes none.
+
+        z has the shape (N + k + 2,), each point (n,).
+        """
+        there, own = self.plane.first(z)
+        found: int | None = there.first_passed(own, points)
+        return found
+
+    def same(self, a: Sample, b: Sample) -> bool:
+        """Whether two solutions at the same first parameter are one; `b` is on this discretisation."""
+        if abs(a.z[-2] - b.z[-2]) > SAME_SECOND * b.weights[-2]:
+            return False
+        there = self.plane.first(b.z)[0]
+        first, second = (replace(s, z=self.of_orbit(s.z), weights=self.of_orbit(s.weights)) for s in (a, b))
+        return bool(there.same(first, second))
+
+    def mirror(self, sample: Sample) -> Mirror | None:
+        """Both halves of a curve are walked."""
+        return None

@@ -1,0 +1,184 @@
+"""What curves of orbits are of: the label of their points, their condition, the multipliers they hold."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+from contwalk.errors import NotFinite
+from contwalk.problems.hybrid import limit_points
+from contwalk.problems.hybrid.margins import Limit
+from contwalk.problems.locus.orbit_conditions import At, pair_system
+from contwalk.problems.orbit.augmented import Augmented
+from contwalk.problems.orbit.points.fold import fold_system
+from contwalk.problems.orbit.points.period_doubling import flip_system
+from contwalk.quantities import COSINE
+
+
+class OrbitCurve(ABC):
+    """What is followed.
+
+    Attributes
+    ----------
+    of : str
+        The label of its points.
+    further : int
+        Unknowns beside those of the orbit and both parameters.
+    observables : tuple of str
+        What is told of its points beside what is told of orbits.
+    """
+
+    of: ClassVar[str]
+    further: int = 0
+    observables: ClassVar[tuple[str, ...]] = ()
+
+    @abstractmethod
+    def system(self, orbit: Any, near: At, further: np.ndarray) -> Augmented:
+        """The orbit's equations with the condition, near a place and values of the further unknowns, (k,)."""
+
+    def critical(self, further: np.ndarray) -> np.ndarray:
+        """The multipliers that the curve holds where they are, shape (c,), at its further unknowns, (k,)."""
+        return np.zeros(0, dtype=complex)
+
+    def genuine(self, further: np.ndarray) -> bool:
+        """Whether anything bifurcates there: not at neutral saddles.
+
+        `further` has the shape (k,).
+        """
+        return True
+
+    def facts(self) -> dict[str, Any]:
+        """What is stored of it, as plain JSON values."""
+        return {"of": self.of}
+
+
+@dataclass(frozen=True)
+class Folds(OrbitCurve):
+    """Folds: a multiplier one."""
+
+    of = "LP"
+
+    def system(self, orbit: Any, near: At, further: np.ndarray) -> Augmented:
+        """F_u is singular.
+
+        `further` has the shape (k,).
+        """
+        return fold_system(orbit, near)
+
+    def critical(self, further: np.ndarray) -> np.ndarray:
+        """One.
+
+        `further` has the shape (k,).
+        """
+        return np.ones(1, dtype=complex)
+
+
+@dataclass(frozen=True)
+class Doublings(OrbitCurve):
+    """Period doublings: a multiplier minus one."""
+
+    of = "PD"
+
+    def system(self, orbit: Any, near: At, further: np.ndarray) -> Augmented:
+        """L(-1) is singular.
+
+        `further` has the shape (k,).
+        """
+        return flip_system(orbit, near)
+
+    def critical(self, further: np.ndarray) -> np.ndarray:
+        """Minus one.
+
+        `further` has the shape (k,).
+        """
+        return -np.ones(1, dtype=complex)
+
+
+@dataclass(frozen=True)
+class Tori(OrbitCurve):
+    """Neimark-Sacker points: a pair of multipliers whose product is one."""
+
+    of = "NS"
+    further: int = 1
+    observables = (COSINE,)
+
+    def system(self, orbit: Any, near: At, further: np.ndarray) -> Augmented:
+        """L(mu) is singular at both.
+
+        `further` has the shape (k,).
+        """
+        return pair_system(orbit, near, float(further[0]))
+
+    def critical(self, further: np.ndarray) -> np.ndarray:
+        """Both, of length one or real."""
+        k = float(further[0])
+        root = np.sqrt(complex(k * k - 1.0))
+        return np.array([k + root, k - root])
+
+    def genuine(self, further: np.ndarray) -> bool:
+        """Where they are no real pair.
+
+        `further` has the shape (k,).
+        """
+        return abs(float(further[0])) <= 1.0
+
+
+@dataclass(frozen=True)
+class Limits(OrbitCurve):
+    """Grazings, changes of the order of events, conditions: a limit that is met."""
+
+    limit: Limit
+    further: int = 0
+    of: str = field(init=False, default="")  # type: ignore[misc]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "of", self.limit.label)
+
+    def system(self, orbit: Any, near: At, further: np.ndarray) -> Augmented:
+        """The equations of the limit.
+
+        `further` has the shape (k,).
+        """
+        found = limit_points.system_of(orbit, orbit.limits.index(self.limit), near, further)
+        if found is None or len(found.start) != len(near.z) + self.further:
+            raise NotFinite(f"what passes zero at '{self.limit.name}' is another instant, or none")
+        return found
+
+    def facts(self) -> dict[str, Any]:
+        """The limit, and how many unknowns it has."""
+        kept = self.limit
+        told = {"label": kept.label, "kind": kept.kind, "name": kept.name, "leg": kept.leg, "test": kept.test}
+        return {"of": self.of, "limit": {**told, "acts": kept.acts}, "further": self.further}
+
+
+CURVES: dict[str, OrbitCurve] = {curve.of: curve for curve in (Folds(), Doublings(), Tori())}
+LIMITS = ("GR", "OC", "AZ")
+
+
+def curve_of(facts: Mapping[str, Any]) -> OrbitCurve:
+    """What a stored curve is of."""
+    if "limit" in facts:
+        return Limits(Limit(**facts["limit"]), int(facts["further"]))
+    return CURVES[str(facts["of"])]
+
+
+def begun_at(orbit: Any, point: SpecialPoint, near: At) -> tuple[OrbitCurve, np.ndarray]:
+    """The curve of a special point of orbits, and its further unknowns there, shape (k,).
+
+    `orbit` is discretised for the point.
+    """
+    if point.label == "NS":
+        return CURVES["NS"], np.array([np.cos(float(point.coefficients["theta"]))])
+    if point.label in CURVES:
+        return CURVES[point.label], np.zeros(0)
+    which = orbit.limit_of(point)
+    found = limit_points.system_of(orbit, which, near)
+    if found is None:
+        raise NotFinite(f"the instant of {point.label} is not found on the orbit")
+    further = found.start[len(near.z) :]
+    return Limits(orbit.limits[which], len(further)), further

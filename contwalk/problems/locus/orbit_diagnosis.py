@@ -1,0 +1,77 @@
+"""Where a curve of orbits ends, or cannot go on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from contwalk.branch import Outcome
+from contwalk.problems.kink import Kink, Met
+from contwalk.problems.locus.orbit_places import OrbitPlane
+from contwalk.problems.sample import Sample
+
+
+class OrbitLocusDiagnosis:
+    """What is known of such places: what is known of the orbits themselves."""
+
+    def __init__(self, plane: OrbitPlane) -> None:
+        self._plane = plane
+
+    def ended(self, a: Sample, b: Sample) -> Outcome | None:
+        """Why the curve ends between two neighbouring orbits, if these do: they lie on one line."""
+        n, change = self._plane.size, b.z - a.z
+        share = float(np.linalg.norm(change[-2:] / a.weights[-2:]))
+        weight = 1.0 / share if share > 0.0 else 1.0
+        line, *places = self._between(a.z, b.z)
+        seen = (
+            replace(
+                sample,
+                z=place,
+                tangent=np.append(sample.tangent[:n], 1.0),
+                weights=np.append(sample.weights[:n], weight),
+            )
+            for sample, place in zip((a, b), places, strict=True)
+        )
+        found: Outcome | None = line.diagnosis.ended(*seen)
+        return found
+
+    def passed(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
+        """What changes its piece on the way from an orbit to another solution, shape (N + k + 2,) each."""
+        line, *places = self._between(a, b)
+        found: Sequence[Met] = line.diagnosis.passed(*places)
+        return found
+
+    def _between(self, a: np.ndarray, b: np.ndarray) -> tuple[Any, np.ndarray, np.ndarray]:
+        """The orbit on the line through two places, and its unknowns at both: at zero and at one."""
+        n = self._plane.size
+        return self._plane.on_tangent(a, b - a), np.append(a[:n], 0.0), np.append(b[:n], 1.0)
+
+    def explain(self, z: np.ndarray) -> str:
+        """Where in the plugin a residual at z is not finite.
+
+        z has the shape (N + k + 2,).
+        """
+        there, own = self._plane.first(z)
+        return str(there.diagnosis.explain(own))
+
+    def obstacle(self, z: np.ndarray) -> str:
+        """What makes orbits beside z hard to find, and what helps; empty if nothing is known of that.
+
+        z has the shape (N + k + 2,).
+        """
+        there, own = self._plane.first(z)
+        return str(there.diagnosis.obstacle(own))
+
+    def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
+        """Those that the second orbit crosses."""
+        return b.kinks
+
+    def many_branches(self, z: np.ndarray) -> bool:
+        """Nothing is known of curves that cross at z at the ends of ranges.
+
+        z has the shape (N + k + 2,).
+        """
+        return False

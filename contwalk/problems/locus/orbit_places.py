@@ -1,0 +1,123 @@
+"""Orbits at places of the plane of two parameters, on the lines through them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contwalk.problems.locus.lines import along_parameter, along_tangent
+from contwalk.problems.orbit.augmented import Augmented
+from contwalk.problems.orbit.evaluations import Evaluations
+
+# Places whose lines are kept: a step asks for the same ones several times.
+MOST_KEPT = 12
+
+
+class OrbitPlane:
+    """Orbits of one discretisation at all values of two parameters.
+
+    A vector of a curve is z = (u, v, second, first): unknowns of the orbit, shape (N,), further ones of the
+    curve, shape (k,), and both parameters.
+
+    Parameters
+    ----------
+    orbit : PeriodicOrbit or HybridOrbit
+        One whose functions are compiled for both parameters moving: see `lines.whole_plane`.
+    free : tuple of str
+        The first and the second parameter.
+    """
+
+    def __init__(self, orbit: Any, free: tuple[str, str]) -> None:
+        self.orbit, self.free = orbit, free
+        self._known = Evaluations()
+
+    @property
+    def size(self) -> int:
+        """Number N of unknowns of the orbit."""
+        return int(self.orbit.size)
+
+    def values_of(self, z: np.ndarray) -> dict[str, float]:
+        """All parameters at z, by name.
+
+        z has the shape (N + k + 2,).
+        """
+        first, second = self.free
+        return {**self.orbit.parameters, first: float(z[-1]), second: float(z[-2])}
+
+    def on_lines(self, z: np.ndarray) -> tuple[Any, Any]:
+        """The orbit on the lines through z along the first and along the second parameter.
+
+        z has the shape (N + k + 2,).
+        """
+        place = z[[-1, -2]]
+
+        def made() -> tuple[Any, Any]:
+            values = self.values_of(z)
+            first, second = (self._on(along_parameter(values, self.free, which)) for which in (0, 1))
+            return first, second
+
+        return self._known.at("lines", place, MOST_KEPT, made)
+
+    def on_tangent(self, z: np.ndarray, tangent: np.ndarray) -> Any:
+        """The orbit on the line through z along which both parameters change as along a tangent, at zero.
+
+        z and the tangent have the shape (N + k + 2,).
+        """
+        rates = float(tangent[-1]), float(tangent[-2])
+        key = np.array([*z[[-1, -2]], *rates])
+        return self._known.at(
+            "tangents", key, MOST_KEPT, lambda: self._on(along_tangent(self.values_of(z), self.free, rates))
+        )
+
+    def _on(self, line: Any) -> Any:
+        return self.orbit._varied(line=line, free=line.free)
+
+    def first(self, z: np.ndarray) -> tuple[Any, np.ndarray]:
+        """The orbit at z on the line along the first parameter, and its unknowns there, shape (N + 1,)."""
+        return self.on_lines(z)[0], np.append(z[: self.size], z[-1])
+
+
+@dataclass(frozen=True, eq=False)
+class Held:
+    """A condition, and where its further unknowns stand in the vector that it is evaluated at.
+
+    `further` has the shape (k,).
+    """
+
+    system: Augmented
+    further: np.ndarray
+
+
+def evaluated(
+    plane: OrbitPlane, width: int, y: np.ndarray, held: Sequence[Held]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Residual and Jacobian of the orbit's equations with conditions, by all of y.
+
+    Parameters
+    ----------
+    plane : OrbitPlane
+    width : int
+        How many entries of y are a vector of the curve: further unknowns of a point of it stand behind.
+    y : ndarray, shape (width + r,)
+    held : sequence of Held
+        At least one.
+    """
+    n, z = plane.size, y[:width]
+    first, second = plane.on_lines(z)
+    places = np.arange(n), width - 1, width - 2
+    rows: list[np.ndarray] = []
+    values: list[np.ndarray] = []
+    for condition in held:
+        own = y[condition.further]
+        residual, jacobian = condition.system.evaluate(first, np.concatenate([z[:n], z[-1:], own]))
+        other = condition.system.evaluate(second, np.concatenate([z[:n], z[-2:-1], own]))[1]
+        since = n if rows else 0
+        block = np.zeros((len(residual) - since, len(y)))
+        block[:, places[0]], block[:, places[1]] = jacobian[since:, :n], jacobian[since:, n]
+        block[:, places[2]], block[:, condition.further] = other[since:, n], jacobian[since:, n + 1 :]
+        values.append(residual[since:])
+        rows.append(block)
+    return np.concatenate(values), np.vstack(rows)

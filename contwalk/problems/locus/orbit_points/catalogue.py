@@ -1,0 +1,41 @@
+"""All kinds of special points of curves of orbits, by what the curve is of."""
+
+from __future__ import annotations
+
+from contwalk.problems.locus.orbit_points.cubic import Chenciner, GeneralizedDoubling
+from contwalk.problems.locus.orbit_points.cusp import CuspOfCycles
+from contwalk.problems.locus.orbit_points.marked_value import CountChange, Crossing, EndPoint, MarkedValue
+from contwalk.problems.locus.orbit_points.point import OrbitLocusPoint
+from contwalk.problems.locus.orbit_points.resonances import (
+    R3,
+    R4,
+    R1OnFolds,
+    R1OnTori,
+    R2OnDoublings,
+    R2OnTori,
+)
+from contwalk.problems.locus.orbit_points.two_at_once import TwoAtOnce
+
+_OF_ALL = (Crossing(), MarkedValue(), EndPoint())
+_ON_TORI = (Chenciner(), R1OnTori(), R2OnTori(), R3(), R4())
+POINT_TYPES: dict[str, tuple[OrbitLocusPoint, ...]] = {
+    "LP": (CuspOfCycles(), R1OnFolds(), TwoAtOnce("LPPD", "PD"), TwoAtOnce("LPNS", "NS"), *_OF_ALL),
+    "PD": (
+        GeneralizedDoubling(),
+        TwoAtOnce("LPPD", "LP"),
+        R2OnDoublings(),
+        TwoAtOnce("PDNS", "NS"),
+        *_OF_ALL,
+    ),
+    "NS": (
+        *_ON_TORI,
+        TwoAtOnce("LPNS", "LP"),
+        TwoAtOnce("PDNS", "PD"),
+        TwoAtOnce("NSNS", "NS"),
+        CountChange(saddles=True),
+        *_OF_ALL,
+    ),
+    "GR": (TwoAtOnce("GRLP", "LP"), TwoAtOnce("GRPD", "PD"), TwoAtOnce("GRNS", "NS"), *_OF_ALL),
+    "OC": (CountChange(), *_OF_ALL),
+    "AZ": (CountChange(), *_OF_ALL),
+}

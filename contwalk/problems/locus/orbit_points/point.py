@@ -1,0 +1,105 @@
+"""What all special points of curves of orbits share: how they are located, and the record."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+from contwalk.errors import NotFinite
+from contwalk.problems.locus.orbit_places import Held, evaluated
+from contwalk.problems.orbit.augmented import Augmented, along
+from contwalk.problems.problem import Located, PointType, Sample
+
+# How far along the curve a function is looked at for its slope, in the metric.
+BESIDE = 1e-4
+
+# Kind, coefficients and note of a special point.
+Form = tuple[str | None, dict[str, Any], str | None]
+
+
+class OrbitLocusPoint(PointType):
+    """A kind of special point of curves of orbits."""
+
+    def system(self, problem: Any, sample: Sample, which: int) -> Augmented | None:
+        """The equations whose solution near a sample is such a point; None if there are none."""
+        return None
+
+    def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
+        """The point near a sample."""
+        try:
+            found: Located | None = problem.located(self.system(problem, sample, which), sample)
+        except (NotFinite, np.linalg.LinAlgError):
+            return None
+        return found
+
+    def form(self, problem: Any, located: Located, sample: Sample) -> Form:
+        """Kind, coefficients and note of a located point.
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError
+            Where its critical directions are not determined.
+        NotFinite
+            Where there is no motion beside it.
+        """
+        return None, {}, None
+
+    def describe(self, problem: Any, located: Located, sample: Sample, s: float) -> SpecialPoint:
+        """The record of a located point, with its normal form."""
+        there, z = problem if located.problem is None else located.problem, located.z
+        try:
+            kind, coefficients, note = self.form(there, located, sample)
+        except np.linalg.LinAlgError:
+            kind, coefficients = None, {}
+            note = "degenerate: the critical directions are not determined, so there is no normal form"
+        except NotFinite as error:
+            kind, coefficients, note = None, {}, f"there is no normal form: {error.sentence}"
+        state = there.reported(z) if sample.reported is None else sample.reported
+        spectrum, (_, fold) = tuple(complex(v) for v in sample.spectrum), problem.whole
+        return SpecialPoint(
+            label=self.label,
+            s=s,
+            kind=kind,
+            parameters=problem.values_of(z),
+            state=dict(zip(problem.system.state_names, state.tolist(), strict=True)),
+            period=sample.period,
+            period_full=sample.period * fold,
+            spectrum=spectrum,
+            spectrum_full=None if fold == 1 else tuple(v**fold for v in spectrum),
+            trivial_error=sample.trivial_error if np.isfinite(sample.trivial_error) else None,
+            error=located.error,
+            errors=dict(located.vectors.get("errors", {})),
+            coefficients=coefficients,
+            note=note,
+            unknowns=tuple(z.tolist()),
+            tangent=tuple(sample.tangent.tolist()),
+        )
+
+
+def where_zero(sample: Sample, problem: Any, value: Callable[[Any, np.ndarray], float]) -> Augmented | None:
+    """The equations of the point of a curve at which a function of (problem, z) passes zero, near a sample.
+
+    Its slope is taken along the curve: across it the curve's equations hold.
+
+    The result has the shape (p,), a number for each parameter.
+    """
+    ahead, behind = (value(problem, sample.z + h * sample.tangent) for h in (BESIDE, -BESIDE))
+    return along(sample, value, (ahead - behind) / (2.0 * BESIDE))
+
+
+def together(problem: Any, sample: Sample, held: Sequence[Held], further: np.ndarray) -> Augmented:
+    """The equations of an orbit with several conditions, near a sample.
+
+    `further` are the unknowns behind those of the curve, shape (r,): where the conditions have them tells
+    `Held`.
+    """
+    width = len(sample.z)
+
+    def evaluate(there: Any, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return evaluated(there.plane, width, y, held)
+
+    start, scale = np.append(sample.z, further), np.append(sample.weights, np.ones(len(further)))
+    return Augmented(evaluate, start, scale, lambda there, y: {})

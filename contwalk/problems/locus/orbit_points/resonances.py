@@ -1,0 +1,90 @@
+"""Strong resonances: R1 on curves of folds and tori, R2 on those of doublings and tori, R3, R4 of tori."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+
+from contwalk.problems.locus.orbit_conditions import At, pair_system
+from contwalk.problems.locus.orbit_places import Held
+from contwalk.problems.locus.orbit_points.point import OrbitLocusPoint, together
+from contwalk.problems.orbit.augmented import Augmented
+from contwalk.problems.problem import Sample, Test
+
+
+class OnTori(OrbitLocusPoint):
+    """The angle of a pair of multipliers on the unit circle is a whole part of a turn."""
+
+    test = Test.VALUE
+    cosine: ClassVar[float]
+
+    def value(self, problem: Any, sample: Sample) -> float:
+        """How far the cosine of the angle is from its own."""
+        return float(problem.further(sample.z)[0]) - self.cosine
+
+    def system(self, problem: Any, sample: Sample, which: int) -> Augmented | None:
+        """The curve's equations, and the cosine."""
+        place = problem.plane.size
+
+        def evaluate(there: Any, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            found, row = there.linearize(y), np.zeros(len(y))
+            row[place] = 1.0
+            return np.append(found.residual, y[place] - self.cosine), np.vstack([found.jacobian, row])
+
+        return Augmented(evaluate, sample.z, sample.weights, lambda there, y: {})
+
+
+class R1OnTori(OnTori):
+    """Both multipliers are one: the curve goes on as neutral saddles."""
+
+    label, cosine = "R1", 1.0
+
+
+class R2OnTori(OnTori):
+    """Both multipliers are minus one: the curve goes on as neutral saddles."""
+
+    label, cosine = "R2", -1.0
+
+
+class R3(OnTori):
+    """A third of a turn."""
+
+    label, cosine = "R3", -0.5
+
+
+class R4(OnTori):
+    """A quarter of a turn."""
+
+    label, cosine = "R4", 0.0
+
+
+class SecondMultiplier(OrbitLocusPoint):
+    """A second multiplier arrives where the curve holds one."""
+
+    test, changes = Test.STABILITY, (-1, 1)
+    multiplier: ClassVar[float]
+
+    def tells(self, problem: Any, sample: Sample, which: int) -> bool:
+        """A real multiplier of the same sign."""
+        value = sample.eigenvalues[which]
+        return bool(value.imag == 0.0 and value.real * self.multiplier > 0.0)
+
+    def system(self, problem: Any, sample: Sample, which: int) -> Augmented | None:
+        """A pair of multipliers whose mean is there, in place of the curve's own condition."""
+        there, own = problem.plane.first(sample.z)
+        near = At(own, np.append(sample.weights[: problem.plane.size], sample.weights[-1]))
+        pair = pair_system(there, near, self.multiplier, held=True)
+        return together(problem, sample, [Held(pair, np.zeros(0, dtype=int))], np.zeros(0))
+
+
+class R1OnFolds(SecondMultiplier):
+    """A second multiplier is one."""
+
+    label, multiplier = "R1", 1.0
+
+
+class R2OnDoublings(SecondMultiplier):
+    """A second multiplier is minus one."""
+
+    label, multiplier = "R2", -1.0

@@ -1,0 +1,64 @@
+"""Curves in two parameters from located special points of orbits."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+from contwalk.errors import StartError
+from contwalk.problems.hybrid.soft_orbit import SoftOrbit
+from contwalk.problems.locus.orbit_conditions import At
+from contwalk.problems.locus.orbit_curves import CURVES, LIMITS, begun_at
+from contwalk.problems.locus.orbit_locus import OrbitLocus
+from contwalk.problems.locus.orbit_places import OrbitPlane
+from contwalk.problems.locus.orbit_restored import plane_of
+from contwalk.problems.restoring import Facts
+
+FOLLOWED = (*CURVES, *LIMITS)
+
+
+def locus_at(
+    facts: Facts, point: SpecialPoint, weights: np.ndarray, free: tuple[str, str]
+) -> tuple[OrbitLocus, np.ndarray]:
+    """The curve through a located special point of orbits, and that point's z, shape (N + k + 2,).
+
+    Parameters
+    ----------
+    facts : Facts
+        What is stored of its branch; the parameters are those of the point.
+    point : SpecialPoint
+        A point of one of the kinds of `FOLLOWED`.
+    weights : ndarray, shape (N + 1,)
+        Typical magnitudes of its unknowns.
+    free : pair of str
+        The two parameters.
+
+    Raises
+    ------
+    StartError
+        If no curve begins there.
+    """
+    if point.label not in FOLLOWED or point.status != "located":
+        raise StartError(
+            f"No curve in two parameters can be followed from {point.name or point.label}.",
+            f"Start at a located special point of orbits: {', '.join(FOLLOWED)}.",
+        )
+    plane = plane_of(facts, facts.info.problem, free)
+    if isinstance(plane.orbit, SoftOrbit):
+        raise StartError(
+            f"{point.name or point.label} is of orbits through soft transitions, whose curves in two "
+            "parameters are not followed yet.",
+            "Start at a point of orbits whose transitions are hard.",
+        )
+    own = np.array(point.unknowns)[:-1]
+    first, second = (facts.parameters[name] for name in free)
+    near, scale = np.append(own, first), np.append(weights[:-1], max(abs(first), 1e-300))
+    there = plane.on_lines(np.array([second, first]))[0].at_stored(near, scale)
+    plane = OrbitPlane(there, free)
+    there = plane.on_lines(np.array([second, first]))[0]
+    curve, further = begun_at(there, point, At(near, scale))
+    z = np.concatenate([own, further, [second, first]])
+    known = np.concatenate(
+        [weights[:-1], np.maximum(np.abs(further), 1e-300), [max(abs(second), 1e-300)], scale[-1:]]
+    )
+    return OrbitLocus(plane, curve, (z, known)), z
