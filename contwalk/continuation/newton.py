@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contwalk.errors import PluginError
+from contwalk.numerics.broyden import broyden_step
 from contwalk.numerics.linear import norm_in
 from contwalk.problems.problem import Linearization, Problem, equations_at
 
@@ -21,6 +22,8 @@ NOTHING = 1e-14
 DUST = 1e-18
 # Corrections by the same Jacobian, from which size on, and by how much each is smaller at least.
 CHORDS, NEAR, CONTRACTS = 3, 1e-2, 0.1
+# Corrections by the derivatives at another solution, and by how much each is smaller at least.
+APPROACHES, NEARS = 8, 0.5
 # Iterations that may follow when corrections are small already.
 SETTLING = 12
 # A correction of so many iterations shortens the next step: unknowns that are hard to guess are fitted.
@@ -81,6 +84,7 @@ def correct(
     weights: np.ndarray,
     iterations: int = 8,
     damped: bool = False,
+    beside: np.ndarray | None = None,
 ) -> Correction:
     """The solution of F(z) = 0 in the hyperplane normal . (z - guess) = 0.
 
@@ -92,13 +96,19 @@ def correct(
     guess, normal, weights : ndarray, shape (N + 1,)
     damped : bool
         Shorten Newton steps that do not reduce the residual: for a start far from the solution.
+    beside : ndarray, shape (N + 1,), optional
+        A solution near the guess whose derivatives are known: where F is far cheaper than they are, they lead
+        to where Newton's method has nothing left to do.
     """
     equations = _Equations(problem)
     try:
         # What overflows or is not a number on the way is looked at where it matters.
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             guess = _clean(problem, guess, weights)
-            found = _iterated(equations, guess, normal, weights, iterations, damped)
+            condition = guess, normal, weights
+            found = None if beside is None else _from_beside(equations, beside, condition, iterations)
+            if found is None:
+                found = _iterated(equations, guess, condition, iterations, damped)
             if not damped and (not found.ok or found.iterations >= LABORIOUS):
                 found = _with_fitted(equations, guess, normal, weights, iterations, found)
             if found.ok:
@@ -167,16 +177,64 @@ def _without_dust(found: Correction, weights: np.ndarray) -> Correction:
     return replace(found, z=clean, linearization=there)
 
 
+def _from_beside(
+    equations: _Equations,
+    beside: np.ndarray,
+    condition: tuple[np.ndarray, np.ndarray, np.ndarray],
+    iterations: int,
+) -> Correction | None:
+    """Newton's method from where the derivatives at another solution lead; None where that finds nothing.
+
+    Some corrections without new derivatives count as one iteration, as after Newton's steps.
+    """
+    steps = list[np.ndarray]()
+    z = _approached(equations.problem, beside, condition, steps)
+    if z is None:
+        return None
+    found = _iterated(equations, z, condition, iterations, damped=False)
+    own = -(-len(steps) // (1 + CHORDS))
+    return replace(found, iterations=found.iterations + own) if found.ok else None
+
+
+def _approached(
+    problem: Problem,
+    beside: np.ndarray,
+    condition: tuple[np.ndarray, np.ndarray, np.ndarray],
+    steps: list[np.ndarray],
+) -> np.ndarray | None:
+    """Where the derivatives at another solution lead from the guess, by Broyden's method: a place whose
+    residual is rounding. Its steps, in units of the weights, are added to `steps`.
+    """
+    guess, normal, weights = condition
+    known = problem.linearize(beside)
+    if known.nearby is None or not known.finite:
+        return None
+    residual, level = known.nearby(), known.levels[0]
+    z, before = guess, np.inf
+    while len(steps) < APPROACHES:
+        left = residual(z)
+        chord = _newton_step(known, left, normal, normal @ (z - guess), weights)
+        if chord is None or not np.any(chord):
+            break
+        steps.append(broyden_step(-chord / weights, steps))
+        size = float(np.linalg.norm(steps[-1]))
+        if not size < NEARS * before:
+            return None
+        z, before = z + weights * steps[-1], size
+        if np.all(np.abs(left) <= level) or size < NOTHING:
+            return _clean(problem, z, weights)
+    return None
+
+
 def _iterated(
     equations: _Equations,
-    guess: np.ndarray,
-    normal: np.ndarray,
-    weights: np.ndarray,
+    begun: np.ndarray,
+    condition: tuple[np.ndarray, np.ndarray, np.ndarray],
     iterations: int,
     damped: bool,
 ) -> Correction:
     """Newton's method itself."""
-    z = guess.copy()
+    z, (guess, normal, weights) = begun.copy(), condition
     previous = np.inf
     lin = equations.at(z)
     for iteration in range(iterations + 1):
@@ -193,7 +251,7 @@ def _iterated(
         if (size < NEARLY or iteration >= 2) and not lin.exceeds(2.0, weights):
             return equations.ended(z, lin, iteration)
         if size < 1e-11 or (size > 0.25 * previous and size < 1e-7):
-            return _settled(equations, z, lin, (guess, normal, weights), iteration)
+            return _settled(equations, z, lin, condition, iteration)
         stalls = iteration > 1 and size > 0.7 * previous
         if stalls and lin.excess <= ROUNDED:  # near a singular point corrections never get small
             return equations.ended(z, lin, iteration)
@@ -201,9 +259,9 @@ def _iterated(
             return equations.ended(z, lin, iteration, "no_convergence", "Newton's method does not contract.")
         previous = size
         if damped:
-            z, lin = _damped(equations, z, step, lin, (guess, normal, weights))
+            z, lin = _damped(equations, z, step, lin, condition)
         else:
-            z = _followed(z, step, lin, (guess, normal, weights))
+            z = _followed(z, step, lin, condition)
             # If what is taken for dust is more than that, later iterations show it.
             z = _clean(equations.problem, z, weights) if iteration < 2 else z
             lin = equations.at(z)

@@ -160,9 +160,8 @@ def take_step(
 def _corrected(
     problem: Problem, state: ContinuationState, prediction: Prediction, settings: Settings
 ) -> Correction:
-    return correct(
-        problem, prediction.guess, prediction.normal, state.sample.weights, settings.newton_iterations
-    )
+    given = prediction.guess, prediction.normal, state.sample.weights, settings.newton_iterations
+    return correct(problem, *given, beside=state.sample.z)
 
 
 def _along(state: ContinuationState, length: float) -> Prediction:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from functools import cached_property
-from itertools import pairwise
 from typing import Generic
 
 import numpy as np
 
+from contwalk.numerics.broyden import broyden_step
 from contwalk.problems.hybrid.discretized_orbit import Kind
 from contwalk.problems.hybrid.grouping import Grouping
 from contwalk.problems.orbit.scales import cycle_scales
@@ -167,17 +167,18 @@ class Chord:
         self.soft = self.soft - correction
         return self.near.corrected(hard, correction)
 
-    def follow(self, z: np.ndarray, roughly: bool) -> bool:
+    def follow(self, z: np.ndarray) -> bool:
         """Solve for what is eliminated at z, by Broyden's method, as far as it contracts.
 
-        False where it leads nowhere. Roughly: to where corrections are negligible beside what is left.
+        False where it leads nowhere. Residuals are far cheaper than the derivatives that are asked for then.
         """
         self.moved(z)
         steps: list[np.ndarray] = []
         before = np.inf
         while len(self.soft) and len(steps) < MOST_CHORDS:
-            hard, soft = self.residuals()
-            steps.append(self._next(soft, steps))
+            soft = self.residuals()[1]
+            chord = -(self.near.inverse @ soft) / self.near.sizes
+            steps.append(broyden_step(chord, steps))
             size, change = float(np.linalg.norm(steps[-1])), steps[-1] * self.near.sizes
             if not size <= COARSE:
                 return False
@@ -185,21 +186,8 @@ class Chord:
             shrinks = min(size / before, 1.0) if len(steps) > 1 else CONTRACTS
             if shrinks > CONTRACTS or shrinks * self.near.excess_of(soft) <= 1.0:
                 break
-            if roughly and negligible(size, self.near.size_of(self.near.corrected(hard, -change))):
-                break
             before = size
         return True
-
-    def _next(self, residual: np.ndarray, steps: list[np.ndarray]) -> np.ndarray:
-        """Broyden's next step, in units of `sizes` (C. T. Kelley, Solving Nonlinear Equations with Newton's
-        Method, 2003, section 4.3).
-        """
-        step = -(self.near.inverse @ residual) / self.near.sizes
-        for one, following in pairwise(steps):
-            step = step + following * ((one @ step) / (one @ one))
-        if steps:
-            step = step / (1.0 - (steps[-1] @ step) / (steps[-1] @ steps[-1]))
-        return step
 
 
 def negligible(step: float, left: float) -> bool:
@@ -220,7 +208,7 @@ def reached(near: Eliminated, z: np.ndarray, roughly: bool = False) -> Eliminate
         return near
     chord = Chord(near)
     try:
-        if not chord.follow(z, roughly):
+        if not chord.follow(z):
             return None
     except np.linalg.LinAlgError:
         return None

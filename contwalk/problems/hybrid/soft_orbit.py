@@ -26,6 +26,7 @@ from contwalk.memory import remembered, unowned
 from contwalk.numerics.linear import Factored, Factorization, kernel_direction
 from contwalk.problems.hybrid import limit_points, softness
 from contwalk.problems.hybrid.eliminated import Chord, Eliminated, corrected, reached
+from contwalk.problems.hybrid.forward_solution import solved_forward
 from contwalk.problems.hybrid.grouping import Grouping
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.margins import Limit, Margins
@@ -168,7 +169,6 @@ class SoftOrbit(HybridOrbit):
 
     def mirror(self, sample: Sample) -> None:
         """Both halves are walked: that soft transitions are images of each other is not looked for."""
-        return
 
     def adapted_to(
         self,
@@ -186,12 +186,12 @@ class SoftOrbit(HybridOrbit):
         """
         word, states, lasting = softness.passed(self, z, self.magnitudes_of(weights))
         rough, begins = self.explicit_of(word), float(self.starting_times(z)[0])
-        rough.section = self.section
-        rough._most_steps = most_steps(self._mesh, tolerance or self.discretization.walking)
+        asked = tolerance or self.discretization.walking
+        rough.section, rough._most_steps = self.section, most_steps(self._mesh, asked)
         unknowns = rough.assembled(states, lasting, z[self.layout.drifts], float(z[-1]), begins)
-        explicit = rough.adapted_to(unknowns, self._explicit_weights(rough, weights), tolerance, section)
+        explicit = rough.adapted_to(unknowns, self._explicit_weights(rough, weights), asked, section)
         grouping = Grouping(word, rough.layout)
-        found = corrected(explicit, grouping, z, grouping.split(unknowns)[1])
+        found = corrected(explicit, grouping, z, solved_forward(explicit, grouping, z, unknowns))
         there = self.around(explicit, unknowns)
         if found is not None:
             there._inner = there._expanded[z.tobytes()] = found

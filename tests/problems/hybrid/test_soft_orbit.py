@@ -15,9 +15,11 @@ import pytest
 from hybrid_runs import ACCURACY, diagram, machine, solution
 
 from contwalk.branch import Branch, SpecialPoint
+from contwalk.problems.hybrid.forward_solution import solved_forward
 from contwalk.problems.hybrid.grouping import Grouping
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit, softened_seed
 from contwalk.problems.hybrid.switching import rotated
+from contwalk.problems.orbit import equations
 from contwalk.problems.problem import Seed
 from contwalk.system import System, Transition
 
@@ -162,6 +164,54 @@ def test_unknowns_are_split_and_joined_again():
         rtol=1e-12,
         atol=1e-12,
     )
+
+
+def test_what_is_eliminated_is_solved_for_in_the_order_of_the_motion():
+    """Instants and states at the spring from guesses that are a thousandth off, without derivatives."""
+    problem, z = solution(system(), "force", START, {"force": 1.5}, until="settled")
+    assert isinstance(problem, SoftOrbit)
+    explicit, unknowns = problem.explicit(z)
+    grouping = Grouping(explicit.word, explicit.layout)
+    own, soft = grouping.split(unknowns)
+    begun = grouping.joined(own, soft + 1e-3 * np.cos(np.arange(len(soft))))
+    found = solved_forward(explicit, grouping, z, begun)
+    # Levels of the equations are a part of the tolerance of the steps; these are solved to rounding.
+    there = grouping.joined(z, found)
+    residual = explicit.residual(there)[grouping.soft_rows]
+    assert np.all(np.abs(residual) <= explicit.linearize(there).levels[0][grouping.soft_rows])
+    np.testing.assert_allclose(found, soft, rtol=0, atol=1e-2 * problem.mesh.tolerance)
+
+
+def test_a_piece_that_does_not_come_to_its_guard_is_left_as_it_is():
+    problem, z = solution(system(), "force", START, {"force": 1.5}, until="settled")
+    assert isinstance(problem, SoftOrbit)
+    explicit, unknowns = problem.explicit(z)
+    grouping = Grouping(explicit.word, explicit.layout)
+    away = z.copy()
+    away[problem.layout.states[0]] = 0.0  # at rest, with no force worth the name, it never gets there
+    away[-1] = 1e-3
+    np.testing.assert_array_equal(
+        solved_forward(explicit, grouping, away, unknowns), grouping.split(unknowns)[1]
+    )
+
+
+def test_a_regular_step_takes_few_passes_with_derivatives(monkeypatch):
+    """One where the solution is, and one on the steps that are made for it."""
+    passes, points = [], []
+    with_derivatives = equations.with_derivatives
+
+    def counted(orbit, z):
+        passes.append(len(points))
+        return with_derivatives(orbit, z)
+
+    monkeypatch.setattr(equations, "with_derivatives", counted)
+    found = diagram(
+        system(), "force", (1.4, 1.6), START, {"force": 1.45}, until="settled", direction="up", max_step=0.05
+    )[0]
+    points += found.points.tolist()
+    assert len(points) >= 6
+    # The start takes some of its own, and so do ends; three a step were twice as many.
+    assert len(passes) <= 2 * len(points) + 12
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])

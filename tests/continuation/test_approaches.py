@@ -1,0 +1,76 @@
+"""Corrections by the derivatives at the last solution, where residuals are far cheaper than derivatives."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from made_up import MadeUp, circle, parabola
+
+from contwalk.continuation.newton import correct
+from contwalk.problems.problem import Linearization
+
+ONES = np.ones(2)
+
+
+class Cheap(MadeUp):
+    """Its residual may be asked for without its derivatives."""
+
+    def linearize(self, z: np.ndarray) -> Linearization:
+        found = super().linearize(z)
+        levels = found.levels
+        return Linearization(
+            found.residual,
+            found.jacobian,
+            lambda: levels,
+            nearby=lambda: lambda there: np.array(self.f(there), dtype=float),
+        )
+
+
+def cheap(of: MadeUp) -> Cheap:
+    return Cheap(of.f, of.df, of.eigenvalues)
+
+
+@pytest.mark.parametrize("step", [1e-3, 0.03, 0.2])
+def test_one_linearization_is_left_to_verify_the_solution(step):
+    problem, beside = cheap(circle()), np.array([math.cos(1.0), math.sin(1.0)])
+    tangent = np.array([-math.sin(1.0), math.cos(1.0)])
+    guess = beside + step * tangent
+    found = correct(problem, guess, tangent, ONES, beside=beside)
+    assert found.ok
+    assert problem.evaluated == 2  # at the solution beside, which the engine has at hand, and at this one
+    assert abs(found.z @ found.z - 1.0) <= 1e-15
+    assert abs(tangent @ (found.z - guess)) <= 4e-16
+    assert found.linearization is not None
+    assert found.linearization.excess <= 2.0
+    assert 1 <= found.iterations <= 2
+
+
+def test_a_solution_is_the_same_whatever_it_was_looked_for_from():
+    guess, tangent = np.array([0.55, 0.8]), np.array([-0.8, 0.6])
+    beside = np.array([math.cos(1.0), math.sin(1.0)])
+    plain = correct(circle(), guess, tangent, ONES)
+    found = correct(cheap(circle()), guess, tangent, ONES, beside=beside)
+    np.testing.assert_allclose(found.z, plain.z, rtol=0, atol=1e-15)
+
+
+def test_derivatives_that_do_not_lead_there_are_given_up():
+    """Those of the other side of a fold lead away: Newton's method begins at the guess, as without them."""
+    guess, normal = np.array([0.5, 0.3]), np.array([0.0, 1.0])
+    plain = correct(cheap(parabola()), guess, normal, ONES)
+    found = correct(cheap(parabola()), guess, normal, ONES, beside=np.array([-0.6, 0.36]))
+    assert found.ok
+    np.testing.assert_array_equal(found.z, plain.z)
+    assert found.iterations == plain.iterations
+
+
+def test_a_residual_without_a_value_on_the_way_is_given_up():
+    def f(z):
+        return [math.nan if 1.0 < z[0] < 1.02 else z[0] ** 2 - z[1]]
+
+    problem = Cheap(f, lambda z: [[2.0 * z[0], -1.0]])
+    found = correct(problem, np.array([1.01, 1.21]), np.array([0.0, 1.0]), ONES, beside=np.array([0.9, 0.81]))
+    assert found.reason == "not_finite"
+    found = correct(problem, np.array([1.03, 1.21]), np.array([0.0, 1.0]), ONES, beside=np.array([0.9, 0.81]))
+    assert found.z == pytest.approx([1.1, 1.21], abs=1e-15)
