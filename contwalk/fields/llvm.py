@@ -72,6 +72,17 @@ def code_of(text: str, symbols: Sequence[str]) -> Code:
     return cached_code((text,), symbols, lambda: compiled(text))
 
 
+def code_derived_from(text: str, symbols: Sequence[str], version: str, derive: Callable[[], str]) -> Code:
+    """The functions `symbols` of another module that `derive` makes of a text, called by what the text calls.
+
+    The cache knows it by the text and by `version`, which tells how it is made; it is derived if the cache
+    has none.
+    """
+    for name, address in called_in(text).items():
+        known_to_the_linker(name, address)
+    return cached_code((text, version), symbols, lambda: compiled(derive()))
+
+
 def cached_code(made_from: Sequence[str], symbols: Sequence[str], compile_it: Callable[[], bytes]) -> Code:
     """Object code from the cache, or from `compile_it`.
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from contwalk.fields.llvm import Code
 from contwalk.flow.compiled.addresses import address
+from contwalk.flow.compiled.batched import BatchedJacobian
 from contwalk.flow.compiled.entry_points import Entry
 
 _POINTER = ctypes.c_void_p
@@ -79,6 +80,11 @@ class CompiledField(ABC):
     def product_address(self) -> int:
         """Address of the product of the Jacobian with several tangents; see `products`."""
         return self._product.addresses["product"]
+
+    @property
+    def batched(self) -> BatchedJacobian | None:
+        """Its Jacobian for many stages at once; None where the field is no straight line of operations."""
+        return None
 
     @property
     def variation_address(self) -> int:

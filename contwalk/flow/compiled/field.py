@@ -13,11 +13,13 @@ import numpy as np
 from contwalk.fields.derivative import directional, jacobian
 from contwalk.fields.hoisting import hoisted, places_of, width_of
 from contwalk.fields.kernel import refuse_raising
+from contwalk.fields.lanes import has_lanes
 from contwalk.fields.llvm import Code, code_of
 from contwalk.fields.machine_code import Input, function, module
 from contwalk.fields.rounding import error_bounds
 from contwalk.fields.trace import Outputs, Program, roots
 from contwalk.flow.compiled.addresses import address
+from contwalk.flow.compiled.batched import BatchedJacobian, batched_product, jacobians_in_lanes
 from contwalk.flow.compiled.compiled_field import CompiledField
 from contwalk.flow.compiled.derived import Derived, derived
 from contwalk.flow.compiled.products import product_text
@@ -241,6 +243,20 @@ class Field(CompiledField):
     def _product(self) -> Code:  # type: ignore[override]
         with self._lock:
             return code_of(product_text(self._derived.rows, self.n, self.ones), ("product",))
+
+    @cached_property
+    def batched(self) -> BatchedJacobian | None:
+        """Its Jacobian for many stages at once; None where the field is no straight line of operations."""
+        if not (self._differentiable and self.m == self.n and has_lanes(self.rhs_jac_text)):
+            return None
+        with self._lock:
+            return BatchedJacobian(
+                jacobians_in_lanes(self.rhs_jac_text, self.n, self.m),
+                batched_product(self._derived.rows, self.n, self.ones),
+                self.n,
+                len(self.col),
+                np.arange(self.n, dtype=np.int64),
+            )
 
     # -- calls from Python -------------------------------------------------------------------------------
 

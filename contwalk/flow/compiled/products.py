@@ -12,7 +12,13 @@ WIDTH = 4
 _VECTOR = f"<{WIDTH} x double>"
 
 
-def product_text(rows: Sequence[Sequence[int]], states: int, ones: Sequence[int]) -> str:
+def product_text(
+    rows: Sequence[Sequence[int]],
+    states: int,
+    ones: Sequence[int],
+    places: Sequence[int] | None = None,
+    apart: int = 1,
+) -> str:
     """IR of `void product(i64 blocks, double* x, double* sources, double* entries, double* out)`.
 
     Row i of `out` is the sum, over the entries of row i of the Jacobian, of the entry times a row of `x`, or,
@@ -26,6 +32,10 @@ def product_text(rows: Sequence[Sequence[int]], states: int, ones: Sequence[int]
         Columns from here on are those of parameters.
     ones : sequence of int
         Positions of the entries that are always 1.
+    places : sequence of int, optional
+        Where in `entries` each entry stands; one after the other by default.
+    apart : int
+        How many doubles they are apart there.
     """
     always_one = frozenset(ones)
     lines = [
@@ -38,14 +48,15 @@ def product_text(rows: Sequence[Sequence[int]], states: int, ones: Sequence[int]
         "  %i = phi i64 [ 0, %entry ], [ %i_next, %loop ]",
     ]
     for column in sorted({column for row in rows for column in row}):
-        array, place = ("x", column) if column < states else ("sources", column - states)
-        lines += _address(f"x{column}", array, place)
+        array, own = ("x", column) if column < states else ("sources", column - states)
+        lines += _address(f"x{column}", array, own)
         lines.append(f"  %x{column} = load {_VECTOR}, ptr %x{column}_at, align 8")
     position = 0
     for i, row in enumerate(rows):
         total = "zeroinitializer"
         for column in row:
-            term, statements = _term(position, column, position in always_one)
+            place = apart * (position if places is None else places[position])
+            term, statements = _term(position, column, place, position in always_one)
             lines += statements
             if total != "zeroinitializer":
                 lines.append(f"  %s{position} = fadd {_VECTOR} {total}, {term}")
@@ -73,13 +84,13 @@ def _address(name: str, array: str, row: int) -> list[str]:
     ]
 
 
-def _term(position: int, column: int, one: bool) -> tuple[str, list[str]]:
+def _term(position: int, column: int, place: int, one: bool) -> tuple[str, list[str]]:
     """An entry times a row."""
     if one:
         return f"%x{column}", []
     vector = f"{_VECTOR} %e{position}_0"
     return f"%p{position}", [
-        f"  %e{position}_at = getelementptr double, ptr %entries, i64 {position}",
+        f"  %e{position}_at = getelementptr double, ptr %entries, i64 {place}",
         f"  %e{position} = load double, ptr %e{position}_at",
         f"  %e{position}_0 = insertelement {_VECTOR} poison, double %e{position}, i64 0",
         f"  %v{position} = shufflevector {vector}, {_VECTOR} poison, <{WIDTH} x i32> zeroinitializer",

@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from contwalk.fields.llvm import Code, code_of, known_to_the_linker
+from contwalk.flow.compiled.batched import BatchedJacobian, batched_product
 from contwalk.flow.compiled.compiled_field import CompiledField
 from contwalk.flow.compiled.field import Field
 from contwalk.flow.compiled.products import product_text
@@ -152,10 +153,26 @@ class Restricted(CompiledField):
         return code_of("\n".join([*lines, "  ret void", "}", ""]), (name,))
 
     @cached_property
-    def _product(self) -> Code:  # type: ignore[override]
+    def _pattern(self) -> tuple[list[list[int]], list[int]]:
+        """Columns of each row's entries, and positions of the entries that are always 1."""
         rows: list[list[int]] = [[] for _ in range(self.m)]
         for i, column, _ in self._entries:
             rows[i].append(column)
         always_one = frozenset(self.whole.ones)
-        ones = [k for k, (_, _, position) in enumerate(self._entries) if position in always_one]
+        return rows, [k for k, (_, _, position) in enumerate(self._entries) if position in always_one]
+
+    @cached_property
+    def _product(self) -> Code:  # type: ignore[override]
+        rows, ones = self._pattern
         return code_of(product_text(rows, self.n, ones), ("product",))
+
+    @cached_property
+    def batched(self) -> BatchedJacobian | None:
+        """The Jacobian of the whole for many stages at once: what does not concern it is passed over."""
+        whole = self.whole.batched
+        if whole is None:
+            return None
+        rows, ones = self._pattern
+        product = batched_product(rows, self.n, ones, [position for _, _, position in self._entries])
+        places = np.array(self.places, dtype=np.int64)
+        return BatchedJacobian(whole.jacobians, product, whole.rows, whole.entries, places)

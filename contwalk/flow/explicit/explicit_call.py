@@ -52,6 +52,28 @@ class ExplicitCall(CallRecord):
 
 
 @call_record
+class BatchedCall(CallRecord):
+    """One call of `march_batched`: two calls of the same steps, of the states and of a block of tangents."""
+
+    # Addresses of an `ExplicitCall` of the states alone, which also tells times and paths, and of one of the
+    # tangents of a block.
+    states: int
+    tangents: int
+    # Address of the function of a batch of Jacobians; how many rows a batch of stages and one of Jacobians
+    # have, and how many steps are recorded before Jacobians are evaluated.
+    jacobians: int
+    rows: int
+    entries: int
+    chunk: int
+    # Number of blocks; addresses of their tangents, path by path, and of what drives them, a block of
+    # `driving` doubles each.
+    blocks: int
+    carried: int
+    sources: int
+    driving: int
+
+
+@call_record
 class PolynomialCall(CallRecord):
     """The interpolating polynomials of a path of n states, asked at some times."""
 

@@ -16,6 +16,8 @@ from contwalk.flow.compiled.call_record import CallRecord
 from contwalk.flow.compiled.compiled_field import EACH, CompiledField
 from contwalk.flow.compiled.entry_points import Entry
 from contwalk.flow.explicit import stages
+from contwalk.flow.explicit.batched_steps import MARCH_BATCHED, Paths, marched
+from contwalk.flow.explicit.columns import aligned, driving, padded
 from contwalk.flow.explicit.explicit_call import (
     FIRST_ROWS,
     FULL,
@@ -37,9 +39,6 @@ TABLEAUS = stages.TABLEAUS
 # Whether its steps are solved for, with the Jacobian of the field.
 IMPLICIT = False
 
-# Numbers in a line of the processor's cache.
-_LINE = 8
-
 # Most numbers that interpolation keeps at once.
 _MOST_KEPT = 4_000_000
 
@@ -54,7 +53,7 @@ INTERPOLATE = Entry(_DRIVERS, "interpolate", "q", "q")
 
 def warmup() -> None:
     """Compile everything that does not depend on the field, or find it compiled."""
-    for entry in (ADAPTIVE, MARCH, MARCH_EACH, LEAP, POLYNOMIALS, INTERPOLATE, EACH):
+    for entry in (ADAPTIVE, MARCH, MARCH_EACH, MARCH_BATCHED, LEAP, POLYNOMIALS, INTERPOLATE, EACH):
         _ = entry.address
     for name in stages.TABLEAUS:
         stages.code(name)
@@ -68,8 +67,8 @@ class Form:
 
     def __init__(self, field: CompiledField, method: str, columns: int) -> None:
         self.method = _method(method)
-        self.start = _padded(field.n)
-        self.width = _padded(columns)
+        self.start = padded(field.n)
+        self.width = padded(columns)
         self.length = self.start + field.n * self.width
         self.vectors = stages.vectors(self.method)
         self._dense = _weights_of(method, self.vectors - stages.FIRST)
@@ -99,7 +98,7 @@ class Call:
             form = field.forms[method, columns] = Form(field, method, columns)
         self.field, self.method = field, form.method
         self.start, self.width, self.length = form.start, form.width, form.length
-        self.vectors = _aligned(form.vectors, self.length)
+        self.vectors = aligned(form.vectors, self.length)
         self._c = _checked(c, (max(field.constant_count, 1),), "constants")
         if x0 is not None:
             self.vectors[stages.Y, : field.n] = _checked(x0, (field.n,), "start")
@@ -140,14 +139,14 @@ class Call:
         """Tell the driver of q tangents, each driven by its parameter column: `sources`, shape (q,)."""
         field = self.field
         if len(sources) != q:
-            raise ValueError(f"{q} tangents of a field with {field.k} columns are driven by {list(sources)}")
-        driving = _driving(field.k, self.width, np.asarray(sources, dtype=np.int64).tobytes())
+            raise _undriven(field, q, sources)
+        driven = driving(field.k, self.width, sources)
         buffer = np.empty(field.n + len(field.col))
-        self._kept += [driving, buffer]
+        self._kept += [driven, buffer]
         addresses = [field.rhs_jac_address, address(self._c), field.product_address]
         addresses += [
             self.width // stages.WIDTH,
-            address(driving),
+            address(driven),
             address(buffer),
             field.n,
             self.start,
@@ -223,6 +222,11 @@ def tangents(
     if q == 0:
         states = along(field, c, times, x0, method)
         return (states, np.empty((len(states), field.n, 0))) if every else (states[-1], start.copy())
+    grid = _grid(times)
+    if not every and (grid[1:] != grid[:-1]).all():
+        state = _checked(x0, (field.n,), "start")[None]
+        states, derivatives = along_with_tangents(field, c, grid, state, given, method)
+        return states[-1].copy(), derivatives[0]
     call = Call(field, c, method, x0, q)
     call.tangents(start, given.sources)
     x, derivatives = call.split(call.march(times, every))
@@ -236,17 +240,28 @@ def along_with_tangents(
     """As `integrate.along_with_tangents`."""
     start, grid = _tangents(field, given.start), _grid(times)
     q, paths = start.shape[1], 1 + int(np.count_nonzero(grid[1:] == grid[:-1]))
+    starts = _checked(x0, (paths, field.n), "starts")
+    if len(given.sources) != q:
+        raise _undriven(field, q, given.sources)
+    constants = _checked(c, (max(field.constant_count, 1),), "constants")
+    found = marched(field, Paths(constants, grid, starts, start), given.sources, method)
+    if found is not None:
+        return found
     call = Call(field, c, method, None, q)
     if q:
         call.drive(q, given.sources)
-    vectors = call.give("starts", _aligned(paths, call.length))
+    vectors = call.give("starts", aligned(paths, call.length))
     x, derivatives = call.split(vectors)
-    x[:], derivatives[..., :q] = _checked(x0, (paths, field.n), "starts"), start
+    x[:], derivatives[..., :q] = starts, start
     states = call.give("states", np.empty((len(grid), field.n)))
     call.give("times", grid)
     call.record.room = len(grid) - 1
     MARCH_EACH(call.record.address)
     return states, derivatives[..., :q].copy()
+
+
+def _undriven(field: CompiledField, q: int, sources: Sequence[int] | np.ndarray) -> ValueError:
+    return ValueError(f"{q} tangents of a field with {field.k} columns are driven by {list(sources)}")
 
 
 def _tangents(field: CompiledField, given: np.ndarray) -> np.ndarray:
@@ -403,28 +418,6 @@ def _method(name: str) -> RungeKutta:
     if name not in stages.TABLEAUS:
         raise ValueError(f"'{name}' is none of {', '.join(stages.TABLEAUS)}")
     return stages.TABLEAUS[name]
-
-
-@lru_cache
-def _driving(columns: int, width: int, sources: bytes) -> np.ndarray:
-    """Which parameter column drives which tangent: ones in places, shape (columns, width); never changed."""
-    given = np.frombuffer(sources, dtype=np.int64)
-    if ((given < -1) | (given >= columns)).any():
-        raise ValueError(f"tangents of a field with {columns} columns are driven by {given.tolist()}")
-    result = _aligned(max(columns, 1), width)
-    result[given[given >= 0], np.flatnonzero(given >= 0)] = 1.0
-    return result
-
-
-def _padded(count: int) -> int:
-    return -(-count // stages.WIDTH) * stages.WIDTH
-
-
-def _aligned(rows: int, columns: int) -> np.ndarray:
-    """Zeros, at an address at which vectors do not straddle the lines of the processor's cache."""
-    memory = np.zeros(rows * columns + _LINE)
-    offset = -(address(memory) // memory.itemsize) % _LINE
-    return memory[offset : offset + rows * columns].reshape(rows, columns)
 
 
 def _grid(times: Vector) -> np.ndarray:

@@ -15,6 +15,11 @@ state of the stage evaluated last `STAGE`, then one vector for each stage. The c
 
     void plain(problem, t, y, k)        problem: rhs, c
     void tangent(problem, t, y, k)      problem: rhs_jac, c, product, blocks, sources, buffer, n, start
+
+or, where Jacobians are evaluated between two passes over the same steps (see `batched_steps`), one of
+
+    void recorded(problem, t, y, k)     problem: rhs, c, batches, places, n, rows, count
+    void replayed(problem, t, y, k)     problem: product, blocks, sources, jacobians, entries, count
 """
 
 from __future__ import annotations
@@ -23,6 +28,7 @@ import struct
 from collections.abc import Sequence
 from functools import cache
 
+from contwalk.fields.lanes import LANES
 from contwalk.fields.llvm import Code, code_of
 from contwalk.flow.compiled.products import WIDTH
 from contwalk.flow.tableaus.dop853 import DOP853
@@ -45,13 +51,21 @@ def vectors(method: RungeKutta) -> int:
 def code(name: str) -> Code:
     """The compiled functions of a method."""
     method = TABLEAUS[name]
-    symbols = ["step", "error", "plain", "tangent", *(["extend"] if method.dense else [])]
+    symbols = [
+        "step",
+        "error",
+        "plain",
+        "tangent",
+        "recorded",
+        "replayed",
+        *(["extend"] if method.dense else []),
+    ]
     return code_of(text(method), symbols)
 
 
 def text(method: RungeKutta) -> str:
     """IR of the functions of a method."""
-    return "\n".join([_step(method), _error(method), _extend(method), _EVALUATIONS])
+    return "\n".join([_step(method), _error(method), _extend(method), _EVALUATIONS, _BATCHES])
 
 
 # -- sums of stages ------------------------------------------------------------------------------------------
@@ -254,5 +268,63 @@ _EVALUATIONS = "\n".join(
         "  ret void",
         "}",
         "declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)",
+    ]
+)
+
+
+def _place(array: str, rows: str) -> list[str]:
+    """%place: where the next stage stands in batches of so many rows; it is counted."""
+    return [
+        f"  %batch = udiv i64 %count, {LANES}",
+        f"  %lane = urem i64 %count, {LANES}",
+        f"  %length = mul i64 {rows}, {LANES}",
+        "  %batch_offset = mul i64 %batch, %length",
+        "  %offset = add i64 %batch_offset, %lane",
+        f"  %place = getelementptr double, ptr {array}, i64 %offset",
+        "  %counted = add i64 %count, 1",
+        "  store i64 %counted, ptr %count_at",
+    ]
+
+
+# Evaluations that stages are written down by, and that Jacobians are read by which were evaluated there.
+_BATCHES = "\n".join(
+    [
+        "define void @recorded(ptr %problem, double %t, ptr %y, ptr %k) nounwind {",
+        "entry:",
+        *[_entry(i, name, "ptr") for i, name in enumerate(("rhs", "c", "batches", "places"))],
+        *[_entry(i, name, "i64") for i, name in enumerate(("n", "rows", "count"), start=4)],
+        "  %all = add i64 %rows, 1",
+        *_place("%batches", "%all"),
+        f"  %last = mul i64 %rows, {LANES}",
+        "  %t_at = getelementptr double, ptr %place, i64 %last",
+        "  store double %t, ptr %t_at",
+        "  br label %loop",
+        "loop:",
+        "  %i = phi i64 [ 0, %entry ], [ %i_next, %write ]",
+        "  %more = icmp ult i64 %i, %n",
+        "  br i1 %more, label %write, label %done",
+        "write:",
+        "  %row_at = getelementptr i64, ptr %places, i64 %i",
+        "  %row = load i64, ptr %row_at",
+        f"  %row_offset = mul i64 %row, {LANES}",
+        "  %state_at = getelementptr double, ptr %place, i64 %row_offset",
+        "  %y_at = getelementptr double, ptr %y, i64 %i",
+        "  %state = load double, ptr %y_at",
+        "  store double %state, ptr %state_at",
+        "  %i_next = add i64 %i, 1",
+        "  br label %loop",
+        "done:",
+        "  tail call void %rhs(double %t, ptr %y, ptr %c, ptr %k)",
+        "  ret void",
+        "}",
+        "define void @replayed(ptr %problem, double %t, ptr %y, ptr %k) nounwind {",
+        _entry(0, "product", "ptr"),
+        _entry(1, "blocks", "i64"),
+        *[_entry(i, name, "ptr") for i, name in enumerate(("sources", "jacobians"), start=2)],
+        *[_entry(i, name, "i64") for i, name in enumerate(("entries", "count"), start=4)],
+        *_place("%jacobians", "%entries"),
+        "  tail call void %product(i64 %blocks, ptr %y, ptr %sources, ptr %place, ptr %k)",
+        "  ret void",
+        "}",
     ]
 )
