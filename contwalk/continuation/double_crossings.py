@@ -118,11 +118,14 @@ def _suspects(a: Sample, b: Sample, length: float) -> Iterable[int]:
     for which in np.flatnonzero(certain & (np.sign(ma) == np.sign(mb))).tolist():
         sign = float(np.sign(ma[which]))
         # Towards zero at the one end, away from it at the other: an extremum lies between. A rate has a
-        # price, and a comparison with one that is not known is false.
-        if not (da := a.rates[which] * length) * sign < 0.0:
+        # price, so the end is asked first at which it is less likely; and a comparison with one that is not
+        # known is false.
+        asked = ((a, -sign), (b, sign))
+        if abs(mb[which]) < abs(ma[which]):
+            asked = asked[::-1]
+        if not all(sample.rates[which] * way > 0.0 for sample, way in asked):
             continue
-        if not (db := b.rates[which] * length) * sign > 0.0:
-            continue
+        da, db = a.rates[which] * length, b.rates[which] * length
         ends = float(ma[which]), float(mb[which]), da, db, sign
         lowest = min(_cubic_extremum(*ends), _corner(*ends))
         if lowest < NEAR_ZERO * min(abs(ma[which]), abs(mb[which])):

@@ -21,7 +21,7 @@ from contwalk.flow.explicit import stages
 from contwalk.flow.explicit.columns import aligned, driving, padded
 from contwalk.flow.explicit.explicit_call import BatchedCall, ExplicitCall
 
-MARCH_BATCHED = Entry("contwalk.flow.explicit.drivers", "march_batched", "q", "q")
+MARCH_BATCHED = Entry("contwalk.flow.explicit.batched_driver", "march_batched", "q", "q")
 
 # Bytes that vectors of a block's tangents may take, and Jacobians between two passes.
 _FIRST_CACHE, _SECOND_CACHE = 40_000, 300_000

@@ -41,7 +41,7 @@ def padded(count: int) -> int:
 
 
 def aligned(rows: int, columns: int) -> np.ndarray:
-    """Zeros, at an address at which vectors do not straddle the lines of the processor's cache."""
+    """Zeros, shape (rows, columns), whose vectors do not straddle the lines of the processor's cache."""
     memory = np.zeros(rows * columns + _LINE)
     offset = -(address(memory) // memory.itemsize) % _LINE
     return memory[offset : offset + rows * columns].reshape(rows, columns)
