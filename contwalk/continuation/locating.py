@@ -16,6 +16,9 @@ from contwalk.problems.problem import Located, PointType, Sample, Test
 # Of two points that are one, in the metric, beside what a mesh blurs.
 SAME_POINT = 1e-6
 ROUNDING = 1e-13
+# A branch point on a mesh is known less exactly than that, and rounding unfolds it: whether the branch passes
+# is judged no nearer, up to this part of the segment.
+FARTHEST = 0.1
 # A located point lies on the branch if it is this near, relative to the segment, where equations are exact.
 BLUR = 1e-6
 # What the ends of a segment are known to blurs as well, up to this part of the segment.
@@ -141,6 +144,8 @@ def _on_branch(
         return same_point(segment, located, theta)
     # The more branches meet there, the farther its influence reaches.
     offset = 1e-2 if kind.test is Test.TOGETHER else max(1e-3 * width, 1e-7)
+    if segment.problem.meshed is not None:
+        offset = max(offset, min(SAME_POINT / segment.length, FARTHEST))
     return passes_through(segment, located.z, tangent, theta, offset)
 
 

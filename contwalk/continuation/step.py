@@ -224,6 +224,11 @@ def _segment(
         _check_shape(a, z, tangent, prediction, settings)
     if not _inside(z, settings):
         raise TooLong("The step passes the end of the range.")
+    if problem.equivalence.gains_symmetry(a.z, z):
+        raise TooLong(
+            "The step ends on a solution that repeats itself, or is its own image, as those before do not: "
+            "it may have gone over to the branch that this one left."
+        )
     there = problem.examine(z, tangent, a.weights, linearization, a.unstable)
     segment = Segment(problem, a, replace(there, iterations=correction.iterations))
     # Orientation is not defined at a branch point that the walk begins at.

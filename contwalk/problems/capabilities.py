@@ -30,6 +30,10 @@ class OwnMeasures:
         """It compares its solutions itself."""
         return self
 
+    def gains_symmetry(self, a: np.ndarray, b: np.ndarray) -> bool:
+        """Of its solutions no symmetry is known."""
+        return False
+
 
 class Observed(Protocol):
     """What is measured of solutions."""
@@ -91,6 +95,12 @@ class Equivalence(Protocol):
 
     def same(self, a: Sample, b: Sample) -> bool:
         """Whether two solutions at the same parameter are one."""
+        ...
+
+    def gains_symmetry(self, a: np.ndarray, b: np.ndarray) -> bool:
+        """Whether the second of two neighbours, shape (N + 1,) each, has a symmetry that the first has not:
+        a step from one to the other has gone over to the branch that theirs left.
+        """
         ...
 
     def mirror(self, sample: Sample) -> Mirror | None:

@@ -16,11 +16,12 @@ from contwalk.problems.equilibrium import defining_systems as defining
 from contwalk.problems.equilibrium import vertical
 from contwalk.problems.equilibrium.diagnosis import EquilibriumDiagnosis
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
-from contwalk.problems.equilibrium.mirror import Mirror, mirror_of
+from contwalk.problems.equilibrium.mirror import Mirror, asymmetries, mirror_of
 from contwalk.problems.equilibrium.points.catalogue import POINT_TYPES
 from contwalk.problems.equilibrium.points.hopf import hopf
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.parameter_line import Ends
+from contwalk.problems.parents import gained_symmetry
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.problem import MAX_RE, Linearization, Located, Sample
 from contwalk.problems.sample import Rates
@@ -148,6 +149,10 @@ class Equilibrium(OwnMeasures, EquilibriumEquations):
     def same(self, a: Sample, b: Sample) -> bool:
         """Whether two solutions at the same parameter are one."""
         return bool(np.allclose(self.nearest_turn(a.z, b.z), b.z, rtol=1e-9, atol=1e-12))
+
+    def gains_symmetry(self, a: np.ndarray, b: np.ndarray) -> bool:
+        """Whether the second of two neighbours is its own image under a symmetry, and the first is not."""
+        return gained_symmetry(lambda: asymmetries(self, a), lambda: asymmetries(self, b))
 
     def reported(self, z: np.ndarray) -> np.ndarray:
         """The state, shape (n,)."""

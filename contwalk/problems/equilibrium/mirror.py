@@ -18,7 +18,7 @@ from contwalk.branch import SpecialPoint
 from contwalk.numerics.linear import nearest_eigenpair, unit_in
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
 from contwalk.problems.equilibrium.normal_forms import critical_vectors
-from contwalk.problems.images import Product, point_of_image, products, row_of_image
+from contwalk.problems.images import Product, imaged, point_of_image, products, row_of_image
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.problem import Sample
 from contwalk.system.declarations import ParameterValues
@@ -29,6 +29,8 @@ KEPT, REVERSED = 1e-7, 1e-6
 SOLVED = 20.0
 # A critical vector whose image is a unit vector to this needs no other coefficients.
 ISOMETRIC = 1e-12
+# Of a state that is zero nothing is a part.
+TINY = float(np.finfo(float).tiny)
 # How often the critical vector stands in each coefficient more than its left one does.
 DEGREES: Mapping[str, Mapping[str, int]] = {
     "LP": {"a": 1, "b": -1},
@@ -55,6 +57,17 @@ def mirror_of(problem: EquilibriumEquations, sample: Sample) -> Mirror | None:
         if float(np.linalg.norm(moved / sample.weights)) < REVERSED:
             return Mirror(problem, product, sample, turned - image)
     return None
+
+
+def asymmetries(problem: EquilibriumEquations, z: np.ndarray) -> dict[str, float]:
+    """How far a state is from its images under the declared symmetries, in units of its size, by name."""
+    n, p = problem.states, ParameterValues(**problem.values_of(z))
+    found = dict[str, float]()
+    for symmetry in problem.system.symmetries:
+        image = problem.nearest_turn(np.append(imaged(symmetry, z[:n], p), z[n:]), z)
+        size = max(float(np.linalg.norm(z[:n])), TINY)
+        found[symmetry.name] = float(np.linalg.norm((image - z)[:n])) / size
+    return found
 
 
 class Mirror:

@@ -9,17 +9,15 @@ import numpy as np
 from contwalk.branch import Outcome
 from contwalk.errors import NotFinite
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.orbit.closure import imaged, order_of
+from contwalk.problems.orbit.asymmetry import asymmetries
 from contwalk.problems.orbit.conservation import not_conserved
 from contwalk.problems.orbit.homoclinic import homoclinic
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
 from contwalk.problems.orbit.slow_place import AROUND, SlowPlace, slow_places_on
-from contwalk.problems.orbit.transport import carried_to
 from contwalk.problems.orbit.unbounded import unbounded
 from contwalk.problems.orbit.vanishing import at_a_point
 from contwalk.problems.problem import Sample
-from contwalk.system.declarations import ParameterValues
 
 # An orbit that goes a smaller part of its metric in one closure is a point: solutions are known to 1e-10.
 POINT = 1e-8
@@ -122,30 +120,6 @@ def fallen_back(problem: SegmentedOrbit, z: np.ndarray, tangent: np.ndarray) -> 
 def repeats(problem: SegmentedOrbit, z: np.ndarray, meets: float) -> bool:
     """Whether an orbit runs twice through the same states, or is its own mirror image."""
     try:
-        x = problem.starts(z)[0]
-        still = np.zeros(len(z))
-        # The force alone is the same again after one of its periods, not after a half: an orbit at rest is
-        # no parent's.
-        closure = problem.closure
-        if not problem.forced or problem.subharmonic % (2 * closure.fold) == 0:
-            half = carried_to(problem, z, still, 0.5)[0] - 0.5 * closure.turns
-            if _meet(problem, half, x, meets):
-                return True
-        p = ParameterValues(**problem.values_of(z))
-        # Of an orbit that closes up to a symmetry each part is a whole, once its states are their own images.
-        if closure.fold > 1 and _meet(problem, imaged(closure.symmetry, x, p, closure.power), x, meets):
-            return True
-        for symmetry in problem.system.symmetries:
-            order = order_of(symmetry, x, p)
-            if problem.closure.fold > 1 or symmetry.role != "spatial" or order is None or order < 2:
-                continue
-            part = carried_to(problem, z, still, 1.0 / order)[0]
-            if any(_meet(problem, imaged(symmetry, part, p, power), x, meets) for power in range(1, order)):
-                return True
+        return any(apart < meets for apart in asymmetries(problem, z).values())
     except NotFinite:
         return False
-    return False
-
-
-def _meet(problem: SegmentedOrbit, x: np.ndarray, y: np.ndarray, meets: float) -> bool:
-    return float(np.linalg.norm((x - y) / problem.mesh.variation)) < meets

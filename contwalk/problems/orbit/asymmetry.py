@@ -1,0 +1,50 @@
+"""How far an orbit is from repeating itself, and from being its own image, in units of its range."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contwalk.problems.orbit.closure import imaged, order_of
+from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
+from contwalk.problems.orbit.transport import carried_to
+from contwalk.system.declarations import ParameterValues
+
+
+def asymmetries(problem: SegmentedOrbit, z: np.ndarray) -> dict[str, float]:
+    """Distances of an orbit, z of shape (N + 1,), from its images, by name: zero where it is its parent's.
+
+    It is compared with itself half a closure later; of an orbit that closes up to a symmetry, of which each
+    part is a whole, its states with their own images; and with its images under powers of symmetries, a part
+    of the closure later.
+
+    Raises
+    ------
+    NotFinite
+        If the motion ends before the closure does.
+    """
+    x, closure = problem.starts(z)[0], problem.closure
+    still, known = np.zeros(len(z)), dict[float, np.ndarray]()
+
+    def later(part: float) -> np.ndarray:
+        if part not in known:
+            known[part] = carried_to(problem, z, still, part)[0]
+        return known[part]
+
+    def apart(y: np.ndarray) -> float:
+        return float(np.linalg.norm((y - x) / problem.mesh.variation))
+
+    found = dict[str, float]()
+    # The force alone is the same again after one of its periods, not after a half: an orbit at rest is
+    # no parent's.
+    if not problem.forced or problem.subharmonic % (2 * closure.fold) == 0:
+        found["itself"] = apart(later(0.5) - 0.5 * closure.turns)
+    p = ParameterValues(**problem.values_of(z))
+    if closure.fold > 1:
+        found["whole"] = apart(imaged(closure.symmetry, x, p, closure.power))
+    for symmetry in problem.system.symmetries:
+        order = order_of(symmetry, x, p)
+        if closure.fold > 1 or symmetry.role != "spatial" or order is None or order < 2:
+            continue
+        for power in range(1, order):
+            found[f"{symmetry.name} {power}"] = apart(imaged(symmetry, later(1.0 / order), p, power))
+    return found

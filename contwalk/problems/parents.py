@@ -1,0 +1,34 @@
+"""Has a step gone over to the branch that its own one left?
+
+Where a branch leaves another one at a period doubling or at a loss of symmetry, and comes back to it, both
+may be stable, on the same side of everything, and nearly parallel in the metric: no test tells them apart.
+But the parent has a symmetry, in space or time, that solutions of the branch have not. On its way through the
+parent a branch is as asymmetric as before, the other way round; on the parent it is symmetric to rounding.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from contwalk.errors import NotFinite
+
+# What is less asymmetric than the first, in units of the solution's own range, may be so by errors. That less
+# than the second part of an asymmetry is left after a step is no chance.
+APPARENT, GAINED = 1e-3, 1e-3
+
+
+def gained_symmetry(
+    before: Callable[[], Mapping[str, float]], after: Callable[[], Mapping[str, float]]
+) -> bool:
+    """Whether the second of two neighbouring solutions has a symmetry that the first is far from.
+
+    Each gives how far it is from having a symmetry, in units of its range, by the symmetry's name.
+    """
+    try:
+        first = {name: apart for name, apart in before().items() if apart > APPARENT}
+        if not first:
+            return False
+        second = after()
+    except NotFinite:
+        return False
+    return any(second.get(name, apart) < GAINED * apart for name, apart in first.items())

@@ -1,0 +1,73 @@
+"""The food chain of Hastings and Powell (1991, Ecology 72, 896): doubled orbits join the period doublings of
+their parents in pairs, or run on to the end of the range.
+
+Where they come back to their parent both are stable, on either side: a step that goes over to the parent, run
+through twice, meets no test.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hybrid_runs import diagram
+
+from contwalk.continuation.reopening import reopened
+from contwalk.problems.orbit.asymmetry import asymmetries
+from contwalk.system import Mode, Parameter, State, System
+
+
+def food_chain() -> System:
+    def field(t, x, p, dx):
+        eaten = 5.0 * x[0] / (1.0 + p.b1 * x[0])
+        hunted = 0.1 * x[1] / (1.0 + 2.0 * x[1])
+        dx[0] = x[0] * (1.0 - x[0]) - eaten * x[1]
+        dx[1] = eaten * x[1] - hunted * x[2] - 0.4 * x[1]
+        dx[2] = hunted * x[2] - 0.01 * x[2]
+
+    return System(
+        name="food_chain",
+        states=(State("x"), State("y"), State("z")),
+        parameters=(Parameter("b1", 2.0),),
+        modes=(Mode("m", field),),
+    )
+
+
+@pytest.fixture(scope="module")
+def branches():
+    start = [0.7, 0.2, 9.8]
+    given = {"b1": 2.25}
+    return diagram(food_chain(), "b1", (2.2, 2.99), start, given, until="settled", follow=("PD",), depth=2)
+
+
+def test_doubled_orbits_end_where_they_are_their_parents_again(branches):
+    """Four of five period doublings are two pairs; from the last a branch runs to the range's end."""
+    main, *daughters = branches
+    doublings = [point.parameters["b1"] for point in main.special_points if point.label == "PD"]
+    assert len(doublings) == 5
+    met = {
+        doublings[0]: doublings[1],
+        doublings[1]: doublings[0],
+        doublings[2]: doublings[3],
+        doublings[3]: doublings[2],
+    }
+    own = [branch for branch in daughters if branch.info.parent[0] == main.info.name]
+    assert len(own) >= 3
+    for branch in own:
+        born = branch["b1"][0]
+        paired = next((end for begin, end in met.items() if abs(begin - born) < 1e-6), None)
+        if paired is None:
+            assert born == pytest.approx(doublings[4], abs=1e-6)
+            assert branch.outcome.reason == "bound"
+            continue
+        assert branch.outcome.reason == "rejoined", branch.outcome.message
+        assert branch["b1"][-1] == pytest.approx(paired, abs=1e-6)
+
+
+def test_no_doubled_orbit_is_its_parent_before_it_ends(branches):
+    """Half a closure later each is somewhere else, by more than errors."""
+    for branch in branches[1:]:
+        away = np.minimum(branch["s"] - branch["s"][0], branch["s"][-1] - branch["s"])
+        moved = np.flatnonzero(away > 1e-2)
+        for row in moved[:: max(len(moved) // 12, 1)]:
+            problem, sample = reopened(food_chain(), branch, int(row))
+            assert asymmetries(problem, sample.z)["itself"] > 1e-4, (branch.info.name, branch["b1"][row])
