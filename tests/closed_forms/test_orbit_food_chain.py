@@ -7,12 +7,15 @@ through twice, meets no test.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hybrid_runs import diagram
 
 from contwalk.continuation.reopening import reopened
 from contwalk.problems.orbit.asymmetry import asymmetries
+from contwalk.problems.orbit.switching import doubled
 from contwalk.system import Mode, Parameter, State, System
 
 
@@ -71,3 +74,17 @@ def test_no_doubled_orbit_is_its_parent_before_it_ends(branches):
         for row in moved[:: max(len(moved) // 12, 1)]:
             problem, sample = reopened(food_chain(), branch, int(row))
             assert asymmetries(problem, sample.z)["itself"] > 1e-4, (branch.info.name, branch["b1"][row])
+
+
+@pytest.mark.parametrize("segments", [1, 2, 3])
+def test_the_doubled_orbit_leaves_along_a_null_vector_whatever_its_segments(branches, segments):
+    """Each closure's period deviates; the doubled orbit's segments start at times of its own."""
+    main = branches[0]
+    point = next(point for point in main.special_points if point.label == "PD")
+    problem, _ = reopened(food_chain(), main, int(np.argmin(np.abs(main["s"] - point.s))))
+    problem.discretization = replace(problem.discretization, segments=segments)
+    (seed,) = doubled(problem, np.array(point.unknowns))
+    jacobian, there = seed.problem.linearize(seed.z).jacobian, seed.problem
+    assert there.mesh.segments == segments
+    missed = np.abs(jacobian @ seed.tangent) / (np.abs(jacobian) @ np.abs(seed.tangent)).max()
+    assert missed.max() < 1e-5

@@ -13,6 +13,7 @@ from contwalk.problems.orbit.null_vectors import null_vectors
 from contwalk.problems.orbit.own_image import halved
 from contwalk.problems.orbit.scales import cycle_scales
 from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
+from contwalk.problems.orbit.shooting import velocity
 from contwalk.problems.orbit.transport import carried_to, following, segments_for
 from contwalk.problems.problem import Seed
 from contwalk.system.declarations import ParameterValues
@@ -67,12 +68,34 @@ def _followed(
         count = segments_for(problem, z, times)
         when = np.arange(count) * times / count
     cut = [_at(problem, z, direction, float(time)) for time in when]
+    if not problem.uneven:
+        cut = [
+            (x, w - _hurried(problem, z, direction, x, float(t))) for (x, w), t in zip(cut, when, strict=True)
+        ]
     start = other.laid_out(np.array([x for x, _ in cut]), scalars, when / times)
     own = np.tile(problem.mesh.variation * np.sqrt(len(when)), len(when))
     weights = other.laid_out(own, np.abs(scalars), 1.0)
     there = other.adapted_to(start, weights, problem.discretization.walking)
     deviations = other.laid_out(np.array([w for _, w in cut]), np.zeros(len(scalars)))
     return there, start, there.into_section(start, deviations)
+
+
+def _hurried(
+    problem: SegmentedOrbit, z: np.ndarray, direction: np.ndarray, x: np.ndarray, time: float
+) -> np.ndarray:
+    """What a deviation of period and drifts has moved a state by at a time in closures, shape (n,).
+
+    The deviation changes its sign with each closure, and the whole orbit's period and drifts stay what they
+    are: its states are those at the same times of a clock that the deviation does not change.
+    """
+    changes = direction[problem.scalar_places(z)]
+    values, columns = problem.given(z), len(changes)
+    since, began = abs((time + 1.0) % 2.0 - 1.0), time % 1.0
+    if not np.any(changes) or since == 0.0:
+        return np.zeros(problem.states)
+    faster = values.copy()
+    faster[:columns] += changes  # the field is linear in each
+    return since * (velocity(problem.passage, x, began, faster) - velocity(problem.passage, x, began, values))
 
 
 def _next(
