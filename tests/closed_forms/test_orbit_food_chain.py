@@ -8,14 +8,15 @@ through twice, meets no test.
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hybrid_runs import diagram
 
 from contwalk.continuation.reopening import reopened
+from contwalk.problems.orbit import switching
 from contwalk.problems.orbit.asymmetry import asymmetries
-from contwalk.problems.orbit.switching import doubled
 from contwalk.system import Mode, Parameter, State, System
 
 
@@ -83,8 +84,18 @@ def test_the_doubled_orbit_leaves_along_a_null_vector_whatever_its_segments(bran
     point = next(point for point in main.special_points if point.label == "PD")
     problem, _ = reopened(food_chain(), main, int(np.argmin(np.abs(main["s"] - point.s))))
     problem.discretization = replace(problem.discretization, segments=segments)
-    (seed,) = doubled(problem, np.array(point.unknowns))
+    (seed,) = switching.doubled(problem, np.array(point.unknowns))
     jacobian, there = seed.problem.linearize(seed.z).jacobian, seed.problem
     assert there.mesh.segments == segments
     missed = np.abs(jacobian @ seed.tangent) / (np.abs(jacobian) @ np.abs(seed.tangent)).max()
     assert missed.max() < 1e-5
+
+
+@pytest.mark.parametrize(("own", "asked", "counted"), [(1, None, 2), (4, None, 8), (4, 3, 2)])
+def test_a_doubled_orbit_has_no_fewer_segments_than_its_parent(monkeypatch, own, asked, counted):
+    """Over both closures deviations may grow no more than over one, where they are forgotten in between."""
+    monkeypatch.setattr(switching, "segments_for", lambda problem, z, times: 2)
+    parent = SimpleNamespace(
+        mesh=SimpleNamespace(segments=own), discretization=SimpleNamespace(segments=asked)
+    )
+    assert switching.segments_over(parent, np.zeros(5), 2) == counted

@@ -65,7 +65,7 @@ def _followed(
     if problem.uneven:
         when = np.concatenate([problem.mesh.cuts + closures for closures in range(times)])
     else:
-        count = segments_for(problem, z, times)
+        count = segments_over(problem, z, times)
         when = np.arange(count) * times / count
     cut = [_at(problem, z, direction, float(time)) for time in when]
     if not problem.uneven:
@@ -78,6 +78,15 @@ def _followed(
     there = other.adapted_to(start, weights, problem.discretization.walking)
     deviations = other.laid_out(np.array([w for _, w in cut]), np.zeros(len(scalars)))
     return there, start, there.into_section(start, deviations)
+
+
+def segments_over(problem: SegmentedOrbit, z: np.ndarray, times: int) -> int:
+    """Number of segments of an orbit that follows a closure several times: no fewer to each than it has.
+
+    Growth over all of them tells nothing of what grows and is forgotten within one.
+    """
+    count, own = segments_for(problem, z, times), problem.mesh.segments
+    return count if problem.discretization.segments is not None or own == 1 else max(count, times * own)
 
 
 def _hurried(
