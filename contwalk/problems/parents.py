@@ -15,6 +15,8 @@ from contwalk.errors import NotFinite
 # What is less asymmetric than the first, in units of the solution's own range, may be so by errors. That less
 # than the second part of an asymmetry is left after a step is no chance.
 APPARENT, GAINED = 1e-3, 1e-3
+# No asymmetry is larger, in the same units.
+LARGEST = 30.0
 
 
 def gained_symmetry(
@@ -25,10 +27,10 @@ def gained_symmetry(
     Each gives how far it is from having a symmetry, in units of its range, by the symmetry's name.
     """
     try:
-        first = {name: apart for name, apart in before().items() if apart > APPARENT}
-        if not first:
+        near = {name: apart for name, apart in after().items() if apart < GAINED * LARGEST}
+        if not near:  # as nearly always: the first need not be looked at
             return False
-        second = after()
+        first = before()
     except NotFinite:
         return False
-    return any(second.get(name, apart) < GAINED * apart for name, apart in first.items())
+    return any(apart > APPARENT and near.get(name, apart) < GAINED * apart for name, apart in first.items())

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
+from contwalk_systems.bouncing_ball import SYSTEM as BALL
+from hybrid_runs import diagram
 
 import contwalk as cw
+from contwalk.continuation.reopening import reopened
 from contwalk.errors import NotFinite
 from contwalk.problems.parents import gained_symmetry
 from contwalk.system import Mode, Parameter, State, Symmetry, System
@@ -69,3 +74,21 @@ def test_a_branch_comes_back_through_its_pitchforks():
     points = sorted(p.parameters["lam"] for p in branch.special_points if p.label == "BP")
     assert points == pytest.approx([0.0, 1.0], abs=1e-12)
     assert branch.outcome.reason == "closed"
+
+
+def test_a_machine_s_doubled_orbit_is_far_from_its_parent_run_through_twice():
+    """A ball on a moving table: two bounces that differ, beside one bounce told as two."""
+    g, omega, e, a = 9.81, 35.0, 0.5, 0.0095
+    speed = math.pi * g / omega  # after a bounce
+    cosine = speed * (1.0 - e) / ((1.0 + e) * a * omega)
+    passed = (2.0 * math.pi - math.acos(cosine)) / omega
+    height = a * math.sqrt(1.0 - cosine**2)
+    start = height + speed * passed - 0.5 * g * passed**2, speed - g * passed
+    given = {"e": e, "A": a, "omega": omega, "g": g}
+    found = diagram(BALL, "A", (0.009, 0.0124), start, given, follow=["PD"], events={"GR": "ignore"})
+    doubled = found[1]
+    (_, born), (problem, sample) = (reopened(BALL, doubled, row) for row in (0, len(doubled.points) - 1))
+    assert doubled.outcome.reason == "bound"
+    assert problem.gains_symmetry(sample.z, born.z)
+    assert not problem.gains_symmetry(born.z, sample.z)
+    assert not problem.gains_symmetry(sample.z, sample.z + 1e-3 * sample.tangent)

@@ -6,6 +6,8 @@ branch point. And a motion may be its own image without its start having told so
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from contwalk.flow.hybrid.machine import hybrid_machine
@@ -38,25 +40,48 @@ def least(problem: Kind, z: np.ndarray) -> tuple[Kind, np.ndarray]:
 
 def repetitions(problem: DiscretizedOrbit, z: np.ndarray) -> int:
     """How many times an orbit goes through the same states."""
+    return next((times for times in _divisions(problem) if _repeated(problem, z, times)), 1)
+
+
+def _divisions(problem: DiscretizedOrbit) -> Iterator[int]:
+    """Into how many equal parts an orbit of its word may be divided, the most first."""
     most = problem.layout.legs if problem.word.eventful else max(problem.subharmonic, 2)
     for times in range(most, 1, -1):
         whole = not problem.forced or problem.subharmonic % times == 0
-        if whole and problem.word.has_parts(problem.system, times) and _repeated(problem, z, times):
-            return times
-    return 1
+        if whole and problem.word.has_parts(problem.system, times):
+            yield times
+
+
+def asymmetries(problem: DiscretizedOrbit, z: np.ndarray) -> dict[str, float]:
+    """How far an orbit is from repeating itself and from being its own image, in units of its variation.
+
+    Raises
+    ------
+    NotFinite
+        If the motion ends before the closure does.
+    """
+    found = {
+        f"{times} parts": max(_between_parts(problem, z, times), default=0.0) for times in _divisions(problem)
+    }
+    halves = ((symmetry.name, _between_halves(problem, z, symmetry)) for symmetry in _swapping(problem, z))
+    return found | {name: max(apart, default=0.0) for name, apart in halves}
 
 
 def _repeated(problem: DiscretizedOrbit, z: np.ndarray, times: int) -> bool:
     """Whether an orbit of a word that repeats itself meets itself after the first of so many parts."""
+    return all(apart < ALIKE for apart in _between_parts(problem, z, times))
+
+
+def _between_parts(problem: DiscretizedOrbit, z: np.ndarray, times: int) -> Iterator[float]:
+    """How far an orbit of a word that repeats itself is from itself after the first of so many parts."""
     if not problem.word.eventful:
-        return _alike(problem, z, _part_way(problem, z, times), 0, problem.turns / times)
+        yield _apart(problem, z, _part_way(problem, z, times), 0, problem.turns / times)
+        return
     part = problem.layout.legs // times
     symmetry, p = _symmetry(problem, problem.word.image), ParameterValues(**problem.values_of(z))
     turns = np.zeros(problem.states) if symmetry else problem.turns / times
-    return all(
-        _alike(problem, z, imaged(symmetry, _start(problem, z, i + part), p), i, turns)
-        for i in range(problem.layout.legs - part)
-    )
+    for i in range(problem.layout.legs - part):
+        yield _apart(problem, z, imaged(symmetry, _start(problem, z, i + part), p), i, turns)
 
 
 def _part_way(problem: DiscretizedOrbit, z: np.ndarray, times: int) -> np.ndarray:
@@ -74,11 +99,10 @@ def _start(problem: DiscretizedOrbit, z: np.ndarray, i: int) -> np.ndarray:
     return problem.passages[i].full(z[problem.layout.states[i]])
 
 
-def _alike(problem: DiscretizedOrbit, z: np.ndarray, x: np.ndarray, i: int, turns: np.ndarray) -> bool:
-    """Whether a state is the one at the start of leg i, but for turns."""
+def _apart(problem: DiscretizedOrbit, z: np.ndarray, x: np.ndarray, i: int, turns: np.ndarray) -> float:
+    """How far a state is from the one at the start of leg i, but for turns, in units of the variation."""
     own = list(problem.passages[i].states)
-    apart = (x - turns - _start(problem, z, i))[own] / problem.mesh.variation[own]
-    return float(np.linalg.norm(apart)) < ALIKE
+    return float(np.linalg.norm((x - turns - _start(problem, z, i))[own] / problem.mesh.variation[own]))
 
 
 def _symmetry(problem: DiscretizedOrbit, name: str) -> Symmetry | None:
@@ -118,9 +142,17 @@ def _beginning(problem: Kind, z: np.ndarray, legs: int, times: int, image: str) 
 
 def own_image(problem: DiscretizedOrbit, z: np.ndarray) -> str:
     """The symmetry under which the second half of a whole orbit is the image of the first; empty if none."""
+    for symmetry in _swapping(problem, z):
+        if _halves_alike(problem, z, symmetry) and _its_image(problem, z, symmetry):
+            return symmetry.name
+    return ""
+
+
+def _swapping(problem: DiscretizedOrbit, z: np.ndarray) -> Iterator[Symmetry]:
+    """Symmetries that take the first half of a whole orbit's word to the second."""
     half, rest = divmod(problem.layout.legs, 2)
     if rest or problem.word.image or not problem.word.eventful or np.any(problem.turns):
-        return ""
+        return
     first, second = problem.word.legs[:half], problem.word.legs[half:]
     system, p = problem.system, ParameterValues(**problem.values_of(z))
     for symmetry in _spatial(system):
@@ -128,28 +160,29 @@ def own_image(problem: DiscretizedOrbit, z: np.ndarray) -> str:
             continue
         if not all(has_image(system, symmetry, leg) for leg in first):
             continue
-        if second != tuple(imaged_leg(system, symmetry.name, leg) for leg in first):
-            continue
-        if _halves_alike(problem, z, symmetry) and _its_image(problem, z, symmetry):
-            return symmetry.name
-    return ""
+        if second == tuple(imaged_leg(system, symmetry.name, leg) for leg in first):
+            yield symmetry
 
 
 def _halves_alike(problem: DiscretizedOrbit, z: np.ndarray, symmetry: Symmetry) -> bool:
     """Whether each leg lasts as long as the one half a cycle later, and starts at its image."""
-    half, p = problem.layout.legs // 2, ParameterValues(**problem.values_of(z))
+    half = problem.layout.legs // 2
     lasting = z[problem.layout.durations]
     if np.max(np.abs(lasting[half:] - lasting[:half])) > ALIKE * problem.duration(z):
         return False
+    return all(apart < ALIKE for apart in _between_halves(problem, z, symmetry))
+
+
+def _between_halves(problem: DiscretizedOrbit, z: np.ndarray, symmetry: Symmetry) -> Iterator[float]:
+    """How far each leg's start in the second half is from the image of that in the first."""
+    half, p = problem.layout.legs // 2, ParameterValues(**problem.values_of(z))
     scale = problem.mesh.variation
     for i in range(half):
         x = imaged(symmetry, _start(problem, z, i), p)
         along = neutrals.directions(problem.system, problem.pins, x, problem.values_of(z))
         apart = neutrals.across(x - _start(problem, z, i + half), along, scale)
         own = list(problem.passages[i + half].states)
-        if float(np.linalg.norm((apart / scale)[own])) >= ALIKE:
-            return False
-    return True
+        yield float(np.linalg.norm((apart / scale)[own]))
 
 
 def _spatial(system: System) -> list[Symmetry]:

@@ -45,6 +45,9 @@ POINT = 1e-10
 CONSTANT = 1e-5
 # Two orbits whose periods and places differ by less than this part are one.
 ALIKE = 1e-6
+# In how many samples an orbit is compared with a state: few miss a fast piece of it, and an orbit that
+# comes this near, in units of its range, may pass it.
+SEEN_FROM, PERHAPS = (4 * SAMPLES, 64 * SAMPLES), 1e-2
 
 
 class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
@@ -347,8 +350,11 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
 
     def first_passed(self, z: np.ndarray, points: Sequence[np.ndarray]) -> int | None:
         """Number of the first of some states that the orbit of z passes; None if it passes none."""
-        _, curve = self.motion_of(z, 4 * SAMPLES)
         periods = np.array([s.period or 0.0 for s in self.system.states])
-        scale = self.mesh.variation
-        near = (k for k, x in enumerate(points) if distance(curve, x, periods, scale) < 30.0 * ALIKE)
-        return next(near, None)
+        for number in SEEN_FROM:
+            _, curve = self.motion_of(z, number)
+            apart = [distance(curve, x, periods, self.mesh.variation) for x in points]
+            passed = next((k for k, away in enumerate(apart) if away < 30.0 * ALIKE), None)
+            if passed is not None or min(apart, default=np.inf) > PERHAPS:
+                return passed
+        return None
