@@ -14,6 +14,7 @@ import numpy as np
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.problems.kink import Kink, Met
 from contwalk.problems.located import Located
+from contwalk.problems.parents import gained_symmetry
 from contwalk.problems.sample import Sample
 
 
@@ -30,9 +31,16 @@ class OwnMeasures:
         """It compares its solutions itself."""
         return self
 
+    def asymmetries(self, z: np.ndarray) -> Mapping[str, float]:
+        """How far a solution, shape (N + 1,), is from symmetries that a parent of its branch may have.
+
+        In units of its own range, by name: none are known.
+        """
+        return {}
+
     def gains_symmetry(self, a: np.ndarray, b: np.ndarray) -> bool:
-        """Of its solutions no symmetry is known."""
-        return False
+        """Whether the second of two neighbours, shape (N + 1,), has a symmetry that the first has not."""
+        return gained_symmetry(lambda: self.asymmetries(a), lambda: self.asymmetries(b))
 
 
 class Observed(Protocol):
@@ -98,8 +106,9 @@ class Equivalence(Protocol):
         ...
 
     def gains_symmetry(self, a: np.ndarray, b: np.ndarray) -> bool:
-        """Whether the second of two neighbours, shape (N + 1,) each, has a symmetry that the first has not:
-        a step from one to the other has gone over to the branch that theirs left.
+        """Whether the second of two neighbours, shape (N + 1,), has a symmetry that the first has not.
+
+        Then a step from one to the other has gone over to the branch that theirs left.
         """
         ...
 

@@ -13,15 +13,14 @@ from contwalk.numerics.spectrum import EPSILON, Spectrum, spectrum
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.capabilities import OwnMeasures
 from contwalk.problems.equilibrium import defining_systems as defining
+from contwalk.problems.equilibrium import mirror as mirrors
 from contwalk.problems.equilibrium import vertical
 from contwalk.problems.equilibrium.diagnosis import EquilibriumDiagnosis
 from contwalk.problems.equilibrium.equilibrium_equations import EquilibriumEquations
-from contwalk.problems.equilibrium.mirror import Mirror, asymmetries, mirror_of
 from contwalk.problems.equilibrium.points.catalogue import POINT_TYPES
 from contwalk.problems.equilibrium.points.hopf import hopf
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.parameter_line import Ends
-from contwalk.problems.parents import gained_symmetry
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.problem import MAX_RE, Linearization, Located, Sample
 from contwalk.problems.sample import Rates
@@ -50,6 +49,7 @@ class Equilibrium(OwnMeasures, EquilibriumEquations):
     """
 
     kind = "equilibrium"
+    asymmetries = mirrors.asymmetries
     point_types = POINT_TYPES
     # Its equations are exact and the same everywhere, and its solutions always the system's.
     anchored = meshed = None
@@ -150,10 +150,6 @@ class Equilibrium(OwnMeasures, EquilibriumEquations):
         """Whether two solutions at the same parameter are one."""
         return bool(np.allclose(self.nearest_turn(a.z, b.z), b.z, rtol=1e-9, atol=1e-12))
 
-    def gains_symmetry(self, a: np.ndarray, b: np.ndarray) -> bool:
-        """Whether the second of two neighbours is its own image under a symmetry, and the first is not."""
-        return gained_symmetry(lambda: asymmetries(self, a), lambda: asymmetries(self, b))
-
     def reported(self, z: np.ndarray) -> np.ndarray:
         """The state, shape (n,)."""
         return z[: self.states]
@@ -175,9 +171,9 @@ class Equilibrium(OwnMeasures, EquilibriumEquations):
         gradient = self.observable_kernels(name)[1](*self.inputs(sample.z))
         return float(gradient @ sample.tangent)
 
-    def mirror(self, sample: Sample) -> Mirror | None:
+    def mirror(self, sample: Sample) -> mirrors.Mirror | None:
         """What takes one half of the branch that leaves a solution to the other, if a symmetry does."""
-        return mirror_of(self, sample)
+        return mirrors.mirror_of(self, sample)
 
 
 def solution_at(

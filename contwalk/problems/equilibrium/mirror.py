@@ -60,7 +60,7 @@ def mirror_of(problem: EquilibriumEquations, sample: Sample) -> Mirror | None:
 
 
 def asymmetries(problem: EquilibriumEquations, z: np.ndarray) -> dict[str, float]:
-    """How far a state is from its images under the declared symmetries, in units of its size, by name."""
+    """How far a solution, shape (N + 1,), is from its images under symmetries, in units of its size."""
     n, p = problem.states, ParameterValues(**problem.values_of(z))
     found = dict[str, float]()
     for symmetry in problem.system.symmetries:

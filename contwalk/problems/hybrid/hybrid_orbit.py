@@ -47,7 +47,6 @@ from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.orbit.section import Section
 from contwalk.problems.orbit.slow_place import SlowPlace
 from contwalk.problems.orbit.word import stored_leg
-from contwalk.problems.parents import gained_symmetry
 from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed, Test
 from contwalk.system import System
 
@@ -88,6 +87,7 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
     """
 
     kind = "hybrid_orbit"
+    asymmetries = least.asymmetries
     point_types = (*POINT_TYPES, *LIMIT_TYPES)
     beside = 0.05
 
@@ -224,10 +224,6 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
     def same(self, a: Sample, b: Sample) -> bool:
         """Whether two solutions at the same parameter are one orbit."""
         return equivalence.same(self, a, b)
-
-    def gains_symmetry(self, a: np.ndarray, b: np.ndarray) -> bool:
-        """Whether the second of two neighbouring orbits is its parent's, and the first is not."""
-        return gained_symmetry(lambda: least.asymmetries(self, a), lambda: least.asymmetries(self, b))
 
     def flow_direction(self, z: np.ndarray, i: int, j: int = 0) -> np.ndarray:
         """What a later start of leg i, or of its segment j, on the same orbit differs by: see `monodromy`."""

@@ -53,7 +53,9 @@ def _divisions(problem: DiscretizedOrbit) -> Iterator[int]:
 
 
 def asymmetries(problem: DiscretizedOrbit, z: np.ndarray) -> dict[str, float]:
-    """How far an orbit is from repeating itself and from being its own image, in units of its variation.
+    """How far an orbit, z of shape (N + 1,), is from repeating itself and from being its own image, by name.
+
+    In units of its variation.
 
     Raises
     ------

@@ -13,8 +13,7 @@ from contwalk.errors import measured
 from contwalk.memory import of_unowned, unowned
 from contwalk.numerics.linear import Factored
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.orbit import ending, equations, monodromy, switching
-from contwalk.problems.orbit.asymmetry import asymmetries
+from contwalk.problems.orbit import asymmetry, ending, equations, monodromy, switching
 from contwalk.problems.orbit.cutting import begun_at, most_segments, recutting
 from contwalk.problems.orbit.discretization import STAGES
 from contwalk.problems.orbit.meeting import distance
@@ -31,7 +30,6 @@ from contwalk.problems.orbit.slow_place import SlowPlace
 from contwalk.problems.orbit.smooth_diagnosis import SmoothDiagnosis
 from contwalk.problems.orbit.step_blocks import multipliers_of
 from contwalk.problems.orbit.transport import closed, moved, recut
-from contwalk.problems.parents import gained_symmetry
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.passing import Place
 from contwalk.problems.problem import MAX_ABS, Linearization, Sample, Seed
@@ -77,6 +75,7 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
     """
 
     kind = "periodic_orbit"
+    asymmetries = asymmetry.asymmetries
     point_types = POINT_TYPES
     limited = None
     # Stability grows with the square of the amplitude, and drowns in the error of the steps nearer by.
@@ -343,10 +342,6 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
             abs(a.period - b.period) <= ALIKE * a.period
             and self.first_passed(b.z, [a.z[: self.states]]) is not None
         )
-
-    def gains_symmetry(self, a: np.ndarray, b: np.ndarray) -> bool:
-        """Whether the second of two neighbouring orbits is its parent's, and the first is not."""
-        return gained_symmetry(lambda: asymmetries(self, a), lambda: asymmetries(self, b))
 
     def first_passed(self, z: np.ndarray, points: Sequence[np.ndarray]) -> int | None:
         """Number of the first of some states that the orbit of z passes; None if it passes none."""
