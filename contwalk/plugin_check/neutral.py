@@ -159,7 +159,7 @@ def _differs(generator: Traced, field: Traced, i: int, samples: Samples) -> bool
     return False
 
 
-def _varied(samples: Samples, system: System) -> Iterator[tuple[str, Samples]]:
+def varied(samples: Samples, system: System) -> Iterator[tuple[str, Samples]]:
     """The samples with one parameter after the other at a value that may make a direction neutral."""
     for parameter in system.parameters:
         for value in TRIED:
@@ -177,7 +177,7 @@ def _where_neutral(generator: Traced, fields: CheckedFields, system: System, sam
     named = "at equilibria that are named"
     if _at_rest(generator, fields, system, samples):
         return named
-    for how, other in _varied(samples, system):
+    for how, other in varied(samples, system):
         if not _lost_along(generator, fields, other):
             return how
         if _at_rest(generator, fields, system, other):
@@ -351,7 +351,7 @@ def _check_event(
     if lost is None:
         return
     where = next(
-        (how for how, other in _varied(samples, system) if _lost_at(event, generator, field, other) is None),
+        (how for how, other in varied(samples, system) if _lost_at(event, generator, field, other) is None),
         "",
     )
     sentence, function = lost

@@ -112,10 +112,10 @@ def opened_word(
         parameters,
         free,
         path,
-        [pin for pin in system.neutral if pin.name in stored.pins],
-        reference,
-        stored.subharmonic,
-        discretization,
+        pins=[pin for pin in system.neutral if pin.name in stored.pins],
+        reference=reference,
+        subharmonic=stored.subharmonic,
+        discretization=discretization,
     )
     z = np.append(stored.unknowns[:-1], parameters[free] if at is None else at)
     try:
@@ -130,7 +130,7 @@ def _hybrid(
     problem: HybridOrbit, z: np.ndarray, settings: Settings, settled: bool = False
 ) -> Opening | Outcome:
     """The orbit of a simulated lap, corrected; `settled`: the motion has settled on it."""
-    word = folded(problem.signature) or "no events"
+    word = folded(problem.word.signature(problem.system)) or "no events"
     try:
         with problem.effort.of_start(problem.cost, settled):
             state = begin(problem, z, settings)

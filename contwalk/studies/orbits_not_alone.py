@@ -47,7 +47,10 @@ def outcome_of_family(problem: HybridOrbit | PeriodicOrbit, z: np.ndarray) -> Ou
     z has the shape (N + 1,).
     """
     if isinstance(problem, HybridOrbit):
-        places, word = _hybrid_places(problem), f" (itinerary: {folded(problem.signature) or 'no events'})"
+        places, word = (
+            _hybrid_places(problem),
+            f" (itinerary: {folded(problem.word.signature(problem.system)) or 'no events'})",
+        )
     else:
         places, word = _smooth_places(problem), ""
     found = family_at(problem, z, places)

@@ -137,7 +137,7 @@ def test_a_place_in_the_half_that_is_an_image_is_told_as_its_image(name: str, va
     system = block() if name == "block" else pair()
     problem, z = solution(system, "beta", state, values, mode=mode)
     up, down = (
-        problem._varied(
+        problem.varied(
             discretization=replace(problem.discretization, report_at=(0, sign * value, sign))
         ).reported(z)
         for sign in (1.0, -1.0)

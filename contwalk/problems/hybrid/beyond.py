@@ -53,7 +53,7 @@ def seeds(problem: DiscretizedOrbit, point: SpecialPoint) -> tuple[Sequence[Seed
         except (ContwalkError, np.linalg.LinAlgError) as error:
             told.append(first_sentence(str(error)))
             continue
-        words = folded(seed.problem.signature) or "no events"  # type: ignore[attr-defined]
+        words = folded(seed.problem.word.signature(seed.problem.system)) or "no events"  # type: ignore[attr-defined]
         return (seed,), f"A little beyond, the motion has the signature [{words}]: a branch of its own."
     return (), f"Beyond it: {told_once(told)}."
 

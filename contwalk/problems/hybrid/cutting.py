@@ -16,7 +16,7 @@ import numpy as np
 
 from contwalk import flow
 from contwalk.errors import NotFinite
-from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind
+from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit, Kind, added_by_cuts
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.piece import Piece
 from contwalk.problems.orbit.transport import STRETCHED, TOO_MUCH, closed, segments_of_growth
@@ -37,7 +37,7 @@ def room(problem: DiscretizedOrbit) -> int:
         return problem.cuts
     if problem.room is not None:
         return max(problem.room, problem.cuts)
-    bare, more = problem.sizes_with_cuts
+    bare, more = problem.layout.rest.stop, added_by_cuts(problem)
     most = problem.cuts
     while 2 * most <= ROOM and bare + (2 * most - 1) * more <= MOST_UNKNOWNS:
         most *= 2

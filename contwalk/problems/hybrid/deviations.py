@@ -15,7 +15,6 @@ import numpy as np
 from contwalk import flow
 from contwalk.errors import ContwalkError
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
-from contwalk.problems.hybrid.soft_orbit import SoftOrbit
 from contwalk.problems.orbit import monodromy
 from contwalk.problems.orbit.lifts import TANGENT
 from contwalk.problems.orbit.modes import NOTHING, Mode, chosen_multiplier, eigenvector, linear_part
@@ -33,8 +32,7 @@ class HybridDeviations:
     """
 
     def __init__(self, problem: DiscretizedOrbit, z: np.ndarray) -> None:
-        self.problem: DiscretizedOrbit
-        self.problem, self.z = problem.explicit(z) if isinstance(problem, SoftOrbit) else (problem, z)
+        self.problem, self.z = problem.explicit(z)
         self.legs = self.problem.layout.legs
         self.timed = self.problem.timed(0)
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from contwalk import quantities
 from contwalk.branch import SpecialPoint
-from contwalk.memory import of_unowned, remembered, unowned
+from contwalk.memory import of_unowned, unowned
 from contwalk.numerics.linear import Factored, Factorization
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.hybrid import (
@@ -32,10 +32,11 @@ from contwalk.problems.hybrid import (
     switching,
     undefined,
 )
-from contwalk.problems.hybrid.adjacent import corner, itineraries
+from contwalk.problems.hybrid.adjacent import corner
 from contwalk.problems.hybrid.diagnosis import HybridDiagnosis
 from contwalk.problems.hybrid.discretized_orbit import MOST_VIEWS, DiscretizedOrbit
-from contwalk.problems.hybrid.margins import Guarded, Limit, Margins
+from contwalk.problems.hybrid.limited import HybridLimits
+from contwalk.problems.hybrid.margins import Limit, Margins
 from contwalk.problems.hybrid.mirror_image import HybridMirror, mirror_of
 from contwalk.problems.hybrid.stretch import Stretch
 from contwalk.problems.kink import Kink
@@ -45,19 +46,11 @@ from contwalk.problems.orbit.orbit_problem import OrbitProblem
 from contwalk.problems.orbit.points.catalogue import LIMIT_TYPES, POINT_TYPES
 from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.orbit.section import Section
-from contwalk.problems.orbit.slow_place import SlowPlace
 from contwalk.problems.orbit.word import stored_leg
-from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Seed, Test
-from contwalk.system import System
+from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Test
 
-# Linearizations that are kept, as far as they fit: a step asks for the same ones several times.
-LEAST_KEPT, MOST_KEPT, MOST_BYTES = 3, 12, 5e7
 # Multipliers whose difference has a smaller square meet, to rounding.
 MEET = 1e-12
-
-# Limits whose neighbours are kept.
-_NEIGHBOURS: dict[tuple, tuple[System, tuple[Sequence[Seed], str]]] = {}
-_MOST_NEIGHBOURS = 4
 
 
 class HybridOrbit(DiscretizedOrbit, OrbitProblem):
@@ -90,13 +83,14 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
     asymmetries = least.asymmetries
     point_types = (*POINT_TYPES, *LIMIT_TYPES)
     beside = 0.05
+    observing, switching = observing, switching
 
     # -- what is told of it ------------------------------------------------------------------------------
 
     @property
-    def limited(self) -> HybridOrbit:
-        """The orbit itself, which has limits."""
-        return self
+    def limited(self) -> HybridLimits:
+        """Its limits, and what lies beyond them."""
+        return HybridLimits(self)
 
     @property
     def diagnosis(self) -> HybridDiagnosis:
@@ -107,11 +101,6 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
     def limits(self) -> tuple[Limit, ...]:
         """All that must stay positive for an orbit to be the machine's."""
         return limits.limits_of(self)
-
-    @cached_property
-    def guarded(self) -> tuple[Guarded | None, ...]:
-        """The sampled guards that `limits` are of."""
-        return margin_values.guarded(self)
 
     @property
     def observable_names(self) -> tuple[str, ...]:
@@ -128,18 +117,10 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
 
     def stretches(self, z: np.ndarray) -> list[Stretch]:
         """The legs of the whole motion, images included."""
-        return self.known.at("stretches", z, MOST_VIEWS, lambda: observing.stretches(self, z))
+        there, own = self.explicit(z)
+        return there.known.at("stretches", own, MOST_VIEWS, lambda: observing.stretches(there, own))
 
     # -- equations ---------------------------------------------------------------------------------------
-
-    def linearize(self, z: np.ndarray) -> Linearization:
-        """The equations at z."""
-        return self.known.at("linearization", z, self.most_kept, lambda: self._linearized(z))
-
-    @property
-    def most_kept(self) -> int:
-        """How many linearizations are kept."""
-        return int(min(max(MOST_BYTES / (8.0 * self.size**2), LEAST_KEPT), MOST_KEPT))
 
     def _linearized(self, z: np.ndarray) -> Linearization:
         residual, jacobian, nodes = equations.with_derivatives(self, z)
@@ -153,12 +134,8 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
             lambda: magnitudes(z),
             self._factored,
             lambda: nearby,
-            unowned(self.fitted),
+            of_unowned(lasting.fitted, self),
         )
-
-    def fitted(self, z: np.ndarray, normal: np.ndarray, weights: np.ndarray) -> np.ndarray | None:
-        """Unknowns whose legs last until their guards are met, for steps that are mostly of durations."""
-        return lasting.fitted(self, z, normal, weights)
 
     def residual(self, z: np.ndarray) -> np.ndarray:
         """F(z), shape (N,), for far less than with its derivatives."""
@@ -196,7 +173,7 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
             "unknowns": self.cut_into(cutting.room(self)).size,
             "spectrum": max(self.spectrum_size, 1),
             "closure": self.whole[0],
-            "signature": self.signature,
+            "signature": self.word.signature(self.system),
             "subharmonic": self.subharmonic,
             "settings": {
                 **neutrals.kept(self.pins, self.line, self.states),
@@ -213,10 +190,6 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         """Whether a solution is one that the machine can move on."""
         return self.margins(z).admissible
 
-    def slow_places(self, z: np.ndarray) -> list[SlowPlace]:
-        """Where the orbit is slower than beside, and the field there; the slowest place first."""
-        return observing.slow_places(self, z)
-
     def first_passed(self, z: np.ndarray, points: Sequence[np.ndarray]) -> int | None:
         """Number of the first of some states that the orbit of z passes, or begins a leg at."""
         return equivalence.first_passed(self, z, points)
@@ -224,10 +197,6 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
     def same(self, a: Sample, b: Sample) -> bool:
         """Whether two solutions at the same parameter are one orbit."""
         return equivalence.same(self, a, b)
-
-    def flow_direction(self, z: np.ndarray, i: int, j: int = 0) -> np.ndarray:
-        """What a later start of leg i, or of its segment j, on the same orbit differs by: see `monodromy`."""
-        return monodromy.flow_direction(self, z, i, j)
 
     def fallen_back(self, z: np.ndarray, tangent: np.ndarray | None = None) -> bool:
         """Whether an orbit repeats itself, or is its own image, as its parent does."""
@@ -242,7 +211,7 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         margins = self.margins(z)
         undefined.refuse_guards(self, z, margins)
         return {
-            "observables": self._observed(z, found, margins) if known is None else known.observables,
+            "observables": self.observables(z, found) if known is None else known.observables,
             "margins": margins.relative,
             "reported": self.reported(z) if known is None else known.reported,
             # What the orbit itself is not known to, its multipliers are not either.
@@ -254,31 +223,9 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         """Jumps of guards and resets that events lie on, and of guards through zero on the way."""
         return *end_maps.lying(self, z), *jumping_limits.along(self, z)
 
-    def observables(self, z: np.ndarray, found: Multipliers) -> np.ndarray:
-        """Values of `observable_names`, shape (o,)."""
-        return self._observed(z, found, self.margins(z))
-
-    def observable(self, name: str, z: np.ndarray) -> float:
-        """The value of one observable."""
-        found = self.multipliers(z, self.linearize(z).jacobian)
-        value = quantities.column(name, self.observable_names, self.observables(z, found))
-        assert value is not None, name
-        return float(value)
-
-    def _observed(self, z: np.ndarray, found: Multipliers, margins: Any) -> np.ndarray:
-        return np.array(observing.values(self, z, found, margins))
-
-    def motion_of(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The closure's motion: times in seconds, (k,), and states, (k, n); both sides of each event."""
-        return observing.motion(self, z)
-
-    def reported(self, z: np.ndarray) -> np.ndarray:
-        """The state before the first event of the signature, or where the run asks for it, shape (n,)."""
-        return observing.reported(self, z)
-
     def velocity(self, z: np.ndarray) -> np.ndarray:
         """dx/dt at the start."""
-        return self.flow_direction(z, 0)
+        return monodromy.flow_direction(*self.explicit(z), 0)
 
     def adapted(self, sample: Sample) -> tuple[Self, Sample]:
         """The problem on steps made for a solution, and the solution's sample on it."""
@@ -303,7 +250,7 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
     def refined(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> Self:
         """The same problem, section included, on steps for located points."""
         there = self.adapted_to(z, weights, tolerance or self.discretization.marking)
-        return there._varied(section=self.section)
+        return there.varied(section=self.section)
 
     def into_section(self, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
         """A tangent moved along the flow into the section of an orbit without events."""
@@ -334,50 +281,6 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         values = there.margins(located.z)
         return replace(record, admissible=values.admissible, margin=values.by_name)
 
-    def limit_of(self, point: SpecialPoint) -> int:
-        """Which of the limits a special point is one of."""
-        z = np.array(point.unknowns)
-        known = self._mesh is not None and len(z) == self.size + 1
-        there = self if known else self.finely(z)
-        return limit_points.nearest(there, point)
-
-    def stopped(self, located: Located, sample: Sample) -> str:
-        """Why an orbit beyond a limit is not the machine's, and what lies next to it."""
-        return limits_told.sentence(self, located)
-
     def mirror(self, sample: Sample) -> HybridMirror | None:
         """What takes one half of the branch that leaves an orbit to the other, if a symmetry does."""
         return mirror_of(self, sample)
-
-    def finely(self, z: np.ndarray) -> DiscretizedOrbit:
-        """The problem on fine steps for a stored solution, which may have other segments."""
-        return switching.discretized(self, z)
-
-    def doubled_from(self, z: np.ndarray) -> Sequence[Seed]:
-        """The orbit of the word run through twice that leaves where a multiplier is -1."""
-        return switching.doubled(self, z)
-
-    def unfolded_from(self, z: np.ndarray) -> Sequence[Seed]:
-        """The whole orbit without its symmetry that leaves where a multiplier of its half is -1."""
-        return switching.unfolded(self, z)
-
-    def neighbours(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
-        """The branches of other words beyond a limit, and in words what was found, or tried.
-
-        They are asked for twice: where a branch ends, for the words, and where others begin.
-        """
-        key = (*self._given(np.array(point.unknowns)), point.label, point.unknowns)
-        # What is found keeps the system, and so its id.
-        found = remembered(_NEIGHBOURS, key, _MOST_NEIGHBOURS, lambda: (self.system, self._beyond(point)))
-        return found[1]
-
-    def _given(self, z: np.ndarray) -> tuple:
-        """All that orbits beside a solution follow from, besides its steps."""
-        line, held = self.line, self.reference if self.pins else None
-        numbers = (self.turns, line.direction, np.zeros(0) if held is None else held)
-        values = tuple(self.values_of(z).items()), *(each.tobytes() for each in numbers)
-        kinds = self.word, line.free, self.pins, self.subharmonic, self.discretization
-        return id(self.system), *kinds, *values
-
-    def _beyond(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
-        return itineraries.found(self, point)

@@ -323,7 +323,7 @@ def _rows(
     z, piece = y[: size + 1], problem.pieces[i]
     x, scalars = layout.inputs(i, z)
     if limit.test == "condition":
-        map_ = piece.passage.condition(problem.named_conditions[limit.name])
+        map_ = piece.passage.condition(next(c for c in problem.system.conditions if c.name == limit.name))
         piece, x, scalars = _ending(problem, i, z)
         end, moved = piece.before_differentiated(PLAIN, x, scalars)
         values, derivative = piece.through_map(map_, end, moved, piece.values(scalars))

@@ -92,7 +92,7 @@ class _Watch:
 
     def turns(self, way: float) -> list[tuple[int, float, float]]:
         """As `dips`, where it turns that goes down (-1) or up (1) before."""
-        found = self.view.turning(self.guard.place)
+        found = self.view.turning[self.guard.place]
         way *= self.sign
         return [(k, time, self.sign * value) for k, time, value, rate in found if rate * way > 0.0]
 
@@ -123,7 +123,9 @@ def margins(problem: DiscretizedOrbit, z: np.ndarray) -> Margins:
     rows: list[tuple[float, float, float]] = []
     known: dict[tuple[int, str], _Watch] = {}
     total = problem.mesh.total
-    for limit, guard in zip(problem.limits, problem.guarded, strict=True):
+    for limit, guard in zip(
+        problem.limits, problem.known.once("guarded", lambda: guarded(problem)), strict=True
+    ):
         i = limit.leg
         view = views[i]
         if limit.test == "duration":

@@ -31,6 +31,8 @@ def mirror_of(problem: DiscretizedOrbit, sample: Sample) -> HybridMirror | None:
     meet no event, or are held along neutral directions it is not looked for.
     """
     word = problem.word
+    if any(transition.role == "soft" for transition in problem.system.transitions):
+        return None  # that soft transitions are images of each other is not looked for
     if word.image or not word.eventful or problem.pins or np.any(problem.turns):
         return None
     there, p = None, ParameterValues(**problem.values_of(sample.z))

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from contwalk import quantities
 from contwalk.errors import measured
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.hybrid import undefined
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
-from contwalk.problems.hybrid.margins import Margins
 from contwalk.problems.hybrid.stretch import Stretch
 from contwalk.problems.images import imaged
 from contwalk.problems.orbit.closure import images_of
@@ -114,8 +114,18 @@ def _reporting(problem: DiscretizedOrbit) -> tuple[str, str]:
     return asked or (problem.word.unfolded(problem.system).legs[-1].name, "before")
 
 
-def values(problem: DiscretizedOrbit, z: np.ndarray, found: Multipliers, margins: Margins) -> list[float]:
+def value(problem: DiscretizedOrbit, name: str, z: np.ndarray) -> float:
+    """The value of one observable."""
+    found = problem.multipliers(z, problem.linearize(z).jacobian)
+    told = quantities.column(name, problem.observable_names, problem.observables(z, found))
+    assert told is not None, name
+    return float(told)
+
+
+def values(problem: DiscretizedOrbit, z: np.ndarray, found: Multipliers) -> list[float]:
     """Values of `observable_names`."""
+    problem, z = problem.explicit(z)
+    margins = problem.margins(z)
     p = ParameterValues(**problem.values_of(z))
     own = problem.system.observables
     t, x = motion(problem, z) if any(o.at is None for o in own) else (np.zeros(0), np.zeros((0, 0)))
@@ -170,6 +180,7 @@ def reported(problem: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:
 
     Along pinned directions it is moved to where these are held.
     """
+    problem, z = problem.explicit(z)
     place, event = problem.discretization.report_at, problem.discretization.report_event
     if event is not None:
         found = at_event(problem, z, *event)
@@ -238,6 +249,7 @@ def _refined(stretch: Stretch, place: Place, turn: float, near: float) -> np.nda
 
 def slow_places(orbit: DiscretizedOrbit, z: np.ndarray) -> list[SlowPlace]:
     """Where the orbit is slower than beside, and the field there; the slowest place first."""
+    orbit, z = orbit.explicit(z)
     even, places = np.linspace(0.0, 1.0, AROUND), list[SlowPlace]()
     for view in orbit.view(z):
         piece, scalars = view.piece, view.scalars

@@ -45,7 +45,7 @@ def collapsed(orbit: DiscretizedOrbit, z: np.ndarray) -> str:
     """
     moved = max(float(np.max(np.ptp(view.nodes, axis=0))) for view in orbit.view(z))
     largest = max(float(np.max(np.abs(view.nodes))) for view in orbit.view(z))
-    if orbit.word.eventful and moved <= STILL * largest and not orbit.clocked:
+    if orbit.word.eventful and moved <= STILL * largest and not _clocked(orbit):
         return orbit.word.legs[0].name
     lasting = [i for i, leg in enumerate(orbit.word.legs) if not leg.collapsed]
     shortest = min(lasting, key=lambda i: float(z[orbit.layout.durations][i]))
@@ -53,3 +53,9 @@ def collapsed(orbit: DiscretizedOrbit, z: np.ndarray) -> str:
     if not orbit.word.eventful or lasts > COLLAPSED * orbit.duration(z):
         return ""
     return orbit.word.legs[shortest].name
+
+
+def _clocked(orbit: DiscretizedOrbit) -> bool:
+    """Whether an event happens at given times: at rest, too."""
+    each = zip(orbit.word.legs, orbit.passages, strict=True)
+    return any(leg.transition is not None and own.of_time_alone(leg.transition) for leg, own in each)

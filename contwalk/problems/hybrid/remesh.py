@@ -71,7 +71,7 @@ def adapted_to(
     if tolerance is None:  # who walks on asks for the equations there next, and one pass serves both
         problem.linearize(z)
     # Its views need the steps, and the units of its equations need the views.
-    problem.measure_guards(margin_values.guard_scales(problem, z))
+    problem._mesh = replace(problem.mesh, guards=margin_values.guard_scales(problem, z))
     return problem
 
 

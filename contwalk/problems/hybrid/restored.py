@@ -6,7 +6,6 @@ import numpy as np
 
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit, applies
-from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.word import named_word
 from contwalk.problems.restoring import Facts
 
@@ -15,7 +14,16 @@ def restored(facts: Facts) -> HybridOrbit:
     """The problem of a stored branch of orbits through events, not yet discretised."""
     system, stored = facts.system, facts.info.settings
     word = named_word(system, stored["legs"], stored.get("image", ""))
-    given = facts.pins, facts.state, facts.info.subharmonic, facts.discretization or Discretization()
     kind = SoftOrbit if applies(system, word) else HybridOrbit
-    hybrid = kind(system, word, facts.parameters, facts.free, facts.ends, *given)
-    return hybrid.turning(np.array(stored["turns"], dtype=float)).with_room(int(stored.get("room", 1)))
+    hybrid = kind(
+        system,
+        word,
+        facts.parameters,
+        facts.free,
+        facts.ends,
+        pins=facts.pins,
+        reference=facts.state,
+        subharmonic=facts.info.subharmonic,
+        discretization=facts.discretization,
+    )
+    return hybrid.varied(turns=np.array(stored["turns"], dtype=float), room=int(stored.get("room", 1)))

@@ -174,7 +174,7 @@ def holds(explicit: DiscretizedOrbit, unknowns: np.ndarray) -> bool:
             if transition.role != "soft" or sign == 0.0:
                 continue
             _, values, rates = view.guard(transition)
-            turns = [value for _, _, value, _ in view.turning(k)]
+            turns = [value for _, _, value, _ in view.turning[k]]
             past = -float(np.min(sign * np.append(values, turns)))
             if past > ZERO * largest(values, rates, view.duration, explicit.mesh.total):
                 return False

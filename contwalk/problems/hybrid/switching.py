@@ -126,7 +126,10 @@ def _reverses(problem: DiscretizedOrbit, z: np.ndarray, v: np.ndarray, symmetry:
 
 def unfolded(problem: DiscretizedOrbit, z: np.ndarray) -> Sequence[Seed]:
     """The orbit without the symmetry that its parent closes up to."""
-    other, symmetry = problem.of_word(problem.whole_word), problem.system.symmetry(problem.word.image)
+    other, symmetry = (
+        problem.of_word(problem.word.unfolded(problem.system)),
+        problem.system.symmetry(problem.word.image),
+    )
     p, passages = ParameterValues(**problem.values_of(z)), problem.passages
 
     def image(i: int, x: np.ndarray) -> np.ndarray:

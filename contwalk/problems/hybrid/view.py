@@ -201,13 +201,9 @@ class LegView:
         edge = min(INSIDE * EPSILON * max(latest / abs(self.duration), 1.0), 0.5)
         return np.clip(times, edge, 1.0 - edge)
 
-    def turning(self, k: int) -> list[tuple[int, float, float, float]]:
-        """Where the k-th guard out of the mode turns: after which sample, when, value, rate before."""
-        return self._turning[k]
-
     @computed_once
-    def _turning(self) -> list[list[tuple[int, float, float, float]]]:
-        """As `turning`, of all guards."""
+    def turning(self) -> list[list[tuple[int, float, float, float]]]:
+        """Where each guard out of the mode turns: after which sample, when, value, rate before."""
         found: list[list[tuple[int, float, float, float]]] = [[] for _ in self.piece.passage.leaving]
         if not self.left:
             self._turn(found, None, self.times, self._guards)

@@ -49,8 +49,8 @@ def orbit_of(
     _check_zeros(hybrid_machine(system, values), lap)
     pins = _neutral(system, line, values, lap) if system.neutral else []
     lap = _placed(system, pins, lap, values)
-    given = line.parameters, line.free, line.ends, pins, lap.stretches[0].state
-    problem = kind(system, lap.word, *given, discretization=discretization)
+    given = {"pins": pins, "reference": lap.stretches[0].state, "discretization": discretization}
+    problem = kind(system, lap.word, line.parameters, line.free, line.ends, **given)
     layout = problem.layout
     lasting = np.array([stretch.duration for stretch in lap.stretches])
     drifts, states = _drifting(problem, lap, values)
@@ -60,7 +60,7 @@ def orbit_of(
         whole = problem.rounds * float(lasting.sum())
         problem = problem.of_word(lap.word, max(round(whole / period), 1))
         z[layout.start] = lap.stretches[0].start % period if problem.word.eventful else 0.0
-    problem = problem.turning(_turns(system, lap))
+    problem = problem.varied(turns=_turns(system, lap))
     return cutting.begun(problem.adapted_to(z, problem.weighted(lap.magnitudes)), z)
 
 

@@ -75,7 +75,14 @@ def orbit_at(
     if pins is None:
         pins = _neutral(system, line, value, x)
     problem = PeriodicOrbit(
-        system, line.parameters, line.free, line.ends, pins, x, subharmonic, discretization
+        system,
+        line.parameters,
+        line.free,
+        line.ends,
+        pins=pins,
+        reference=x,
+        subharmonic=subharmonic,
+        discretization=discretization,
     )
     durations = [] if problem.forced else [float(period or 0.0)]
     scalars = np.array([*durations, *[0.0] * len(pins), value])

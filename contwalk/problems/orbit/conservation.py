@@ -13,8 +13,10 @@ def off_its_value(orbit: OrbitData, sample: Sample) -> str:
     if not orbit.system.conserved:
         return ""
     parameters, most = orbit.values_of(sample.z), orbit.state_errors(orbit.errors_at(sample.z))
-    starts = orbit.leg_starts(sample.z)
-    found = (conserving.off(orbit.system, mode, x, parameters, most) for mode, x in starts)
+    found = (
+        conserving.off(orbit.system, passage.leg.mode, passage.full(sample.z[place]), parameters, most)
+        for place, passage in orbit.places
+    )
     return next(filter(None, found), "")
 
 

@@ -12,9 +12,7 @@ from contwalk.problems import neutral as neutrals
 from contwalk.problems.orbit.asymmetry import asymmetries
 from contwalk.problems.orbit.conservation import not_conserved
 from contwalk.problems.orbit.homoclinic import homoclinic
-from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
-from contwalk.problems.orbit.slow_place import AROUND, SlowPlace, slow_places_on
 from contwalk.problems.orbit.unbounded import unbounded
 from contwalk.problems.orbit.vanishing import at_a_point
 from contwalk.problems.problem import Sample
@@ -90,15 +88,6 @@ def _extent(problem: SegmentedOrbit, sample: Sample) -> float:
     return float(
         np.linalg.norm(problem.velocity(sample.z) * problem.duration(sample.z) / sample.weights[:n])
     ) * np.sqrt(problem.mesh.segments)
-
-
-def slow_places(problem: SegmentedOrbit, z: np.ndarray) -> list[SlowPlace]:
-    """Where the orbit is slower than beside, and the field there; the slowest place first."""
-    field = problem.passage.field(PLAIN)
-    c = field.constants(problem.given(z))
-    times, path = problem.curve(z).sampled(AROUND)
-    names = problem.system.state_names
-    return slow_places_on(field, c, problem.duration(z), times, path, problem.mesh.variation, names)
 
 
 def speeds_of(problem: SegmentedOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -24,7 +24,7 @@ from contwalk.problems.orbit.kinks_met import kinks_along
 from contwalk.problems.orbit.lifts import PLAIN, TANGENT
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.sampling import measured_along
-from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
+from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit, section_through
 from contwalk.problems.orbit.shooting import arrived, velocity
 from contwalk.problems.orbit.stored_discretizations import StoredDiscretizations, vectors_of
 from contwalk.problems.passed_over import passed_over
@@ -161,7 +161,7 @@ class OrbitMirror:
             return 0.0, own
         known, n = vectors_of(last)[0], there.states
         values = np.concatenate([there.scalars(image), there.line.constants])
-        cut = there.imaged_on(own.mesh, known[:n], values)
+        cut = own.on(own.mesh, section_through(there, known[:n], values, own.mesh.magnitudes))
         assert cut.section is not None
         passed, p = Passed(there, z, np.zeros(len(z))), ParameterValues(**there.values_of(z))
         times, nodes = passed.nodes
@@ -205,7 +205,7 @@ class OrbitMirror:
         mesh = there.mesh
         mesh = replace(mesh, variation=self._metric(mesh.variation), magnitudes=self._metric(mesh.magnitudes))
         values = np.concatenate([there.scalars(image), there.line.constants])
-        return there.imaged_on(mesh, image[: there.states], values)
+        return there.on(mesh, section_through(there, image[: there.states], values, mesh.magnitudes))
 
     # -- what is stored ----------------------------------------------------------------------------------
 

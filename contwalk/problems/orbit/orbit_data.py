@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Any, Self
+from typing import Any, Self, TypedDict
 
 import numpy as np
 
@@ -26,6 +26,15 @@ from contwalk.system import Neutral, System
 MOVES = 1e-2
 
 
+class Further(TypedDict, total=False):
+    """What orbits are given by name; see `PeriodicOrbit`."""
+
+    pins: Sequence[Neutral]
+    reference: np.ndarray | None
+    subharmonic: int
+    discretization: Discretization | None
+
+
 class OrbitData(Orbit):
     """A system, the line of its parameters, what is pinned, and how finely orbits are computed."""
 
@@ -40,11 +49,12 @@ class OrbitData(Orbit):
         system: System,
         parameters: Mapping[str, float],
         free: str,
-        path: Ends | None,
-        pins: Sequence[Neutral],
-        reference: np.ndarray | None,
-        subharmonic: int,
-        discretization: Discretization | None,
+        path: Ends | None = None,
+        *,
+        pins: Sequence[Neutral] = (),
+        reference: np.ndarray | None = None,
+        subharmonic: int = 1,
+        discretization: Discretization | None = None,
     ) -> None:
         self.system, self.line = system, ParameterLine.of(system, parameters, free, path)
         self.free, self.parameters = free, self.line.parameters
@@ -55,6 +65,11 @@ class OrbitData(Orbit):
         self.forced = system.period is not None
         self.section = None
         self.known, self.effort = Evaluations(), Effort()
+        self._begin()
+
+    @abstractmethod
+    def _begin(self) -> None:
+        """Lay the unknowns out, before there is a mesh."""
 
     @property
     @abstractmethod
@@ -143,6 +158,12 @@ class OrbitData(Orbit):
         left_out = len(self.pins) + len(self.system.conserved)
         return self.layout.sizes[self.smallest] - 1 + int(self.forced) - left_out
 
+    def duration_gradient(self, z: np.ndarray) -> np.ndarray:
+        """Derivative of the closure's duration by unknowns and free parameter, shape (N + 1,)."""
+        gradient = np.zeros(len(z))
+        gradient[self.layout.durations] = 1.0
+        return gradient
+
     def moves(self, z: np.ndarray) -> bool:
         """Whether the orbit of z is more than a point; of a forced system it may be one."""
         if self.forced:
@@ -196,7 +217,7 @@ class OrbitData(Orbit):
         passage = self.passages[segment.leg]
         return passage.following if segment.last else passage.states
 
-    def _varied(self, **changes: Any) -> Self:
+    def varied(self, **changes: Any) -> Self:
         """The same with some attributes changed; nothing that is remembered of this one is true of it."""
         other = copy.copy(self)
         other.known = Evaluations()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Self
+from typing import Any, Protocol, Self
 
 import numpy as np
 
@@ -29,13 +29,52 @@ from contwalk.problems.orbit.normal_forms import SectionMap
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.orbit.return_map import ReturnMap
+from contwalk.problems.orbit.slow_place import SlowPlace
 from contwalk.problems.problem import Linearization, Located, Sample, Seed
+
+# Linearizations that are kept, as far as they fit: a step asks for the same ones several times.
+LEAST_KEPT, MOST_KEPT, MOST_BYTES = 3, 12, 5e7
+
+
+class Observing(Protocol):
+    """What is told of one kind of orbits, as functions over them."""
+
+    def motion(self, problem: Any, z: np.ndarray, /) -> tuple[np.ndarray, np.ndarray]:
+        """The motion: times in seconds, shape (k,), and states, shape (k, n)."""
+
+    def reported(self, problem: Any, z: np.ndarray, /) -> np.ndarray:
+        """The state that stands for a solution, shape (n,)."""
+
+    def slow_places(self, problem: Any, z: np.ndarray, /) -> list[SlowPlace]:
+        """Where the orbit is slower than beside, and the field there; the slowest place first."""
+
+    def values(self, problem: Any, z: np.ndarray, found: Multipliers, /) -> list[float]:
+        """Values of all observables."""
+
+    def value(self, problem: Any, name: str, z: np.ndarray, /) -> float:
+        """The value of one."""
+
+
+class Switching(Protocol):
+    """The branches that leave one kind of orbits, as functions over them."""
+
+    def discretized(self, problem: Any, z: np.ndarray, /) -> Any:
+        """The problem on fine steps for a stored solution, which may have other segments."""
+
+    def doubled(self, problem: Any, z: np.ndarray, /) -> Sequence[Seed]:
+        """The orbit of twice the closure that leaves where a multiplier is -1."""
+
+    def unfolded(self, problem: Any, z: np.ndarray, /) -> Sequence[Seed]:
+        """The whole orbit without its symmetry that leaves where a multiplier of its part is -1."""
 
 
 class OrbitProblem(OwnMeasures, OrbitData):
     """The part of a problem of orbits that does not depend on how they are discretised."""
 
     blur = 1e-3  # solutions are solved for to a part of the tolerance only
+    # Modules of what differs between kinds of orbits.
+    observing: Observing
+    switching: Switching
 
     @property
     def meshed(self) -> Self:
@@ -46,6 +85,19 @@ class OrbitProblem(OwnMeasures, OrbitData):
     def anchored(self) -> Self:
         """Its mesh is made for the orbit."""
         return self
+
+    @property
+    def most_kept(self) -> int:
+        """How many linearizations are kept."""
+        return int(min(max(MOST_BYTES / (8.0 * self.size**2), LEAST_KEPT), MOST_KEPT))
+
+    def linearize(self, z: np.ndarray) -> Linearization:
+        """The equations at z."""
+        return self.known.at("linearization", z, self.most_kept, lambda: self._linearized(z))
+
+    @abstractmethod
+    def _linearized(self, z: np.ndarray) -> Linearization:
+        """The equations at z, computed."""
 
     def jacobian(self, z: np.ndarray) -> np.ndarray:
         """DF(z), shape (N, N + 1)."""
@@ -127,6 +179,28 @@ class OrbitProblem(OwnMeasures, OrbitData):
     ) -> dict[str, Any]:
         """What a sample tells of one kind of orbits only."""
 
+    # -- what is told of it ------------------------------------------------------------------------------
+
+    def motion_of(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The motion: times in seconds, shape (k,), and states, shape (k, n); both sides of each event."""
+        return self.observing.motion(self, z)
+
+    def reported(self, z: np.ndarray) -> np.ndarray:
+        """The state that stands for a solution, shape (n,); see `engine: {report_at: ...}`."""
+        return self.observing.reported(self, z)
+
+    def slow_places(self, z: np.ndarray) -> list[SlowPlace]:
+        """Where the orbit is slower than beside, and the field there; the slowest place first."""
+        return self.observing.slow_places(self, z)
+
+    def observables(self, z: np.ndarray, found: Multipliers) -> np.ndarray:
+        """Values of `observable_names`, shape (o,)."""
+        return np.array(self.observing.values(self, z, found))
+
+    def observable(self, name: str, z: np.ndarray) -> float:
+        """The value of one observable."""
+        return self.observing.value(self, name, z)
+
     # -- discretisations ---------------------------------------------------------------------------------
 
     def at_stored(self, z: np.ndarray, weights: np.ndarray) -> Self:
@@ -147,9 +221,17 @@ class OrbitProblem(OwnMeasures, OrbitData):
         """The record of a located point of a kind, with its normal form."""
         return describing.described(self, kind, located, sample, s)
 
-    @abstractmethod
-    def finely(self, z: np.ndarray) -> OrbitData:
+    def finely(self, z: np.ndarray) -> Any:
         """The problem on fine steps for a stored solution, which may have other segments."""
+        return self.switching.discretized(self, z)
+
+    def doubled_from(self, z: np.ndarray) -> Sequence[Seed]:
+        """The orbit of twice the closure that leaves where a multiplier is -1."""
+        return self.switching.doubled(self, z)
+
+    def unfolded_from(self, z: np.ndarray) -> Sequence[Seed]:
+        """The whole orbit without its symmetry that leaves where a multiplier of its part is -1."""
+        return self.switching.unfolded(self, z)
 
     def leaving(self, kind: OrbitKind, point: SpecialPoint) -> Sequence[Seed]:
         """The branches that leave a special point of a kind."""

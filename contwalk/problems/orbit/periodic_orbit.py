@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 
 from contwalk import quantities
-from contwalk.errors import measured
 from contwalk.memory import of_unowned, unowned
 from contwalk.numerics.linear import Factored
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.orbit import asymmetry, ending, equations, monodromy, switching
+from contwalk.problems.orbit import asymmetry, ending, equations, monodromy, sampling, switching
 from contwalk.problems.orbit.cutting import begun_at, most_segments, recutting
 from contwalk.problems.orbit.discretization import STAGES
 from contwalk.problems.orbit.meeting import distance
@@ -22,18 +21,14 @@ from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.orbit_problem import OrbitProblem
 from contwalk.problems.orbit.period import period_and_slope
 from contwalk.problems.orbit.points.catalogue import POINT_TYPES
-from contwalk.problems.orbit.sampling import crossing, extremes, measured_along
 from contwalk.problems.orbit.section import Reference, better_phase, reference_of
-from contwalk.problems.orbit.segmented_orbit import MOST_KEPT, SAMPLES, SegmentedOrbit
+from contwalk.problems.orbit.segmented_orbit import SAMPLES, SegmentedOrbit, section_through
 from contwalk.problems.orbit.shooting import meshed
-from contwalk.problems.orbit.slow_place import SlowPlace
 from contwalk.problems.orbit.smooth_diagnosis import SmoothDiagnosis
 from contwalk.problems.orbit.step_blocks import multipliers_of
 from contwalk.problems.orbit.transport import closed, moved, recut
 from contwalk.problems.passed_over import passed_over
-from contwalk.problems.passing import Place
-from contwalk.problems.problem import MAX_ABS, Linearization, Sample, Seed
-from contwalk.system.declarations import ParameterValues
+from contwalk.problems.problem import MAX_ABS, Linearization, Sample
 
 # Segments that a branch has room for, if it does not begin with more.
 ROOM = 8
@@ -80,6 +75,7 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
     limited = None
     # Stability grows with the square of the amplitude, and drowns in the error of the steps nearer by.
     beside = 1.0
+    observing, switching = sampling, switching
 
     # -- variants ----------------------------------------------------------------------------------------
 
@@ -95,10 +91,6 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         return (*own, *quantities.extreme_names(self.system.state_names), MAX_ABS)
 
     # -- equations ---------------------------------------------------------------------------------------
-
-    def linearize(self, z: np.ndarray) -> Linearization:
-        """The equations at z."""
-        return self.known.at("linearization", z, MOST_KEPT, lambda: self._linearized(z))
 
     def _linearized(self, z: np.ndarray) -> Linearization:
         self._forcing(z)
@@ -134,16 +126,6 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         scalars = np.abs(self.scalars(z))
         scalars[1 - self.forced : -1] = np.nan  # drifts are zero; what they are is noise
         return self.laid_out(np.tile(half, m) * np.sqrt(m), scalars, 1.0)
-
-    def reported(self, z: np.ndarray) -> np.ndarray:
-        """The state at the phase condition's point, or where the run asks for it, shape (n,); NaN if it
-        never is.
-        """
-        place = self.discretization.report_at
-        if place is None:
-            return z[: self.states]
-        t, x = self.motion_of(z)
-        return crossing(self, z, t, x, Place.of(self.system, *place))
 
     def beginnings(self, z: np.ndarray) -> np.ndarray:
         """Typical magnitudes for the first corrections of a start, shape (N + 1,)."""
@@ -185,24 +167,6 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
             "observables": self.observables(z, found) if known is None else known.observables,
             "forbidden": acting and passed_over(self.system, *self.motion_of(z), self.values_of(z)),
         }
-
-    def observables(self, z: np.ndarray, found: Multipliers) -> np.ndarray:
-        """Values of `observable_names`, shape (o,)."""
-        largest = float(np.abs(found.values[0])) if len(found.values) else float("nan")
-        return np.array([*measured_along(self, z), largest**self.rounds])
-
-    def observable(self, name: str, z: np.ndarray) -> float:
-        """The value of one observable that is not `max_abs`."""
-        if quantities.of_orbit(name):
-            low, high = extremes(self, z)
-            names = quantities.extreme_names(self.system.state_names)
-            value = quantities.column(name, names, np.concatenate([high, low]))
-            assert value is not None, name
-            return float(value)
-        function = next(o.function for o in self.system.observables if o.name == name)
-        t, x = self.motion_of(z)
-        p = ParameterValues(**self.values_of(z))
-        return measured(f"observable '{name}'", function, t, x, p)
 
     def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:
         """Multipliers of the closure, without the flow's own and the pinned ones."""
@@ -277,7 +241,7 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         if self.uneven and self.discretization.method == "auto":
             mesh = replace(mesh, reason="collocation at Gauss points, as the run asks for")
         self.effort.spend(2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps))
-        problem = self.on(mesh, self.section_through(starts[0], values, magnitudes))
+        problem = self.on(mesh, section_through(self, starts[0], values, magnitudes))
         # An orbit that is a point still has no velocities to compare with: its section holds the phase.
         integral = self.discretization.phase == "integral" and not self.forced and problem.moves(z)
         problem.reference_orbit = problem._own_reference(z) if integral else None
@@ -286,15 +250,12 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
     def refined(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> PeriodicOrbit:
         """The same problem, section included, on steps for located points."""
         tolerance = tolerance or self.discretization.marking
-        return self.adapted_to(z, weights, tolerance)._with_phase_of(self)
+        return self.adapted_to(z, weights, tolerance).varied(section=self.section)
 
     def duration_gradient(self, z: np.ndarray) -> np.ndarray:
         """Derivative of the closure's duration by unknowns and free parameter, shape (N + 1,)."""
-        gradient = np.zeros(len(z))
-        if self.forced:
-            gradient[-1] = self.forcings * self._forcing(z)[1]
-        else:
-            gradient[self.layout.durations] = 1.0
+        gradient = super().duration_gradient(z)
+        gradient[-1] = self.forcings * self._forcing(z)[1]
         return gradient
 
     def _forcing(self, z: np.ndarray) -> tuple[float, float]:
@@ -308,10 +269,6 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         """Whether a solution is one that the machine can move on: without events, all are."""
         return True
 
-    def slow_places(self, z: np.ndarray) -> list[SlowPlace]:
-        """Where the orbit is slower than beside, and the field there; the slowest place first."""
-        return ending.slow_places(self, z)
-
     def fallen_back(self, z: np.ndarray, tangent: np.ndarray) -> bool:
         """Whether the orbit of a branch with this tangent has become its parent again."""
         return ending.fallen_back(self, z, tangent)
@@ -321,18 +278,6 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
     def mirror(self, sample: Sample) -> OrbitMirror | None:
         """What takes one half of the branch that leaves an orbit to the other, if a symmetry does."""
         return mirror_of(self, sample)
-
-    def finely(self, z: np.ndarray) -> SegmentedOrbit:
-        """The problem on fine steps for a stored solution, which may have other segments."""
-        return switching.discretized(self, z)
-
-    def doubled_from(self, z: np.ndarray) -> Sequence[Seed]:
-        """The orbit of twice the period that leaves where a multiplier is -1."""
-        return switching.doubled(self, z)
-
-    def unfolded_from(self, z: np.ndarray) -> Sequence[Seed]:
-        """The orbit without the symmetry that it closes up to, where a multiplier is -1."""
-        return switching.unfolded(self, z)
 
     # -- comparing ---------------------------------------------------------------------------------------
 
@@ -347,7 +292,7 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         """Number of the first of some states that the orbit of z passes; None if it passes none."""
         periods = np.array([s.period or 0.0 for s in self.system.states])
         for number in SEEN_FROM:
-            _, curve = self.motion_of(z, number)
+            _, curve = sampling.motion(self, z, number)
             apart = [distance(curve, x, periods, self.mesh.variation) for x in points]
             passed = next((k for k, away in enumerate(apart) if away < 30.0 * ALIKE), None)
             if passed is not None or min(apart, default=np.inf) > PERHAPS:

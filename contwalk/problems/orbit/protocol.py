@@ -19,7 +19,6 @@ from contwalk.problems.orbit.shooting import Mesh
 from contwalk.problems.orbit.slow_place import SlowPlace
 from contwalk.problems.problem import (
     Equivalence,
-    Limited,
     Located,
     Meshed,
     Observed,
@@ -142,10 +141,6 @@ class Orbit(Problem, Meshed, Observed, Equivalence, Protocol):
         """The whole motion: times and states."""
         ...
 
-    def duration_gradient(self, z: np.ndarray) -> np.ndarray:
-        """Derivative of the closure's duration by unknowns and free parameter, shape (N + 1,)."""
-        ...
-
     def errors_at(self, z: np.ndarray) -> np.ndarray:
         """Estimated error of each equation at a solution."""
         ...
@@ -190,10 +185,6 @@ class Orbit(Problem, Meshed, Observed, Equivalence, Protocol):
         """dx/dt at the start."""
         ...
 
-    def leg_starts(self, z: np.ndarray) -> list[tuple[str, np.ndarray]]:
-        """Modes of the parts of a closure, and full states at their starts."""
-        ...
-
     def courses(self, z: np.ndarray) -> list[Course]:
         """The parts of the motion as they are looked at for kinks."""
         ...
@@ -209,7 +200,3 @@ class Orbit(Problem, Meshed, Observed, Equivalence, Protocol):
     def into_section(self, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
         """A tangent moved along the flow into the section."""
         ...
-
-
-class EventfulOrbit(Orbit, Limited, Protocol):
-    """An orbit through events, which has limits."""

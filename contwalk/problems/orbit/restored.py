@@ -21,18 +21,20 @@ def restored(facts: Facts) -> PeriodicOrbit:
         facts.parameters,
         facts.free,
         facts.ends,
-        facts.pins,
-        facts.state,
-        info.subharmonic,
+        pins=facts.pins,
+        reference=facts.state,
+        subharmonic=info.subharmonic,
         # What stands among the unknowns is the branch's own, whatever a run asks of its orbits.
-        replace(facts.discretization or Discretization(), scheme=str(stored.get("scheme", "shooting"))),
+        discretization=replace(
+            facts.discretization or Discretization(), scheme=str(stored.get("scheme", "shooting"))
+        ),
     )
     symmetry = _symmetry(facts.system, info)
     turns = np.array(stored.get("turns") or np.zeros(len(info.states)), dtype=float)
     if symmetry is None and not np.any(turns):
         return orbit
     closed = orbit.closing(turns, symmetry, int(stored.get("power", 1)), int(stored.get("fold", 1)))
-    return closed.alike(int(stored.get("parts", 1)))
+    return closed.varied(parts=int(stored.get("parts", 1)))
 
 
 def _symmetry(system: System, info: BranchInfo) -> Symmetry | None:

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from contwalk import quantities
 from contwalk.errors import measured
 from contwalk.problems.orbit import undefined
 from contwalk.problems.orbit.closure import images_of
-from contwalk.problems.orbit.extrema import PARTS, Smooth, extremes_of
-from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
+from contwalk.problems.orbit.extrema import PARTS, Smooth, extremes_of, with_extrema
+from contwalk.problems.orbit.lifts import PLAIN
+from contwalk.problems.orbit.multipliers import Multipliers
+from contwalk.problems.orbit.segmented_orbit import SAMPLES, SegmentedOrbit
+from contwalk.problems.orbit.slow_place import AROUND, SlowPlace, slow_places_on
 from contwalk.problems.passing import Place
 from contwalk.system.declarations import ParameterValues
 
@@ -67,8 +71,58 @@ def measured_along(orbit: SegmentedOrbit, z: np.ndarray) -> list[float]:
     """Values of the observables that no multiplier tells, in their order."""
     values: list[float] = []
     if orbit.system.observables:
-        t, x = orbit.motion_of(z)
+        t, x = motion(orbit, z)
         p = ParameterValues(**orbit.values_of(z))
         values = [measured(f"observable '{o.name}'", o.function, t, x, p) for o in orbit.system.observables]
     low, high = extremes(orbit, z)
     return [*values, *high.tolist(), *low.tolist()]
+
+
+def values(problem: SegmentedOrbit, z: np.ndarray, found: Multipliers) -> list[float]:
+    """Values of `observable_names`."""
+    largest = float(np.abs(found.values[0])) if len(found.values) else float("nan")
+    return [*measured_along(problem, z), largest**problem.rounds]
+
+
+def value(problem: SegmentedOrbit, name: str, z: np.ndarray) -> float:
+    """The value of one observable that is not `max_abs`."""
+    if quantities.of_orbit(name):
+        low, high = extremes(problem, z)
+        names = quantities.extreme_names(problem.system.state_names)
+        value = quantities.column(name, names, np.concatenate([high, low]))
+        assert value is not None, name
+        return float(value)
+    function = next(o.function for o in problem.system.observables if o.name == name)
+    t, x = motion(problem, z)
+    p = ParameterValues(**problem.values_of(z))
+    return measured(f"observable '{name}'", function, t, x, p)
+
+
+def motion(problem: SegmentedOrbit, z: np.ndarray, number: int = SAMPLES) -> tuple[np.ndarray, np.ndarray]:
+    """The whole motion: times in seconds, shape (k,), and states, shape (k, n)."""
+    curve = problem.curve(z)
+    times, states = with_extrema(curve, *curve.sampled(number))
+    duration, parameters = problem.duration(z), ParameterValues(**problem.values_of(z))
+    pieces = problem.closure.images(states, parameters)
+    starts = np.arange(len(pieces)) * duration
+    return (starts[:, None] + duration * times).ravel(), np.concatenate(pieces)
+
+
+def reported(problem: SegmentedOrbit, z: np.ndarray) -> np.ndarray:
+    """The state at the phase condition's point, or where the run asks for it, shape (n,); NaN if it
+    never is.
+    """
+    place = problem.discretization.report_at
+    if place is None:
+        return z[: problem.states]
+    t, x = motion(problem, z)
+    return crossing(problem, z, t, x, Place.of(problem.system, *place))
+
+
+def slow_places(problem: SegmentedOrbit, z: np.ndarray) -> list[SlowPlace]:
+    """Where the orbit is slower than beside, and the field there; the slowest place first."""
+    field = problem.passage.field(PLAIN)
+    c = field.constants(problem.given(z))
+    times, path = problem.curve(z).sampled(AROUND)
+    names = problem.system.state_names
+    return slow_places_on(field, c, problem.duration(z), times, path, problem.mesh.variation, names)

@@ -11,7 +11,6 @@ and `PeriodicOrbit` offers them to the engine.
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
 from typing import Any, Self, TypeVar
 
 import numpy as np
@@ -21,8 +20,6 @@ from contwalk.problems.forcing import period_at
 from contwalk.problems.kink import Kink
 from contwalk.problems.kinks import Course
 from contwalk.problems.orbit.closure import Closure
-from contwalk.problems.orbit.discretization import Discretization
-from contwalk.problems.orbit.extrema import with_extrema
 from contwalk.problems.orbit.layout import ClosureLayout
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.passage import Passage, closure_of
@@ -32,9 +29,6 @@ from contwalk.problems.orbit.shooting import Mesh, velocity
 from contwalk.problems.orbit.solution import Curve, Solution
 from contwalk.problems.orbit.traced_leg import Closing, ScalarInputs
 from contwalk.problems.orbit.word import Leg, Word
-from contwalk.problems.parameter_line import Ends
-from contwalk.system import Neutral, System
-from contwalk.system.declarations import ParameterValues
 
 # Halves: pitchforks of orbits with a symmetry that nobody declared stay pitchforks as well.
 PARTS = 2
@@ -50,19 +44,8 @@ Kind = TypeVar("Kind", bound="SegmentedOrbit")
 class SegmentedOrbit(OrbitData):
     """Orbits of one closure on given steps; see `PeriodicOrbit` for its parameters."""
 
-    def __init__(
-        self,
-        system: System,
-        parameters: Mapping[str, float],
-        free: str,
-        path: Ends | None = None,
-        pins: Sequence[Neutral] = (),
-        reference: np.ndarray | None = None,
-        subharmonic: int = 1,
-        discretization: Discretization | None = None,
-    ) -> None:
-        super().__init__(system, parameters, free, path, pins, reference, subharmonic, discretization)
-        self.word = Word((Leg(system.modes[0].name),))
+    def _begin(self) -> None:
+        self.word = Word((Leg(self.system.modes[0].name),))
         self._close(Closure(np.zeros(self.states)))
         self.parts = PARTS  # of the closure in which the steps are alike
         self._mesh: Mesh | None = None
@@ -78,13 +61,13 @@ class SegmentedOrbit(OrbitData):
 
     def closing(self, turns: np.ndarray, symmetry: Any = None, power: int = 1, fold: int = 1) -> Self:
         """The same orbits closed up to a symmetry (or to none), with angles that turn."""
-        other = self._varied()
+        other = self.varied()
         other._close(Closure(turns, symmetry, power, fold))
         return other
 
     def on(self, mesh: Mesh, section: Section | None) -> Self:
         """The same problem on another mesh, with another section."""
-        return self._varied(
+        return self.varied(
             _mesh=mesh, section=section, reference_orbit=None, layout=self._laid_out(mesh.segments, mesh.cuts)
         )
 
@@ -114,14 +97,7 @@ class SegmentedOrbit(OrbitData):
     @property
     def segments(self) -> tuple[Piece, ...]:
         """The segments on their steps, in times of the closure."""
-        return self.known.once("segments", self._segments)
-
-    def _segments(self) -> tuple[Piece, ...]:
-        mesh, each = self.mesh, zip(self.layout.segments, self.mesh.steps, strict=True)
-        return tuple(
-            Piece(self.passage, steps, mesh.method, self.line.constants, inner=not segment.last)
-            for segment, steps in each
-        )
+        return self.known.once("segments", lambda: _segments(self))
 
     def passes(self, z: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
         """Of each segment the states at its steps, its end, and the derivatives of that: all in one pass."""
@@ -216,34 +192,6 @@ class SegmentedOrbit(OrbitData):
         symmetry = self.closure.symmetry
         return self.closure.fold if symmetry is not None and symmetry.role == "spatial" else 1
 
-    def doubled(self) -> Self:
-        """The problem of the orbits that close after two of this one's closures."""
-        closure = self.closure
-        turns = 2.0 * closure.turns
-        if closure.fold == 1:
-            other = self._varied(subharmonic=2 * self.subharmonic) if self.forced else self
-            return other.closing(turns).alike(2)
-        fold = closure.fold // 2 if closure.fold % 2 == 0 else closure.fold
-        if fold == 1:
-            return self.closing(turns).alike(2)
-        return self.closing(turns, closure.symmetry, 2 * closure.power % closure.fold, fold).alike(2)
-
-    def alike(self, parts: int) -> Self:
-        """The same problem on steps that are alike in so many parts of the closure."""
-        return self._varied(parts=parts)
-
-    def without_symmetry(self) -> Self:
-        """The problem of the whole orbits."""
-        return self.closing(self.closure.fold * self.closure.turns).alike(self.closure.fold)
-
-    def _with_phase_of(self, other: SegmentedOrbit) -> Self:
-        """The same problem with the section of another one; an integral condition is its own on each mesh."""
-        return self._varied(section=other.section)
-
-    def leg_starts(self, z: np.ndarray) -> list[tuple[str, np.ndarray]]:
-        """The mode, and states at the starts of the segments."""
-        return [(self.system.modes[0].name, x) for x in self.starts(z)]
-
     def kinks_at_events(self, z: np.ndarray) -> tuple[Kink, ...]:
         """None: there are no events."""
         return ()
@@ -256,29 +204,6 @@ class SegmentedOrbit(OrbitData):
         course = self.passage.course(self.given(z), *curve.sampled(SAMPLES), curve.at)
         return [] if course is None else [course]
 
-    def motion_of(self, z: np.ndarray, number: int = SAMPLES) -> tuple[np.ndarray, np.ndarray]:
-        """The whole motion: times in seconds, shape (k,), and states, shape (k, n)."""
-        curve = self.curve(z)
-        times, states = with_extrema(curve, *curve.sampled(number))
-        duration, parameters = self.duration(z), ParameterValues(**self.values_of(z))
-        pieces = self.closure.images(states, parameters)
-        starts = np.arange(len(pieces)) * duration
-        return (starts[:, None] + duration * times).ravel(), np.concatenate(pieces)
-
-    def section_through(self, x: np.ndarray, values: np.ndarray, magnitudes: np.ndarray) -> Section | None:
-        """The section through a state, across the flow there; of an orbit that is a point, the one it has."""
-        if self.forced:
-            return None
-        own = velocity(self.passage, x, 0.0, values)
-        if np.linalg.norm(own / magnitudes) <= 1e-9 and self.section is not None:
-            return self.section
-        return section_at(x, own, magnitudes)
-
-    def imaged_on(self, mesh: Mesh, x: np.ndarray, values: np.ndarray) -> Self:
-        """The same problem on another mesh, with a section of its own through a state."""
-        section = self.section_through(x, values, mesh.magnitudes)
-        return self.on(mesh, section)
-
     def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
         """The same solution with its angles turned as near as possible to those of another one."""
         return z + whole_turns(near - z, self.periods)
@@ -288,3 +213,23 @@ class SegmentedOrbit(OrbitData):
     @abstractmethod
     def adapted_to(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> Any:
         """The problem on steps for the orbit of z."""
+
+
+def _segments(orbit: SegmentedOrbit) -> tuple[Piece, ...]:
+    mesh, each = orbit.mesh, zip(orbit.layout.segments, orbit.mesh.steps, strict=True)
+    return tuple(
+        Piece(orbit.passage, steps, mesh.method, orbit.line.constants, inner=not segment.last)
+        for segment, steps in each
+    )
+
+
+def section_through(
+    problem: SegmentedOrbit, x: np.ndarray, values: np.ndarray, magnitudes: np.ndarray
+) -> Section | None:
+    """The section through a state, across the flow there; of an orbit that is a point, the one it has."""
+    if problem.forced:
+        return None
+    own = velocity(problem.passage, x, 0.0, values)
+    if np.linalg.norm(own / magnitudes) <= 1e-9 and problem.section is not None:
+        return problem.section
+    return section_at(x, own, magnitudes)

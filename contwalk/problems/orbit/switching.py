@@ -35,7 +35,7 @@ def doubled(problem: SegmentedOrbit, z: np.ndarray) -> Sequence[Seed]:
 
     It is closed up to a declared symmetry if each half of it is the image of the other one.
     """
-    there, start, tangent = _followed(problem, z, 2, problem.doubled())
+    there, start, tangent = _followed(problem, z, 2, _doubled(problem))
     half = halved(there, start, tangent)
     if half is not None:
         there, start, tangent = _followed(problem, z, 1, half)
@@ -44,9 +44,23 @@ def doubled(problem: SegmentedOrbit, z: np.ndarray) -> Sequence[Seed]:
 
 def unfolded(problem: SegmentedOrbit, z: np.ndarray) -> Sequence[Seed]:
     """The orbit without the symmetry that its parent closes up to."""
-    times = problem.closure.fold
-    there, start, tangent = _followed(problem, z, times, problem.without_symmetry())
+    closure = problem.closure
+    whole = problem.closing(closure.fold * closure.turns).varied(parts=closure.fold)
+    there, start, tangent = _followed(problem, z, closure.fold, whole)
     return (Seed("BP", start, tangent, amplitude(tangent), there),)
+
+
+def _doubled(problem: SegmentedOrbit) -> SegmentedOrbit:
+    """The problem of the orbits that close after two of this one's closures."""
+    closure = problem.closure
+    turns = 2.0 * closure.turns
+    if closure.fold == 1:
+        other = problem.varied(subharmonic=2 * problem.subharmonic) if problem.forced else problem
+        return other.closing(turns).varied(parts=2)
+    fold = closure.fold // 2 if closure.fold % 2 == 0 else closure.fold
+    if fold == 1:
+        return problem.closing(turns).varied(parts=2)
+    return problem.closing(turns, closure.symmetry, 2 * closure.power % closure.fold, fold).varied(parts=2)
 
 
 def _followed(

@@ -12,7 +12,7 @@ from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.diagram import Diagram, Noted, Plan
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.settings import Settings
-from contwalk.problems.hybrid import hybrid_orbit
+from contwalk.problems.hybrid import limited
 from contwalk.problems.orbit import passage
 from contwalk.studies.opening_orbits import opened_orbit
 from contwalk.system import Mode, Neutral, Parameter, State, System, Transition
@@ -76,18 +76,18 @@ def test_neighbours_of_a_limit_are_those_of_its_own_orbits(monkeypatch) -> None:
     assert isinstance(opening, Opening)
     problem, z = opening.problem, opening.state.sample.z
     asked: list[object] = []
-    monkeypatch.setattr(hybrid_orbit, "_NEIGHBOURS", {})
+    monkeypatch.setattr(limited, "_NEIGHBOURS", {})
     monkeypatch.setattr(
-        hybrid_orbit.itineraries, "found", lambda problem, point: asked.append(problem) or ([], "")
+        limited.itineraries, "found", lambda problem, point: asked.append(problem) or ([], "")
     )
 
     def ask(orbit) -> int:
         point = Point(label="GR", unknowns=tuple(z))
-        orbit.neighbours(point)
+        orbit.limited.neighbours(point)
         return len(asked)
 
     assert ask(problem) == ask(problem) == 1
-    assert ask(problem.turning(np.array([2.0 * math.pi, 0.0]))) == 2
+    assert ask(problem.varied(turns=np.array([2.0 * math.pi, 0.0]))) == 2
     pinned = type(problem)(
         system, problem.word, problem.parameters, "F", None, (Neutral("n", lambda t, x, p, dx: None),), z[:2]
     )

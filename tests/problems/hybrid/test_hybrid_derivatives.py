@@ -53,7 +53,7 @@ def on_a_path(name: str) -> tuple[HybridOrbit, np.ndarray]:
     other = HybridOrbit(
         problem.system, problem.word, begin, "path", (begin, end), subharmonic=problem.subharmonic
     )
-    other = other.turning(problem.turns)
+    other = other.varied(turns=problem.turns)
     return other.adapted_to(z, np.append(cycle_scales(problem)[1], 1.0)), z
 
 

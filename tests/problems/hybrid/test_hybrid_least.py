@@ -55,7 +55,7 @@ def test_a_quiet_orbit_of_several_periods_is_one_of_a_single_period(times: int) 
 
 def test_a_whole_orbit_that_is_its_own_image_is_halved() -> None:
     problem, z = rocking()
-    whole = problem.of_word(problem.whole_word)
+    whole = problem.of_word(problem.word.unfolded(problem.system))
     there = discretized(whole, images(problem, z, 2))
     assert own_image(there, images(problem, z, 2)) == "inversion"
     assert there.fallen_back(images(problem, z, 2))
@@ -68,7 +68,7 @@ def test_an_orbit_that_nearly_is_its_own_image_is_whole() -> None:
     problem, z = rocking()
     near = images(problem, z, 2)
     near[1] += 1e-5 * abs(near[1])
-    there = discretized(problem.of_word(problem.whole_word), near)
+    there = discretized(problem.of_word(problem.word.unfolded(problem.system)), near)
     assert least(there, near) == (there, near)
 
 
@@ -81,7 +81,7 @@ def test_an_orbit_is_not_halved_by_a_symmetry_that_nobody_declared() -> None:
 def test_half_an_orbit_that_goes_round_three_times_is_divided() -> None:
     problem, z = rocking()
     first = problem.word.legs
-    second = problem.whole_word.legs[1:]
+    second = problem.word.unfolded(problem.system).legs[1:]
     often = problem.of_word(Word(first + second + first, problem.word.image), 3)
     there = discretized(often, images(problem, z, 3))
     part, start = least(there, images(problem, z, 3))

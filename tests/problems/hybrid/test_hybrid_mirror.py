@@ -138,7 +138,7 @@ def test_a_state_that_only_the_image_passes_is_reported_there():
     problem, sample = reopened(two_sided(False), parent, len(parent) // 2)
     for value, direction in ((5.0, -1.0), (-5.0, 1.0)):
         chosen = replace(problem.discretization, report_at=(0, value, direction))
-        places.append(problem._varied(discretization=chosen).reported(sample.z))
+        places.append(problem.varied(discretization=chosen).reported(sample.z))
     ours, images = places
     assert ours[0] == pytest.approx(5.0, abs=1e-9)
     np.testing.assert_allclose(images, [-ours[0], -ours[1], ours[2]], rtol=1e-9)

@@ -51,7 +51,7 @@ def branch(marks: tuple = (), **options) -> Branch:
 def reported(**where) -> np.ndarray:
     problem, z = ball()
     chosen = replace(problem.discretization, **where)
-    return problem._varied(discretization=chosen).reported(z)
+    return problem.varied(discretization=chosen).reported(z)
 
 
 class TestReported:
@@ -90,7 +90,7 @@ class TestReported:
             ("full", "after", "v"),
         ):
             chosen = replace(problem.discretization, report_event=(event, side))
-            state = problem._varied(discretization=chosen).reported(z)
+            state = problem.varied(discretization=chosen).reported(z)
             for name, value in zip(TANK.state_names, state, strict=True):
                 assert (value == 0.0) == (name == missing) or (name == "y" and event in ("landed", "empty"))
 
@@ -138,7 +138,7 @@ def test_an_angle_passes_a_value_in_any_turn_and_where_the_orbit_begins():
 
     def told(value, direction):
         chosen = replace(problem.discretization, report_at=(0, value, direction))
-        return problem._varied(discretization=chosen).reported(z)
+        return problem.varied(discretization=chosen).reported(z)
 
     turn = np.array([2.0 * math.pi, 0.0])
     for direction in (1.0, -1.0):

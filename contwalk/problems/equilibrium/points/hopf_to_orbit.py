@@ -35,8 +35,8 @@ def from_hopf(equilibrium: EquilibriumEquations, point: SpecialPoint) -> Sequenc
         equilibrium.parameters | own,
         equilibrium.free,
         equilibrium.line.ends,
-        equilibrium.pins,
-        equilibrium.reference,
+        pins=equilibrium.pins,
+        reference=equilibrium.reference,
         discretization=equilibrium.discretization,
     )
     x, period = z[:n], 2.0 * np.pi / omega

@@ -48,7 +48,7 @@ def found(problem: DiscretizedOrbit, point: SpecialPoint) -> tuple[Sequence[Seed
 
 def _words(problem: DiscretizedOrbit) -> str:
     """The signature, over the whole period."""
-    return f"[{folded(problem.signature) or 'no events'}]"
+    return f"[{folded(problem.word.signature(problem.system)) or 'no events'}]"
 
 
 def _leaving(problem: DiscretizedOrbit, z: np.ndarray, limit: Limit, place: float, label: str) -> list[Seed]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from contwalk.branch import SpecialPoint
+from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.points.point import OrbitPoint
-from contwalk.problems.orbit.protocol import EventfulOrbit
 from contwalk.problems.problem import LimitType, Seed, Test
 
 
@@ -15,6 +15,6 @@ class OrbitLimit(OrbitPoint, LimitType):
 
     test = Test.MARGIN
 
-    def seeds(self, problem: EventfulOrbit, point: SpecialPoint) -> Sequence[Seed]:
+    def seeds(self, problem: OrbitData, point: SpecialPoint) -> Sequence[Seed]:
         """The branches of orbits that the machine goes over to beyond it."""
-        return () if self.declared else problem.neighbours(point)[0]
+        return () if self.declared or problem.limited is None else problem.limited.neighbours(point)[0]

@@ -1,0 +1,70 @@
+"""What the engine asks of the limits of orbits through events, and what lies beyond them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+from contwalk.memory import remembered
+from contwalk.problems.hybrid import limit_points, limits_told, switching
+from contwalk.problems.hybrid.adjacent import itineraries
+from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
+from contwalk.problems.hybrid.margins import Limit
+from contwalk.problems.problem import Located, Sample, Seed
+from contwalk.system import System
+
+# Limits whose neighbours are kept.
+_NEIGHBOURS: dict[tuple, tuple[System, tuple[Sequence[Seed], str]]] = {}
+_MOST_NEIGHBOURS = 4
+
+
+class HybridLimits:
+    """The limits of an orbit, and the orbits beyond them.
+
+    Parameters
+    ----------
+    orbit : DiscretizedOrbit
+    """
+
+    def __init__(self, orbit: DiscretizedOrbit) -> None:
+        self._orbit = orbit
+
+    @property
+    def limits(self) -> tuple[Limit, ...]:
+        """All that must stay positive for an orbit to be the machine's."""
+        return self._orbit.limits
+
+    def limit_of(self, point: SpecialPoint) -> int:
+        """Which of the limits a special point is one of."""
+        orbit, z = self._orbit, np.array(point.unknowns)
+        known = orbit._mesh is not None and len(z) == orbit.size + 1
+        return limit_points.nearest(orbit if known else switching.discretized(orbit, z), point)
+
+    def stopped(self, located: Located, sample: Sample) -> str:
+        """Why an orbit beyond a limit is not the machine's, and what lies next to it."""
+        return limits_told.sentence(self._orbit, located)
+
+    def neighbours(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
+        """The branches of other words beyond a limit, and in words what was found, or tried.
+
+        They are asked for twice: where a branch ends, for the words, and where others begin.
+        """
+        key = (*_given(self._orbit, np.array(point.unknowns)), point.label, point.unknowns)
+        # What is found keeps the system, and so its id.
+        system = self._orbit.system
+        found = remembered(_NEIGHBOURS, key, _MOST_NEIGHBOURS, lambda: (system, self._beyond(point)))
+        return found[1]
+
+    def _beyond(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
+        return itineraries.found(self._orbit, point)
+
+
+def _given(orbit: DiscretizedOrbit, z: np.ndarray) -> tuple:
+    """All that orbits beside a solution follow from, besides its steps."""
+    line, held = orbit.line, orbit.reference if orbit.pins else None
+    numbers = (orbit.turns, line.direction, np.zeros(0) if held is None else held)
+    values = tuple(orbit.values_of(z).items()), *(each.tobytes() for each in numbers)
+    kinds = orbit.word, line.free, orbit.pins, orbit.subharmonic, orbit.discretization
+    return id(orbit.system), *kinds, *values
