@@ -7,18 +7,18 @@ of those on the other: states through the map, durations exchanged with their le
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.limits import LABELS as LIMITS
-from contwalk.problems.images import Product, point_of_image, products, row_of_image
-from contwalk.problems.orbit.mirror import AS_WELL, KEPT, MOVED, REVERSED, SOLVED, coefficients_of
-from contwalk.problems.orbit.stored_discretizations import StoredDiscretizations, vectors_of
+from contwalk.problems.images import Product, products
+from contwalk.problems.orbit.mirror_of_orbits import MirrorOfOrbits
+from contwalk.problems.orbit.stored_discretizations import vectors_of
 from contwalk.problems.orbit.word import Leg, has_image, image_of
 from contwalk.problems.problem import Sample
 from contwalk.system.declarations import ParameterValues
@@ -57,50 +57,30 @@ def _images(problem: DiscretizedOrbit, product: Product, legs: tuple[Leg, ...]) 
     return legs
 
 
-class HybridMirror:
+class HybridMirror(MirrorOfOrbits[DiscretizedOrbit]):
     """The map from one half of a branch of whole orbits with events to the other.
 
     Parameters
     ----------
-    problem : DiscretizedOrbit
-    product : Product
-        The symmetries that make it, affine maps of the state.
+    problem, product, born
+        See `MirrorOfOrbits`.
     first : int
         The leg whose image is the first one.
     half : int
         Whether the image begins half a closure earlier than that leg, as where the force is reversed then.
-    born : Sample
-        The orbit that the branch leaves.
     """
 
     def __init__(
         self, problem: DiscretizedOrbit, product: Product, first: int, half: int, born: Sample
     ) -> None:
-        self._problem, self._product, self._first, self._half = problem, product, first, half
-        self._born = born
-        p = ParameterValues(**problem.values_of(born.z))
-        sizes = np.maximum(np.abs(problem.first_state(born.z)), problem.mesh.variation)
-        self._linear = product.linear(sizes, p)
-        self._stored = StoredDiscretizations(problem)
-        self._samples: dict[bytes, Sample] = {}
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the symmetries in the order in which they are applied."""
-        return self._product.names
+        super().__init__(problem, product, born)
+        self._first, self._half = first, half
 
     def refuses(self, point: SpecialPoint) -> str:
         """Why the image of a special point has to be located itself: limits are told by names of events."""
         return f"a limit ({point.label}) has to be located" if point.label in LIMITS else ""
 
     # -- the map -----------------------------------------------------------------------------------------
-
-    def keeps(self, there: DiscretizedOrbit, sample: Sample) -> bool:
-        """Whether an orbit is its own image, and its deviation is reversed."""
-        z, tangent = self._image(there, sample.z, sample.tangent, sample.weights)
-        if float(np.max(np.abs(z - sample.z) / sample.weights)) > KEPT:
-            return False
-        return float(np.linalg.norm((tangent + sample.tangent) / sample.weights)) < REVERSED
 
     def _pairs(self, there: DiscretizedOrbit) -> Iterator[tuple[int, int]]:
         """Each segment of the image, and the one that it is the image of, by their numbers."""
@@ -116,16 +96,13 @@ class HybridMirror:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Image of an orbit and of a deviation of it, each of shape (N + 1,)."""
         layout, image, moved = there.layout, z.copy(), tangent.copy()
-        change = np.zeros(len(z))
-        change[-1] = MOVED * weights[-1]
-        low, p, high = (ParameterValues(**there.values_of(each)) for each in (z - change, z, z + change))
+        p, by_parameter = self._parameters(there, z, weights)
         for own, source in self._pairs(there):
             to, of = layout.segments[own], layout.segments[source]
             kept = list(there.passages[to.leg].states)
             x, v = (there.passages[of.leg].full(given[of.states]) for given in (z, tangent))
             image[to.states] = self._product.state(x, p)[kept]
-            by_parameter = (self._product.state(x, high) - self._product.state(x, low)) / (2.0 * change[-1])
-            moved[to.states] = (self._linear @ v + by_parameter * tangent[-1])[kept]
+            moved[to.states] = (self._linear @ v + by_parameter(x) * tangent[-1])[kept]
         for given, result in ((z, image), (tangent, moved)):
             lasting = given[layout.durations]
             result[layout.durations] = np.roll(lasting, -self._first)
@@ -133,9 +110,6 @@ class HybridMirror:
                 begins = given[layout.start] + lasting[: self._first].sum()
                 result[layout.start] = begins - 0.5 * self._half * lasting.sum()
         return image, moved
-
-    def _metric(self, values: np.ndarray) -> np.ndarray:
-        return np.sqrt((self._linear * self._linear) @ (values * values))
 
     def _weights(self, there: DiscretizedOrbit, weights: np.ndarray) -> np.ndarray:
         layout, result = there.layout, weights.copy()
@@ -146,7 +120,7 @@ class HybridMirror:
         result[layout.durations] = np.roll(weights[layout.durations], -self._first)
         return result
 
-    def _mirrored(self, there: DiscretizedOrbit) -> DiscretizedOrbit:
+    def _mirrored(self, there: DiscretizedOrbit, image: np.ndarray) -> DiscretizedOrbit:
         """The problem for images: each leg on the steps of the one that it is the image of."""
         mesh, pairs = there.mesh, list(self._pairs(there))
         mesh = replace(
@@ -161,67 +135,22 @@ class HybridMirror:
 
     # -- what is stored ----------------------------------------------------------------------------------
 
-    def row(self, row: np.void, before: np.void, last: np.void) -> np.ndarray | None:
-        """The stored image of a stored orbit, shape (1,); None if it does not solve the equations.
-
-        It is asked of the steps that the orbit was solved for on, those of the one before it; of its own, if
-        it was cut anew.
-        """
-        began, spent = time.perf_counter(), self._problem.evaluations
-        z, weights, tangent = vectors_of(row)
-        for there in self._stored.of_row(row, before, z, weights):
-            image, moved = self._image(there, z, tangent, weights)
-            own, metric = self._mirrored(there), self._weights(there, weights)
-            linearization = own.linearize(image)
-            excess = linearization.excess_in(metric) if linearization.finite else np.inf
-            missed = there.linearize(z).excess_in(weights) if row["special"] else 0.0
-            if excess <= SOLVED + AS_WELL * missed:
-                break
-        else:
-            return None
-        moved = -moved / np.linalg.norm(moved / metric)
-        sample = own.examine(image, moved, metric, linearization, int(row["unstable"]))
-        found = row_of_image(
-            row,
-            image,
-            moved,
-            metric,
-            state=sample.reported,
-            observables=[*sample.observables[:-1], row["observables"][-1]],
-            admissible=sample.admissible,
-            trivial_error=sample.trivial_error,
-            residual=excess,
-            rhs=self._problem.evaluations - spent,
-            seconds=time.perf_counter() - began,
-        )
-        self._samples[found["unknowns"].tobytes()] = sample
-        return found
-
-    def sample(self, row: np.void) -> Sample:
-        """Place, metric and kinks of an image, as a sample."""
-        z, weights, _ = vectors_of(row)
-        return self._samples.get(
-            row["unknowns"].tobytes(), replace(self._born, z=z, weights=weights, kinks=())
-        )
+    def _told(
+        self, own: DiscretizedOrbit, image: np.ndarray, moved: np.ndarray, metric: np.ndarray, row: np.void
+    ) -> tuple[Sample, dict[str, Any]]:
+        sample = own.examine(image, moved, metric, own.linearize(image), int(row["unstable"]))
+        told = {
+            "state": sample.reported,
+            "observables": [*sample.observables[:-1], row["observables"][-1]],
+            "admissible": sample.admissible,
+        }
+        return sample, told
 
     def margin(self, row: np.void) -> Mapping[str, float]:
         """What must stay positive on an image, by name."""
         z, weights, _ = vectors_of(row)
         return self._problem.adapted_to(z, weights).margins(z).by_name
 
-    def special_point(self, point: SpecialPoint, row: np.void, last: np.void) -> SpecialPoint:
-        """The image of a special point: what is counted before it there is counted after it."""
-        z, tangent, weights = np.array(point.unknowns), np.array(point.tangent), vectors_of(row)[1]
-        there = self._stored.finest(z, weights)
-        image, moved = self._image(there, z, tangent, weights)
-        own = self._mirrored(there)
-        state, margins = own.reported(image), own.margins(image)
-        return point_of_image(
-            point,
-            dict(zip(own.system.state_names, state.tolist(), strict=True)),
-            image,
-            -moved,
-            coefficients=coefficients_of(own, point, image),
-            admissible=margins.admissible,
-            margin=margins.by_name,
-        )
+    def _limits(self, own: DiscretizedOrbit, image: np.ndarray) -> dict[str, Any]:
+        margins = own.margins(image)
+        return {"admissible": margins.admissible, "margin": margins.by_name}
