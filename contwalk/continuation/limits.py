@@ -176,15 +176,18 @@ def _located(
         return None
     if found is not None:
         return found
-    positions = sorted(around)
-    jumps = [
-        abs(around[p] - around[q]) > JUMPED
-        for p, q in pairwise(positions)
-        if (around[p] > 0.0) != (around[q] > 0.0) and q - p < 4.0 * NARROWEST
-    ]
-    if any(jumps):
+    if _jumped(around):
         return None
     raise Disagreement(kind, f"'{limits[which].name}' passes its limit, but cannot be located.")
+
+
+def _jumped(around: Mapping[float, float]) -> bool:
+    """Whether a margin, known at some places of a segment, passes zero between two that are next to one."""
+    return any(
+        abs(around[p] - around[q]) > JUMPED
+        for p, q in pairwise(sorted(around))
+        if (around[p] > 0.0) != (around[q] > 0.0) and q - p < 4.0 * NARROWEST
+    )
 
 
 def limits_of(problem: Problem) -> Sequence[Limit]:

@@ -79,15 +79,7 @@ def simulated(
     method, points = asked.method, asked.points
     settles, start = asked.until == "settled", beginning.time
     end = np.inf if settles else start + float(asked.until)
-    found: list[MotionSegment] = []
-    state, mode = machine.existing(beginning.mode, beginning.state), beginning.mode
-    if beginning.at is not None:
-        happening = machine.transition(beginning.at, mode)
-        after = applied(machine, happening, start, state)
-        found.append(
-            MotionSegment(mode, np.array([start]), state[None], transition=beginning.at, after=after)
-        )
-        state, mode = after, happening.target
+    found, state, mode = _begun(machine, beginning)
     last = beginning.at or beginning.last
     scales = [s.scale for s in system.states]
     weights = magnitudes(machine, start, state, mode, end, scales, method, last)
@@ -127,6 +119,18 @@ def simulated(
         note=note,
         drawn=_stored(machine, found, drawn_at(steps_taken, points), method),
     )
+
+
+def _begun(machine: HybridMachine, beginning: Beginning) -> tuple[list[MotionSegment], np.ndarray, str]:
+    """The event that a motion begins with, if it does; the state after it, and the mode."""
+    state, mode = machine.existing(beginning.mode, beginning.state), beginning.mode
+    if beginning.at is None:
+        return [], state, mode
+    happening = machine.transition(beginning.at, mode)
+    after = applied(machine, happening, beginning.time, state)
+    times = np.array([beginning.time])
+    event = MotionSegment(mode, times, state[None], transition=beginning.at, after=after)
+    return [event], after, happening.target
 
 
 def _with_sections(system: System, place: ReportAt | None) -> tuple[System, dict[str, str]]:
