@@ -89,7 +89,12 @@ def test_neighbours_of_a_limit_are_those_of_its_own_orbits(monkeypatch) -> None:
     assert ask(problem) == ask(problem) == 1
     assert ask(problem.varied(turns=np.array([2.0 * math.pi, 0.0]))) == 2
     pinned = type(problem)(
-        system, problem.word, problem.parameters, "F", None, (Neutral("n", lambda t, x, p, dx: None),), z[:2]
+        system,
+        problem.word,
+        problem.parameters,
+        "F",
+        pins=(Neutral("n", lambda t, x, p, dx: None),),
+        reference=z[:2],
     )
     monkeypatch.setattr(type(pinned), "values_of", lambda orbit, z: dict(values))
     assert ask(pinned) == 3

@@ -52,7 +52,7 @@ def test_a_motion_is_integrated_once_with_derivatives_and_once_densely(integrate
         discretization=chosen,
     )
     assert problem.mesh.segments == segments
-    problem = problem.alike(problem.parts)  # remembers nothing
+    problem = problem.varied()  # remembers nothing
     integrated.clear()
     linearization = problem.linearize(z)
     assert linearization.finite
