@@ -176,7 +176,7 @@ def begun_at(orbit: Any, point: SpecialPoint, near: At) -> tuple[OrbitCurve, np.
         return CURVES["NS"], np.array([np.cos(float(point.coefficients["theta"]))])
     if point.label in CURVES:
         return CURVES[point.label], np.zeros(0)
-    which = orbit.limit_of(point)
+    which = orbit.limited.limit_of(point)
     found = limit_points.system_of(orbit, which, near)
     if found is None:
         raise NotFinite(f"the instant of {point.label} is not found on the orbit")

@@ -73,7 +73,7 @@ class OrbitPlane:
         )
 
     def _on(self, line: Any) -> Any:
-        return self.orbit._varied(line=line, free=line.free)
+        return self.orbit.varied(line=line, free=line.free)
 
     def first(self, z: np.ndarray) -> tuple[Any, np.ndarray]:
         """The orbit at z on the line along the first parameter, and its unknowns there, shape (N + 1,)."""
