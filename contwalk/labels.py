@@ -41,6 +41,7 @@ OF_LOCI = {
     "GRLP": "grazing at a fold",
     "GRPD": "grazing at a period doubling",
     "GRNS": "grazing at a torus",
+    "GRGR": "two grazings",
 }
 EVERY_MEANING = ChainMap(OF_LOCI, MEANINGS)  # in the order of the second, then of the first
 

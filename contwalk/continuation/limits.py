@@ -202,7 +202,7 @@ def policy(problem: Problem, located: Located, events: Mapping[str, str]) -> str
     beyond it the orbit's own event happens earlier, and no orbit of this word is the machine's.
     """
     limit = limits_of(problem)[int(located.vectors["limit"])]
-    asked = events.get(limit.type.label, "ignore")
+    asked = events.get(limit.type.like or limit.type.label, "ignore")
     if limit.type.declared:
         return asked
     if asked == "switch" and not limit.acts:

@@ -42,13 +42,18 @@ def stop_at(what: str) -> Outcome:
 
 def limit(point: LimitType, kind: str | None, asked: str, words: str) -> Outcome:
     """The orbits beyond are not the machine's, or have another word."""
-    reason, label = point.reason, point.label
+    reason, label = point.reason, point.like or point.label
     if asked == "switch":
         return Outcome("complete", reason, words)
     if kind == "terminal":
         words += " Beyond it that event happens earlier, and no orbit of this signature is the machine's."
     ways = [] if kind == "terminal" else [f"past it with --set events.{label}=ignore"]
-    ways += [] if point.declared else [f"to orbits of another signature with --set events.{label}=switch"]
+    # A limit that is told under another label is one of a curve: no other curve is begun at it.
+    ways += (
+        []
+        if point.declared or point.like
+        else [f"to orbits of another signature with --set events.{label}=switch"]
+    )
     return Outcome("stopped", reason, f"{words} To go on {', or '.join(ways)}.")
 
 

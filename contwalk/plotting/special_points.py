@@ -43,6 +43,7 @@ MARKERS: dict[str, Any] = {
     "GRLP": (5, 1, 180),
     "GRPD": (8, 1, 0),
     "GRNS": (9, 1, 0),
+    "GRGR": (10, 1, 0),
 }
 # Points wide; equal numbers do not look equally large for all shapes.
 SIZES = {"EP": 5.0, "GR": 8.5, "PD": 5.0, "LP": 5.2}

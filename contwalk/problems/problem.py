@@ -168,6 +168,8 @@ class LimitType(PointType):
     ----------
     reason : str
         The reason code of a branch that ends there.
+    like : str
+        Under which label a run file says what is done there, where that is not its own.
     shared : bool
         Whether two that coincide are one.
     declared : bool
@@ -175,6 +177,7 @@ class LimitType(PointType):
     """
 
     reason: ClassVar[str]
+    like: ClassVar[str] = ""
     shared: ClassVar[bool] = False
     declared: ClassVar[bool] = False
 

@@ -76,6 +76,11 @@ class CurveOfOrbits:
         found: np.ndarray = there.reported(own)
         return found
 
+    def margins(self, z: np.ndarray) -> Any:
+        """Values of all limits of the orbit at z, shape (N + k + 2,), which must have some."""
+        there, own = self.plane.first(z)
+        return there.margins(own)
+
     def nearest_turn(self, z: np.ndarray, near: np.ndarray) -> np.ndarray:
         """The same solution with its angles turned as near as possible to those of another one.
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from contwalk.errors import NotFinite
+from contwalk.errors import NotFinite, PluginError
 from contwalk.numerics.linear import EPSILON, Factorization, unit_in
 from contwalk.problems.capabilities import OwnMeasures
 from contwalk.problems.linearization import Linearization
@@ -16,6 +17,7 @@ from contwalk.problems.locus.curve_of_orbits import CurveOfOrbits
 from contwalk.problems.locus.orbit_conditions import At
 from contwalk.problems.locus.orbit_curves import OrbitCurve
 from contwalk.problems.locus.orbit_diagnosis import OrbitLocusDiagnosis
+from contwalk.problems.locus.orbit_limits import LimitsOnCurve, told
 from contwalk.problems.locus.orbit_places import Held, OrbitPlane, evaluated
 from contwalk.problems.locus.orbit_points.catalogue import POINT_TYPES
 from contwalk.problems.orbit import augmented, equations
@@ -49,7 +51,6 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures):
     """
 
     kind = "locus"
-    limited = None
     blur = 1e-3
 
     def __init__(
@@ -78,6 +79,11 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures):
             curve.system(there, At(own, self.of_orbit(weights)), self.further(z)),
             np.arange(self.plane.size, self.plane.size + curve.further),
         )
+
+    @cached_property
+    def limited(self) -> LimitsOnCurve | None:
+        """The limits of orbits through events; None of others."""
+        return None if self.orbit.limited is None else LimitsOnCurve(self.orbit, self.curve, self.free)
 
     @property
     def meshed(self) -> OrbitLocus:
@@ -205,6 +211,7 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures):
             unstable=_unstable(measures, errors, before),
             resting=critical,
             observables=np.array([*seen.observables, *self.further(z)[: len(self.curve.observables)]]),
+            margins=told(self.orbit, self.curve, seen.margins),
             magnitudes=linearization.magnitudes,
             sizes=np.nan_to_num(linearization.magnitudes),
             excess=linearization.excess_in(weights),
@@ -239,7 +246,7 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures):
             return None
         try:
             return augmented.solved(self, system, sample)  # type: ignore[arg-type]
-        except (np.linalg.LinAlgError, NotFinite):
+        except (np.linalg.LinAlgError, NotFinite, PluginError):
             return None
 
     # -- the branch ------------------------------------------------------------------------------------------

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from contwalk.problems.locus.orbit_points.cubic import Chenciner, GeneralizedDoubling
 from contwalk.problems.locus.orbit_points.cusp import CuspOfCycles
+from contwalk.problems.locus.orbit_points.limits import LIMITS_ON
 from contwalk.problems.locus.orbit_points.marked_value import CountChange, Crossing, EndPoint, MarkedValue
 from contwalk.problems.locus.orbit_points.point import OrbitLocusPoint
 from contwalk.problems.locus.orbit_points.resonances import (
@@ -14,17 +15,25 @@ from contwalk.problems.locus.orbit_points.resonances import (
     R2OnDoublings,
     R2OnTori,
 )
-from contwalk.problems.locus.orbit_points.two_at_once import TwoAtOnce
+from contwalk.problems.locus.orbit_points.two_at_once import ResonantGrazing, TwoAtOnce
 
 _OF_ALL = (Crossing(), MarkedValue(), EndPoint())
 _ON_TORI = (Chenciner(), R1OnTori(), R2OnTori(), R3(), R4())
 POINT_TYPES: dict[str, tuple[OrbitLocusPoint, ...]] = {
-    "LP": (CuspOfCycles(), R1OnFolds(), TwoAtOnce("LPPD", "PD"), TwoAtOnce("LPNS", "NS"), *_OF_ALL),
+    "LP": (
+        CuspOfCycles(),
+        R1OnFolds(),
+        TwoAtOnce("LPPD", "PD"),
+        TwoAtOnce("LPNS", "NS"),
+        *LIMITS_ON["LP"].values(),
+        *_OF_ALL,
+    ),
     "PD": (
         GeneralizedDoubling(),
         TwoAtOnce("LPPD", "LP"),
         R2OnDoublings(),
         TwoAtOnce("PDNS", "NS"),
+        *LIMITS_ON["PD"].values(),
         *_OF_ALL,
     ),
     "NS": (
@@ -33,9 +42,18 @@ POINT_TYPES: dict[str, tuple[OrbitLocusPoint, ...]] = {
         TwoAtOnce("PDNS", "PD"),
         TwoAtOnce("NSNS", "NS"),
         CountChange(saddles=True),
+        *LIMITS_ON["NS"].values(),
         *_OF_ALL,
     ),
-    "GR": (TwoAtOnce("GRLP", "LP"), TwoAtOnce("GRPD", "PD"), TwoAtOnce("GRNS", "NS"), *_OF_ALL),
-    "OC": (CountChange(), *_OF_ALL),
-    "AZ": (CountChange(), *_OF_ALL),
+    "GR": (
+        ResonantGrazing("GRLP", "LP"),
+        ResonantGrazing("GRPD", "PD"),
+        TwoAtOnce("GRLP", "LP"),
+        TwoAtOnce("GRPD", "PD"),
+        TwoAtOnce("GRNS", "NS"),
+        *LIMITS_ON["GR"].values(),
+        *_OF_ALL,
+    ),
+    "OC": (CountChange(), *LIMITS_ON["OC"].values(), *_OF_ALL),
+    "AZ": (CountChange(), *LIMITS_ON["AZ"].values(), *_OF_ALL),
 }

@@ -18,6 +18,11 @@ from contwalk.problems.problem import Located, Sample, Test
 
 FIFTH = "the coefficient of fifth order, which tells the sides, is not computed"
 
+# Cubic terms are cancelled by squares of quadratic ones: where deviations grow by more, as right beside a
+# grazing
+# of the orbit's own event, rounding leaves nothing of the difference.
+MOST_GROWTH = 5e5
+
 
 class VanishingCubic(OrbitLocusPoint):
     """The orbits or tori that are born change their side."""
@@ -43,6 +48,8 @@ class VanishingCubic(OrbitLocusPoint):
     def _regular(self, problem: Any, z: np.ndarray) -> float:
         there, own = problem.plane.first(z)
         map_ = there.return_map(own)
+        if float(np.linalg.norm(map_.a, 2)) > MOST_GROWTH:
+            return float("nan")
         values = np.linalg.eigvals(map_.a)
         factor = np.prod((1.0 - values) / (1.0 + np.abs(values)))
         for value in self.colliding(problem, z):

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.errors import NotFinite
+from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.locus.orbit_places import Held, evaluated
 from contwalk.problems.orbit.augmented import Augmented, along
 from contwalk.problems.problem import Located, PointType, Sample
@@ -31,8 +31,8 @@ class OrbitLocusPoint(PointType):
         """The point near a sample."""
         try:
             found: Located | None = problem.located(self.system(problem, sample, which), sample)
-        except (NotFinite, np.linalg.LinAlgError):
-            return None
+        except (NotFinite, PluginError, np.linalg.LinAlgError):
+            return None  # Newton's method has gone where the plugin has no motion: as if it did not converge
         return found
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
@@ -57,6 +57,7 @@ class OrbitLocusPoint(PointType):
             note = "degenerate: the critical directions are not determined, so there is no normal form"
         except NotFinite as error:
             kind, coefficients, note = None, {}, f"there is no normal form: {error.sentence}"
+        margins = None if there.limited is None else there.margins(z)
         state = there.reported(z) if sample.reported is None else sample.reported
         spectrum, (_, fold) = tuple(complex(v) for v in sample.spectrum), problem.whole
         return SpecialPoint(
@@ -73,6 +74,8 @@ class OrbitLocusPoint(PointType):
             error=located.error,
             errors=dict(located.vectors.get("errors", {})),
             coefficients=coefficients,
+            admissible=margins is None or margins.admissible,
+            margin={} if margins is None else margins.by_name,
             note=note,
             unknowns=tuple(z.tolist()),
             tangent=tuple(sample.tangent.tolist()),

@@ -9,9 +9,10 @@ import numpy as np
 from contwalk.problems.locus.orbit_conditions import At
 from contwalk.problems.locus.orbit_curves import CURVES
 from contwalk.problems.locus.orbit_places import Held
-from contwalk.problems.locus.orbit_points.point import OrbitLocusPoint, together
+from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, together
+from contwalk.problems.orbit import scales, variations
 from contwalk.problems.orbit.augmented import Augmented
-from contwalk.problems.problem import Sample, Test
+from contwalk.problems.problem import Located, Sample, Test
 
 
 class TwoAtOnce(OrbitLocusPoint):
@@ -38,11 +39,51 @@ class TwoAtOnce(OrbitLocusPoint):
 
     def system(self, problem: Any, sample: Sample, which: int) -> Augmented | None:
         """The conditions of both curves."""
+        return self.both(problem, sample, float(np.angle(sample.eigenvalues[which])))
+
+    def both(self, problem: Any, sample: Sample, angle: float = 0.0) -> Augmented:
+        """The conditions of both curves; `angle` is that of the critical multipliers, where it is unknown."""
         there, own = problem.plane.first(sample.z)
         near = At(own, np.append(sample.weights[: problem.plane.size], sample.weights[-1]))
         curve, width = CURVES[self._other], len(sample.z)
-        angle = float(np.angle(sample.eigenvalues[which]))
         further = np.full(curve.further, np.cos(angle))
         places = np.arange(width, width + curve.further)
         held = [problem.condition, Held(curve.system(there, near, further), places)]
         return together(problem, sample, held, further)
+
+    def form(self, problem: Any, located: Located, sample: Sample) -> Form:
+        """Of grazings the kind: both curves cross."""
+        return ("interior" if self.label.startswith("GR") else None), {}, None
+
+
+class ResonantGrazing(TwoAtOnce):
+    """On a curve of orbits whose own event arrives without rate: curves of folds or doublings begin there.
+
+    A multiplier is infinite all along, and changes its sign: L(1) and L(-1) are singular at once.
+    """
+
+    test = Test.VALUE
+
+    def __init__(self, label: str, other: str) -> None:
+        super().__init__(label, other)
+        self.changes = (0,)  # type: ignore[misc]
+
+    def value(self, problem: Any, sample: Sample) -> float:
+        """How far L(1), or L(-1), is from singular, with the sign of its determinant; NaN of other
+        grazings."""
+        if problem.curve.limit.test != "rate":
+            return float("nan")
+        there, own = problem.plane.first(sample.z)
+        rows, columns = scales.cycle_scales(there)
+        multiplier = 1.0 if self._other == "LP" else -1.0
+        matrix = variations.cycle_matrix(there, there.linearize(own).jacobian, multiplier)
+        scaled = matrix / rows[:, None] * columns
+        return float(np.linalg.slogdet(scaled)[0] * np.linalg.svd(scaled, compute_uv=False)[-1])
+
+    def system(self, problem: Any, sample: Sample, which: int) -> Augmented | None:
+        """The conditions of both curves."""
+        return self.both(problem, sample)
+
+    def form(self, problem: Any, located: Located, sample: Sample) -> Form:
+        """The kind: both curves are tangent there."""
+        return "resonant", {}, None

@@ -1,0 +1,102 @@
+"""Limits along curves of orbits through events: beyond one, the curve's orbits are not the machine's."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contwalk.branch import SpecialPoint
+from contwalk.problems.hybrid import limit_points, limits_told
+from contwalk.problems.hybrid.margins import Limit
+from contwalk.problems.locus.orbit_curves import Limits, OrbitCurve
+from contwalk.problems.locus.orbit_points.limits import LIMITS_ON
+from contwalk.problems.problem import LimitType, Located, Sample, Seed
+
+# Limits of two events that are one, at a leg that lasts no time.
+OF_TWO_EVENTS = ("duration", "start", "end", "past")
+
+
+@dataclass(frozen=True)
+class LimitOnCurve:
+    """A limit of the orbits of a curve, as the engine sees it.
+
+    Parameters
+    ----------
+    own : Limit
+        That of the orbits.
+    of : str
+        What the curve is of.
+    """
+
+    own: Limit
+    of: str
+
+    @property
+    def kind(self) -> str | None:
+        """Of a grazing `resonant` where both curves are tangent: the orbit's own event loses its rate
+        there."""
+        if self.own.label != "GR":
+            return self.own.kind
+        return "resonant" if self.own.kind == "terminal" else "interior"
+
+    @property
+    def name(self) -> str:
+        """What it is."""
+        return self.own.name
+
+    @property
+    def acts(self) -> bool:
+        """Whether something happens there."""
+        return self.own.acts
+
+    @property
+    def type(self) -> LimitType:
+        """The kind of special point where it passes zero."""
+        return LIMITS_ON[self.of][self.own.label]
+
+    @property
+    def rank(self) -> int:
+        """Which of several that tell the same is told."""
+        return self.own.rank
+
+
+class LimitsOnCurve:
+    """What curves of orbits through events have: limits, in the order of those of their orbits."""
+
+    def __init__(self, orbit: Any, curve: OrbitCurve, free: str) -> None:
+        self._orbit, self._free = orbit, free
+        self.limits: Sequence[LimitOnCurve] = [LimitOnCurve(own, curve.of) for own in orbit.limits]
+
+    def limit_of(self, point: SpecialPoint) -> int:
+        """Which of the limits a special point is one of."""
+        return limit_points.nearest(self._orbit, point)
+
+    def stopped(self, located: Located, sample: Sample) -> str:
+        """Why the orbits of a curve beyond a limit are not the machine's."""
+        limit = self.limits[int(located.vectors["limit"])]
+        where = limits_told.place_of(self._orbit, limit.own, located)
+        return f"At {self._free} = {float(located.z[-1]):.12g} {where}."
+
+    def neighbours(self, point: SpecialPoint) -> tuple[Sequence[Seed], str]:
+        """None: no curve of other orbits is begun there."""
+        return (), "Curves of the orbits beyond are not begun there: start at points of their own branches."
+
+    def passed_at_events(self, a: np.ndarray, b: np.ndarray) -> Sequence[Any]:
+        """None: what the way to another solution passes tells the diagnosis; a and b have the shape (N + k
+        + 2,)."""
+        return ()
+
+
+def told(orbit: Any, curve: OrbitCurve, margins: np.ndarray) -> np.ndarray:
+    """Margins of all limits, shape (k,), one of what the curve itself holds at zero."""
+    if not isinstance(curve, Limits):
+        return margins
+    own, legs = curve.limit, orbit.word.legs
+    names, around = {own.name}, {(own.leg + k) % len(legs) for k in (-1, 0, 1)}
+    if own.test in OF_TWO_EVENTS:
+        names |= {legs[own.leg].name, legs[own.leg - 1].name}
+    held = np.array([limit.name in names and limit.leg in around for limit in orbit.limits], dtype=bool)
+    return np.where(held, 1.0, margins)

@@ -1,0 +1,76 @@
+"""Points of curves of orbits at which a limit is met: GRLP, GRPD, GRNS, GRGR, and OC, AZ as of orbits."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contwalk.problems.hybrid import limit_points, limits_told
+from contwalk.problems.locus.orbit_conditions import At
+from contwalk.problems.locus.orbit_places import Held
+from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, together
+from contwalk.problems.orbit.augmented import Augmented
+from contwalk.problems.problem import LimitType, Located, Sample, Test
+
+
+class LimitOnCurve(OrbitLocusPoint, LimitType):
+    """The orbits of a curve meet a limit.
+
+    Parameters
+    ----------
+    label : str
+    reason : str
+        The reason code of a curve that ends there.
+    like : str
+        The label of orbits under which a run file says what is done there.
+    """
+
+    test = Test.MARGIN
+
+    def __init__(self, label: str, reason: str, like: str) -> None:
+        self.label, self.reason, self.like = label, reason, like  # type: ignore[misc]
+        self.shared, self.declared = like == "OC", like == "AZ"  # type: ignore[misc]
+
+    def system(self, problem: Any, sample: Sample, which: int) -> Augmented | None:
+        """The equations of the limit, and the condition of the curve."""
+        there, own = problem.plane.first(sample.z)
+        near = At(own, np.append(sample.weights[: problem.plane.size], sample.weights[-1]))
+        found = limit_points.system_of(there, which, near)
+        if found is None:
+            return None
+        width, further = len(sample.z), found.start[len(own) :]
+        # The limit first: where a leg vanishes it unfolds the orbit's own equations.
+        held = [Held(found, np.arange(width, width + len(further))), problem.condition]
+        system = together(problem, sample, held, further)
+        scale = np.append(sample.weights, found.scale[len(own) :])
+        limit = there.limits[which]
+
+        def vectors(at: Any, y: np.ndarray) -> dict[str, Any]:
+            lasting = y[at.orbit.layout.durations][limit.leg]
+            return {"limit": which, "seconds": float(y[-1] if limit.test == "dip" else lasting)}
+
+        return Augmented(system.evaluate, system.start, scale, vectors)
+
+    def form(self, problem: Any, located: Located, sample: Sample) -> Form:
+        """The kind, and where in the cycle it is met."""
+        limit = problem.limited.limits[int(located.vectors["limit"])]
+        return limit.kind, {}, limits_told.place_of(problem.orbit, limit.own, located)
+
+
+_ORDER, _CONDITION = LimitOnCurve("OC", "order_change", "OC"), LimitOnCurve("AZ", "inadmissible", "AZ")
+
+
+def _on(label: str) -> dict[str, LimitOnCurve]:
+    return {"GR": LimitOnCurve(label, "grazing", "GR"), "OC": _ORDER, "AZ": _CONDITION}
+
+
+# By what the curve is of, then by the label of the limit of orbits.
+LIMITS_ON: dict[str, dict[str, LimitOnCurve]] = {
+    "LP": _on("GRLP"),
+    "PD": _on("GRPD"),
+    "NS": _on("GRNS"),
+    "GR": _on("GRGR"),
+    "OC": _on("GR"),
+    "AZ": _on("GR"),
+}
