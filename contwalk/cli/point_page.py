@@ -208,7 +208,7 @@ def _ranges(out: Console, branch: Branch, row: int, units: Mapping[str, str]) ->
 
 
 def _spectrum(out: Console, branch: Branch, spectrum: Iterable[complex], which: str) -> None:
-    orbit = branch.info.problem not in ("equilibrium", "locus")
+    orbit = branch.info.settings.get("of_problem", branch.info.problem) != "equilibrium"
     numbers = [complex(number) for number in spectrum]
     rows = [[exact(n.real), exact(n.imag), *([exact(abs(n))] if orbit else [])] for n in numbers if n == n]
     if rows:

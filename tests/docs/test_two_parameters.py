@@ -77,3 +77,11 @@ def test_curves_of_orbits_with_impacts(folder):
 def test_the_grazing_curve_is_the_function_of_the_page(folder):
     _, _, script = blocks(PAGE, "python")
     assert float(run_python(script, folder)) < 1e-7
+
+
+def test_the_page_of_a_point_tells_what_the_curve_holds(folder):
+    doubling = next(curve for curve in curves(folder, "stop.h5") if curve["of"] == "PD")
+    shown = run_command(f"contwalk show stop.h5 {doubling['name']}/GPD1", folder)
+    (held,) = [line.split() for line in shown.splitlines() if line.split()[:1] == ["-1.0"]]
+    assert held == ["-1.0", "0.0", "1.0"]  # real, imaginary, modulus
+    assert "multipliers: real" in shown

@@ -96,7 +96,7 @@ class Doublings(OrbitCurve):
 
         `further` has the shape (k,).
         """
-        return -np.ones(1, dtype=complex)
+        return np.array([complex(-1.0)])
 
 
 @dataclass(frozen=True)

@@ -110,7 +110,7 @@ def _refined(problem: OrbitData, system: Augmented, rough: np.ndarray, sample: S
             for (name, place), noise in zip(free.items(), rounding, strict=True)
         }
         found, finer = found - correction, check
-        if best is None or max(errors[name] / best[0][name] for name in free) < 1.0:
+        if best is None or all(errors[name] < best[0][name] for name in free):
             best = (errors, found, finer)
         enough = all(errors[name] <= 0.3 * wanted * abs(float(found[place])) for name, place in free.items())
         if enough or tolerance <= 4.0 * TIGHTEST:
