@@ -12,7 +12,11 @@ from contwalk.labels import EVERY_MEANING
 
 @dataclass(frozen=True, repr=False)
 class SpecialPoint:
-    """A special point, located or not. Fields are those of the JSON interface, plus `s` and the unknowns."""
+    """A special point, located or not. Fields are those of the JSON interface, plus `s` and the unknowns.
+
+    `mark` is what is marked at a marked value: `{"name": "max_re", "value": 0.0}`, its value None at an
+    extremum.
+    """
 
     label: str
     s: float
@@ -34,6 +38,7 @@ class SpecialPoint:
     admissible: bool = True
     margin: Mapping[str, float] = field(default_factory=dict)
     note: str | None = None
+    mark: Mapping[str, Any] = field(default_factory=dict)
     unknowns: tuple[float, ...] = ()
     tangent: tuple[float, ...] = ()
     name: str = ""

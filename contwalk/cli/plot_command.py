@@ -20,6 +20,7 @@ KINDS = (
     "multipliers",
     "stability_map",
     "locus",
+    "chart",
     "machine",
     "phase_portrait",
     "stick_figure",
@@ -27,7 +28,9 @@ KINDS = (
 )
 # Those that are of stored points, and take --point.
 OF_POINTS = ("machine", "phase_portrait", "stick_figure", "time_series")
-WITH_AXES = ("bifurcation_diagram", "stability_map", "locus", "phase_portrait")
+# Those that compute something, and need the system.
+COMPUTED = (*OF_POINTS, "chart")
+WITH_AXES = ("bifurcation_diagram", "stability_map", "locus", "chart", "phase_portrait")
 
 
 @click.command("plot")
@@ -93,7 +96,7 @@ def command(
             kind = "locus"
         pointed = [(database.branch(point.partition("/")[0]), point) for point in points]
         places = [(branch, stored_point(branch, point)) for branch, point in pointed]
-        system = required_system(database, trust) if kind in OF_POINTS else None
+        system = required_system(database, trust) if kind in COMPUTED else None
         units = units_of_run(database, trust) if system is None else None
     if kind == "machine" and pointed and system is not None:
         _draw_machine(system, *pointed[0], output)

@@ -14,7 +14,7 @@ from contwalk.cli.stored_system import required_system, trust_option
 if TYPE_CHECKING:
     from contwalk.branch import Branch, SpecialPoint
     from contwalk.storage import Database, RunHeader
-    from contwalk.studies.verification import Comparison
+    from contwalk.studies.comparison import Comparison
     from contwalk.system import System
 
 METHODS = ("dop853", "verner98", "radau5", "radau9")
@@ -43,7 +43,7 @@ def command(db: str, what: str | None, method: str | None, as_json: bool, trust:
         points = _chosen(database, what or "")
         system = required_system(database, trust)
         header = database.header
-    from contwalk.studies.verification import AGREES, ELSEWHERE
+    from contwalk.studies.comparison import AGREES, ELSEWHERE
 
     found = _compared(system, header, points, method or "", as_json)
     if as_json:
@@ -94,7 +94,7 @@ def _compared(
 def _print(header: RunHeader, found: Sequence[Comparison]) -> None:
     from contwalk.cli.terminal import console, line, table
     from contwalk.cli.words import exact, plural, rough
-    from contwalk.studies.verification import AGREES, SKIPPED, SLACK
+    from contwalk.studies.comparison import AGREES, SKIPPED, SLACK
 
     out = console()
     if not found:
@@ -142,7 +142,7 @@ def _print_json(db: str, header: RunHeader, found: Sequence[Comparison]) -> None
     import json
     from dataclasses import asdict
 
-    from contwalk.studies.verification import SKIPPED, SLACK
+    from contwalk.studies.comparison import SKIPPED, SLACK
 
     def plain(value: Any) -> Any:
         return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -190,8 +190,8 @@ class BranchWalk:
     def _start_marks(self, work: BranchInProgress, opening: Opening, observer: Observer) -> Iterator[Found]:
         """Marks that the start of a branch has itself."""
         problem, state = opening.problem, opening.state
-        for kind in marks_at(state.sample, self._plan.settings.marks, observer):
-            record = start_record(problem, state, kind)
+        for kind, mark in marks_at(problem, state.sample, self._plan.settings.marks, observer):
+            record = start_record(problem, state, kind, mark)
             row = to_row(work.info, problem, state, 1.0, record)
             work.rows.append(row)
             work.special_points.append(record)

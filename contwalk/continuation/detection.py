@@ -91,6 +91,7 @@ def _crossings(segment: Segment, low: float, high: float, known: list[Found]) ->
     jump = segment.at(high).unstable - segment.at(low).unstable
     found = _branch_points(segment, low, high, known)
     found = _with_folds(segment, low, high, found)
+    _check_fold(segment, low, high, found)
     if jump in _reachable(segment, found):
         return found
     found += _measure_crossings(segment, low, high, found)
@@ -100,6 +101,31 @@ def _crossings(segment: Segment, low: float, high: float, known: list[Found]) ->
             "The number of eigenvalues that cross does not agree with the points found.",
         )
     return found
+
+
+def _check_fold(segment: Segment, low: float, high: float, found: list[Found]) -> None:
+    """Refuse a fold alone between two positions if another eigenvalue has crossed there as well.
+
+    At the fold itself one eigenvalue vanishes, and the signs of the others are to be seen: the counts on both
+    sides must agree with them. Beside a Bogdanov-Takens point a Hopf point lies as near to a fold as one
+    likes, and together they change the count as a fold alone does.
+
+    Raises
+    ------
+    Disagreement
+    """
+    if len(found) != 1 or found[0].type.test is not Test.TURN or segment.problem.meshed is not None:
+        return
+    sample = found[0].sample
+    sizes = np.abs(sample.eigenvalues - sample.critical)
+    vanish = sizes <= 100.0 * sample.errors + 1e-9 * sizes.max(initial=0.0)
+    least = int(np.count_nonzero((sample.measures > 0.0) & ~vanish))
+    possible = range(least, least + int(np.count_nonzero(vanish)) + 1)
+    if any(segment.at(side).unstable not in possible for side in (low, high)):
+        raise Disagreement(
+            pair(segment.problem),
+            "The unstable directions beside a fold do not agree with the eigenvalues at it.",
+        )
 
 
 def _reachable(segment: Segment, found: list[Found]) -> set[int]:

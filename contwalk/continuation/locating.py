@@ -37,7 +37,7 @@ class Found:
     after: int = 0
     kind: str | None = None
     counted: bool = False  # the counts are known already
-    mark: tuple[str, float] | None = None  # what has which marked value there
+    mark: tuple[str, float | None] | None = None  # what has which marked value there; None: an extremum
     note: str = ""  # what else is to be told of it
 
     @property

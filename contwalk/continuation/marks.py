@@ -22,6 +22,8 @@ from contwalk.problems.problem import Located, Problem, Sample, Test, refined
 TURN = 1e-3
 # A rate this small against those at the ends is zero to rounding.
 FLAT = 4e-14
+# A rate in the metric this small against the value is none.
+STILL, TINY = 1e-9, 1e-300
 # What is left of the error of the steps on finer ones: a hundredth of the tolerance leaves less.
 FINER = 0.05
 
@@ -40,14 +42,21 @@ class Observer:
         along = self.line.value(name, sample.parameter)
         if along is not None:
             return along
+        if name == self.line.second:
+            return float(sample.z[-2])
         if name == quantities.PERIOD:
             return sample.period
         value = quantities.column(name, self.observables, sample.observables)
         return float("nan") if value is None else float(value)
 
     def place(self, name: str, level: float) -> float | None:
-        """The free parameter at which `name` has the value `level`; None if `name` is an observable."""
+        """The free parameter at which `name` has the value `level`; None if it is none of a line's."""
         return self.line.coordinate(name, level)
+
+    def kind(self, name: str) -> str:
+        """Of a marked value: `parameter` or `observable`."""
+        moves = name == self.line.free or name in self.line.moving_names
+        return "parameter" if moves else "observable"
 
 
 def observer_of(problem: Problem) -> Observer:
@@ -91,7 +100,7 @@ def _levels(segment: Segment, name: str, level: float, observer: Observer) -> li
     def attempt(theta: float, left: float, right: float) -> Found | None:
         sample = segment.at(theta)
         place = observer.place(name, level)
-        if place is not None:
+        if place is not None and observer.line.second is None:
             located = _parameter_at(segment, place, sample)
         else:
             located = segment.problem.observed.locate_mark(name, level, sample)
@@ -107,12 +116,11 @@ def _levels(segment: Segment, name: str, level: float, observer: Observer) -> li
         marked = kind_of_test(segment.problem, Test.MARK)
         return Found(position, marked, settled, sample_at(segment, marked, settled, sample))
 
-    kind = "observable" if observer.place(name, level) is None else "parameter"
     try:
         found = narrow(value, 0.0, 1.0, va, vb, attempt) if vb != 0.0 else attempt(1.0, 0.0, 1.0)
     except LostBranch:
         found = None
-    return [] if found is None else [replace(found, kind=kind, mark=(name, level))]
+    return [] if found is None else [replace(found, kind=observer.kind(name), mark=(name, level))]
 
 
 def _parameter_at(segment: Segment, value: float, near: Sample) -> Located | None:
@@ -165,7 +173,8 @@ def _extrema(segment: Segment, name: str, low: float, high: float) -> list[Found
         error = max(error, FINER * abs(finer.parameter - sample.parameter))
         sample = finer
     point = Located(sample.z, error, {}, certain)
-    return [Found(theta, kind_of_test(segment.problem, Test.MARK), point, sample, kind="extremum")]
+    kind = kind_of_test(segment.problem, Test.MARK)
+    return [Found(theta, kind, point, sample, kind="extremum", mark=(name, None))]
 
 
 def _on_finer_steps(segment: Segment, name: str, theta: float) -> Sample | None:
@@ -223,12 +232,22 @@ def _extremum_error(segment: Segment, theta: float, rate: Callable[[Sample], flo
     return 4.0 * noise / max(slope, 1e-300) * per_theta + float(np.spacing(middle)), slope > 0.0
 
 
-def marks_at(sample: Sample, marks: tuple[Mark, ...], observer: Observer) -> list[str]:
-    """Kinds of the marks that a solution has itself, as the start of a branch may."""
-    kinds = []
+def marks_at(
+    problem: Problem, sample: Sample, marks: tuple[Mark, ...], observer: Observer
+) -> list[tuple[str, tuple[str, float]]]:
+    """Kind, name and value of the marks that a solution has itself, as the start of a branch may."""
+    found = []
     for mark in marks:
         value = observer.value(mark.name, sample)
         for level in mark.values:
-            if abs(value - level) <= 4e-16 * abs(level):
-                kinds.append("observable" if observer.place(mark.name, level) is None else "parameter")
-    return kinds
+            # A curve of what is marked has it everywhere.
+            everywhere = problem.line.second is not None and _stands_still(problem, mark.name, sample)
+            if abs(value - level) <= 4e-16 * abs(level) and not everywhere:
+                found.append((observer.kind(mark.name), (mark.name, level)))
+    return found
+
+
+def _stands_still(problem: Problem, name: str, sample: Sample) -> bool:
+    """Whether a free parameter or an observable stands still along a curve in two parameters, to rounding."""
+    rate, value = problem.observed.rate(name, sample), observer_of(problem).value(name, sample)
+    return abs(rate) <= STILL * max(abs(value), TINY)

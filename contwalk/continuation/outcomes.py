@@ -40,6 +40,16 @@ def stop_at(what: str) -> Outcome:
     return Outcome("stopped", "stop_at", f"Stopped at {what}, as asked. Remove it from `stop_at` to go on.")
 
 
+def neutral_saddles() -> Outcome:
+    """A curve of Hopf points would go on as neutral saddles."""
+    return Outcome(
+        "stopped",
+        "stop_at",
+        "Stopped where the frequency vanishes, as asked: the curve goes on as neutral saddles with --set "
+        "engine.neutral_saddles=follow.",
+    )
+
+
 def limit(point: LimitType, kind: str | None, asked: str, words: str) -> Outcome:
     """The orbits beyond are not the machine's, or have another word."""
     reason, label = point.reason, point.like or point.label

@@ -156,9 +156,13 @@ def _stop(problem: Problem, found: Found, record: SpecialPoint, settings: Settin
         return outcomes.limit(found.type, kind, asked, words)
     if found.located.vectors.get("fallen_back"):
         return outcomes.fallen_back()
+    if found.type.saddles and settings.neutral_saddles == "stop":
+        return outcomes.neutral_saddles()
     if found.mark is None:
         return None
     name, value = found.mark
+    if value is None:
+        return None
     wanted = value in settings.stop_at.get(name, ())
     return outcomes.stop_at(f"{name} = {value:.10g}") if wanted else None
 

@@ -142,8 +142,8 @@ def _comparable(problem: _Comparable, branch: Branch) -> bool:
 
 
 def _of_the_same(stored: Mapping[str, Any], own: Mapping[str, Any]) -> bool:
-    """Whether two curves are of special points of one kind."""
-    return all(stored.get(name) == own.get(name) for name in ("of", "of_problem", "limit"))
+    """Whether two curves are of special points of one kind, and of the same marked value."""
+    return all(stored.get(name) == own.get(name) for name in ("of", "of_problem", "limit", "curve"))
 
 
 def _on(problem: _Imaged, pair: Pair, weights: np.ndarray, branch: Branch) -> bool:

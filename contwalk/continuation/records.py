@@ -16,16 +16,21 @@ from contwalk.problems.problem import Located, Problem, Test
 
 def found_record(problem: Problem, found: Found, s: float, sign: float) -> SpecialPoint:
     """The record of a found point; counts are in the order of growing arclength."""
-    before, after = (found.before, found.after) if sign > 0 else (found.after, found.before)
+    held = found.type.held_beside(problem, found.sample)
+    counts = found.before + held[0], found.after + held[1]
+    before, after = counts if sign > 0 else counts[::-1]
     if found.kind == "unlocated":
         record = kind_of_test(problem, Test.MARK).describe(problem, found.located, found.sample, s)
         note = str(found.located.vectors["note"])
         # Nothing tells how far it is from the sample that stands for it: the parameter may have turned.
-        record = replace(record, label=found.label, status="unlocated", error=None, note=note)
+        record = replace(record, label=found.label, status="unlocated", error=None, errors={}, note=note)
     else:
         record = _described(problem, found, s)
         if found.kind is not None:
             record = replace(record, kind=found.kind)
+        if found.mark is not None:
+            name, value = found.mark
+            record = replace(record, mark={"name": name, "value": value})
     if found.note:
         record = replace(record, note="; ".join(each for each in (record.note, found.note) if each))
     tangent = tuple(sign * t for t in record.tangent)  # stored towards growing arclength
@@ -57,7 +62,7 @@ def end_record(
         error = 0.0 if outcome.reason == "bound" else float(np.spacing(abs(state.sample.parameter)))
     located = Located(state.sample.z, error)
     record = kind_of_test(problem, Test.END).describe(problem, located, state.sample, state.s)
-    count = state.sample.unstable
+    count = state.sample.unstable + state.sample.held_unstable
     return replace(
         record,
         kind=outcome.reason,
@@ -69,9 +74,12 @@ def end_record(
     )
 
 
-def start_record(problem: Problem, state: ContinuationState, kind: str) -> SpecialPoint:
-    """The record of a mark that the start of a branch has."""
+def start_record(
+    problem: Problem, state: ContinuationState, kind: str, mark: tuple[str, float]
+) -> SpecialPoint:
+    """The record of a mark, name and value, that the start of a branch has."""
     located = Located(state.sample.z, float(np.spacing(abs(state.sample.parameter))))
     record = kind_of_test(problem, Test.MARK).describe(problem, located, state.sample, state.s)
-    count = state.sample.unstable
-    return replace(record, kind=kind, unstable_before=count, unstable_after=count)
+    count = state.sample.unstable + state.sample.held_unstable
+    marked = {"name": mark[0], "value": mark[1]}
+    return replace(record, kind=kind, mark=marked, unstable_before=count, unstable_after=count)

@@ -33,7 +33,7 @@ def to_row(
     known = sample.spectrum_accuracy if singular else None
     known = sample.spectrum_error if known is None else known
     row["spectrum_error"] = own if known is None else known
-    row["unstable"] = sample.unstable
+    row["unstable"] = sample.unstable + sample.held_unstable
     row["stable"] = sample.stable
     row["admissible"] = sample.admissible
     row["special"] = special is not None
@@ -68,12 +68,15 @@ def from_row(problem: Problem, row: np.void, sign: float, born: bool) -> tuple[P
     weights, tangent = np.array(row["weights"][: size + 1]), sign * np.array(row["tangent"][: size + 1])
     problem = at_stored(problem, z, weights)
     sample = problem.examine(z, tangent, weights, problem.linearize(z), int(row["unstable"]))
+    count = int(row["unstable"]) - sample.held_unstable
+    if sample.held_unstable:
+        sample = problem.examine(z, tangent, weights, problem.linearize(z), count)
     # What was told of it then is told again: the walk goes on with the same numbers, to the last bit.
     sample = replace(
         sample,
         observables=np.array(row["observables"]),
         reported=None if sample.reported is None else np.array(row["state"]),
-    ).counted(int(row["unstable"]))
+    ).counted(count)
     if born and row["s"] == 0.0:
         sample = replace(sample, orientation=0.0)  # not defined at a branch point
     problem, sample = adapted(problem, sample)

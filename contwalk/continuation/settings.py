@@ -46,6 +46,8 @@ class Settings:
         What is done at a limit of each label: `stop`, `ignore` or `switch`.
     mirror_images : str
         Whether the half of a branch that is the image of the other one is `known`, or `walked` like it.
+    neutral_saddles : str
+        Whether curves of Hopf points `follow` on as neutral saddles, or `stop`.
     """
 
     range: tuple[float, float] = (-math.inf, math.inf)
@@ -60,6 +62,7 @@ class Settings:
     stop_at: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     events: Mapping[str, str] = field(default_factory=lambda: dict(AT_LIMITS))
     mirror_images: str = "known"
+    neutral_saddles: str = "follow"
     second_range: tuple[float, float] | None = None
 
     @cached_property

@@ -111,7 +111,7 @@ def refine(system: DefiningSystem, u: np.ndarray, passes: int = 12) -> Solution:
                 if len(sizes) > 3 and _norm(sizes[-1], scale) > 0.5 * _norm(sizes[-2], scale):
                     break
         except (np.linalg.LinAlgError, ArithmeticError, ValueError):
-            return Solution(u, exact, np.abs(u) * np.inf, refined=False)
+            return Solution(u, exact, np.full(len(u), np.inf), refined=False)
         values = np.array([float(a) for a in exact])
         rounding = np.array([float(abs(a - b)) for a, b in zip(exact, values, strict=True)])
     # What remains of an exact zero is far below anything that the equations can tell from it.

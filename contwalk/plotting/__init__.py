@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from contwalk.plotting.animation import save_animation
     from contwalk.plotting.bifurcation_diagram import plot_bifurcation_diagram
+    from contwalk.plotting.chart import plot_chart
     from contwalk.plotting.eigenvalues import plot_eigenvalues
     from contwalk.plotting.histogram import plot_histogram
     from contwalk.plotting.locus import plot_locus
@@ -41,6 +42,7 @@ __all__ = [
     "Portrait",
     "new_axes",
     "plot_bifurcation_diagram",
+    "plot_chart",
     "plot_eigenvalues",
     "plot_histogram",
     "plot_locus",
@@ -66,6 +68,7 @@ _MODULES = {
     "Portrait": "phase_panels",
     "new_axes": "style",
     "plot_bifurcation_diagram": "bifurcation_diagram",
+    "plot_chart": "chart",
     "plot_eigenvalues": "eigenvalues",
     "plot_histogram": "histogram",
     "plot_locus": "locus",

@@ -13,17 +13,19 @@ from matplotlib.lines import Line2D
 from contwalk import quantities
 from contwalk.branch import Branch
 from contwalk.errors import ContwalkError
-from contwalk.labels import MEANINGS
+from contwalk.labels import MARK, MEANINGS
 from contwalk.plotting.labels import Label, place_labels
 from contwalk.plotting.quantities import axis_label, called
 from contwalk.plotting.special_points import legend_entries, marker
-from contwalk.plotting.style import INK, PALETTE, dark, dress, legend_above, new_axes
+from contwalk.plotting.style import GREY, INK, PALETTE, dark, dress, legend_above, new_axes
 
 LINE: dict[str, Any] = {"linewidth": 1.6, "solid_capstyle": "round"}
 # A curve of Hopf points beyond a Bogdanov-Takens point, where no eigenvalue is imaginary.
 SADDLE: dict[str, Any] = {"linewidth": 1.0, "linestyle": (0, (1.0, 2.0))}
 # The colour of a curve is by what it is of.
-OF = ("LP", "HB", "PD", "NS", "GR", "OC", "AZ")
+OF = ("LP", "HB", "BP", "PD", "NS", "GR", "OC", "AZ")
+# A curve of a marked value is a contour: nothing happens on it.
+CONTOUR: dict[str, Any] = {"linewidth": 0.9, "solid_capstyle": "round"}
 
 
 def plot_locus(
@@ -88,6 +90,8 @@ def plot_locus(
 
 def _color(branch: Branch) -> str:
     of = str(branch.info.settings["of"])
+    if of == MARK:
+        return GREY
     return PALETTE[(OF.index(of) if of in OF else len(OF)) % len(PALETTE)]
 
 
@@ -96,13 +100,17 @@ def saddles(branch: Branch) -> np.ndarray:
     return quantities.saddles(branch.info.observables, branch.points["observables"])
 
 
+def _look(branch: Branch) -> dict[str, Any]:
+    return CONTOUR if branch.info.settings["of"] == MARK else LINE
+
+
 def _draw(ax: Axes, branch: Branch, name: str, points: np.ndarray) -> None:
     """The line of a curve, in pieces where its kind changes; each reaches the first point of the next."""
     start = 0
     for number, (real, members) in enumerate(groupby(saddles(branch).tolist())):
         stop = start + len(list(members))
         part = points[start : stop + 1]
-        look: dict[str, Any] = SADDLE if real else LINE
+        look: dict[str, Any] = SADDLE if real else _look(branch)
         ax.plot(part[:, 0], part[:, 1], color=_color(branch), gid=f"{name}-{number}", zorder=2, **look)
         start = stop
 
@@ -135,7 +143,7 @@ def _meanings(drawn: Sequence[Branch]) -> list[Any]:
     for of in dict.fromkeys(str(branch.info.settings["of"]) for branch in drawn):
         alike = next(branch for branch in drawn if branch.info.settings["of"] == of)
         text = f"{of}  {MEANINGS.get(of, of)}"
-        handles.append(Line2D([], [], color=_color(alike), label=text, **LINE))
+        handles.append(Line2D([], [], color=_color(alike), label=text, **_look(alike)))
     if any(saddles(branch).any() for branch in drawn):
         handles.append(Line2D([], [], color=INK, label="neutral saddles", **SADDLE))
     points = [point for branch in drawn for point in branch.special_points if point.label != "EP"]

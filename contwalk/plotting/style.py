@@ -29,6 +29,7 @@ PROPORTIONS = {
     "multiplier_panels": (5.2, 4.1),
     "stability_map": (6.4, 4.2),
     "locus": (6.4, 4.4),
+    "chart": (6.4, 4.6),
     "machine": (4.2, 4.2),
     "stick_figure": (7.2, 3.9),
     "stick_panels": (2.4, 2.5),

@@ -116,6 +116,8 @@ class PointType:
         How many branches leave, where it is the same number always.
     told : bool
         Whether it is special; what only changes the unstable count is not.
+    saddles : bool
+        Whether a curve of Hopf points goes on as neutral saddles beyond.
     """
 
     label: ClassVar[str]
@@ -127,6 +129,7 @@ class PointType:
     births: ClassVar[bool] = False
     daughters: ClassVar[int | None] = None
     told: ClassVar[bool] = True
+    saddles: ClassVar[bool] = False
 
     def value(self, problem: Any, sample: Sample) -> float:
         """The function that passes zero at such points, where `test` is `Test.VALUE`, or `along`."""
@@ -143,6 +146,10 @@ class PointType:
     def tangent(self, problem: Any, located: Located, near: Sample) -> np.ndarray | None:
         """Tangent there of the branch that `near` is on, where DF alone does not determine it; else None."""
         return None
+
+    def held_beside(self, problem: Any, sample: Sample) -> tuple[int, int]:
+        """How many eigenvalues that the curve itself holds are unstable before a point, and after it."""
+        return sample.held_unstable, sample.held_unstable
 
     def describe(self, problem: Any, located: Located, sample: Sample, s: float) -> SpecialPoint:
         """The record of a located point, with its normal form."""

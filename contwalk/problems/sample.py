@@ -142,7 +142,12 @@ class Sample:
     @property
     def stable(self) -> bool:
         """Whether no eigenvalue is unstable, of a pair of which one is on either side neither."""
-        return self.unstable == 0 and not np.any(self._sizes(self.resting) > self.critical + RESTS)
+        return self.unstable + self.held_unstable == 0
+
+    @property
+    def held_unstable(self) -> int:
+        """How many of the eigenvalues that the curve holds are unstable: one of both of neutral saddles."""
+        return int(np.count_nonzero(self._sizes(self.resting) > self.critical + RESTS))
 
     @property
     def leading(self) -> int:

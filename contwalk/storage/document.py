@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 
 from contwalk.branch import Branch, SpecialPoint
+from contwalk.labels import LOCUS
 from contwalk.quantities import NEUTRAL_SADDLE, saddles
 from contwalk.storage.database import Database
 
 DOCUMENT_VERSION, WITH_LOCI = 1, 2
-LOCUS = "locus"
 
 
 def interface_schema() -> dict[str, Any]:
@@ -101,8 +101,8 @@ def _parent(db: Database, branch: Branch, loaded: dict[str, Branch]) -> str | No
 
 
 def _special(point: SpecialPoint) -> dict[str, Any]:
-    errors = {"errors": _json(point.errors)} if point.errors else {}
-    return errors | {
+    extra = {name: _json(getattr(point, name)) for name in ("errors", "mark") if getattr(point, name)}
+    return extra | {
         "name": point.name,
         "label": point.label,
         "kind": point.kind,

@@ -111,8 +111,8 @@ def _with_tuples(text: str, *keys: str) -> dict[str, Any]:
 
 def special_text(point: SpecialPoint) -> str:
     """JSON text of a special point, without `name` and `index`, which depend on the whole branch."""
-    derived = ("name", "index") if point.errors else ("name", "index", "errors")
-    names = [field.name for field in fields(point) if field.name not in derived]
+    left_out = ["name", "index", *(name for name in ("errors", "mark") if not getattr(point, name))]
+    names = [field.name for field in fields(point) if field.name not in left_out]
     return encode({name: getattr(point, name) for name in names}, f"a special point {point.label}")
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,17 +12,21 @@ from contwalk.continuation import outcomes
 from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.diagram import Diagram
 from contwalk.continuation.events import Plan
+from contwalk.continuation.newton import correct
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.reopening import stored_place
 from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
 from contwalk.errors import StartError
 from contwalk.numerics.threads import one_thread
+from contwalk.problems.locus.diagnosis import not_persistent
+from contwalk.problems.locus.equilibrium_locus import EquilibriumLocus
 from contwalk.problems.locus.starts import locus_at
 from contwalk.problems.problem import Problem
 from contwalk.problems.restoring import Facts, pins_of
-from contwalk.studies.verbs import direction_signs
+from contwalk.studies.verbs import direction_signs, marks_of
 from contwalk.system import System
+from contwalk.system.declarations import nearest
 
 Range = tuple[float, float]
 
@@ -35,12 +39,13 @@ def continue_locus(
     ranges: Mapping[str, Range],
     direction: str = "both",
     discretization: Any = None,
+    marks: Mapping[str, Sequence[float | str]] | None = None,
     **settings: Any,
 ) -> Branch:
     """The curve in two parameters through a located special point of a branch.
 
-    Of equilibria it is a fold or a Hopf point; of orbits a fold, a period doubling, a Neimark-Sacker
-    point, and of those through events a limit (GR, OC, AZ) as well.
+    Of equilibria it is a fold, a Hopf point, a branch point or a marked value; of orbits a fold, a period
+    doubling, a Neimark-Sacker point, and of those through events a limit (GR, OC, AZ) as well.
 
     Parameters
     ----------
@@ -56,6 +61,8 @@ def continue_locus(
         `both`, or `forward` or `backward` as the first parameter grows.
     discretization : Discretization, optional
         How finely orbits are computed.
+    marks : mapping, optional
+        `{"c": [1.0], "speed": [0.5, "extremum"]}`: values and extrema of both parameters and of observables.
     **settings
         Further fields of `continuation.settings.Settings`, such as `max_points`.
 
@@ -71,16 +78,28 @@ def continue_locus(
         )
     special = branch.special(point) if isinstance(point, str) else point
     first, second = ranges
-    chosen = Settings(range=ranges[first], second_range=ranges[second], **settings)
+    chosen = Settings(range=ranges[first], second_range=ranges[second], marks=marks_of(marks), **settings)
     opening = opened_locus(system, branch, special, (first, second), chosen, discretization)
     if isinstance(opening, Outcome):
         raise StartError(opening.message)
+    _check_watched(opening.problem, chosen)
     origin = f"{branch.name}/{special.name}"
     start = Start(system, first, dict(opening.problem.line.parameters), opening, origin)
     diagram = Diagram([start], Plan(chosen, frozenset(), 0, direction_signs(direction)))
     for _ in diagram.events():
         pass
     return diagram.branches[0]
+
+
+def _check_watched(problem: Problem, settings: Settings) -> None:
+    """Refuse marks of what is not watched along a curve."""
+    watched = [*problem.line.names, *problem.observed.observable_names]
+    for name in (*[mark.name for mark in settings.marks], *settings.stop_at):
+        if name not in watched:
+            raise StartError(
+                f"'{name}' is not watched along the curve, so it cannot be marked.",
+                f"Known: {', '.join(watched)}. {nearest(name, watched)}".strip(),
+            )
 
 
 def opened_locus(
@@ -121,6 +140,11 @@ def opened_locus(
         return outcomes.no_start("no_convergence", str(error), "the special point")
     if not isinstance(state, ContinuationState):
         return outcomes.no_start(state.reason, state.sentence, "the special point")
+    if isinstance(problem, EquilibriumLocus) and not _persists(problem, state):
+        raise StartError(
+            f"No curve in two parameters can be followed from {point.name}. "
+            f"{not_persistent(problem, state.sample.z)}"
+        )
     return Opening(problem, state)
 
 
@@ -142,3 +166,16 @@ def _problem(
     state = place.z[: len(info.states)]
     facts = Facts(system, info, known, None, pins_of(system, info), state, discretization)
     return orbit_starts.locus_at(facts, point, place.weights, free)
+
+
+def _persists(problem: EquilibriumLocus, state: ContinuationState) -> bool:
+    """Whether what a curve is of is there on both sides of its start as well."""
+    sample = state.sample
+    for side in (state.step, -state.step):
+        guess = sample.z + side * sample.tangent
+        beside = correct(problem, guess, sample.tangent / sample.weights**2, sample.weights)
+        if beside.ok and not problem.diagnosis.unfolded(beside.z):
+            return True
+        if not beside.ok:  # then the walk tells
+            return True
+    return False

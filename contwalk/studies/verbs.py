@@ -226,10 +226,7 @@ def _settings(
     settings: dict[str, Any],
     start: float | None = None,
 ) -> Settings:
-    chosen = tuple(
-        Mark(name, tuple(float(v) for v in values if v != "extremum"), "extremum" in values)
-        for name, values in (marks or {}).items()
-    )
+    chosen = marks_of(marks)
     known = [f.name for f in fields(Settings) if f.name not in ("range", "marks")]
     for name in settings:
         if name not in known:
@@ -248,6 +245,14 @@ def _settings(
     value = problem.parameters.get(problem.free, low) if start is None else start
     _check_within(problem.free, low if isnan(value) else value, (low, high))
     return Settings(range=(low, high), marks=chosen, **settings)
+
+
+def marks_of(marks: Mapping[str, Sequence[float | str]] | None) -> tuple[Mark, ...]:
+    """Marked values as the engine looks for them."""
+    return tuple(
+        Mark(name, tuple(float(v) for v in values if v != "extremum"), "extremum" in values)
+        for name, values in (marks or {}).items()
+    )
 
 
 def direction_signs(direction: str) -> tuple[float, ...]:

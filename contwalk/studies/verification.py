@@ -9,24 +9,21 @@ from the border, which no defining system has a part in, is turned into a distan
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from contwalk import quantities
 from contwalk.branch import ORBITS, Branch, SpecialPoint
 from contwalk.continuation import outcomes
-from contwalk.continuation.detection import NO_SHARE
-from contwalk.continuation.kinds import kind_of
 from contwalk.continuation.newton import correct
 from contwalk.continuation.reopening import reopened, stored_place
 from contwalk.errors import ContwalkError
-from contwalk.labels import END, MARK
+from contwalk.labels import END, LOCUS, MARK
 from contwalk.problems.orbit.discretization import TIGHTEST, Discretization
 from contwalk.problems.problem import (
     Linearization,
     Located,
-    PointType,
     Problem,
     Sample,
     Test,
@@ -34,63 +31,24 @@ from contwalk.problems.problem import (
     refined,
 )
 from contwalk.problems.restoring import problem_of
+from contwalk.studies.comparison import (
+    ELSEWHERE,
+    LOST,
+    SKIPPED,
+    Comparison,
+    at_value,
+    critical,
+    defining,
+    judged,
+)
 from contwalk.system import System
 
-# A point may differ by so many times what the two error estimates together allow: estimates are estimates.
-SLACK = 5.0
 # How far the search begins beside the stored point, in the metric of the branch; nearer than this part of the
 # way to the next point of its kind, which it would find instead, down to where corrections are rounding.
 ASIDE, NEXT, NEAREST = 1e-4, 0.05, 1e-9
 # The second computation aims at this part of the stored error, and where no integrator reaches that, at so
 # many times more.
 TIGHTER, RELAXED = 0.1, 30.0
-AGREES, DIFFERS, LOST, SKIPPED = "agrees", "DISAGREES", "NOT FOUND AGAIN", "not recomputed"
-ELSEWHERE = "checked at its parent"  # where a branch has become its parent, whose own point is the same one
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """A stored point beside its second computation.
-
-    Parameters
-    ----------
-    branch, point : str
-        Names, as `b2` and `PD1`.
-    quantity : str
-        What is compared: the free parameter, or what was solved for at a given value of it.
-    stored, recomputed, difference : float
-    stored_error, own_error : float
-        Estimated absolute errors of both.
-    allowed : float
-        The largest difference with which they agree.
-    spectral : float
-        Distance of the parameter from where the critical eigenvalue crosses; NaN where none does.
-    method : str
-        How it was recomputed.
-    verdict : str
-        `AGREES`, `DIFFERS`, `LOST`, `SKIPPED` or `ELSEWHERE`.
-    reason : str
-        Why, unless it agrees.
-    """
-
-    branch: str
-    point: str
-    quantity: str
-    stored: float
-    recomputed: float = float("nan")
-    difference: float = float("nan")
-    stored_error: float = float("nan")
-    own_error: float = float("nan")
-    allowed: float = float("nan")
-    spectral: float = float("nan")
-    method: str = ""
-    verdict: str = SKIPPED
-    reason: str = ""
-
-    @property
-    def failed(self) -> bool:
-        """Whether the stored point is called into question."""
-        return self.verdict in (DIFFERS, LOST)
 
 
 def other_methods(
@@ -147,7 +105,7 @@ def compared(
     orbit, accuracy = branch.info.problem in ORBITS, steps.accuracy
     marked = marks or {}
     begun = replace(begun, method=method or "40 digits")
-    if not orbit and point.label == MARK and point.kind == "parameter":
+    if not orbit and _at_given_value(branch, point):
         begun = replace(begun, method="another start")
     try:
         if orbit:
@@ -178,25 +136,31 @@ def _attempted(
     """The point recomputed by one integrator with one aim; `LOST` where that does not come back to it."""
     try:
         problem, sample = _beside(system, branch, point, Discretization(accuracy=aim, method=begun.method))
-        if point.label == MARK and point.kind == "parameter":
-            return _at_value(begun, branch, problem, sample, point, accuracy)
+        if _at_given_value(branch, point):
+            return at_value(begun, branch, problem, sample, point, accuracy)
         found = _found(problem, sample, branch, point, marks)
     except outcomes.BREAKDOWNS as failure:
         return replace(begun, verdict=LOST, reason=str(failure))
     if found is None:
         return replace(begun, verdict=LOST, reason="the search from beside it does not come back to it")
-    return _judged(begun, branch, problem, sample, point, found, accuracy)
+    return judged(begun, branch, problem, sample, point, found, accuracy)
 
 
 def _not_for_us(branch: Branch, point: SpecialPoint) -> str:
     """Why a point is not recomputed; empty if it is."""
     if point.status != "located":
         return "it was not located in the first place"
-    if branch.info.problem not in ("equilibrium", *ORBITS):
-        return f"points of {branch.info.problem.replace('_', ' ')} branches are not recomputed"
+    of = branch.info.settings.get("of_problem", branch.info.problem)
+    if branch.info.problem == LOCUS and of != "equilibrium":
+        return "points of curves of orbits are not recomputed"
     if _of_parent(branch, point):
         return "the orbit is its parent again: the parent's own point is recomputed"
     return ""
+
+
+def _at_given_value(branch: Branch, point: SpecialPoint) -> bool:
+    """Whether a point is where the one free parameter has a value: then the solution there is compared."""
+    return point.label == MARK and point.kind == "parameter" and branch.info.problem != LOCUS
 
 
 def _of_parent(branch: Branch, point: SpecialPoint) -> bool:
@@ -234,7 +198,7 @@ def _beside(
     z, tangent, weights = place.z, place.tangent, place.weights
     problem: Problem = problem_of(system, branch.info, z[: len(branch.info.states)], steps)
     problem = at_stored(problem, z, weights)
-    if point.label == MARK and point.kind == "parameter":
+    if _at_given_value(branch, point):
         normal = np.zeros(len(z))
         normal[-1] = 1.0 / weights[-1]
         shift = aside * weights * np.cos(np.arange(1.0, len(z) + 1.0))
@@ -264,7 +228,7 @@ def _finest(
     marks: Mapping[str, Sequence[float | str]],
 ) -> Problem:
     """The finest steps on which a point was located."""
-    if point.label == MARK and point.kind == "parameter":
+    if _at_given_value(branch, point):
         return refined(problem, sample.z, sample.weights)
     found = _found(problem, sample, branch, point, marks)
     return problem if found is None or found.problem is None else found.problem
@@ -284,27 +248,13 @@ def _found(
             return _extremum(problem, sample, name)
         located = problem.observed.locate_mark(name, level, sample)
     else:
-        kind = _defining(problem, point, sample)
+        kind = defining(problem, point, sample)
         if problem.limited is not None and kind.test is Test.MARGIN:
             which = problem.limited.limit_of(point)
         else:
-            which = _critical(kind, point, sample)
+            which = critical(kind, point, sample)
         located = kind.locate(problem, sample, which)
     return None if located is None else located.settled()
-
-
-def _defining(problem: Problem, point: SpecialPoint, sample: Sample) -> PointType:
-    """The kind of a point, whose defining system it solves."""
-    kind = kind_of(problem, point)
-    if kind is None:
-        raise ContwalkError(f"Points {point.label} are none of this branch's.")
-    still = abs(sample.tangent[-1] / sample.weights[-1]) < NO_SHARE
-    return kind.flat[0] if kind.flat and still else kind
-
-
-def _critical(kind: PointType, point: SpecialPoint, sample: Sample) -> int:
-    """Number of the eigenvalue that is critical at a point."""
-    return int(np.argmin(np.abs(sample.eigenvalues - kind.critical(point, sample))))
 
 
 def _mark(
@@ -315,6 +265,8 @@ def _mark(
     marks: Mapping[str, Sequence[float | str]],
 ) -> tuple[str, float | None]:
     """Name and value of the observable that is marked at a point; no value for an extremum."""
+    if point.mark:
+        return str(point.mark["name"]), point.mark["value"]
     observables, row = branch.info.observables, branch.points["observables"][point.index]
     stored = dict(zip(observables, row, strict=True))
     known = (*observables, quantities.PERIOD) if branch.info.problem in ORBITS else observables
@@ -375,95 +327,3 @@ def _tangent(linearization: Linearization, near: Sample) -> np.ndarray:
     """Unit tangent at a solution, facing like that of a sample beside it."""
     tangent = linearization.tangent(near.tangent / near.weights**2, near.weights)
     return tangent / np.linalg.norm(tangent / near.weights)
-
-
-# -- the verdict -------------------------------------------------------------------------------------------
-
-
-def _judged(
-    begun: Comparison,
-    branch: Branch,
-    problem: Problem,
-    sample: Sample,
-    point: SpecialPoint,
-    found: Located,
-    accuracy: float,
-) -> Comparison:
-    """Whether both values of the parameter agree."""
-    value = float(found.z[-1])
-    difference = abs(value - begun.stored)
-    claim = begun.stored_error if np.isfinite(begun.stored_error) else accuracy * abs(begun.stored)
-    within = SLACK * (claim + found.error)
-    asked = accuracy * abs(begun.stored)
-    spectral, uncertain = _from_spectrum(problem, sample, point, found)
-    result = replace(
-        begun,
-        recomputed=value,
-        difference=difference,
-        own_error=found.error,
-        allowed=min(within, asked) if asked > 0.0 else within,
-        spectral=spectral,
-        verdict=DIFFERS,
-    )
-    if difference > within:
-        return replace(result, reason=f"more than {SLACK:g} times the errors of both")
-    if asked > 0.0 and difference > asked:
-        return replace(result, reason=f"more than the accuracy {accuracy:g} that was asked for")
-    if spectral > SLACK * (claim + found.error + uncertain):
-        return replace(result, reason=f"its critical eigenvalue is {spectral:.1e} away from the border")
-    return replace(result, verdict=AGREES)
-
-
-def _from_spectrum(
-    problem: Problem, sample: Sample, point: SpecialPoint, found: Located
-) -> tuple[float, float]:
-    """Distance of the parameter from where the critical measure is zero, and how uncertain that is."""
-    kind = _defining(problem, point, sample)
-    if kind.test is not Test.STABILITY:
-        return float("nan"), 0.0
-    there = problem if found.problem is None else found.problem
-    tangent = np.array(point.tangent)
-    at = there.examine(found.z, tangent, sample.weights, there.linearize(found.z), sample.unstable)
-    which = _critical(kind, point, at)
-    rate = abs(at.rates[which])
-    if not rate > 0.0:
-        return float("nan"), 0.0
-    change = abs(float(at.tangent[-1])) / rate
-    return abs(float(at.measures[which])) * change, float(at.errors[which]) * change
-
-
-def _at_value(
-    begun: Comparison,
-    branch: Branch,
-    problem: Problem,
-    sample: Sample,
-    point: SpecialPoint,
-    accuracy: float,
-) -> Comparison:
-    """Whether the solution at a given value of the parameter agrees, by the unknown that differs most."""
-    z = np.array(point.unknowns)
-    moved = np.abs(sample.z - problem.equivalence.nearest_turn(z, sample.z)) / sample.weights
-    at = int(np.argmax(moved[:-1]))
-    n, size = len(branch.info.states), len(z) - 1
-    orbit = branch.info.problem in ORBITS
-    segments = int(branch.info.settings.get("segments", 1)) if orbit else 1
-    if at < segments * n:
-        name = branch.info.states[at % n]
-    else:
-        name = "period" if orbit and at == segments * n and size > segments * n else "drift"
-    scale = max(float(sample.weights[at]), abs(float(z[at])))
-    result = replace(
-        begun,
-        quantity=name,
-        stored=float(z[at]),
-        recomputed=float(sample.z[at]),
-        difference=float(moved[at] * sample.weights[at]),
-        stored_error=float("nan"),
-        allowed=accuracy * scale,
-        verdict=AGREES,
-    )
-    if result.difference > result.allowed:
-        return replace(
-            result, verdict=DIFFERS, reason=f"more than the accuracy {accuracy:g} that was asked for"
-        )
-    return result

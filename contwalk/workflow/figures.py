@@ -86,6 +86,8 @@ def _draw(
         axes = plotting.plot_stability_map(branches, x or branches[0].info.free[0], str(y), units=units)
     elif name == "locus":
         axes = plotting.plot_locus(branches, x, y, units=units, report=report)
+    elif name == "chart":
+        axes = _chart(branches, system, (x, y), units, report)
     elif name in _OF_MACHINES:
         if system is None:
             raise ContwalkError(f"The figure '{name}' needs the system.", "Install it again.")
@@ -93,6 +95,24 @@ def _draw(
     else:
         raise ContwalkError(f"There is no figure named '{name}'.", "See docs/reference/figures.md.")
     plotting.save(axes[0] if isinstance(axes, list) else axes, path)
+
+
+def _chart(
+    branches: Sequence[Branch],
+    system: System | None,
+    names: tuple[str | None, str | None],
+    units: Mapping[str, str] | None,
+    report: Callable[[str], None],
+) -> Any:
+    """Regions filled by what a computation at a place of each finds there."""
+    from contwalk import plotting
+    from contwalk.studies.charts import chart
+
+    if system is None:
+        raise ContwalkError("The figure 'chart' needs the system.", "Install it again.")
+    x, y = names
+    found = chart(system, branches, None if x is None or y is None else (x, y))
+    return plotting.plot_chart(branches, found, units=units, report=report)
 
 
 def _phase_portrait(branches: Sequence[Branch], system: System, options: Mapping[str, Any]) -> Any:

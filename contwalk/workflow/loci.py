@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -40,10 +40,18 @@ def from_databases(run_file: RunFile, settings: Settings, discretization: Discre
 
 
 def from_branches(
-    run_file: RunFile, branches: Sequence[Branch], settings: Settings, discretization: Discretization
+    run_file: RunFile,
+    branches: Sequence[Branch],
+    settings: Settings,
+    discretization: Discretization,
+    note: Callable[[str, str], None],
 ) -> Iterator[Start]:
-    """Starts at all special points of a study that it asks for, in the order of branches and points."""
+    """Starts at all special points of a study that it asks for, in the order of branches and points.
+
+    `note` is given a key and a sentence for a point that no curve can be followed from.
+    """
     assert run_file.loci is not None
+    settings = replace(settings, second_range=run_file.loci.range)
     given = _Given(run_file, settings, discretization, (run_file.free, run_file.loci.second))
     low, high = run_file.loci.range
     for branch in branches:
@@ -55,14 +63,19 @@ def from_branches(
                 continue
             if not low <= point.parameters[run_file.loci.second] <= high:
                 continue
-            start = _start(given, branch, point, f"{branch.name}/{point.name}")
+            origin = f"{branch.name}/{point.name}"
+            try:
+                start = _start(given, branch, point, origin)
+            except StartError as error:
+                note(f"no curve from {origin}", f"{branch.name}: {error.sentence}")
+                continue
             yield replace(start, parent=(branch.name, point.s), depth=1)
 
 
 def coverage_of(run_file: RunFile, settings: Settings) -> Plan:
     """What is followed of the curves of a study."""
     assert run_file.loci is not None
-    return Plan(settings, run_file.loci.follow, run_file.depth)
+    return Plan(replace(settings, second_range=run_file.loci.range), run_file.loci.follow, run_file.depth)
 
 
 class _Given:
@@ -100,7 +113,7 @@ def _stored(run_file: RunFile, spec: StartSpec) -> tuple[Branch, SpecialPoint]:
     if point_name.isdigit():
         raise StartError(
             f"{spec.point} is no special point, and a curve in two parameters is one of special points.",
-            "Give the name of a fold (LP) or Hopf point (HB), as b1/HB1.",
+            "Give the name of a special point, as b1/HB1.",
         )
     try:
         return branch, branch.special(point_name)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
@@ -128,7 +128,7 @@ def run(
         recorder = _Recorder(db, reporter, result, run_file)
         recorder.record(diagram)
         if run_file.loci is not None and not result.interrupted:
-            recorder.record(_curves(run_file, db, diagram.branches, claims))
+            recorder.record(_curves(run_file, db, diagram.branches, claims, recorder.note))
         result.branches = db.branches()
         lost = lost_values(run_file.sweep, result.branches, run_file.output.name)
         if lost and not result.interrupted:
@@ -160,13 +160,19 @@ def _ahead(run_file: RunFile, studies: Sequence[Study], jobs: int, executor: Any
         ahead.close()
 
 
-def _curves(run_file: RunFile, db: Database, branches: list[Branch], claims: Mapping[str, Any]) -> Diagram:
+def _curves(
+    run_file: RunFile,
+    db: Database,
+    branches: list[Branch],
+    claims: Mapping[str, Any],
+    note: Callable[[str, str], None],
+) -> Diagram:
     """The curves in two parameters from what a study has found."""
     from contwalk.workflow import loci  # of few runs
 
     assert run_file.loci is not None
     settings = replace(settings_of(run_file), second_range=run_file.loci.range)
-    starts_ = loci.from_branches(run_file, branches, settings, discretization_of(run_file))
+    starts_ = loci.from_branches(run_file, branches, settings, discretization_of(run_file), note)
     taken = [*claims.get("taken", ()), *(branch.name for branch in branches)]
     coverage = loci.coverage_of(run_file, settings)
     return Diagram(starts_, coverage, lambda name: _stored(db, name), **{**claims, "taken": taken})

@@ -15,7 +15,7 @@ from contwalk.errors import ContwalkError
 from contwalk.numerics.threads import one_thread
 from contwalk.storage import open_database
 from contwalk.storage.failures import refuse_existing
-from contwalk.studies.verification import Comparison
+from contwalk.studies.comparison import Comparison
 from contwalk.workflow.file_names import beside
 from contwalk.workflow.pairing import counted, paired, value_of
 from contwalk.workflow.run_file.reading import RunFile

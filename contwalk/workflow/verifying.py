@@ -11,7 +11,8 @@ from contwalk.errors import ContwalkError
 from contwalk.numerics.threads import one_thread
 from contwalk.problems.orbit.discretization import Discretization, of_orbits
 from contwalk.storage import RunHeader
-from contwalk.studies.verification import LOST, Comparison, compared
+from contwalk.studies.comparison import LOST, Comparison
+from contwalk.studies.verification import compared
 from contwalk.system import System
 from contwalk.workflow.run_file.yaml_lines import parse_yaml
 

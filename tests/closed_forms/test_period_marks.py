@@ -13,7 +13,8 @@ import contwalk as cw
 from contwalk.branch import Branch
 from contwalk.errors import StartError
 from contwalk.problems.orbit.discretization import Discretization
-from contwalk.studies.verification import AGREES, compared
+from contwalk.studies.comparison import AGREES
+from contwalk.studies.verification import compared
 from contwalk.system import Symmetry, System, Transition
 
 MOST = 0.3  # where the pace w = 1 + (lam - 0.3)^2 is least, and the period largest

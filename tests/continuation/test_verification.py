@@ -15,16 +15,8 @@ from contwalk.continuation.reopening import reopened
 from contwalk.errors import DatabaseError
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.restoring import problem_of
-from contwalk.studies.verification import (
-    AGREES,
-    DIFFERS,
-    LOST,
-    SKIPPED,
-    SLACK,
-    Comparison,
-    _extremum,
-    compared,
-)
+from contwalk.studies.comparison import AGREES, DIFFERS, LOST, SKIPPED, SLACK, Comparison
+from contwalk.studies.verification import _extremum, compared
 from contwalk.system import Neutral, Observable, State, Symmetry, System
 
 STEPS = Discretization(accuracy=1e-7)

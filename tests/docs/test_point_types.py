@@ -13,7 +13,8 @@ from contwalk.labels import MEANINGS
 from contwalk.plotting import special_points
 from contwalk.problems.equilibrium.equilibrium import Equilibrium
 from contwalk.problems.orbit.discretization import Discretization
-from contwalk.studies.verification import AGREES, compared
+from contwalk.studies.comparison import AGREES
+from contwalk.studies.verification import compared
 
 PAGE = "docs/howto/point_types.md"
 

@@ -195,7 +195,7 @@ def test_what_is_wrong_with_a_run_along_two_parameters(place, change, words) -> 
     [
         ("loci={with: alpha, range: [0, 1]}", "'alpha' is continued already"),
         ("loci={with: gamma, range: [0, 1]}", "'gamma' is not a parameter"),
-        ("loci={with: delta, range: [0, 1], of: [PD]}", "PD"),
+        ("loci={with: delta, range: [0, 1], of: [CP]}", "CP"),
         ("loci={with: delta}", "range"),
         ("continue.range={alpha: [0.1, 0.2]}", "gives ranges by name"),
     ],

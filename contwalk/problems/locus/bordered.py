@@ -11,16 +11,25 @@ drifts. A zero eigenvalue is g(z, 0) = 0. A pair s, -s with s^2 = -kappa is g = 
 g = alpha + s beta, computed in the numbers a + s b, that is alpha = beta = 0: imaginary for positive kappa,
 real for negative (a neutral saddle), and a double zero (Bogdanov-Takens) for kappa = 0, where the conditions
 are as regular as elsewhere. Derivatives by z are -p (F_u)_z q with the left vector p of the same matrix.
+An eigenvalue whose real part is sigma is one of F_u - sigma E whose real part is zero.
+
+A branch point is where DF by states and one parameter, (N, N + 1), loses rank: with one column and two rows
+as borders there are two such functions, and both vanish.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from contwalk.numerics.linear import balanced
 from contwalk.problems.locus.plane import FloatPlace, Place
+
+# Gives of a square matrix the function that applies its inverse.
+Solver = Callable[[np.ndarray], Callable[[np.ndarray], np.ndarray]]
 
 
 @dataclass(frozen=True)
@@ -99,17 +108,27 @@ def _borders(right: np.ndarray, left: np.ndarray, d: np.ndarray) -> Borders:
     return Borders(left * d / (left @ left), right / d * (scale / (right @ right)))
 
 
-def zero_condition(place: Place, borders: Borders) -> Critical:
-    """g(z, 0) with its vectors."""
-    bordered = np.block([[place.matrix, borders.column[:, None]], [borders.row[None, :], np.zeros((1, 1))]])
+def shifted(place: Place, sigma: float) -> np.ndarray:
+    """F_u - sigma E, shape (N, N)."""
+    if sigma == 0.0:
+        return place.matrix
+    e = np.diag(place.plane.finite)
+    return place.matrix - sigma * (e.astype(object) if place.matrix.dtype == object else e)
+
+
+def zero_condition(place: Place, borders: Borders, sigma: float = 0.0) -> Critical:
+    """g(z, sigma) with its vectors."""
+    matrix = shifted(place, sigma)
+    bordered = np.block([[matrix, borders.column[:, None]], [borders.row[None, :], np.zeros((1, 1))]])
     unit = _unit(len(bordered))
     right, left = place.solver(bordered)(unit), place.solver(bordered.T)(unit)
     return Critical((right[-1],), (right[:-1],), (left[:-1],))
 
 
-def pair_condition(place: Place, borders: Borders, kappa: object) -> Critical:
-    """alpha and beta of g(z, s) = alpha + s beta with s^2 = -kappa, and q and p in the same numbers."""
-    bordered = np.block([[place.matrix, borders.column[:, None]], [borders.row[None, :], np.zeros((1, 1))]])
+def pair_condition(place: Place, borders: Borders, kappa: object, sigma: float = 0.0) -> Critical:
+    """alpha, beta of g(z, sigma + s) = alpha + s beta with s^2 = -kappa, and q and p in the same numbers."""
+    matrix = shifted(place, sigma)
+    bordered = np.block([[matrix, borders.column[:, None]], [borders.row[None, :], np.zeros((1, 1))]])
     e = np.diag(np.append(place.plane.finite, 0.0))
     if bordered.dtype == object:
         e = e.astype(object)
@@ -129,7 +148,7 @@ def _unit(size: int, which: int = -1) -> np.ndarray:
     return unit
 
 
-def gradients(place: FloatPlace, found: Critical, kappa: float) -> np.ndarray:
+def gradients(place: Place, found: Critical, kappa: Any) -> np.ndarray:
     """Derivatives of the values by z, shape (1, N + 2), or of alpha and beta by z and kappa, (2, N + 3)."""
     slopes = [place.slopes(q) for q in found.right]
     if len(found.right) == 1:
@@ -149,3 +168,46 @@ def levels(place: FloatPlace, found: Critical, kappa: float) -> np.ndarray:
         return np.array([left[0] @ noise @ right[0]])
     (qa, qb), (pa, pb) = right, left
     return np.array([pa @ noise @ qa + abs(kappa) * (pb @ noise @ qb), pa @ noise @ qb + pb @ noise @ qa])
+
+
+# -- branch points -----------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class CrossingBorders:
+    """A column, shape (M,), and two rows, shape (2, M + 1), for a matrix of shape (M, M + 1)."""
+
+    column: np.ndarray
+    rows: np.ndarray
+
+
+@dataclass(frozen=True)
+class Deficient:
+    """What a matrix with these borders tells: its two values, q_1 and q_2, shape (M + 1,) each, and p, (M,).
+
+    The matrix takes what vanishes of both vectors, and p it, to zero.
+    """
+
+    values: tuple[np.ndarray, ...]
+    right: tuple[np.ndarray, ...]
+    left: np.ndarray
+
+
+def crossing_borders(jacobian: np.ndarray, rows: np.ndarray, weights: np.ndarray) -> CrossingBorders:
+    """Borders for a loss of rank of DF, shape (M, M + 1).
+
+    `rows` are the sizes of the equations' terms, shape (M,), and `weights` magnitudes of the unknowns, shape
+    (M + 1,). A row that is nothing but rounding must not be scaled by itself.
+    """
+    u, _, vh = np.linalg.svd(jacobian * weights / rows[:, None])
+    left = u[:, -1] * np.sign(u[np.argmax(np.abs(u[:, -1])), -1])
+    return CrossingBorders(left * rows, vh[-2:] / weights)
+
+
+def deficient(jacobian: np.ndarray, borders: CrossingBorders, solver: Solver) -> Deficient:
+    """The two values of a matrix, shape (M, M + 1), with its vectors; `solver` applies inverses."""
+    size = len(jacobian)
+    bordered = np.block([[jacobian, borders.column[:, None]], [borders.rows, np.zeros((2, 1))]])
+    right = [solver(bordered)(_unit(size + 2, size + k)) for k in (0, 1)]
+    left = solver(bordered.T)(_unit(size + 2))
+    return Deficient(tuple(q[-1] for q in right), tuple(q[:-1] for q in right), left[:size])

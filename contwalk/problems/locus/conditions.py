@@ -4,6 +4,8 @@
 |---|---|---|
 | LP curve | | g(z, 0) = 0 |
 | HB curve | kappa | alpha = beta = 0 |
+| BP curve | mu | both values of DF by states and first parameter = 0, and F + mu b for F |
+| UZ curve | | observable, or first parameter, at its value; or an eigenvalue of F_u - sigma E as above |
 | cusp | | g(z, 0) = 0, p.B(q, q) = 0 |
 | Bogdanov-Takens | | alpha = beta = 0 for kappa = 0 |
 | generalized Hopf | kappa | alpha = beta = 0, l1 = 0 |
@@ -12,7 +14,7 @@
 
 The conditions are those of `bordered`: minimally augmented systems (Griewank & Reddien 1984, SIAM J. Numer.
 Anal. 21, 176; Govaerts, Kuznetsov & Sijnave 2000, SIAM J. Sci. Comput. 22, 62; Kuznetsov 2004, section 10.3).
-The unknowns stand in the order x, drifts, kappas, second, first.
+The unknowns stand in the order x, drifts, kappas or mu, second, first.
 """
 
 from __future__ import annotations
@@ -23,99 +25,284 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from contwalk.numerics.linear import EPSILON, balanced
 from contwalk.numerics.refine import DefiningSystem
 from contwalk.problems.locus import bordered
-from contwalk.problems.locus.bordered import Borders, Critical
+from contwalk.problems.locus.bordered import Borders, Critical, CrossingBorders, Deficient
 from contwalk.problems.locus.plane import ExactPlace, FloatPlace, Place, Plane
 
 # How far along the curve a function without derivatives of its own is looked at for its slope, in the metric.
 BESIDE = 1e-5
 
 
+class Told(Protocol):
+    """What a condition tells of a place: the numbers that vanish, beside what they were computed with."""
+
+    @property
+    def values(self) -> tuple[Any, ...]:
+        """The numbers that vanish where the condition holds."""
+        ...
+
+
 class Condition(Protocol):
-    """A condition on eigenvalues; `unknowns` is 1 where it has a kappa of its own."""
+    """What holds along a curve, or at a special point, beside F = 0.
+
+    `unknowns` is 1 where it has an unknown of its own: a pair its kappa, a branch point the unfolding mu of
+    F + mu b = 0, with the vector `unfolding`, b, shape (N,).
+    """
 
     @property
     def unknowns(self) -> int:
-        """How many kappas it has."""
+        """How many unknowns of its own it has."""
         ...
 
-    def critical(self, place: Place, kappa: Any) -> Critical:
-        """Its values and vectors."""
+    @property
+    def unfolding(self) -> np.ndarray | None:
+        """By what F is moved as its own unknown grows, shape (N,); None where F does not know it."""
         ...
+
+    def told(self, place: Place, own: Any) -> Any:
+        """Its values at a place, with what they were computed with."""
+        ...
+
+    def gradients(self, place: Place, told: Any, own: Any) -> np.ndarray:
+        """Derivatives of c values by z and its own unknown, shape (c, N + 2) or (c, N + 3)."""
+        ...
+
+    def levels(self, place: FloatPlace, told: Any, own: float) -> np.ndarray:
+        """Rounding of its values, shape (c,)."""
+        ...
+
+
+class _Eigenvalue:
+    """What conditions on eigenvalues share."""
+
+    unfolding = None
+
+    def gradients(self, place: Place, told: Critical, own: Any) -> np.ndarray:
+        """Derivatives of the values, shape (1, N + 2), or of alpha and beta by kappa as well, (2, N + 3)."""
+        return bordered.gradients(place, told, own)
+
+    def levels(self, place: FloatPlace, told: Critical, own: float) -> np.ndarray:
+        """Rounding of the values, shape (1,) or (2,)."""
+        return bordered.levels(place, told, own)
 
 
 @dataclass(frozen=True)
-class Zero:
-    """A zero eigenvalue."""
+class Zero(_Eigenvalue):
+    """A real eigenvalue sigma."""
 
     borders: Borders
+    sigma: float = 0.0
     unknowns: int = 0
 
-    def critical(self, place: Place, kappa: Any) -> Critical:
-        """g(z, 0), and its vectors."""
-        return bordered.zero_condition(place, self.borders)
+    def told(self, place: Place, own: Any) -> Critical:
+        """g(z, sigma), and its vectors."""
+        return bordered.zero_condition(place, self.borders, self.sigma)
 
 
 @dataclass(frozen=True)
-class DoubleZero:
+class DoubleZero(_Eigenvalue):
     """A double zero eigenvalue with one vector."""
 
     borders: Borders
     unknowns: int = 0
 
-    def critical(self, place: Place, kappa: Any) -> Critical:
+    def told(self, place: Place, own: Any) -> Critical:
         """alpha and beta at kappa = 0."""
         return bordered.pair_condition(place, self.borders, 0.0)
 
+    def gradients(self, place: Place, told: Critical, own: Any) -> np.ndarray:
+        """Derivatives of both by z, shape (2, N + 2)."""
+        return bordered.gradients(place, told, 0.0)[:, :-1]
+
 
 @dataclass(frozen=True)
-class Pair:
-    """A pair of eigenvalues s and -s, s^2 = -kappa."""
+class Pair(_Eigenvalue):
+    """A pair of eigenvalues sigma + s and sigma - s, s^2 = -kappa."""
 
     borders: Borders
+    sigma: float = 0.0
     unknowns: int = 1
 
-    def critical(self, place: Place, kappa: Any) -> Critical:
-        """alpha and beta."""
-        return bordered.pair_condition(place, self.borders, kappa)
+    def told(self, place: Place, own: Any) -> Critical:
+        """alpha and beta for kappa."""
+        return bordered.pair_condition(place, self.borders, own, self.sigma)
 
 
-# A function of place, critical vectors and kappa of the first condition that a special point has beside it.
-Function = Callable[[Place, Critical, Any], Any]
+@dataclass(frozen=True)
+class BranchPoint:
+    """Branches along the first parameter cross: DF by states and that parameter loses rank (Moore 1980).
+
+    F + mu b = 0 with b, the column of its borders: mu is zero where the branch point is one.
+    """
+
+    borders: CrossingBorders
+    unknowns: int = 1
+
+    @property
+    def unfolding(self) -> np.ndarray:
+        """b, shape (N,)."""
+        return self.borders.column
+
+    def told(self, place: Place, own: Any) -> Deficient:
+        """Both values of DF by states and the first parameter."""
+        return bordered.deficient(_by_first(place.jacobian), self.borders, place.solver)
+
+    def gradients(self, place: Place, told: Deficient, own: Any) -> np.ndarray:
+        """Derivatives of both values by z; mu has no part in them; shape (2, N + 3)."""
+        slopes = [-(told.left @ place.slopes(along_first(q))) for q in told.right]
+        return np.column_stack([np.array(slopes), np.zeros(2)])
+
+    def levels(self, place: FloatPlace, told: Deficient, own: float) -> np.ndarray:
+        """Rounding of both values, shape (2,)."""
+        last = EPSILON * np.abs(place.jacobian[:, -1:])
+        noise = np.hstack([place.noise, last])
+        return np.array([np.abs(told.left) @ noise @ np.abs(q) for q in told.right])
+
+
+def _by_first(jacobian: np.ndarray) -> np.ndarray:
+    """DF by states, drifts and the first parameter, shape (N, N + 1), from DF, (N, N + 2)."""
+    return np.delete(jacobian, -2, axis=1)
+
+
+def along_first(q: np.ndarray) -> np.ndarray:
+    """A direction of states, drifts and the first parameter, shape (N + 1,), as one of z, (N + 2,)."""
+    zero = np.zeros(1, dtype=q.dtype)
+    return np.concatenate([q[:-1], zero, q[-1:]])
+
+
+def branch_point_borders(plane: Plane, z: np.ndarray) -> CrossingBorders:
+    """Borders for branch points along the first parameter near z, shape (N + 2,)."""
+    jacobian = _by_first(plane.jacobian(z))
+    scaled, d = balanced(jacobian[:, :-1])
+    last = float(np.abs(jacobian[:, -1] / d).max())
+    size = float(np.abs(scaled).max())
+    weight = size / last if last > 0.0 and size > 0.0 else 1.0
+    return bordered.crossing_borders(jacobian, d, np.append(d, weight))
+
+
+@dataclass(frozen=True)
+class Values:
+    """Numbers that vanish, with their derivatives by z, shape (c, N + 2)."""
+
+    values: tuple[Any, ...]
+    slopes: np.ndarray
+
+
+@dataclass(frozen=True)
+class Level:
+    """A declared observable has a value."""
+
+    name: str
+    level: float
+    unknowns: int = 0
+    unfolding: None = None
+
+    def told(self, place: Place, own: Any) -> Values:
+        """The observable less its value."""
+        value, slopes = place.measured(self.name)
+        return Values((value - self.level,), slopes[None, :])
+
+    def gradients(self, place: Place, told: Values, own: Any) -> np.ndarray:
+        """Its derivatives by z, shape (1, N + 2)."""
+        return told.slopes
+
+    def levels(self, place: FloatPlace, told: Values, own: float) -> np.ndarray:
+        """Rounding of its terms, as far as value and slopes tell them, shape (1,)."""
+        terms = abs(self.level) + abs(float(told.values[0])) + float(np.abs(told.slopes[0]) @ np.abs(place.z))
+        return np.array([EPSILON * terms])
+
+
+@dataclass(frozen=True)
+class ParameterAt:
+    """The parameter that is number `place` of z has a value."""
+
+    place: int
+    level: float
+    unknowns: int = 0
+    unfolding: None = None
+
+    def told(self, place: Place, own: Any) -> Values:
+        """The parameter less its value."""
+        slopes = np.zeros((1, place.plane.size + 2))
+        slopes[0, self.place] = 1.0
+        return Values((place.z[self.place] - self.level,), slopes)
+
+    def gradients(self, place: Place, told: Values, own: Any) -> np.ndarray:
+        """One by the parameter, shape (1, N + 2)."""
+        return told.slopes
+
+    def levels(self, place: FloatPlace, told: Values, own: float) -> np.ndarray:
+        """Half an ulp, shape (1,)."""
+        return np.array([EPSILON * abs(self.level)])
+
+
+# A function of a place, what the first condition tells of it, and its own unknown, that a special point has
+# beside the conditions.
+Function = Callable[[Place, Any, Any], Any]
 
 
 @dataclass(frozen=True)
 class Augmented:
-    """F = 0 with conditions, as functions of U = (x, drifts, kappas, second, first)."""
+    """F = 0 with conditions, as functions of U = (x, drifts, own unknowns of conditions, second, first)."""
 
     plane: Plane
     conditions: tuple[Condition, ...]
 
     @property
-    def pairs(self) -> int:
-        """How many of the unknowns are kappas."""
+    def own(self) -> int:
+        """How many of the unknowns are those of conditions."""
         return sum(condition.unknowns for condition in self.conditions)
 
     def split(self, u: Any) -> tuple[Any, list[Any]]:
-        """z of the plane, and the kappa of each condition, 0 of one that has none."""
-        size, pairs = self.plane.size, self.pairs
-        own = iter(u[size : size + pairs])
-        z = [*u[:size], *u[size + pairs :]]
-        kappas = [next(own) if condition.unknowns else 0.0 for condition in self.conditions]
-        return (np.array(z) if isinstance(u, np.ndarray) else z), kappas
+        """z of the plane, and the unknown of each condition, 0 of one that has none."""
+        size, count = self.plane.size, self.own
+        own = iter(u[size : size + count])
+        z = [*u[:size], *u[size + count :]]
+        owns = [next(own) if condition.unknowns else 0.0 for condition in self.conditions]
+        return (np.array(z) if isinstance(u, np.ndarray) else z), owns
 
-    def joined(self, z: np.ndarray, kappas: Sequence[float]) -> np.ndarray:
-        """U of a z of the plane, shape (N + 2,), and the kappas of the conditions that have one.
+    def joined(self, z: np.ndarray, owns: Sequence[float]) -> np.ndarray:
+        """U of a z of the plane, shape (N + 2,), and the unknowns of the conditions that have one.
 
         With k of these it has the shape (N + 2 + k,).
         """
         size = self.plane.size
-        return np.concatenate([z[:size], kappas, z[size:]])
+        return np.concatenate([z[:size], owns, z[size:]])
 
-    def criticals(self, place: Place, kappas: Sequence[Any]) -> list[Critical]:
-        """Values and vectors of all conditions."""
-        return [one.critical(place, kappa) for one, kappa in zip(self.conditions, kappas, strict=True)]
+    def told(self, place: Place, owns: Sequence[Any]) -> list[Any]:
+        """What all conditions tell of a place."""
+        return [one.told(place, own) for one, own in zip(self.conditions, owns, strict=True)]
+
+    def residual(self, place: Place, told: Sequence[Told], owns: Sequence[Any]) -> list[Any]:
+        """F, moved by what unfolds it, and the values of the conditions, N + c numbers."""
+        moved = place.residual
+        for condition, own in zip(self.conditions, owns, strict=True):
+            if condition.unfolding is not None:
+                moved = moved + condition.unfolding * own
+        return [*moved, *(value for one in told for value in one.values)]
+
+    def jacobian(self, place: Place, told: Sequence[Told], owns: Sequence[Any]) -> np.ndarray:
+        """Derivatives of the residual by U, shape (N + c, N + 2 + k)."""
+        size, count = self.plane.size, self.own
+        first = place.jacobian
+        rows = size + sum(len(one.values) for one in told)
+        jacobian = np.zeros((rows, size + 2 + count), dtype=first.dtype)
+        outside = [*range(size), *range(size + count, size + 2 + count)]
+        jacobian[:size, outside] = first
+        row, own_column = size, size
+        for condition, one, own in zip(self.conditions, told, owns, strict=True):
+            here = slice(row, row + len(one.values))
+            slopes = condition.gradients(place, one, own)
+            jacobian[here, outside] = slopes[:, : size + 2]
+            if condition.unknowns:
+                jacobian[here, own_column] = slopes[:, -1]
+                if condition.unfolding is not None:
+                    jacobian[:size, own_column] = condition.unfolding
+                own_column += 1
+            row = here.stop
+        return jacobian
 
     def values(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Residual, its Jacobian by U, and the rounding of the conditions.
@@ -128,32 +315,22 @@ class Augmented:
         numpy.linalg.LinAlgError
             Where the borders do not fit.
         """
-        z, kappas = self.split(u)
+        z, owns = self.split(u)
         place = FloatPlace(self.plane, z)
-        found = self.criticals(place, kappas)
-        residual = np.concatenate([place.residual, *(np.array(one.values) for one in found)])
-        size, pairs = self.plane.size, self.pairs
-        jacobian = np.zeros((len(residual), len(u)))
-        outside = [*range(size), *range(size + pairs, len(u))]
-        jacobian[:size, outside] = place.jacobian
-        row, own = size, size
-        for condition, one, kappa in zip(self.conditions, found, kappas, strict=True):
-            rows = slice(row, row + len(one.values))
-            slopes = bordered.gradients(place, one, kappa)
-            jacobian[rows, outside] = slopes[:, : size + 2]
-            if condition.unknowns:
-                jacobian[rows, own] = slopes[:, -1]
-                own += 1
-            row = rows.stop
-        known = [bordered.levels(place, one, kappa) for one, kappa in zip(found, kappas, strict=True)]
-        return residual, jacobian, np.concatenate(known)
+        told = self.told(place, owns)
+        known = [
+            condition.levels(place, one, own)
+            for condition, one, own in zip(self.conditions, told, owns, strict=True)
+        ]
+        residual = np.array(self.residual(place, told, owns))
+        return residual, self.jacobian(place, told, owns), np.concatenate(known)
 
-    def exactly(self, u: Sequence[Any]) -> tuple[list[Any], ExactPlace, list[Critical], list[Any]]:
+    def exactly(self, u: Sequence[Any]) -> tuple[list[Any], ExactPlace, list[Any], list[Any]]:
         """The residual with more digits, and with what it was computed."""
-        z, kappas = self.split(list(u))
+        z, owns = self.split(list(u))
         place = ExactPlace(self.plane, z)
-        found = self.criticals(place, kappas)
-        return [*place.residual, *(v for one in found for v in one.values)], place, found, kappas
+        told = self.told(place, owns)
+        return self.residual(place, told, owns), place, told, owns
 
 
 def defining_system(
@@ -175,9 +352,9 @@ def defining_system(
         )
 
     def value(u: np.ndarray) -> float:
-        z, kappas = augmented.split(u)
+        z, owns = augmented.split(u)
         place = FloatPlace(augmented.plane, z)
-        return float(function(place, augmented.criticals(place, kappas)[0], kappas[0]))
+        return float(function(place, augmented.told(place, owns)[0], owns[0]))
 
     def residual(u: np.ndarray) -> np.ndarray:
         return np.append(augmented.values(u)[0], value(u))
@@ -185,12 +362,13 @@ def defining_system(
     def jacobian(u: np.ndarray) -> np.ndarray:
         matrix = augmented.values(u)[1]
         scaled = matrix * scale
-        tangent = np.linalg.svd(scaled / np.abs(scaled).max(axis=1, keepdims=True))[2][-1]
+        largest = np.abs(scaled).max(axis=1, keepdims=True)
+        tangent = np.linalg.svd(scaled / np.where(largest > 0.0, largest, 1.0))[2][-1]
         ahead, behind = (value(u + sign * BESIDE * scale * tangent) for sign in (1.0, -1.0))
         return np.vstack([matrix, (ahead - behind) / (2.0 * BESIDE) * tangent / scale])
 
     def exactly(u: Sequence[Any]) -> list[Any]:
-        values, place, found, kappas = augmented.exactly(u)
-        return [*values, function(place, found[0], kappas[0])]
+        values, place, told, owns = augmented.exactly(u)
+        return [*values, function(place, told[0], owns[0])]
 
     return DefiningSystem(scale, residual, jacobian, exactly)

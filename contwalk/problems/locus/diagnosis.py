@@ -2,35 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.problems.equilibrium.diagnosis import EquilibriumDiagnosis
+from contwalk.problems.equilibrium.diagnosis import VANISHING, EquilibriumDiagnosis
+from contwalk.problems.equilibrium.unbounded import escape
 from contwalk.problems.kink import Kink, Met
-from contwalk.problems.locus.plane import Plane
 from contwalk.problems.sample import Sample
+
+# An unfolding below so many roundings of the equations is nothing: parameters such as pi are rounded too.
+NOTHING = 16.0
 
 
 @dataclass(frozen=True)
 class LocusDiagnosis:
-    """What is known of such places: what is known of the equilibria themselves.
+    """What is known of such places: what is known of the equilibria themselves, and of the curve's condition.
 
-    `in_plane` reads (x, drifts, second, first) from the unknowns of the curve, shape (N + 1,).
+    `problem` is an `EquilibriumLocus`.
     """
 
-    plane: Plane
-    in_plane: Callable[[np.ndarray], np.ndarray]
+    problem: Any
 
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
-        """Nothing is known by which a curve ends."""
-        return None
+        """Branch points that do not persist, an eigenvalue that is marked no longer, and what runs off."""
+        return self._unfolded(b) or self._overtaken(b) or self._escaped(a, b)
 
     def explain(self, z: np.ndarray) -> str:
         """Where in the plugin a residual at z, shape (N + 1,), is not finite."""
-        return EquilibriumDiagnosis(self.plane).explain(self.in_plane(z))
+        return EquilibriumDiagnosis(self.problem.plane).explain(self.problem.in_plane(z))
 
     def obstacle(self, z: np.ndarray) -> str:
         """Nothing is known of what keeps a curve from going on at z, shape (N + 1,)."""
@@ -38,13 +41,81 @@ class LocusDiagnosis:
 
     def passed(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
         """Where the equilibria's equations change their piece between two places, shape (N + 1,)."""
-        return EquilibriumDiagnosis(self.plane).passed(self.in_plane(a), self.in_plane(b))
+        within = self.problem.in_plane
+        return EquilibriumDiagnosis(self.problem.plane).passed(within(a), within(b))
 
     def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:
         """Where the equilibria's equations are smooth by pieces only."""
-        places = (replace(s, z=self.in_plane(s.z), weights=self.in_plane(s.weights)) for s in (a, b))
-        return EquilibriumDiagnosis(self.plane).kinks_between(*places)
+        within = self.problem.in_plane
+        places = (replace(s, z=within(s.z), weights=within(s.weights)) for s in (a, b))
+        return EquilibriumDiagnosis(self.problem.plane).kinks_between(*places)
 
     def many_branches(self, z: np.ndarray) -> bool:
         """Nothing is known of curves that cross at z, shape (N + 1,), at the ends of ranges."""
         return False
+
+    def unfolded(self, z: np.ndarray) -> bool:
+        """Whether a branch point at z, shape (N + 1,), would need the equations to be others."""
+        problem = self.problem
+        (condition,) = problem.augmented.conditions
+        if condition.unfolding is None:
+            return False
+        column = np.abs(condition.unfolding)
+        levels = problem.plane.linearize(problem.in_plane(z)).levels[0]
+        return not bool(np.all(abs(problem.own(z)) * column <= NOTHING * levels))
+
+    def _unfolded(self, b: Sample) -> Outcome | None:
+        """The end where a branch point is none any more."""
+        if not self.unfolded(b.z):
+            return None
+        return Outcome("failed", "no_convergence", not_persistent(self.problem, b.z))
+
+    def _overtaken(self, b: Sample) -> Outcome | None:
+        """The end of a curve of the largest real part where that is another eigenvalue's."""
+        problem = self.problem
+        level = problem.curve.real_part
+        if level is None:
+            return None
+        single = problem.curve.pair and not problem.kappa(b.z) > 0.0
+        ahead = float(b.eigenvalues.real.max()) - level
+        if not single and ahead <= 1e-9 * max(abs(level), float(np.abs(b.eigenvalues).max())):
+            return None
+        first = problem.free
+        return Outcome(
+            "complete",
+            "stop_at",
+            f"The largest real part is another eigenvalue's beyond {first} = {b.parameter:.10g}: the curve "
+            f"of max_re = {level:.10g} goes on there with that one. Start from a marked point beyond.",
+        )
+
+    def _escaped(self, a: Sample, b: Sample) -> Outcome | None:
+        """The end of a curve along which a state or the second parameter grows without bound."""
+        problem = self.problem
+        away = escape(problem, a, b)
+        if away is None:
+            return None
+        names = dict(enumerate(problem.system.state_names))
+        names[len(b.z) - 2] = str(problem.plane.second)
+        name = names.get(away.which)
+        if name is None:
+            return None
+        free = problem.free
+        limit = 0.0 if abs(away.limit) <= VANISHING * b.weights[-1] else away.limit
+        return Outcome(
+            "complete",
+            "unbounded",
+            f"The curve runs off as {free} tends to {limit:.10g}: {name} is {b.z[away.which]:.4g} at "
+            f"{free} = {b.parameter:.10g}. Nothing to do.",
+        )
+
+
+def not_persistent(problem: Any, z: np.ndarray) -> str:
+    """Why there is no curve of branch points through z, shape (N + 1,)."""
+    second = str(problem.plane.second)
+    values = problem.values_of(z)
+    place = f"{problem.free} = {values[problem.free]:.10g}, {second} = {values[second]:.10g}"
+    return (
+        f"The branch point does not persist as {second} varies: beside {place} the branches that cross come "
+        "apart. Only where a symmetry or an invariant subspace keeps them together is there such a curve; "
+        "follow the folds (LP) that are born instead."
+    )

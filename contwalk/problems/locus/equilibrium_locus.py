@@ -1,9 +1,10 @@
-"""Curves of folds and of Hopf points of equilibria as two parameters vary."""
+"""Curves of special points of equilibria as two parameters vary."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -14,11 +15,13 @@ from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.capabilities import OwnMeasures
 from contwalk.problems.linearization import Linearization
-from contwalk.problems.locus.bordered import pair_borders, zero_borders
-from contwalk.problems.locus.conditions import Augmented, Pair, Zero
+from contwalk.problems.locus.bordered import zero_borders
+from contwalk.problems.locus.conditions import Augmented, Zero
+from contwalk.problems.locus.curves import Curve
 from contwalk.problems.locus.diagnosis import LocusDiagnosis
 from contwalk.problems.locus.plane import Plane
 from contwalk.problems.locus.points.catalogue import POINT_TYPES
+from contwalk.problems.locus.points.marked_value import marked_on
 from contwalk.problems.problem import Located, Mirror, PointType
 from contwalk.problems.sample import Rates, Sample
 from contwalk.quantities import FREQUENCY_SQUARED
@@ -29,35 +32,20 @@ LEAST_KAPPA = 1e-6
 TINY = float(np.finfo(float).tiny)
 
 
-@dataclass(frozen=True)
-class Curve:
-    """What is followed: the label of its points, and how many eigenvalues are critical."""
-
-    of: str
-    critical: int
-
-    @property
-    def pairs(self) -> int:
-        """How many kappas are among the unknowns."""
-        return self.critical // 2
-
-
-CURVES = {"LP": Curve("LP", 1), "HB": Curve("HB", 2)}
-
-
 class EquilibriumLocus(OwnMeasures):
     """A curve of special points of equilibria in two parameters.
 
-    Its unknowns are z = (x, drifts, kappa, second, first), kappa only along HB curves: minus the square of
-    the critical eigenvalues. Its equations are F = 0 and those of `bordered`, with borders from the critical
-    vectors at the last point.
+    Its unknowns are z = (x, drifts, own, second, first). Along HB curves its own is kappa, minus the square
+    of the critical eigenvalues; along BP curves mu, the unfolding, which vanishes; along others there is
+    none. Its equations are F = 0 and those of its condition, with borders from the critical vectors at the
+    last point.
 
     Parameters
     ----------
     plane : Plane
         The equilibria, with both parameters free.
-    of : str
-        `LP` or `HB`.
+    curve : Curve
+        What it is of.
     near : ndarray, shape (N,), optional
         The place that the borders are made at.
     """
@@ -65,19 +53,16 @@ class EquilibriumLocus(OwnMeasures):
     kind = "locus"
     meshed = limited = None
 
-    def __init__(self, plane: Plane, of: str, near: np.ndarray) -> None:
-        self.plane, self.curve = plane, CURVES[of]
+    def __init__(self, plane: Plane, curve: Curve, near: np.ndarray) -> None:
+        self.plane, self.curve = plane, curve
         self.system, self.line = plane.system, plane.line
         self.free, self.parameters, self.pins = plane.free, plane.parameters, plane.pins
         self.states, self.discretization = plane.states, plane.discretization
-        self.point_types: Sequence[PointType] = POINT_TYPES[of]
-        pairs = self.curve.pairs
-        self.size = plane.size + pairs + 1
-        matrix = plane.jacobian(self.in_plane(near))[:, : plane.size]
-        self.zero = Zero(zero_borders(matrix))
-        own = Pair(pair_borders(matrix, plane.finite, float(near[plane.size]))) if pairs else self.zero
-        self.augmented = Augmented(plane, (own,))
-        self.periods = np.insert(plane.periods, plane.size, [0.0] * pairs)
+        self.point_types: Sequence[PointType] = POINT_TYPES[curve.of]
+        self.near = self.in_plane(near)
+        self.augmented = Augmented(plane, (curve.condition(plane, self.near, self.own(near)),))
+        self.size = plane.size + curve.own + 1
+        self.periods = np.insert(plane.periods, plane.size, [0.0] * curve.own)
 
     @property
     def anchored(self) -> EquilibriumLocus:
@@ -87,18 +72,27 @@ class EquilibriumLocus(OwnMeasures):
     @property
     def diagnosis(self) -> LocusDiagnosis:
         """What is known of places where a curve ends, or cannot go on."""
-        return LocusDiagnosis(self.plane, self.in_plane)
+        return LocusDiagnosis(self)
+
+    @cached_property
+    def zero(self) -> Zero:
+        """The condition of a zero eigenvalue, which elsewhere is a function that vanishes at one."""
+        return Zero(zero_borders(self.plane.jacobian(self.near)[:, : self.plane.size]))
 
     # -- unknowns --------------------------------------------------------------------------------------------
 
     def in_plane(self, z: np.ndarray) -> np.ndarray:
         """(x, drifts, second, first), shape (N + 2,) of the plane."""
-        size, pairs = self.plane.size, self.curve.pairs
-        return np.concatenate([z[:size], z[size + pairs :]])
+        size = self.plane.size
+        return np.concatenate([z[:size], z[size + self.curve.own :]])
+
+    def own(self, z: np.ndarray) -> float:
+        """The unknown of its condition at z, shape (N + 1,); zero where it has none."""
+        return float(z[self.plane.size]) if self.curve.own else 0.0
 
     def kappa(self, z: np.ndarray) -> float:
-        """Minus the square of the critical eigenvalues at z, shape (N + 1,); zero along LP curves."""
-        return float(z[self.plane.size]) if self.curve.pairs else 0.0
+        """Minus the square of the pair that it holds at z, shape (N + 1,); zero where it holds none."""
+        return self.own(z) if self.curve.pair else 0.0
 
     def values_of(self, z: np.ndarray) -> dict[str, float]:
         """All parameters at z, shape (N + 1,), by name."""
@@ -148,8 +142,10 @@ class EquilibriumLocus(OwnMeasures):
         """Rounding levels of the equations and typical magnitudes of z."""
         own, magnitudes = self.plane.linearize(self.in_plane(z)).levels
         assert magnitudes is not None
-        size, pairs = self.plane.size, self.curve.pairs
-        if pairs:
+        size = self.plane.size
+        if self.curve.own and not self.curve.pair:
+            magnitudes = np.insert(magnitudes, size, np.nan)  # an unfolding is zero; what it is is noise
+        elif self.curve.pair:
             scaled = balanced(self.plane.jacobian(self.in_plane(z))[:, :size])[0]
             least = LEAST_KAPPA * float(np.abs(scaled).max()) ** 2
             magnitudes = np.insert(magnitudes, size, max(abs(self.kappa(z)), least))
@@ -162,7 +158,7 @@ class EquilibriumLocus(OwnMeasures):
     @property
     def observable_names(self) -> tuple[str, ...]:
         """The system's observables; along HB curves the square of the frequency as well."""
-        return (*[o.name for o in self.system.observables], *([FREQUENCY_SQUARED] * self.curve.pairs))
+        return (*[o.name for o in self.system.observables], *([FREQUENCY_SQUARED] * self.curve.pair))
 
     def examine(
         self,
@@ -178,9 +174,10 @@ class EquilibriumLocus(OwnMeasures):
         solution before, None at the first.
         """
         unit = unit_in(tangent, weights)
-        orientation, error = linearization.orientation_and_error(unit, weights, linearization.levels[0])
+        with np.errstate(invalid="ignore"):  # where the borders do not fit nothing is told
+            orientation, error = linearization.orientation_and_error(unit, weights, linearization.levels[0])
         found, critical = self.spectrum(z, unit)
-        kappa = [self.kappa(z)] * self.curve.pairs
+        kappa = [self.kappa(z)] * self.curve.pair
         return Sample(
             z=z,
             tangent=unit,
@@ -214,22 +211,21 @@ class EquilibriumLocus(OwnMeasures):
         return rest, critical
 
     def critical_values(self, z: np.ndarray) -> np.ndarray:
-        """The eigenvalues that the curve holds where they are, shape (1,) or (2,)."""
-        if not self.curve.pairs:
-            return np.zeros(1, dtype=complex)
-        s = np.sqrt(complex(-self.kappa(z)))
-        return np.array([s, -s]) + 0.0  # no zeros with a sign
+        """The critical eigenvalues that the curve holds, shape (0,), (1,) or (2,)."""
+        return self.curve.held(self.own(z))
 
     def rate(self, name: str, sample: Sample) -> float:
-        """Derivative of an observable along the curve."""
+        """Derivative of an observable, or of a free parameter, along the curve."""
         if name == FREQUENCY_SQUARED:
             return float(sample.tangent[self.plane.size])
+        if name in self.line.names:
+            return float(sample.tangent[-1 - self.line.names.index(name)])
         gradient = self.plane.observable_kernels(name)[1](*self.plane.inputs(self.in_plane(sample.z)))
         return float(gradient @ self.in_plane(sample.tangent))
 
     def locate_mark(self, name: str, level: float, sample: Sample) -> Located | None:
-        """The point near a sample at which an observable has the value `level`."""
-        return None
+        """The point near a sample at which an observable, or a free parameter, has the value `level`."""
+        return marked_on(self, name, level, sample)
 
     # -- the branch ------------------------------------------------------------------------------------------
 
@@ -243,7 +239,7 @@ class EquilibriumLocus(OwnMeasures):
             "spectrum": max(self.states - len(self.pins), 1),
             "settings": {
                 **neutrals.kept(self.pins, self.line, self.states),
-                "of": self.curve.of,
+                **self.curve.facts(),
                 "of_problem": "equilibrium",
             },
         }
@@ -252,19 +248,19 @@ class EquilibriumLocus(OwnMeasures):
         """Typical magnitudes for the first corrections of a start, shape (N + 1,)."""
         return np.maximum(np.abs(z), 1.0)
 
-    def other(self, of: str, z: np.ndarray, kappa: float = 0.0) -> tuple[EquilibriumLocus, np.ndarray]:
-        """Another curve through the place of z, and its unknowns there; `kappa` of its pair, if any.
+    def other(self, curve: Curve, z: np.ndarray, own: float = 0.0) -> tuple[EquilibriumLocus, np.ndarray]:
+        """Another curve through the place of z, and its unknowns there; `own` is its own unknown, if any.
 
-        z has the shape (N + 1,). The unknowns are one more where only the other curve has a pair, and one
-        fewer where only this one has.
+        z has the shape (N + 1,). The unknowns are one more where only the other curve has one of its own, and
+        one fewer where only this one has.
         """
         place, size = self.in_plane(z), self.plane.size
-        own = np.concatenate([place[:size], [kappa] * CURVES[of].pairs, place[size:]])
-        return EquilibriumLocus(self.plane, of, own), own
+        there = np.concatenate([place[:size], [own] * curve.own, place[size:]])
+        return EquilibriumLocus(self.plane, curve, there), there
 
     def at(self, z: np.ndarray) -> EquilibriumLocus:
         """The same curve with borders from the critical vectors at z, shape (N + 1,)."""
-        return EquilibriumLocus(self.plane, self.curve.of, z)
+        return EquilibriumLocus(self.plane, self.curve, z)
 
     def adapted(self, sample: Sample) -> tuple[EquilibriumLocus, Sample]:
         """The curve with borders for what follows a solution, and the solution's sample with them."""

@@ -128,6 +128,15 @@ def _pair(place: FloatPlace, kappa: float) -> tuple[np.ndarray, np.ndarray, floa
     return *_normalized(q, p, place.plane.finite), omega
 
 
+def hopf_coefficients(plane: Plane, z: np.ndarray, kappa: float) -> dict[str, Any]:
+    """l1 of a Hopf point z, shape (N + 2,); kappa is omega squared."""
+    place = FloatPlace(plane, z)
+    q, p, omega = _pair(place, kappa)
+    l1 = float((p @ _cubic(place, q, omega)[0]).real) / (2.0 * omega)
+    convention = "Kuznetsov 2004, eq. 5.34: l1 = Re(c1)/omega with <q,q> = 1, <p,q> = 1"
+    return {"l1": l1, "omega": omega, "convention": convention}
+
+
 def bautin_coefficients(plane: Plane, z: np.ndarray, kappa: float) -> dict[str, Any]:
     """l2 = Re G32 / 12 of w' = i omega w + G21 w |w|^2 / 2 + G32 w |w|^4 / 12, where Re G21 = 0.
 

@@ -37,11 +37,14 @@ class Plane(Equilibrium):
 class Place(ABC):
     """The equations of a plane at one z."""
 
-    def __init__(self, plane: Plane) -> None:
-        self.plane, self.kernels = plane, plane.kernels
+    def __init__(self, plane: Plane, z: Any) -> None:
+        self.plane, self.kernels, self.z = plane, plane.kernels, z
 
     def padded(self, v: np.ndarray) -> np.ndarray:
-        """A direction of the unknowns u, shape (N,), as one of z; the parameters stand still."""
+        """A direction of the unknowns u, shape (N,), as one of z, where the parameters stand still.
+
+        One of z, shape (N + 2,), is what it is.
+        """
         return np.concatenate([v, np.zeros(self.kernels.unknowns + 1 - len(v), dtype=v.dtype)])
 
     @property
@@ -51,12 +54,25 @@ class Place(ABC):
 
     @property
     @abstractmethod
+    def jacobian(self) -> np.ndarray:
+        """DF, shape (N, N + 2)."""
+
+    @property
     def matrix(self) -> np.ndarray:
         """F_u, shape (N, N)."""
+        return self.jacobian[:, : self.plane.size]
 
     @abstractmethod
     def along(self, kernel: Kernel, *directions: np.ndarray) -> np.ndarray:
         """A derivative of F along directions of u, shape (N,)."""
+
+    @abstractmethod
+    def slopes(self, v: np.ndarray) -> np.ndarray:
+        """Derivatives of DF v by z for a constant v, shape (N, N + 2)."""
+
+    @abstractmethod
+    def measured(self, name: str) -> tuple[Any, np.ndarray]:
+        """The value of a declared observable, and its derivatives by z, shape (N + 2,)."""
 
     @abstractmethod
     def solver(self, matrix: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
@@ -79,7 +95,7 @@ class FloatPlace(Place):
     """The equations in double precision at z, shape (N + 2,)."""
 
     def __init__(self, plane: Plane, z: np.ndarray) -> None:
-        super().__init__(plane)
+        super().__init__(plane, z)
         self._inputs = plane.inputs(z)
         self.table = plane.kernels.linearization(*self._inputs)
 
@@ -93,22 +109,22 @@ class FloatPlace(Place):
         """DF, shape (N, N + 2)."""
         return self.table[:, 1:]
 
-    @property
-    def matrix(self) -> np.ndarray:
-        """F_u, shape (N, N)."""
-        return self.jacobian[:, : self.plane.size]
-
     def along(self, kernel: Kernel, *directions: np.ndarray) -> np.ndarray:
         """A derivative of F along directions of u, shape (N,)."""
         return kernel(*self._inputs, *map(self.padded, directions))
 
     def slopes(self, v: np.ndarray) -> np.ndarray:
-        """Derivatives of F_u v by z for a constant v, shape (N, N + 2)."""
+        """Derivatives of DF v by z for a constant v, shape (N, N + 2)."""
         return self.kernels.jacobian_of_first(*self._inputs, self.padded(v))
+
+    def measured(self, name: str) -> tuple[float, np.ndarray]:
+        """The value of a declared observable, and its derivatives by z, shape (N + 2,)."""
+        value, gradient = self.plane.observable_kernels(name)
+        return float(value(*self._inputs)[0]), gradient(*self._inputs)
 
     def solver(self, matrix: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
         """The function that applies the inverse of a matrix, shape (k, k)."""
-        return Factored(matrix).solve
+        return solver_of_floats(matrix)
 
     @cached_property
     def noise(self) -> np.ndarray:
@@ -123,8 +139,8 @@ class ExactPlace(Place):
     """The equations with `DIGITS` digits, at a place of numbers of `mpmath`."""
 
     def __init__(self, plane: Plane, z: Sequence[Any]) -> None:
-        super().__init__(plane)
-        self._inputs = plane.exact_inputs(list(z))
+        super().__init__(plane, list(z))
+        self._inputs = plane.exact_inputs(self.z)
 
     @cached_property
     def residual(self) -> np.ndarray:
@@ -132,13 +148,26 @@ class ExactPlace(Place):
         return np.array(self.kernels.residual.exactly(*self._inputs), dtype=object)
 
     @cached_property
-    def matrix(self) -> np.ndarray:
-        """F_u, shape (N, N)."""
-        kernel = self.kernels.linearization
-        size, width = self.plane.size, self.kernels.unknowns + 2
-        flat = np.full(size * width, 0, dtype=object)
-        flat[kernel.where] = kernel.exactly(*self._inputs)
-        return flat.reshape(size, width)[:, 1 : size + 1]
+    def jacobian(self) -> np.ndarray:
+        """DF, shape (N, N + 2)."""
+        return self._spread(self.kernels.linearization)[:, 1:]
+
+    def _spread(self, kernel: Kernel, *more: list[Any]) -> np.ndarray:
+        """The matrix of a kernel that computes only those of its entries that are not always zero."""
+        assert kernel.shape is not None
+        flat = np.full(int(np.prod(kernel.shape)), 0, dtype=object)
+        flat[kernel.where] = kernel.exactly(*self._inputs, *more)
+        return flat.reshape(kernel.shape)
+
+    def slopes(self, v: np.ndarray) -> np.ndarray:
+        """Derivatives of DF v by z for a constant v, shape (N, N + 2)."""
+        return self._spread(self.kernels.jacobian_of_first, self.padded(v).tolist())
+
+    def measured(self, name: str) -> tuple[Any, np.ndarray]:
+        """The value of a declared observable, and its derivatives by z, shape (N + 2,)."""
+        value, gradient = self.plane.observable_kernels(name)
+        slopes = np.array(gradient.exactly(*self._inputs), dtype=object)
+        return value.exactly(*self._inputs)[0], slopes
 
     def along(self, kernel: Kernel, *directions: np.ndarray) -> np.ndarray:
         """A derivative of F along directions of u, shape (N,)."""
@@ -167,6 +196,11 @@ class ExactPlace(Place):
             return x
 
         return solve
+
+
+def solver_of_floats(matrix: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    """The function that applies the inverse of a matrix of floats, shape (k, k)."""
+    return Factored(matrix).solve
 
 
 def _floats(values: np.ndarray) -> np.ndarray:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from contwalk.problems.locus.curves import curve_of
 from contwalk.problems.locus.equilibrium_locus import EquilibriumLocus, plane_of
 from contwalk.problems.restoring import Facts
 
@@ -25,8 +26,7 @@ def _of_equilibria(facts: Facts) -> EquilibriumLocus:
         facts.system, facts.parameters, (first, second), facts.pins, facts.state, facts.discretization
     )
     known = facts.parameters[second], facts.parameters[first]
-    kappa = [1.0] if facts.info.settings["of"] == "HB" else []
+    curve = curve_of(facts.info.settings)
+    own = [1.0 if curve.pair else 0.0] * curve.own
     drifts = np.zeros(len(facts.pins))
-    return EquilibriumLocus(
-        plane, str(facts.info.settings["of"]), np.concatenate([facts.state, drifts, kappa, known])
-    )
+    return EquilibriumLocus(plane, curve, np.concatenate([facts.state, drifts, own, known]))

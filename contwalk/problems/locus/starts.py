@@ -9,7 +9,20 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import StartError
-from contwalk.problems.locus.equilibrium_locus import CURVES, EquilibriumLocus, plane_of
+from contwalk.problems.locus.curves import (
+    BRANCH_POINTS,
+    CURVES,
+    HOPF_POINTS,
+    LABELS,
+    MARKED,
+    AtParameter,
+    Curve,
+    ObservableAt,
+    PairAt,
+    RealEigenvalueAt,
+)
+from contwalk.problems.locus.equilibrium_locus import EquilibriumLocus, plane_of
+from contwalk.problems.problem import MAX_RE
 from contwalk.system import Neutral, System
 
 
@@ -21,13 +34,13 @@ def locus_at(
     pins: Sequence[Neutral] = (),
     discretization: Any = None,
 ) -> tuple[EquilibriumLocus, np.ndarray]:
-    """The curve through a located fold or Hopf point of equilibria, and that point's z, shape (N + 1,).
+    """The curve through a located special point of equilibria, and that point's z, shape (N + 1,).
 
     Parameters
     ----------
     system : System
     point : SpecialPoint
-        An LP or HB point of a branch of equilibria.
+        An LP, HB, BP or UZ point of a branch of equilibria.
     parameters : dict
         All parameters there.
     free : pair of str
@@ -42,16 +55,71 @@ def locus_at(
     StartError
         If no curve begins there.
     """
-    if point.label not in CURVES or point.status != "located" or "pairs" in point.coefficients:
-        raise StartError(
-            f"No curve in two parameters can be followed from {point.name or point.label}.",
-            "Start at a located fold (LP) or Hopf point (HB) of equilibria.",
-        )
+    curve, own = followed_from(system, point, free)
     n = len(system.states)
     state = np.array([point.state[name] for name in system.state_names])
     drifts = np.array(point.unknowns[n : n + len(pins)])
     plane = plane_of(system, parameters, free, pins, state, discretization)
-    kappa = [float(point.coefficients["omega"]) ** 2] if point.label == "HB" else []
     values = [parameters[name] for name in reversed(free)]
-    z = np.concatenate([state, drifts, kappa, values])
-    return EquilibriumLocus(plane, point.label, z), z
+    z = np.concatenate([state, drifts, [own] * curve.own, values])
+    return EquilibriumLocus(plane, curve, z), z
+
+
+def followed_from(system: System, point: SpecialPoint, free: tuple[str, str]) -> tuple[Curve, float]:
+    """What the curve through a special point is of, and its own unknown there.
+
+    Raises
+    ------
+    StartError
+        If no curve begins there.
+    """
+    if point.label not in LABELS or point.status != "located" or "pairs" in point.coefficients:
+        raise StartError(
+            f"No curve in two parameters can be followed from {point.name or point.label}.",
+            "Start at a located fold (LP), Hopf point (HB), branch point (BP) or marked value (UZ) of "
+            "equilibria.",
+        )
+    if point.label == BRANCH_POINTS.of and "multiplicity" in point.coefficients:
+        raise StartError(
+            f"No curve in two parameters can be followed from {point.name or point.label}: "
+            f"{point.coefficients['multiplicity']} eigenvalues vanish there together.",
+            "Start at a branch point where one does.",
+        )
+    if point.label == MARKED:
+        return _marked(system, point, free)
+    curve = CURVES[point.label]
+    return curve, float(point.coefficients["omega"]) ** 2 if curve.pair else 0.0
+
+
+def _marked(system: System, point: SpecialPoint, free: tuple[str, str]) -> tuple[Curve, float]:
+    """What the curve through a marked value is of, and its own unknown there."""
+    name, level = point.mark.get("name"), point.mark.get("value")
+    known = {observable.name for observable in system.observables}
+    if name in known and level is not None:
+        return ObservableAt(str(name), float(level)), 0.0
+    if name in free and level is not None:
+        return AtParameter(-1 - free.index(str(name)), float(level)), 0.0
+    if name == MAX_RE and level is not None and point.spectrum:
+        leading = max(point.spectrum, key=lambda value: value.real)
+        kappa = leading.imag**2
+        if level == 0.0 and kappa > 0.0:
+            return HOPF_POINTS, kappa
+        if level != 0.0:
+            return (PairAt(float(level)), kappa) if kappa > 0.0 else (RealEigenvalueAt(float(level)), 0.0)
+    raise StartError(
+        f"No curve in two parameters can be followed from {point.name or point.label}: "
+        f"{_not_followed(point, free)}",
+        "Mark a value of an observable of the system, of max_re, or of one of both parameters.",
+    )
+
+
+def _not_followed(point: SpecialPoint, free: tuple[str, str]) -> str:
+    """Why a marked value has no curve, as the rest of a sentence."""
+    name, level = point.mark.get("name"), point.mark.get("value")
+    if name is None:
+        return "what is marked there is not stored (a database of an earlier version: compute it once more)."
+    if level is None:
+        return f"it is an extremum of {name}, and curves of extrema are not followed."
+    if name == MAX_RE:
+        return "a real eigenvalue vanishes there, and the LP or BP there has that curve."
+    return f"{name} stands still where {' and '.join(free)} vary."

@@ -221,6 +221,9 @@ class Engine(Section):
     mirror_images: Literal["known", "walked"] | None = Field(
         default=None, description="known (the default) or walked"
     )
+    neutral_saddles: Literal["follow", "stop"] | None = Field(
+        default=None, description="follow (the default) or stop"
+    )
 
     @validator_of_model(mode="after")
     def _ordered(self) -> Engine:
@@ -290,7 +293,7 @@ class RunModel(Section):
     engine: Engine = Field(
         default=Engine(),
         description="{step, min_step, max_step, max_angle, max_share, newton_iterations, method, "
-        "discretization, tolerance, segments, phase, mirror_images}, all optional",
+        "discretization, tolerance, segments, phase, mirror_images, neutral_saddles}, all optional",
     )
     simulate: Simulation | None = Field(
         default=None, description="{until: settled, points: 1000, perturb: {state: value}, ...}"

@@ -261,7 +261,8 @@ def _checked(problems: Problems, model: RunModel, system: System, path: Path, ou
     second = settings.second_range(problems, system, model, free)
     if free is not None:
         settings.check_starts_in_range(problems, starts, free, (low, high))
-        measured = settings.Measured(problems, system, free, varying)
+        also = () if model.loci is None else (model.loci.with_,)
+        measured = settings.Measured(problems, system, free, (*varying, *also))
     return RunFile(
         path=path,
         text="",

@@ -14,14 +14,15 @@ from contwalk.workflow.run_file.yaml_lines import shown
 
 FOLLOWED = tuple(label for label in MEANINGS if label not in (END, MARK))
 # Special points that curves are of, and those on curves at which other curves begin.
-CURVES = ("LP", "HB", "PD", "NS", "GR", "OC", "AZ")
-BORN = ("BT", "ZH", "HH")
+CURVES = ("LP", "HB", "BP", "PD", "NS", "GR", "OC", "AZ", "UZ")
+BORN = ("BT", "ZH", "HH", "BP")
 DIAGRAM_FIGURES = (
     "bifurcation_diagram",
     "eigenvalues",
     "multipliers",
     "stability_map",
     "locus",
+    "chart",
     "machine",
     "phase_portrait",
     "stick_figure",

@@ -1,16 +1,21 @@
-"""Bogdanov-Takens points (BT): a double zero eigenvalue with one vector, on LP and on HB curves."""
+"""Bogdanov-Takens points (BT): a double zero eigenvalue with one vector, on LP, BP and HB curves."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from contwalk.branch import SpecialPoint
 from contwalk.problems.locus.bordered import pair_borders
 from contwalk.problems.locus.conditions import Augmented, DoubleZero
+from contwalk.problems.locus.curves import FOLDS, HOPF_POINTS
 from contwalk.problems.locus.normal_forms import bogdanov_takens_coefficients
 from contwalk.problems.locus.points.point import Form, LocusPoint, born, located_by
+from contwalk.problems.locus.points.second_zero import second_zero, two_vectors
 from contwalk.problems.problem import Located, Sample, Seed, Test
+
+TWO = "double zero"
 
 
 class BogdanovTakens(LocusPoint):
@@ -27,32 +32,78 @@ class BogdanovTakens(LocusPoint):
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """The coefficients a and b."""
-        return None, bogdanov_takens_coefficients(problem.plane, problem.in_plane(located.z)), None
+        return None, None, bogdanov_takens_coefficients(problem.plane, problem.in_plane(located.z)), None
 
 
 class SecondZero(BogdanovTakens):
-    """On a curve of folds: a second real eigenvalue passes zero."""
+    """On a curve of folds: a second real eigenvalue passes zero.
+
+    With a symmetry it may have a vector of its own, and then a curve of branch points crosses there: BP.
+    """
 
     test, changes = Test.STABILITY, (-1, 1)
 
     def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
         """The curve of Hopf points that ends there, and of the neutral saddles that it becomes."""
-        return born(problem, point, "HB")
+        return born(problem, point, HOPF_POINTS)
 
     def tells(self, problem: Any, sample: Sample, which: int) -> bool:
         """A real eigenvalue."""
         return bool(sample.eigenvalues[which].imag == 0.0)
 
+    def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
+        """The double zero near a sample, with one vector or with two."""
+        return super().locate(problem, sample, which) or second_zero(problem, sample)
+
+    def describe(self, problem: Any, located: Located, sample: Sample, s: float) -> SpecialPoint:
+        """The record of a located point; with two vectors another curve crosses there."""
+        if not two_vectors(problem, located.z):
+            return super().describe(problem, located, sample, s)
+        record = LocusPoint.describe(_Bare(), problem, located, sample, s)
+        note = "two eigenvalues vanish together, each with a vector of its own: another curve crosses here"
+        return replace(record, label="BP", kind=TWO, note=note)
+
+
+class SecondZeroOnBranchPoints(SecondZero):
+    """On a curve of branch points."""
+
+    def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
+        """The double zero near a sample."""
+        return second_zero(problem, sample)
+
+    def form(self, problem: Any, located: Located, sample: Sample) -> Form:
+        """None: the normal form is that of the symmetry."""
+        return (
+            None,
+            None,
+            {},
+            "no normal form: that of Bogdanov-Takens points is not the one at branch points",
+        )
+
+    def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
+        """The curve of Hopf points that ends there."""
+        return born(problem, point, HOPF_POINTS)
+
+
+class _Bare(LocusPoint):
+    """A point of which nothing more is told."""
+
+    label, test = "BP", Test.STABILITY
+
 
 class VanishingFrequency(BogdanovTakens):
     """On a curve of Hopf points: the frequency vanishes, and the curve goes on as neutral saddles."""
 
-    test = Test.VALUE
+    test, saddles = Test.VALUE, True
 
     def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
         """The curve of folds."""
-        return born(problem, point, "LP")
+        return born(problem, point, FOLDS)
 
     def value(self, problem: Any, sample: Sample) -> float:
         """The square of the frequency."""
         return problem.kappa(sample.z)
+
+    def held_beside(self, problem: Any, sample: Sample) -> tuple[int, int]:
+        """On the side of the neutral saddles one of both eigenvalues is positive."""
+        return (1, 0) if sample.tangent[problem.plane.size] > 0.0 else (0, 1)

@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
-from contwalk.problems.locus.points.bogdanov_takens import SecondZero, VanishingFrequency
+from contwalk.problems.locus.points.bogdanov_takens import (
+    SecondZero,
+    SecondZeroOnBranchPoints,
+    VanishingFrequency,
+)
 from contwalk.problems.locus.points.count_change import CountChange
 from contwalk.problems.locus.points.crossing import Crossing
 from contwalk.problems.locus.points.cusp import Cusp
 from contwalk.problems.locus.points.double_hopf import DoubleHopf
 from contwalk.problems.locus.points.generalized_hopf import GeneralizedHopf
 from contwalk.problems.locus.points.marked_value import EndPoint, MarkedValue
+from contwalk.problems.locus.points.on_marked import FoldOnIt, HopfOnIt
 from contwalk.problems.locus.points.point import LocusPoint
-from contwalk.problems.locus.points.zero_hopf import PairOnFold, ZeroOnHopf
+from contwalk.problems.locus.points.zero_hopf import PairOnBranchPoint, PairOnFold, ZeroOnHopf
 
 _OF_ALL = (Crossing(), MarkedValue(), EndPoint())
 POINT_TYPES: dict[str, tuple[LocusPoint, ...]] = {
     "LP": (Cusp(), SecondZero(), PairOnFold(), *_OF_ALL),
+    "BP": (SecondZeroOnBranchPoints(), PairOnBranchPoint(), *_OF_ALL),
+    "UZ": (FoldOnIt(), HopfOnIt(), *_OF_ALL),
     "HB": (VanishingFrequency(), GeneralizedHopf(), ZeroOnHopf(), DoubleHopf(), CountChange(), *_OF_ALL),
 }

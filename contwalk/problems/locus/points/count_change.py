@@ -20,3 +20,7 @@ class CountChange(LocusPoint):
     def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
         """Where it is seen: nothing happens there."""
         return Located(sample.z, sample.error)
+
+    def has(self, point: Any) -> bool:
+        """None is stored."""
+        return False

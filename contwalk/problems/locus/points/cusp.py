@@ -19,7 +19,7 @@ class Cusp(LocusPoint):
     def value(self, problem: Any, sample: Sample) -> float:
         """p.B(q, q) along the curve."""
         place = FloatPlace(problem.plane, problem.in_plane(sample.z))
-        return quadratic(place, problem.augmented.criticals(place, [0.0])[0], 0.0)
+        return quadratic(place, problem.augmented.told(place, [0.0])[0], 0.0)
 
     def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
         """The cusp near a sample."""
@@ -27,7 +27,7 @@ class Cusp(LocusPoint):
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """The cubic coefficient c."""
-        return None, cusp_coefficient(problem.plane, problem.in_plane(located.z)), None
+        return None, None, cusp_coefficient(problem.plane, problem.in_plane(located.z)), None
 
 
 def quadratic(place: Place, found: Critical, kappa: Any) -> Any:

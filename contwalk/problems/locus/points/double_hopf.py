@@ -10,6 +10,7 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.problems.locus.bordered import pair_borders
 from contwalk.problems.locus.conditions import Augmented, Pair
+from contwalk.problems.locus.curves import HOPF_POINTS
 from contwalk.problems.locus.normal_forms import double_hopf_coefficients
 from contwalk.problems.locus.points.point import Form, LocusPoint, born, located_by
 from contwalk.problems.problem import Located, Sample, Seed, Test
@@ -36,9 +37,15 @@ class DoubleHopf(LocusPoint):
         """The other curve of Hopf points."""
         own = problem.kappa(np.array(point.unknowns))
         kappas = [float(point.coefficients[name]) ** 2 for name in ("omega_1", "omega_2")]
-        return born(problem, point, "HB", max(kappas, key=lambda kappa: abs(kappa - own)))
+        return born(problem, point, HOPF_POINTS, max(kappas, key=lambda kappa: abs(kappa - own)))
+
+    def critical(self, point: SpecialPoint, sample: Sample) -> complex:
+        """i omega of the pair that the curve does not hold."""
+        held = float(abs(sample.resting[0].imag)) if len(sample.resting) else 0.0
+        both = [float(point.coefficients[name]) for name in ("omega_1", "omega_2")]
+        return 1j * max(both, key=lambda omega: abs(omega - held))
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """The cubic coefficients of both amplitudes."""
-        kappas = tuple(float(kappa) for kappa in located.vectors["kappas"])
-        return None, double_hopf_coefficients(problem.plane, problem.in_plane(located.z), kappas), None
+        kappas = tuple(float(kappa) for kappa in located.vectors["own"])
+        return None, None, double_hopf_coefficients(problem.plane, problem.in_plane(located.z), kappas), None

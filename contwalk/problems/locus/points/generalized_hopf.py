@@ -22,8 +22,8 @@ class GeneralizedHopf(LocusPoint):
         if not kappa > 0.0:
             return float("nan")
         place = FloatPlace(problem.plane, problem.in_plane(sample.z))
-        found: Critical = problem.augmented.criticals(place, [kappa])[0]
-        zero = float(problem.zero.critical(place, 0.0).values[0])
+        found: Critical = problem.augmented.told(place, [kappa])[0]
+        zero = float(problem.zero.told(place, 0.0).values[0])
         return zero * float(lyapunov_numerator(place, found, kappa))
 
     def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
@@ -32,6 +32,10 @@ class GeneralizedHopf(LocusPoint):
         return located_by(problem, problem.augmented, sample, [kappa], lyapunov_numerator, positive=True)
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
-        """The second Lyapunov coefficient."""
-        kappa = float(located.vectors["kappas"][0])
-        return None, bautin_coefficients(problem.plane, problem.in_plane(located.z), kappa), None
+        """The second Lyapunov coefficient, whose sign tells the criticality."""
+        kappa = float(located.vectors["own"][0])
+        numbers = bautin_coefficients(problem.plane, problem.in_plane(located.z), kappa)
+        criticality = (
+            "supercritical" if numbers["l2"] < 0.0 else "subcritical" if numbers["l2"] > 0.0 else None
+        )
+        return None, criticality, numbers, None

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
-from contwalk.problems.locus.points.point import LocusPoint
-from contwalk.problems.problem import Test
+from typing import Any
+
+from contwalk.problems.locus.conditions import Augmented, Level, ParameterAt
+from contwalk.problems.locus.plane import Place
+from contwalk.problems.locus.points.point import LocusPoint, located_by
+from contwalk.problems.problem import Located, Sample, Test
+from contwalk.quantities import FREQUENCY_SQUARED
 
 
 class MarkedValue(LocusPoint):
@@ -16,3 +21,18 @@ class EndPoint(LocusPoint):
     """The curve ends."""
 
     label, test = "EP", Test.END
+
+
+def marked_on(problem: Any, name: str, level: float, sample: Sample) -> Located | None:
+    """The point of a curve near a sample at which an observable or a free parameter has a value."""
+    own = [problem.own(sample.z)] * problem.curve.own
+    if name == FREQUENCY_SQUARED:
+
+        def beyond(place: Place, told: Any, kappa: Any) -> Any:
+            return kappa - level
+
+        return located_by(problem, problem.augmented, sample, own, beyond)
+    names = problem.line.names
+    mark = ParameterAt(-1 - names.index(name), level) if name in names else Level(name, level)
+    augmented = Augmented(problem.plane, (*problem.augmented.conditions, mark))
+    return located_by(problem, augmented, sample, own)

@@ -11,7 +11,9 @@ from contwalk.branch import SpecialPoint
 from contwalk.numerics.linear import kernel_direction
 from contwalk.numerics.refine import Solution
 from contwalk.problems.equilibrium.defining_systems import solve
-from contwalk.problems.locus.conditions import Augmented, Function, defining_system
+from contwalk.problems.locus.conditions import Augmented, Condition, Function, defining_system
+from contwalk.problems.locus.curves import Curve
+from contwalk.problems.locus.plane import Plane
 from contwalk.problems.problem import Located, PointType, Sample, Seed
 
 # A coefficient has a sign if it is this many times its estimated error.
@@ -19,33 +21,35 @@ SURE = 10.0
 # A kappa this small against where Newton's method began is the double zero, which solves the same equations.
 DEGENERATE = 1e-6
 
+# An unfolding below so many roundings of the equations is nothing: parameters such as pi are rounded too.
+NOTHING = 16.0
 # How far from a special point the other curve through it is begun, in typical magnitudes.
 BORN_BESIDE = 1e-2
 
-# Kind, coefficients and note of a special point.
-Form = tuple[str | None, dict[str, Any], str | None]
+# Kind, criticality, coefficients and note of a special point.
+Form = tuple[str | None, str | None, dict[str, Any], str | None]
 
 
 class LocusPoint(PointType):
     """A kind of special point of curves of equilibria."""
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
-        """Kind, coefficients and note of a located point.
+        """Kind, criticality, coefficients and note of a located point.
 
         Raises
         ------
         numpy.linalg.LinAlgError
             Where its critical directions are not determined.
         """
-        return None, {}, None
+        return None, None, {}, None
 
     def describe(self, problem: Any, located: Located, sample: Sample, s: float) -> SpecialPoint:
         """The record of a located point, with its normal form."""
         z = located.z
         try:
-            kind, coefficients, note = self.form(problem, located, sample)
+            kind, criticality, coefficients, note = self.form(problem, located, sample)
         except np.linalg.LinAlgError:
-            kind, coefficients = None, {}
+            kind, criticality, coefficients = None, None, {}
             note = "degenerate: the critical directions are not determined, so there is no normal form"
         return SpecialPoint(
             label=self.label,
@@ -55,7 +59,8 @@ class LocusPoint(PointType):
             state=dict(zip(problem.system.state_names, z[: problem.states].tolist(), strict=True)),
             spectrum=tuple(complex(v) for v in sample.spectrum),
             error=located.error,
-            errors=dict(located.vectors.get("errors", {})),
+            errors=dict(located.vectors.get("errors") or _errors(problem, located, sample)),
+            criticality=criticality,
             coefficients=coefficients,
             note=note,
             unknowns=tuple(z.tolist()),
@@ -63,47 +68,93 @@ class LocusPoint(PointType):
         )
 
 
-def born(problem: Any, point: SpecialPoint, of: str, kappa: float = 0.0) -> list[Seed]:
+def _errors(problem: Any, located: Located, sample: Sample) -> dict[str, float]:
+    """Estimated errors of both parameters of a point that is told where the curve was computed."""
+    known = np.nan_to_num(sample.error) * sample.weights
+    first, second = float(located.error), float(max(known[-2], np.spacing(abs(located.z[-2]))))
+    return {problem.free: first, str(problem.plane.second): second}
+
+
+def born(problem: Any, point: SpecialPoint, curve: Curve, own: float = 0.0) -> list[Seed]:
     """The other curve that passes a special point, begun a little beside it: walking back finds the point."""
-    other, z = problem.other(of, np.array(point.unknowns), kappa)
+    other, z = problem.other(curve, np.array(point.unknowns), own)
     there = other.linearize(z)
     if not np.all(np.isfinite(there.jacobian)):
         return []
     told = there.magnitudes
     weights = np.where(np.isfinite(told) & (told > 0.0), told, 1.0)
     beside = z + BORN_BESIDE * kernel_direction(there.jacobian, weights)
-    return [Seed(of, beside, None, None, other)]
+    return [Seed(curve.of, beside, None, None, other)]
 
 
 def located_by(
     problem: Any,
     augmented: Augmented,
     sample: Sample,
-    kappas: Sequence[float],
+    own: Sequence[float],
     function: Function | None = None,
     positive: bool = False,
 ) -> Located | None:
     """The point near a sample at which conditions hold, with the function of a kind where it has one.
 
-    `kappas` are where Newton's method begins; with `positive` they belong to frequencies and must stay so.
-    The first of them is the curve's own, if it has one.
+    `own` are the conditions' own unknowns, where Newton's method begins; the curve's is the first of them, if
+    it has one and its condition is among these. With `positive` those of pairs belong to frequencies and must
+    stay so.
     """
-    plane, pairs = augmented.plane, len(kappas)
-    start = augmented.joined(problem.in_plane(sample.z), kappas)
+    plane, count = augmented.plane, len(own)
+    start = augmented.joined(problem.in_plane(sample.z), own)
     weights = problem.in_plane(sample.weights)
-    scale = augmented.joined(weights, [max(abs(kappa), 1e-300) for kappa in kappas])
+    scale = augmented.joined(weights, _own_scales(augmented, problem.in_plane(sample.z), own))
     system = defining_system(augmented, scale, start, function)
     size = plane.size
+    frequencies = [
+        k
+        for k, condition in enumerate(c for c in augmented.conditions if c.unknowns)
+        if positive and _is_pair(condition)
+    ]
 
     def described(found: Solution) -> Located | None:
         values = found.values
-        z, own = augmented.split(values)[0], values[size : size + pairs]
-        if positive and not all(k > DEGENERATE * abs(k0) for k, k0 in zip(own, kappas, strict=True)):
+        z, there = augmented.split(values)[0], values[size : size + count]
+        if not all(there[k] > DEGENERATE * abs(own[k]) for k in frequencies):
+            return None
+        if not _unfolded(augmented, z, there):
             return None
         errors = {problem.free: float(found.errors[-1]), str(plane.second): float(found.errors[-2])}
-        kappa = own[: problem.curve.pairs] if pairs else np.zeros(problem.curve.pairs)
-        there = np.concatenate([z[:size], kappa, z[size:]])
-        vectors = {"errors": errors, "kappas": own, "augmented": augmented}
-        return Located(there, float(found.errors[-1]), vectors, found.refined)
+        kept = there[: problem.curve.own] if count else np.zeros(problem.curve.own)
+        vectors = {"errors": errors, "own": there, "augmented": augmented}
+        place = np.concatenate([z[:size], kept, z[size:]])
+        return Located(place, float(found.errors[-1]), vectors, found.refined)
 
-    return solve(system, start, described)
+    return solve(system, start, described, unfolds=False)
+
+
+def _is_pair(condition: Condition) -> bool:
+    return condition.unknowns > 0 and condition.unfolding is None
+
+
+def _unfolding(plane: Plane, z: np.ndarray, column: np.ndarray) -> float:
+    """What roundings of the equations at z, shape (N + 2,), could pass for an unfolding along a column."""
+    levels, some = plane.linearize(z).levels[0], column != 0.0
+    return float(np.max(levels[some] / np.abs(column[some])))
+
+
+def _own_scales(augmented: Augmented, z: np.ndarray, own: Sequence[float]) -> list[float]:
+    """Magnitudes of the conditions' own unknowns."""
+    conditions = [condition for condition in augmented.conditions if condition.unknowns]
+    return [
+        max(abs(value), 1e-300)
+        if condition.unfolding is None
+        else max(_unfolding(augmented.plane, z, condition.unfolding), 1e-300)
+        for condition, value in zip(conditions, own, strict=True)
+    ]
+
+
+def _unfolded(augmented: Augmented, z: np.ndarray, own: np.ndarray) -> bool:
+    """Whether what F is moved by is nothing but rounding at a solution."""
+    conditions = [condition for condition in augmented.conditions if condition.unknowns]
+    return all(
+        condition.unfolding is None
+        or abs(value) <= NOTHING * _unfolding(augmented.plane, z, condition.unfolding)
+        for condition, value in zip(conditions, own, strict=True)
+    )

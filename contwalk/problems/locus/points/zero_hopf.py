@@ -8,6 +8,7 @@ from typing import Any
 from contwalk.branch import SpecialPoint
 from contwalk.problems.locus.bordered import pair_borders, zero_borders
 from contwalk.problems.locus.conditions import Augmented, Pair, Zero
+from contwalk.problems.locus.curves import FOLDS, HOPF_POINTS
 from contwalk.problems.locus.normal_forms import zero_hopf_coefficients
 from contwalk.problems.locus.points.point import Form, LocusPoint, born, located_by
 from contwalk.problems.problem import Located, Sample, Seed, Test
@@ -33,8 +34,8 @@ class ZeroHopf(LocusPoint):
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """s, theta and the sign of E."""
-        kappa = float(located.vectors["kappas"][0])
-        return None, zero_hopf_coefficients(problem.plane, problem.in_plane(located.z), kappa), None
+        kappa = float(located.vectors["own"][0])
+        return None, None, zero_hopf_coefficients(problem.plane, problem.in_plane(located.z), kappa), None
 
 
 class PairOnFold(ZeroHopf):
@@ -48,11 +49,33 @@ class PairOnFold(ZeroHopf):
 
     def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
         """The curve of Hopf points."""
-        return born(problem, point, "HB", float(point.coefficients["omega"]) ** 2)
+        return born(problem, point, HOPF_POINTS, float(point.coefficients["omega"]) ** 2)
 
     def frequency_squared(self, problem: Any, sample: Sample, which: int) -> float:
         """Of the pair that passes."""
         return float(sample.eigenvalues[which].imag) ** 2
+
+    def critical(self, point: SpecialPoint, sample: Sample) -> complex:
+        """i omega."""
+        return 1j * float(point.coefficients["omega"])
+
+
+class PairOnBranchPoint(PairOnFold):
+    """On a curve of branch points."""
+
+    def locate(self, problem: Any, sample: Sample, which: int) -> Located | None:
+        """The point near a sample, where the branch point is one still."""
+        plane, kappa = problem.plane, self.frequency_squared(problem, sample, which)
+        matrix = plane.jacobian(problem.in_plane(sample.z))[:, : plane.size]
+        conditions = (*problem.augmented.conditions, Pair(pair_borders(matrix, plane.finite, kappa)))
+        own = [problem.own(sample.z), kappa]
+        return located_by(problem, Augmented(plane, conditions), sample, own, positive=True)
+
+    def form(self, problem: Any, located: Located, sample: Sample) -> Form:
+        """The frequency: the normal form is that of the symmetry."""
+        omega = float(located.vectors["own"][-1]) ** 0.5
+        note = "no normal form: that of zero-Hopf points is not the one at branch points"
+        return None, None, {"omega": omega}, note
 
 
 class ZeroOnHopf(ZeroHopf):
@@ -66,7 +89,7 @@ class ZeroOnHopf(ZeroHopf):
 
     def seeds(self, problem: Any, point: SpecialPoint) -> Sequence[Seed]:
         """The curve of folds."""
-        return born(problem, point, "LP")
+        return born(problem, point, FOLDS)
 
     def frequency_squared(self, problem: Any, sample: Sample, which: int) -> float:
         """Of the curve's own pair."""
