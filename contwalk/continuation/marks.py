@@ -240,9 +240,9 @@ def marks_at(
     for mark in marks:
         value = observer.value(mark.name, sample)
         for level in mark.values:
+            met = abs(value - level) <= 4e-16 * abs(level)
             # A curve of what is marked has it everywhere.
-            everywhere = problem.line.second is not None and _stands_still(problem, mark.name, sample)
-            if abs(value - level) <= 4e-16 * abs(level) and not everywhere:
+            if met and not (problem.line.second is not None and _stands_still(problem, mark.name, sample)):
                 found.append((observer.kind(mark.name), (mark.name, level)))
     return found
 
