@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.continuation import control, kinks_passed, limits, outcomes
+from contwalk.continuation import control, domain_edge, kinks_passed, limits, outcomes
 from contwalk.continuation.detection import at_branch_point, at_the_end, bifurcations
 from contwalk.continuation.locating import Disagreement, Found, TooLong, passes_through
 from contwalk.continuation.marks import Observer, marked
@@ -142,9 +142,11 @@ def take_step(
                 reason, sentence = "plugin_error", error.sentence
             except NotFinite as error:
                 reason, sentence = "not_finite", error.sentence
+        ends = False
         if reason in ("not_finite", "plugin_error") and jump is None:
             edge = reason, sentence
-        if smallest or (length < EDGE and (edge is not None or jump is not None)):
+            ends = reason == "not_finite" and domain_edge.reached(problem, state.sample)
+        if ends or smallest or (length < EDGE and (edge is not None or jump is not None)):
             reason, sentence = edge or (reason, sentence)
             known = problem.diagnosis.obstacle(state.sample.z) or kinks_passed.sentence(problem, passed)
             return outcomes.stuck(reason, sentence, length, observer.line.free, state.sample.parameter, known)

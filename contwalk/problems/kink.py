@@ -158,6 +158,28 @@ class EventKink(Kink):
 
 
 @dataclass(frozen=True)
+class Undefined(Kink):
+    """A number that is only told, and that is none: `of` names it."""
+
+    @property
+    def refused(self) -> bool:
+        """Nothing of the motion depends on it."""
+        return False
+
+    def sentence(self, of: str) -> str:
+        """What it means for orbits of a branch."""
+        return (
+            f"On some of its {of} {self.of} is not a number: {self.where}. They are told to be not "
+            "admissible, whatever they are. Return a number there, negative where the motion is not the "
+            "machine's."
+        )
+
+    def refusal(self, of: str) -> NotSmooth:
+        """As the sentence: no branch ends by it."""
+        return NotSmooth(self.sentence(of))
+
+
+@dataclass(frozen=True)
 class JumpThroughZero(Kink):
     """A place at which a number that matters by its sign alone jumps through zero: a guard of another event,
     which `acts`, or what is told of the motion there.

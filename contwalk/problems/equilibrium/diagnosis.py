@@ -24,6 +24,8 @@ from contwalk.problems.sample import Sample
 
 # A limit of the parameter this small against its magnitude is zero.
 VANISHING = 1e-10
+# How far beside a place without a finite derivative, against its size, the field is asked for a value.
+ASIDE = 1e-12
 
 
 @dataclass(frozen=True)
@@ -57,11 +59,17 @@ class EquilibriumDiagnosis:
         )
 
     def explain(self, z: np.ndarray) -> str:
-        """Where in the plugin a residual at z, shape (N + 1,), is not finite."""
+        """Where in the plugin a residual at z, shape (N + 1,), is not finite, or a derivative of it."""
+        beside = (
+            f"{where}, right beside it" for sign in (-1.0, 1.0) if (where := self._without(_aside(z, sign)))
+        )
+        return self._without(z) or next(beside, "the equations")
+
+    def _without(self, z: np.ndarray) -> str | None:
+        """The plugin's line at which the field has no value at z, shape (N + 1,)."""
         problem = self.problem
         field = problem.system.modes[0].field
-        where = first_not_finite(field, 0.0, z[: problem.states].tolist(), problem.values_of(z))
-        return where or "the equations"
+        return first_not_finite(field, 0.0, z[: problem.states].tolist(), problem.values_of(z))
 
     def obstacle(self, z: np.ndarray) -> str:
         """Nothing is known of what keeps a branch from going on at z, shape (N + 1,)."""
@@ -124,6 +132,11 @@ class EquilibriumDiagnosis:
     def many_branches(self, z: np.ndarray) -> bool:
         """Whether more than one branch passes through a solution z, shape (N + 1,), to rounding."""
         return second_direction(self.problem, z) is not None
+
+
+def _aside(z: np.ndarray, sign: float) -> np.ndarray:
+    """A place right beside z, shape (N + 1,)."""
+    return z + sign * ASIDE * np.maximum(np.abs(z), ASIDE)
 
 
 def _still(times: np.ndarray) -> np.ndarray:

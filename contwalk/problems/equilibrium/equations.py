@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from contwalk.errors import SystemDefinitionError
 from contwalk.fields.derivative import directional, jacobian
 from contwalk.fields.kept_kernels import KeptKernels
 from contwalk.fields.kernel import Kernel
@@ -110,6 +111,7 @@ class Equations:
     def _traced(self) -> tuple[Program, KeptKernels]:
         """The residual, and what has been derived of it, which is known by its graph as it is now."""
         mode = self.system.modes[0]
+        _refuse_absent(self.system, mode.name)
         refuse_time(self.system, mode.name, mode.field, f"field of mode '{mode.name}'")
         for pin in self._pins:
             refuse_time(self.system, mode.name, pin.generator, f"neutral direction '{pin.name}'")
@@ -355,3 +357,22 @@ def equations_of(
     key = (id(system), free, moving, tuple(id(pin) for pin in pins), second)
     # It keeps its system and pins, and so their ids.
     return remembered(_KNOWN, key, _MOST_KNOWN, lambda: Equations(system, free, moving, pins, second))
+
+
+def _refuse_absent(system: System, mode: str) -> None:
+    """Refuse equilibria of a mode in which not all states exist.
+
+    Raises
+    ------
+    SystemDefinitionError
+    """
+    own = system.states_of(mode)
+    absent = [f"'{name}'" for k, name in enumerate(system.state_names) if k not in own]
+    if absent:
+        raise SystemDefinitionError(
+            f"An equilibrium is looked for in the first mode, '{mode}', but {', '.join(absent)} "
+            f"{'does' if len(absent) == 1 else 'do'} not exist there: equilibria of such modes are not "
+            "continued.",
+            "For an orbit, let a motion settle (`start: {simulate: {state: {...}, until: settled}}`); for "
+            "equilibria declare a mode first in which all states exist.",
+        )

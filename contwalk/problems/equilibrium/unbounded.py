@@ -31,6 +31,9 @@ BEYOND = 2.0
 REACHED = 0.1
 # Newton steps that leave the domain of the equations are halved so often at most.
 HALVINGS = 60
+# How far from an edge of the domain, in magnitudes of the parameter, it is asked what is left to it; of a
+# limit that exists it is this part of what it is at the second place, or less.
+ASIDE, VANISHES = (1e-13, 1e-11), 0.95
 # Iterations for such a solution. Residuals in units of their rounding error: where they stop, and what still
 # counts as solved when they do not get there.
 ITERATIONS, STOP, SOLVED = 12, 2.0, 20.0
@@ -59,7 +62,7 @@ def escape(problem: EquilibriumEquations, a: Sample, b: Sample) -> Escape | None
             seen = abs(slope * distance) > SEEN * size
             ends = seen or not _finite(problem, np.append(guess[:-1], b.parameter))
             told = gone > BEYOND * straight and (abs(slope) <= FALLEN * abs(first) or not ends)
-            return Escape(which, limit) if told else None
+            return Escape(which, limit) if told and not _at_an_edge(problem, b) else None
         gone += abs(distance)
         last, limit = slope, float(there.z[-1])
         slope = float(there.tangent[-1] / there.tangent[which])
@@ -69,6 +72,26 @@ def escape(problem: EquilibriumEquations, a: Sample, b: Sample) -> Escape | None
         if not falls and abs(slope * distance) > SEEN * size:
             return None
     return Escape(which, limit)
+
+
+def _at_an_edge(problem: EquilibriumEquations, b: Sample) -> bool:
+    """Whether right beyond a solution the equations have no value, but a limit where they cease to have one.
+
+    There a branch arrives, however steeply: at p = 1 along x = (p - 1)**0.1, not along x = log(p - 1). What
+    they change by on the rest of the way vanishes with it.
+    """
+    size, way = float(b.weights[-1]), float(np.copysign(1.0, b.tangent[-1]))
+    inside, beyond = b.parameter, b.parameter + way * REST * size
+    if _has_value(problem, b.z, beyond):
+        return False
+    while (between := 0.5 * (inside + beyond)) not in (inside, beyond):
+        inside, beyond = (between, beyond) if _has_value(problem, b.z, between) else (inside, between)
+    rests = []
+    for distance in ASIDE:
+        there = b.z.copy()
+        there[-1] = inside - way * distance * size
+        rests.append(distance * np.abs(problem.jacobian(there)[:, -1]).max())
+    return bool(rests[0] < VANISHES * rests[1])
 
 
 def _suspected(which: int, a: Sample, b: Sample) -> bool:
@@ -111,6 +134,13 @@ def _further(
         except (PluginError, np.linalg.LinAlgError):
             place = None
         yield distance, guess, place
+
+
+def _has_value(problem: EquilibriumEquations, z: np.ndarray, value: float) -> bool:
+    """Whether the equations at z, shape (N + 1,), have a value with another parameter."""
+    there = z.copy()
+    there[-1] = value
+    return _finite(problem, there)
 
 
 def _finite(problem: EquilibriumEquations, z: np.ndarray) -> bool:

@@ -220,8 +220,10 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         }
 
     def kinks_at_events(self, z: np.ndarray) -> tuple[Kink, ...]:
-        """Jumps of guards and resets that events lie on, and of guards through zero on the way."""
-        return *end_maps.lying(self, z), *jumping_limits.along(self, z)
+        """Jumps of guards and resets that events lie on, and of guards through zero on the way; conditions
+        at soft transitions that are not a number.
+        """
+        return *end_maps.lying(self, z), *jumping_limits.along(self, z), *undefined.conditions(self, z)
 
     def velocity(self, z: np.ndarray) -> np.ndarray:
         """dx/dt at the start."""

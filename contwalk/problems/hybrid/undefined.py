@@ -9,6 +9,7 @@ from contwalk.flow.hybrid.blaming import functions_of
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.margins import Margins
 from contwalk.problems.hybrid.view import LegView
+from contwalk.problems.kink import Undefined
 from contwalk.problems.orbit import without_value
 from contwalk.problems.orbit.undefined import refusal
 from contwalk.python_functions import line_of
@@ -52,6 +53,25 @@ def refuse_guards(problem: DiscretizedOrbit, z: np.ndarray, margins: Margins) ->
         sentence = _of_guard(view, transition)
         if sentence:
             raise refusal(sentence)
+
+
+def conditions(problem: DiscretizedOrbit, z: np.ndarray) -> tuple[Undefined, ...]:
+    """The conditions at soft transitions of an orbit z, shape (N + 1,), that are not a number there.
+
+    Which soft transitions an orbit meets is not stored, as that of hard ones is: nothing tells later whether
+    a condition has no value, or no event.
+    """
+    soft = {transition.name for transition in problem.system.acting if transition.role == "soft"}
+    asked = [condition for condition in problem.system.conditions if condition.at in soft]
+    if not asked:
+        return ()
+    margins = problem.margins(z)
+    lacking = {margins.limits[k].name for k in np.flatnonzero(np.isnan(margins.values)).tolist()}
+    return tuple(
+        Undefined(0, line_of(condition.function).removesuffix(": "), f"condition '{condition.name}'")
+        for condition in asked
+        if condition.name in lacking
+    )
 
 
 def _of_guard(view: LegView, transition: Transition) -> str:

@@ -15,12 +15,16 @@ from contwalk.flow.hybrid.motions import HybridMachine, applied, hybrid_machine,
 from contwalk.flow.hybrid.on_guard import check_on_guard
 from contwalk.flow.hybrid.past_zero import past_zero
 from contwalk.flow.hybrid.scales import magnitudes
+from contwalk.flow.hybrid.stiffness import is_stiff
+from contwalk.flow.method import IMPLICIT
 from contwalk.problems.hybrid.lap import Lap
 from contwalk.problems.initial.event_search import Search
 from contwalk.problems.initial.giving_up import given_up
 from contwalk.system import System
 
 TOLERANCE = 1e-9
+# How many times as long each stretch is as the one before, after stability has ended the first.
+LONGER = 20.0
 
 
 def lap_from(
@@ -94,13 +98,20 @@ def _motion(
     """Arcs of the motion until `end`, in stretches short enough to notice that nothing happens.
 
     A stretch ends between events: right after one, a new start would not know what of a guard is rounding.
+    Where stability limits the steps of the explicit method, the implicit one goes on from there.
     """
-    quiet = 0
+    quiet, method, most = 0, METHOD, np.inf
     while True:
         weights = search.weights(x)
-        length = min(search.stretch(machine, t, x, mode, weights), end - t)
-        control = Control(TOLERANCE, weights, watched=False)
+        length = min(search.stretch(machine, t, x, mode, weights), end - t, most)
+        most *= LONGER
+        control = Control(TOLERANCE, weights, method, watched=False)
         for arc in motion_segments(machine, t, x, mode, t + length, control, last):
+            if method == METHOD and arc.status == "too_many_steps" and is_stiff(machine, arc):
+                # How large the states are matters to it, and so short a motion tells little of that.
+                method, most = IMPLICIT, LONGER * float(arc.times[-1] - arc.times[0])
+                search.see(arc)
+                break
             yield arc
             search.check_moves(machine, arc)
             if arc.status != "ok" or search.hopeless(machine, arc):

@@ -161,11 +161,15 @@ class Search:
         self.events += happens
         self.work += len(arc.times) + EVENT * happens
 
+    def see(self, arc: MotionSegment) -> None:
+        """Take in how far the states go on an arc."""
+        self.low = np.minimum(self.low, arc.states.min(axis=0))
+        self.high = np.maximum(self.high, arc.states.max(axis=0))
+
     def add(self, arc: MotionSegment) -> Lap | None:
         """Take an arc in; the lap that it closes, if it does."""
         self._spend(arc)
-        self.low = np.minimum(self.low, arc.states.min(axis=0))
-        self.high = np.maximum(self.high, arc.states.max(axis=0))
+        self.see(arc)
         self.last_state = float(arc.times[-1]), arc.states[-1], arc.mode
         if arc.status != "ok":
             self.ended = arc

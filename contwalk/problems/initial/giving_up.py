@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from contwalk.errors import NotFinite, StartError
 from contwalk.flow.hybrid.motion_segment import MotionSegment
 from contwalk.problems.conserving import ONE_OF_EACH_VALUE
@@ -91,13 +93,12 @@ def _remedy(search: Search) -> str:
 
 
 def _smooth(search: Search) -> Lap:
-    """An orbit of an autonomous system that meets no event."""
+    """An orbit of an autonomous system that meets no event, in the mode in which the motion stays."""
     assert search.last_state is not None
     _, x, mode = search.last_state
-    if mode != search.system.modes[0].name:
-        raise StartError(
-            f"The simulation stays in mode '{mode}' without an event.", "Start from another state."
-        )
-    found = recurrent(search.system, search.parameters, x)
-    stretch = Span(Leg(mode), 0.0, found.state, found.period, found.state)
-    return Lap((stretch,), found.magnitudes, 0.0, found.state)
+    own = list(search.system.states_of(mode))
+    found = recurrent(search.system, search.parameters, x[own], mode=mode)
+    state, magnitudes = np.zeros(len(x)), np.ones(len(x))
+    state[own], magnitudes[own] = found.state, found.magnitudes
+    stretch = Span(Leg(mode), 0.0, state, found.period, state)
+    return Lap((stretch,), magnitudes, 0.0, state)

@@ -171,7 +171,7 @@ def _once_round(problem: PeriodicOrbit, x: np.ndarray, values: np.ndarray) -> tu
     own = np.array([s.period or 0.0 for s in problem.system.states])
     grown = path.states[-1] - path.states[0]
     turns = np.where(own > 0.0, np.round(np.divide(grown, own, out=np.zeros_like(grown), where=own > 0)), 0.0)
-    ranges = magnitudes_on(problem.system, path.states, ROUGH)
+    ranges = magnitudes_on(problem.system.states, path.states, ROUGH)
     return turns * own, Mesh((path.times,), choice.method, ROUGH, ranges, ranges)
 
 

@@ -18,7 +18,7 @@ from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.passage import Passage, closure_of
 from contwalk.problems.orbit.shooting import roughness
 from contwalk.problems.orbit.traced_leg import ScalarInputs
-from contwalk.system import System
+from contwalk.system import State, System
 
 TOLERANCE = 1e-9
 # A return this near, in units of the motion's range, is one; Newton's method does the rest.
@@ -53,10 +53,11 @@ class Recurrence:
 
 @dataclass(frozen=True)
 class Simulation:
-    """A system's motion at fixed parameters, in seconds."""
+    """A system's motion in one of its modes at fixed parameters, in seconds: n states exist in it."""
 
     system: System
     parameters: Mapping[str, float]
+    mode: str = ""
 
     def constants(self) -> np.ndarray:
         """What the field depends on: a closure of one second (of one period, if forced).
@@ -71,7 +72,13 @@ class Simulation:
     @property
     def passage(self) -> Passage:
         """The field in units of a second, or of a period."""
-        return closure_of(self.system, ScalarInputs(self.system.parameter_names[0]), holding=False)
+        scalars = ScalarInputs(self.system.parameter_names[0])
+        return closure_of(self.system, scalars, holding=False, mode=self.mode)
+
+    @property
+    def states(self) -> tuple[State, ...]:
+        """Those that exist in the mode."""
+        return tuple(self.system.states[k] for k in self.passage.states)
 
     def run(self, t: float, x: np.ndarray, end: float, weights: np.ndarray) -> Choice:
         """The motion from t to `end` by the method that works least; `path.status`: what became of it.
@@ -106,13 +113,18 @@ class AtRest(StartError):
 
 
 def recurrent(
-    system: System, parameters: Mapping[str, float], state: np.ndarray, until: float | str = "settled"
+    system: System,
+    parameters: Mapping[str, float],
+    state: np.ndarray,
+    until: float | str = "settled",
+    mode: str = "",
 ) -> Recurrence:
-    """The periodic orbit that a simulation settles on.
+    """The periodic orbit that a simulation settles on without an event, in the first mode by default.
 
     Parameters
     ----------
     state : ndarray, shape (n,)
+        Of the states that exist in the mode, as those of what is found.
     until : float or "settled"
         Seconds to simulate before looking for a return.
 
@@ -125,7 +137,7 @@ def recurrent(
     StartError
         If it does not come back to where it was.
     """
-    simulation = Simulation(system, parameters)
+    simulation = Simulation(system, parameters, mode)
     forced = system.period is not None
     unit = 1.0
     if system.period is not None:
@@ -144,7 +156,7 @@ def recurrent(
         _check_moves(simulation, path, variation)
         found = _return(simulation, run, variation, forced)
         if found is not None:
-            sizes = magnitudes_on(system, path.states, TOLERANCE)
+            sizes = magnitudes_on(simulation.states, path.states, TOLERANCE)
             return Recurrence(found[0], found[1] * unit, 0.5 * variation, sizes)
         reached = np.maximum(reached, np.abs(path.states).max(axis=0))
         # A stretch may see next to nothing of a slow motion: what it varies by does not tell all.
@@ -194,7 +206,7 @@ def _return(
 ) -> tuple[np.ndarray, float] | None:
     """State and time of the first near return in the later half of a path to a point of it."""
     scale = np.where(variation > 0.0, variation, 1.0)
-    turns = np.array([s.period or 0.0 for s in simulation.system.states])
+    turns = np.array([s.period or 0.0 for s in simulation.states])
     begin, end = float(run.path.times[0]), float(run.path.times[-1])
     if forced:
         strobe = np.arange(np.ceil(begin), end + 1e-9)

@@ -181,9 +181,11 @@ def passage_of(
 
 
 def closure_of(
-    system: System, inputs: ScalarInputs, closing: Closing = ONE_PERIOD, holding: bool = True
+    system: System, inputs: ScalarInputs, closing: Closing = ONE_PERIOD, holding: bool = True, mode: str = ""
 ) -> Passage:
-    """The one leg of a smooth system's orbits: of a forced one, over so many periods of the force."""
-    mode = system.modes[0].name
+    """The one leg of orbits without events, in the first mode by default: of a forced system, over so many
+    periods of the force.
+    """
+    mode = mode or system.modes[0].name
     closing = closing if system.period is not None else replace(closing, periods=None)
     return passage_of(system, Leg(mode), mode, inputs, closing, holding)

@@ -98,3 +98,24 @@ def test_a_condition_that_ceases_to_have_a_value_ends_nothing(tmp_path):
     branch, _ = study(tmp_path, condition("1e-3 + math.sqrt(1.2 - p.force)"))
     assert branch.outcome.reason == "bound"
     np.testing.assert_array_equal(branch["admissible"], branch["force"] <= 1.2)
+
+
+@pytest.mark.parametrize("more", ["", STOP], ids=["soft only", "with a stop"])
+def test_a_condition_at_a_soft_transition_that_is_not_a_number_is_told(tmp_path, more):
+    branch, told = study(tmp_path, condition("math.sqrt(1.2 - p.force) + 1.0"), more)
+    np.testing.assert_array_equal(branch["admissible"], branch["force"] <= 1.2)
+    (sentence,) = [text for text in told if "condition 'gentle'" in text]
+    assert "is not a number" in sentence
+    assert "block.py, line" in sentence
+
+
+def test_a_condition_whose_soft_transition_does_not_happen_is_not_missed(tmp_path):
+    # The block stays before the gap: at force 1.4 it reaches 7, and the gap here is at 100.
+    plugin = PLUGIN.replace("CONDITIONS", condition("math.sqrt(-1.0 - p.force)")).replace("MORE", STOP)
+    plugin = plugin.replace("0.5 - x[0]", "100.0 - x[0]").replace("(x[0] - 0.5)", "(x[0] - 100.0)")
+    (tmp_path / "block.py").write_text(plugin)
+    (tmp_path / "run.yaml").write_text(RUN)
+    result = cw.run(cw.read_run_file(tmp_path / "run.yaml", output=tmp_path / "out.h5"), figures=False)
+    assert result.branches[0]["admissible"].all()
+    with cw.open_database(tmp_path / "out.h5") as db:
+        assert not [text for text in db.notes().values() if "is not a number" in text]
