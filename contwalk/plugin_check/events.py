@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -136,7 +137,7 @@ def _passing_back(happening: Happening, field: Traced, samples: Samples) -> list
 def _just_beyond(transition: Transition, guard: Traced, t: float, x: np.ndarray, samples: Samples) -> float:
     """The guard a little beyond its zero, positive where it has the sign that it passes to."""
     scaled = guard.slopes(t, x, samples.values)[0, 1:] * samples.scales
-    size = float(np.linalg.norm(scaled))
+    size = math.hypot(*scaled)  # squares of what is large in units of the guard overflow
     if not size > 0.0:  # a guard of time alone
         return 1.0
     way = 1.0 if transition.direction == "rising" else -1.0

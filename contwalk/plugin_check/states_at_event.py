@@ -61,9 +61,11 @@ def state_on(guard: Traced, t: float, x: np.ndarray, samples: Samples) -> np.nda
             return x
         slope = guard.slopes(t, x, samples.values)[0, 1:]
         scaled = slope * samples.scales
-        if not np.isfinite(scaled).all() or not scaled @ scaled > 0.0:
+        largest = float(np.max(np.abs(scaled), initial=0.0))
+        if not 0.0 < largest < np.inf:
             return None
-        step = -value * samples.scales * scaled / (scaled @ scaled)
+        way = scaled / largest  # its square does not overflow, whatever the guard's units are
+        step = -(value / largest) * samples.scales * way / (way @ way)
         x = x + step
     return None
 

@@ -62,5 +62,5 @@ def _extremes(samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     a, b, c = samples[:-2], samples[1:-1], samples[2:]
     bend, slope = a - 2.0 * b + c, 0.5 * (c - a)
     peak = (b - a) * (c - b) < 0.0
-    vertex = np.where(peak, b - 0.5 * slope**2 / np.where(peak, bend, 1.0), b)
+    vertex = np.where(peak, b - 0.5 * slope * (slope / np.where(peak, bend, 1.0)), b)
     return np.minimum(low, vertex.min(axis=0)), np.maximum(high, vertex.max(axis=0))

@@ -81,7 +81,7 @@ class GuardStatus:
     @property
     def excursion(self) -> float:
         """How far from zero it goes until then."""
-        return 0.5 * self.rate**2 / abs(self.bend) if self.bends_back else np.inf
+        return 0.5 * self.rate * (self.rate / abs(self.bend)) if self.bends_back else np.inf
 
 
 def guard_statuses(

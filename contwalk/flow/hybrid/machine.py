@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 
@@ -77,8 +78,8 @@ class ModeFlow:
         if not self.guards:
             return np.empty(0)
         slopes = [guard.slopes(t, x, self.p, np.zeros(len(x))) for guard in self.guards]
-        with np.errstate(over="ignore"):
-            by_states = np.array([np.linalg.norm(each.gradient[1:] * weights) for each in slopes])
+        # math.hypot, since squares of what is large or small in units of the guard overflow or vanish.
+        by_states = np.array([math.hypot(*(each.gradient[1:] * weights)) for each in slopes])
         of_time = np.array([max(abs(each.value), abs(each.gradient[0]) * span) for each in slopes])
         found = np.where(by_states > 0.0, by_states, of_time)
         return np.where(np.isfinite(found) & (found > 0.0), found, 1.0)

@@ -127,7 +127,7 @@ def system_of(
         seconds = float(y[-1]) if limit.test == "dip" else float(y[there.layout.durations][i])
         return {"limit": which, "seconds": 0.0 if limit.test in AT_START else seconds}
 
-    return augmented.Augmented(evaluate, start, scale, vectors)
+    return augmented.Augmented(evaluate, start, scale, vectors, in_units=True)
 
 
 def _doubtful(problem: DiscretizedOrbit, limit: Limit) -> tuple[int, ...]:
@@ -232,7 +232,7 @@ def _vanishing(problem: DiscretizedOrbit, which: int, i: int, sample: Near) -> a
         return {"limit": which, "seconds": seconds, "vanishing": around}
 
     start, scale = (np.append(v, np.full(len(gone), w)) for v, w in ((sample.z, 0.0), (sample.weights, 1.0)))
-    return augmented.Augmented(evaluate, start, scale, vectors)
+    return augmented.Augmented(evaluate, start, scale, vectors, in_units=True)
 
 
 def _around(problem: DiscretizedOrbit, gone: Sequence[int]) -> tuple[int, ...]:

@@ -55,12 +55,17 @@ class Near(Protocol):
 
 @dataclass(frozen=True)
 class Augmented:
-    """An augmented system for any discretisation of a problem, its start, and typical magnitudes."""
+    """An augmented system for any discretisation of a problem, its start, and typical magnitudes.
+
+    `in_units`: whether its last rows are numbers in units of their own, as a guard or an observable is; else
+    they are bordered inverses, whose terms are of size one.
+    """
 
     evaluate: Evaluate
     start: np.ndarray
     scale: np.ndarray
     vectors: Callable[[OrbitData, np.ndarray], dict]
+    in_units: bool = False
 
 
 def located(problem: OrbitData, kind: OrbitKind, sample: Sample, which: int) -> Located | None:
@@ -138,8 +143,9 @@ def _rounding(problem: OrbitData, system: Augmented, y: np.ndarray, places: Sequ
         level, 1e2 * EPSILON * (np.abs(problem.jacobian(y[: size + 1])) @ system.scale[: size + 1])
     )
     _, jacobian = system.evaluate(problem, y)
-    # The last rows are bordered inverses: their terms are of size one.
-    noise = np.concatenate([own, np.full(len(jacobian) - size, 1e2 * EPSILON)])
+    last = jacobian[size:]
+    terms = np.abs(last) @ system.scale if system.in_units else np.ones(len(last))
+    noise = np.concatenate([own, 1e2 * EPSILON * terms])
     factored = problem.factored(jacobian, system.scale)
     rows = (factored.solve_adjoint(np.eye(len(y))[place]) for place in places)
     each = zip(places, rows, strict=True)
@@ -207,7 +213,7 @@ def _lasting(level: float, sample: Sample) -> Augmented:
         residual = np.append(linearization.residual, there.duration(z) - level)
         return residual, np.vstack([linearization.jacobian, there.duration_gradient(z)])
 
-    return Augmented(evaluate, sample.z, sample.weights, lambda there, z: {})
+    return Augmented(evaluate, sample.z, sample.weights, lambda there, z: {}, in_units=True)
 
 
 def along(sample: Sample, value: Callable[[OrbitData, np.ndarray], float], slope: float) -> Augmented | None:
@@ -221,4 +227,4 @@ def along(sample: Sample, value: Callable[[OrbitData, np.ndarray], float], slope
         residual = np.append(linearization.residual, value(there, z))
         return residual, np.vstack([linearization.jacobian, gradient])
 
-    return Augmented(evaluate, sample.z, sample.weights, lambda there, z: {})
+    return Augmented(evaluate, sample.z, sample.weights, lambda there, z: {}, in_units=True)
