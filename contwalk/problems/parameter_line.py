@@ -115,6 +115,10 @@ class ParameterLine:
         each = zip(self.parameters, self.base.tolist(), self.direction.tolist(), strict=True)
         return {name: begin + coordinate * change for name, begin, change in each}
 
+    def described(self, coordinate: float) -> str:
+        """A place on the line in words: `a = 0.5`, or how far along a path."""
+        return f"{self.free} = {coordinate:.10g}"
+
     def place(self, at: float | None) -> float:
         """The coordinate of a start: as given, or of the point that the line was made from."""
         if at is not None:

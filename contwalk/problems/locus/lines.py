@@ -39,6 +39,11 @@ class LineInPlane(ParameterLine):
         known = dict(self.rates)
         return np.array([known.get(name, 0.0) for name in self.parameters])
 
+    def described(self, coordinate: float) -> str:
+        """A place on the line in words: the values of both parameters there."""
+        values = self.at(coordinate)
+        return ", ".join(f"{name} = {values[name]:.10g}" for name, _ in self.rates)
+
     @cached_property
     def moving(self) -> tuple[int, ...]:
         """Numbers of both parameters, whether they change on this line or not."""

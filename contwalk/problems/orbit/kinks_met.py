@@ -37,7 +37,7 @@ def _way(orbit: OrbitData, course: Course, a: np.ndarray, b: np.ndarray) -> Way:
     begin, end = float(a[-1]), float(b[-1])
 
     def at(share: float) -> str:
-        return f"{orbit.line.free} = {begin + share * (end - begin):.10g}"
+        return orbit.line.described(begin + share * (end - begin))
 
     def blame(low: float, high: float, place: int) -> str:
         values = tuple(orbit.line.at(begin + share * (end - begin)) for share in (low, high))
