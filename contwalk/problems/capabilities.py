@@ -82,6 +82,8 @@ class Diagnosis(Protocol):
     def passed(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
         """Where the equations change their piece on the straight way from a solution to another z, which
         need not be one, in their order: what no solution tells of itself, and where a branch may end.
+
+        Both have the shape (N + 1,).
         """
         ...
 

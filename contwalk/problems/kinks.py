@@ -169,7 +169,9 @@ def between(
 def passed(
     switching: Switching, evaluate: Evaluate, ends: tuple[np.ndarray, np.ndarray], where: Where
 ) -> tuple[Met[FieldKink], ...]:
-    """The kinks on the straight way between two solutions, in their order; `evaluate` as of `between`."""
+    """The kinks on the straight way between two solutions, shape (N + 1,), in their order; `evaluate` as of
+    `between`.
+    """
     course = _straight(switching, evaluate, *ends, where)
     crossed = np.flatnonzero(np.any(differ(*course.sides(course.times, course.states))))
     if not len(crossed):
@@ -181,7 +183,7 @@ def passed(
 def lying(
     switching: Switching, evaluate: Evaluate, at: np.ndarray, sizes: np.ndarray, where: Where
 ) -> tuple[FieldKink, ...]:
-    """The kinks that a solution lies on; `evaluate` as of `between`."""
+    """The kinks that a solution, shape (N + 1,), lies on; `evaluate` as of `between`."""
     aside = ASIDE * sizes * np.cos(1.0 + np.arange(len(at)))
     return tuple(met.kink for met in passed(switching, evaluate, (at - aside, at + aside), where))
 

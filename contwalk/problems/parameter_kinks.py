@@ -55,7 +55,7 @@ class Way:
     blame: Callable[[float, float, int], str]
 
     def inputs(self, shares: np.ndarray | float) -> Inputs:
-        """The free parameters after parts of the way."""
+        """The free parameters after parts of the way, of shape (k,) or one."""
         return {name: a + shares * (self.end[name] - a) for name, a in self.begin.items()}
 
 

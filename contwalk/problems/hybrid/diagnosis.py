@@ -36,7 +36,7 @@ class HybridDiagnosis(OrbitDiagnosis):
     def passed(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
         """What changes with the free parameter alone on the way from an orbit to another one; jumps of guards
         and resets, and of their slopes, that events pass on it; of other guards and of what is only told,
-        jumps through zero.
+        jumps through zero. Both have the shape (N + 1,).
         """
         orbit = self._eventful
         return *super().passed(a, b), *end_maps.passed(orbit, a, b), *jumping_limits.passed(orbit, a, b)

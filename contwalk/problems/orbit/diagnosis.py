@@ -39,7 +39,7 @@ class OrbitDiagnosis(ABC):
         return known or "the motion from there ends or grows without bound within one period"
 
     def passed(self, a: np.ndarray, b: np.ndarray) -> Sequence[Met]:
-        """What changes with the free parameter alone on the way from an orbit to another solution."""
+        """What changes with the free parameter alone from an orbit to another solution, shape (N + 1,)."""
         return passed_by_parameters(self._orbit, a, b)
 
     def kinks_between(self, a: Sample, b: Sample) -> Sequence[Kink]:

@@ -22,7 +22,7 @@ def kinks_along(orbit: OrbitData, z: np.ndarray) -> tuple[Kink, ...]:
 
 def passed_by_parameters(orbit: OrbitData, a: np.ndarray, b: np.ndarray) -> tuple[Met, ...]:
     """What of the field, and of the period of what forces it, changes with the free parameter alone between
-    an orbit and another solution.
+    an orbit and another solution, shape (N + 1,) each.
     """
     period = period_course(orbit.system, orbit.line)
     courses = [*([] if period is None else [period]), *orbit.courses(a)]
