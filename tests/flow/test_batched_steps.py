@@ -8,10 +8,16 @@ from flow_fields import compiled, forced, lorenz
 
 from contwalk import flow
 from contwalk.flow.compiled.restricted import Restricted
+from contwalk.flow.explicit import batched_steps
 
 PARAMETERS = np.array([10.0, 28.0, 8.0 / 3.0])
 # More steps than are recorded at once, and numbers of stages that fill no last batch.
 STEPS = (1, 2, 3, 17, 40)
+
+
+@pytest.fixture(autouse=True)
+def small_ones_too(monkeypatch):
+    monkeypatch.setattr(batched_steps, "WORTH", 1)
 
 
 def forking(t, x, p):
@@ -89,3 +95,11 @@ def test_calls_do_not_feel_each_other():
     again = flow.tangents(field, c, times, [1.0, 1.0], columns, undriven)
     for one, other in zip(first, again, strict=True):
         np.testing.assert_array_equal(one, other)
+
+
+def test_small_fields_go_in_one_pass(monkeypatch):
+    """Preparing two passes would cost more than they save."""
+    monkeypatch.undo()
+    field = compiled(lorenz, 3, 3, (1, 2))
+    passes(field, field.constants(PARAMETERS), 17, "dop853")
+    assert not any("lanes" in method for method, _ in field.forms)

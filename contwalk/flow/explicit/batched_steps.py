@@ -25,6 +25,8 @@ MARCH_BATCHED = Entry("contwalk.flow.explicit.batched_driver", "march_batched", 
 
 # Bytes that vectors of a block's tangents may take, and Jacobians between two passes.
 _FIRST_CACHE, _SECOND_CACHE = 40_000, 300_000
+# Numbers of a state's tangents from which on two passes save more than it takes to prepare them.
+WORTH = 256
 # Steps that are recorded at most.
 _MOST_STEPS = 16
 
@@ -114,9 +116,9 @@ def marched(
 
     None where the field's Jacobian cannot be evaluated in lanes. `sources` as of `integrate.tangents`.
     """
-    jacobian = field.batched
     (n, q), (m, _) = paths.tangents.shape, paths.starts.shape
-    if jacobian is None or q == 0:
+    jacobian = field.batched if n * q >= WORTH else None
+    if jacobian is None:
         return None
     spare = field.forms.setdefault((f"{method} in lanes", q), [])
     memory = spare.pop() if spare else Memory(field, jacobian, method, q)
