@@ -30,17 +30,20 @@ class Task:
     number : tuple of int
         Which start of the run, counted from 0; then which of the branches that leave that start's branch; and
         so on.
+    side : float, optional
+        The direction that is walked; both of them, if they are not independent.
     ancestors : tuple of tuples of SpecialPoint
         Of each branch on the way, the first one's first, its special points.
     """
 
     number: tuple[int, ...]
+    side: float | None = None
     ancestors: tuple[tuple[SpecialPoint, ...], ...] = field(default=(), compare=False)
 
     @property
-    def turn(self) -> tuple[int, int, tuple[int, ...]]:
+    def turn(self) -> tuple[int, int, tuple[int, ...], float]:
         """Tasks in this order are in that of the queue: each start with all that grows out of it."""
-        return self.number[0], len(self.number), self.number
+        return self.number[0], len(self.number), self.number, -(self.side or 0.0)
 
 
 @dataclass(frozen=True)
@@ -66,9 +69,10 @@ class Beginning:
 
 @dataclass(frozen=True)
 class Ends:
-    """How each direction has ended, by its sign: the last that is told of a branch."""
+    """How each direction has ended, by its sign, and whether by an error: what is told last."""
 
     outcomes: tuple[tuple[float, Outcome], ...]
+    broken: bool
 
 
 Message = Beginning | Point | Note | Ends
@@ -87,19 +91,19 @@ class Ahead(Protocol):
         """What is told of a branch whose turn has come, up to its `Ends`."""
 
 
-def messages_of(walk: BranchWalk, start: Start) -> Iterator[Message]:
-    """All that is to be told of the branch of a start, walked here, whatever its name will be."""
+def messages_of(walk: BranchWalk, start: Start, side: float | None) -> Iterator[Message]:
+    """All that is to be told of a side of the branch of a start, walked here, whatever its name will be."""
     if isinstance(start.opening, Outcome):
         return
     work = BranchInProgress(walk.info(start, NAMELESS))
-    for event in walk.events(start, start.opening, work, None):
+    for event in walk.events(start, start.opening, work, None, side):
         if isinstance(event, Began):
             yield Beginning()
         elif isinstance(event, Found):
             yield Point(event.row, event.special)
         elif isinstance(event, Noted):
             yield Note(event.key, event.text)
-    yield Ends(tuple(work.outcomes))
+    yield Ends(tuple(work.outcomes), work.broken)
 
 
 def taken_over(messages: Iterator[Message], work: BranchInProgress) -> Iterator[Event]:
@@ -109,7 +113,10 @@ def taken_over(messages: Iterator[Message], work: BranchInProgress) -> Iterator[
         if isinstance(message, Beginning):
             yield Began(work.info)
         elif isinstance(message, Note):
-            yield Noted(_named(message.key, name), _named(message.text, name))
+            key = _named(message.key, name)
+            if key not in work.noted:  # by the other side
+                work.noted.add(key)
+                yield Noted(key, _named(message.text, name))
         elif isinstance(message, Point):
             special = None if message.special is None else _with_name(message.special, name)
             if message.row is not None:
@@ -118,6 +125,7 @@ def taken_over(messages: Iterator[Message], work: BranchInProgress) -> Iterator[
                 work.special_points.append(special)
             yield Found(work.info, message.row, special)
         else:
+            work.broken = message.broken
             work.outcomes += [
                 (sign, replace(outcome, message=_named(outcome.message, name)))
                 for sign, outcome in message.outcomes

@@ -56,13 +56,14 @@ class Stored:
 
 @dataclass
 class BranchInProgress:
-    """A branch in the making."""
+    """A branch in the making; `broken` where an error has ended it."""
 
     info: BranchInfo
     rows: list[np.ndarray] = field(default_factory=list)
     special_points: list[SpecialPoint] = field(default_factory=list)
     outcomes: list[tuple[float, Outcome]] = field(default_factory=list)
     noted: set[str] = field(default_factory=set)
+    broken: bool = False
 
     def branch(self, outcome: Outcome) -> Branch:
         """The branch as it stands, ended like this."""

@@ -26,6 +26,9 @@ from contwalk.continuation.rows import from_row, to_row
 from contwalk.continuation.state import ContinuationState
 from contwalk.problems.problem import Mirror, Problem, Sample
 
+# Where each direction sets out, by its sign.
+Places = dict[float, tuple[Problem, ContinuationState]]
+
 
 class BranchWalk:
     """How the branches of a plan are walked. What is found depends on the start alone.
@@ -46,6 +49,18 @@ class BranchWalk:
         one_sided = isinstance(start.opening, Opening) and start.opening.one_sided
         return (1.0,) if one_sided else (1.0, -1.0)
 
+    def sides(self, start: Start, opening: Opening) -> tuple[float | None, ...]:
+        """The directions that can be walked independently of each other; None for all that there are.
+
+        Where one half is the image of the other, it follows from that one.
+        """
+        signs = self.signs(start)
+        try:
+            mirrored = self.mirror(opening, start) is not None
+        except outcomes.BREAKDOWNS:  # then the walk itself tells what is wrong
+            mirrored = True
+        return (None,) if mirrored or len(signs) == 1 else signs
+
     def mirror(self, opening: Opening, start: Start) -> Mirror | None:
         """What takes one half of a branch to the other, so that one of them is known."""
         both = start.parent is not None and len(self.signs(start)) == 2
@@ -65,20 +80,32 @@ class BranchWalk:
         return info if mirror is None else replace(info, settings={**info.settings, "mirror": mirror.names})
 
     def events(
-        self, start: Start, opening: Opening, work: BranchInProgress, stored: Stored | None
+        self,
+        start: Start,
+        opening: Opening,
+        work: BranchInProgress,
+        stored: Stored | None,
+        side: float | None = None,
     ) -> Iterator[Event]:
-        """All that happens on a branch, which `work` is told of; an error ends it with an outcome."""
+        """All that happens on a branch, which `work` is told of; an error ends it with an outcome.
+
+        With a `side`, one of `sides`, what happens on that one; what happens at the start belongs to the
+        first one.
+        """
         try:
-            yield from self._walked(start, opening, work, stored)
+            signs = self.signs(start)
+            beginning = self._beginning(opening, work, stored, signs)
+            places = (yield from beginning) if side in (None, signs[0]) else _silently(beginning)
+            yield from self._walked(start, opening, work, {s: places[s] for s in places if side in (None, s)})
         except outcomes.BREAKDOWNS as error:
+            work.broken = True
             work.outcomes.append((1.0, outcomes.broken_by(error, "The branch cannot be followed")))
 
-    def _walked(
-        self, start: Start, opening: Opening, work: BranchInProgress, stored: Stored | None
-    ) -> Iterator[Event]:
-        """Both directions of a branch, or what is missing of them."""
-        problem, settings, signs = opening.problem, self._plan.settings, self.signs(start)
-        observer = observer_of(problem)
+    def _beginning(
+        self, opening: Opening, work: BranchInProgress, stored: Stored | None, signs: tuple[float, ...]
+    ) -> Generator[Event, None, Places]:
+        """What happens at the start of a branch, new or taken up again; where each direction sets out."""
+        problem, settings = opening.problem, self._plan.settings
         if stored is None or not len(stored.rows):
             if stored is None:
                 yield Began(work.info)
@@ -96,9 +123,16 @@ class BranchWalk:
             places, points = resumed(problem, work, stored, signs, settings.events, without)
             yield Cut(work.info, len(work.rows), points)
         if len(work.rows) == 1:
-            yield from self._start_marks(work, opening, observer)
-        for sign in signs:
-            if sign not in places or closed(work):
+            yield from self._start_marks(work, opening, observer_of(problem))
+        return places
+
+    def _walked(
+        self, start: Start, opening: Opening, work: BranchInProgress, places: Places
+    ) -> Iterator[Event]:
+        """The directions of a branch, or what is missing of them."""
+        problem, observer = opening.problem, observer_of(opening.problem)
+        for sign, place in places.items():
+            if closed(work):
                 continue
             if sign < 0.0 and (mirror := self.mirror(opening, start)) is not None:
                 ended = yield from self._imaged(mirror, problem, work)
@@ -106,8 +140,8 @@ class BranchWalk:
                     continue
                 side = [row[0] for row in work.rows if row["s"][0] < 0.0]
                 if side:
-                    places[sign] = from_row(problem, side[-1], sign, work.info.parent is not None)
-            yield from self._direction(problem, work, places[sign], sign, observer)
+                    place = from_row(problem, side[-1], sign, work.info.parent is not None)
+            yield from self._direction(problem, work, place, sign, observer)
 
     def _direction(
         self,
@@ -196,3 +230,13 @@ class BranchWalk:
             work.rows.append(row)
             work.special_points.append(record)
             yield Found(work.info, row, record)
+
+
+def _silently(beginning: Generator[Event, None, Places]) -> Places:
+    """Where each direction sets out, without telling what happens at the start."""
+    while True:
+        try:
+            next(beginning)
+        except StopIteration as end:
+            places: Places = end.value
+            return places

@@ -21,6 +21,7 @@ from contwalk.continuation.branch_in_progress import (
     Start,
     Stored,
     check_columns,
+    closed,
     combined,
     outdated,
 )
@@ -82,7 +83,8 @@ class Diagram:
             known = None if stored else self._known(start)
             if known is not None:
                 if self._ahead is not None:
-                    self._ahead.drop(self._task(start))
+                    for task in self._tasks(start):
+                        self._ahead.drop(task)
                 yield Noted(f"skipped {start.origin}", known.sentence(start.origin))
                 continue
             yield from self._branch(start, stored or self._next_name())
@@ -176,8 +178,13 @@ class Diagram:
     ) -> Iterator[Event]:
         """All that happens on a branch, walked here or by others ahead of its turn."""
         if self._ahead is None or stored is not None or not start.number:
-            return self._walk.events(start, opening, work, stored)
-        return taken_over(self._ahead.messages(self._task(start)), work)
+            yield from self._walk.events(start, opening, work, stored)
+            return
+        for task in self._tasks(start):
+            if closed(work) or work.broken:  # then there is no other side
+                self._ahead.drop(task)
+            else:
+                yield from taken_over(self._ahead.messages(task), work)
 
     def _grow(self, start: Start, problem: Problem, branch: Branch) -> None:
         """Put the branches that leave a branch into the queue."""
@@ -186,10 +193,14 @@ class Diagram:
         if self._ahead is not None and start.number:
             above = self._ancestors.get(start.number[:-1], ())
             self._ancestors[start.number] = (*above, tuple(branch.special_points))
-            self._ahead.expect([self._task(seed) for seed in seeds if isinstance(seed.opening, Opening)])
+            self._ahead.expect([task for seed in seeds for task in self._tasks(seed)])
 
-    def _task(self, start: Start) -> Task:
-        return Task(start.number, self._ancestors.get(start.number[:-1], ()))
+    def _tasks(self, start: Start) -> list[Task]:
+        """What there is to walk of the branch of a start."""
+        if isinstance(start.opening, Outcome):
+            return []
+        above = self._ancestors.get(start.number[:-1], ())
+        return [Task(start.number, side, above) for side in self._walk.sides(start, start.opening)]
 
     def _is_whole(self, stored: Stored, outcome: Outcome) -> bool:
         """Whether nothing is to be added to a stored branch."""

@@ -38,24 +38,24 @@ class Executed:
                 "Give a concurrent.futures executor, a client of dask.distributed, or any object with map.",
             )
         self._study, self._executor = study, executor
-        self._waiting: dict[tuple[int, ...], Task] = {}
-        self._futures: dict[tuple[int, ...], Any] = {}
-        self._known: dict[tuple[int, ...], list[Message]] = {}
+        self._waiting: dict[Task, None] = {}
+        self._futures: dict[Task, Any] = {}
+        self._known: dict[Task, list[Message]] = {}
         self._begun = False
 
     def expect(self, tasks: Sequence[Task]) -> None:
         """These branches are likely to be asked for; none is walked before the first one is."""
         for task in tasks:
-            if task.number not in self._futures and task.number not in self._known:
-                self._waiting[task.number] = task
+            if task not in self._futures and task not in self._known:
+                self._waiting[task] = None
         if self._begun and hasattr(self._executor, "submit"):
             self._submit()
 
     def drop(self, task: Task) -> None:
         """This branch will not be asked for."""
-        self._waiting.pop(task.number, None)
-        self._known.pop(task.number, None)
-        future = self._futures.pop(task.number, None)
+        self._waiting.pop(task, None)
+        self._known.pop(task, None)
+        future = self._futures.pop(task, None)
         if hasattr(future, "cancel"):
             future.cancel()
 
@@ -63,12 +63,12 @@ class Executed:
         """What is told of a branch, when all of it is known."""
         self._begun = True
         self.expect([task])
-        if task.number not in self._known:
-            if task.number in self._futures:
-                self._known[task.number] = self._futures.pop(task.number).result()
+        if task not in self._known:
+            if task in self._futures:
+                self._known[task] = self._futures.pop(task).result()
             else:
                 self._map()
-        yield from self._known.pop(task.number)
+        yield from self._known.pop(task)
 
     def close(self) -> None:
         """Give up what is not wanted any more."""
@@ -79,13 +79,13 @@ class Executed:
         self._futures.clear()
 
     def _submit(self) -> None:
-        for task in sorted(self._waiting.values(), key=lambda task: task.turn):
-            self._futures[task.number] = self._executor.submit(walked, self._study, task)
+        for task in sorted(self._waiting, key=lambda task: task.turn):
+            self._futures[task] = self._executor.submit(walked, self._study, task)
         self._waiting.clear()
 
     def _map(self) -> None:
         """All that is expected in one call: without `submit` no more can be asked for until it returns."""
-        tasks = sorted(self._waiting.values(), key=lambda task: task.turn)
+        tasks = sorted(self._waiting, key=lambda task: task.turn)
         found = self._executor.map(partial(walked, self._study), tasks)
-        self._known.update(zip((task.number for task in tasks), found, strict=True))
+        self._known.update(zip(tasks, found, strict=True))
         self._waiting.clear()

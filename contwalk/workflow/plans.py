@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
+from contwalk.continuation.ahead import Task
 from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.events import Plan
 from contwalk.continuation.settings import Mark, Settings
@@ -83,3 +84,10 @@ def all_starts(studies: Sequence[Study]) -> Iterator[Start]:
         yield from (start for start in found if isinstance(start, Start))
     for number, (own, place) in enumerate(all_places(studies)):
         yield replace(start_at(own, place), number=(number,))
+
+
+def first_tasks(run_file: RunFile, studies: Sequence[Study]) -> list[Task]:
+    """What there is to walk of the branches of all starts, both directions by themselves."""
+    signs = coverage_of(run_file).directions
+    sides = signs if len(signs) > 1 else (None,)
+    return [Task((number,), side) for number in range(len(all_places(studies))) for side in sides]

@@ -14,7 +14,7 @@ import numpy as np
 
 from contwalk.branch import Branch, BranchInfo, SpecialPoint
 from contwalk.continuation import outcomes
-from contwalk.continuation.ahead import Ahead, Task
+from contwalk.continuation.ahead import Ahead
 from contwalk.continuation.branch_in_progress import Stored
 from contwalk.continuation.diagram import Diagram
 from contwalk.continuation.events import Began, Cut, Ended, Event, Found, Noted
@@ -32,10 +32,10 @@ from contwalk.workflow.going_on import WIDENED, Claims, differences, header_of_b
 from contwalk.workflow.machine import name_of_machine
 from contwalk.workflow.plans import (
     Study,
-    all_places,
     all_starts,
     coverage_of,
     discretization_of,
+    first_tasks,
     settings_of,
     studies_of,
 )
@@ -154,7 +154,7 @@ def _ahead(run_file: RunFile, studies: Sequence[Study], jobs: int, executor: Any
     study = StudyText.of(run_file)
     ahead = Workers(study, jobs) if executor is None else Executed(study, executor)
     try:
-        ahead.expect([Task((number,)) for number in range(len(all_places(studies)))])
+        ahead.expect(first_tasks(run_file, studies))
         yield ahead
     finally:
         ahead.close()

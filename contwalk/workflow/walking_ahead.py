@@ -61,7 +61,7 @@ class Walker:
 
     def messages(self, task: Task) -> Iterator[Message]:
         """All that is to be told of a branch, as it is found."""
-        yield from messages_of(self._walk, self._start(task))
+        yield from messages_of(self._walk, self._start(task), task.side)
 
     def _start(self, task: Task) -> Start:
         """The start of a branch: one of the run's, or one that grows out of another branch."""
@@ -71,7 +71,7 @@ class Walker:
         *above, last = task.number
         if not above:
             return start_at(*self._places[last])
-        parent = self._start(Task(tuple(above), task.ancestors[:-1]))
+        parent = self._start(Task(tuple(above), None, task.ancestors[:-1]))
         assert not isinstance(parent.opening, Outcome)
         found = grown(self._coverage, parent, parent.opening.problem, NAMELESS, task.ancestors[-1])
         return next(islice(found, last, None))

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from contwalk.continuation import branch_walk
 from contwalk.continuation.ahead import NAMELESS, Ends, Note, Point, Task
 from contwalk.errors import PluginError
 from contwalk.storage import open_database
@@ -207,11 +208,61 @@ def test_any_object_with_map_or_submit_walks(study):
     alone = computed(study, "1.h5")
     pool = OnlyMap()
     assert_identical(alone, computed(study, "map.h5", executor=pool))
-    assert pool.calls[0] == 3  # all lines at once
+    assert pool.calls[0] == 6  # both directions of all lines at once
     with ProcessPoolExecutor(2, mp_context=get_context("forkserver")) as executor:
         assert_identical(alone, computed(study, "submit.h5", executor=executor))
     with pytest.raises(NoExecutor, match="neither submit nor map"):
         computed(study, "none.h5", executor=object())
+
+
+CIRCLE = """
+from contwalk.system import Mode, Parameter, Start, State, System
+
+
+def field(t, x, p, dx):
+    dx[0] = p.a * p.a + x[0] * x[0] - 1.0
+
+
+SYSTEM = System(
+    "circle",
+    states=(State("x", "1", 1.0, "height"),),
+    parameters=(Parameter("a", 0.6, "1", (-9.0, 9.0), "width"),),
+    modes=(Mode("only", field),),
+    starts=(Start("on_it", lambda p: [[0.8]]),),
+)
+"""
+
+
+def test_the_other_direction_of_a_closed_branch_is_not_there(tmp_path):
+    (tmp_path / "circle.py").write_text(CIRCLE)
+    path = tmp_path / "circle.yaml"
+    path.write_text(
+        "system: ./circle.py\nstart: {equilibrium: on_it}\ncontinue: {parameter: a, range: [-3, 3]}\n"
+        "output: circle.h5\n"
+    )
+    alone = computed(path, "1.h5")
+    with open_database(alone) as db:
+        assert [branch.outcome.reason for branch in db.branches()] == ["closed"]
+    assert_identical(alone, computed(path, "2.h5", jobs=2))
+    assert_identical(alone, computed(path, "map.h5", executor=OnlyMap()))
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_an_error_on_one_side_ends_the_branch_as_it_does_alone(study, monkeypatch, side):
+    own = branch_walk.walk
+
+    def breaking(problem, state, settings, observer, sign, most):
+        for number, event in enumerate(own(problem, state, settings, observer, sign, most)):
+            if sign == side and number == 4:
+                raise PluginError("Broken for the test.")
+            yield event
+
+    monkeypatch.setattr(branch_walk, "walk", breaking)
+    alone = computed(study, "1.h5")
+    with open_database(alone) as db:
+        broken = [branch for branch in db.branches() if "Broken for the test" in branch.outcome.message]
+        assert broken
+    assert_identical(alone, computed(study, "map.h5", executor=OnlyMap()))
 
 
 def test_another_plugin_than_that_of_the_run_is_refused(study):
@@ -227,4 +278,4 @@ def test_texts_are_without_a_name_until_their_turn(study):
     messages = list(walker.messages(Task((0,))))
     assert isinstance(messages[-1], Ends)
     assert all(NAMELESS in message.text for message in messages if isinstance(message, Note))
-    assert Task((0,)) == replace(Task((0,)), ancestors=((),))
+    assert Task((0,)) == replace(Task((0,)), ancestors=((),)) != Task((0,), 1.0)
