@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import islice
 
-from contwalk.branch import Outcome
+from contwalk.branch import Outcome, SpecialPoint
 from contwalk.continuation.ahead import NAMELESS, Message, Task, messages_of
 from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.branch_walk import BranchWalk
@@ -37,6 +36,18 @@ class StudyText:
         return cls(run_file.text, path, run_file.overrides, str(run_file.system.source))
 
 
+class Seeds:
+    """Starts in their order, each made when it, or a later one, is asked for: some take simulations."""
+
+    def __init__(self, starts: Iterator[Start]) -> None:
+        self._starts, self._made = starts, list[Start]()
+
+    def __getitem__(self, number: int) -> Start:
+        while len(self._made) <= number:
+            self._made.append(next(self._starts))
+        return self._made[number]
+
+
 class Walker:
     """The branches of one run file, walked in this process.
 
@@ -58,6 +69,7 @@ class Walker:
         self._walk = BranchWalk(self._coverage)
         self._places = all_places(studies_of(run_file))
         self._known: dict[tuple[int, ...], Start] = {}
+        self._seeds: dict[tuple[int, ...], Seeds] = {}
 
     def messages(self, task: Task) -> Iterator[Message]:
         """All that is to be told of a branch, as it is found."""
@@ -71,10 +83,17 @@ class Walker:
         *above, last = task.number
         if not above:
             return start_at(*self._places[last])
-        parent = self._start(Task(tuple(above), None, task.ancestors[:-1]))
-        assert not isinstance(parent.opening, Outcome)
-        found = grown(self._coverage, parent, parent.opening.problem, NAMELESS, task.ancestors[-1])
-        return next(islice(found, last, None))
+        parent = Task(tuple(above), None, task.ancestors[:-1])
+        seeds = remembered(
+            self._seeds, parent.number, MOST_STARTS, lambda: self._grown(parent, task.ancestors[-1])
+        )
+        return seeds[last]
+
+    def _grown(self, task: Task, special_points: Sequence[SpecialPoint]) -> Seeds:
+        """What grows out of the branch of a start with these special points."""
+        start = self._start(task)
+        assert not isinstance(start.opening, Outcome)
+        return Seeds(grown(self._coverage, start, start.opening.problem, NAMELESS, special_points))
 
 
 _WALKERS: dict[StudyText, Walker] = {}

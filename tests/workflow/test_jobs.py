@@ -18,7 +18,7 @@ from contwalk.storage import open_database
 from contwalk.workflow.executors import NoExecutor
 from contwalk.workflow.run_file.reading import read_run_file
 from contwalk.workflow.runner import Reporter, run
-from contwalk.workflow.walking_ahead import StudyText, Walker
+from contwalk.workflow.walking_ahead import Seeds, StudyText, Walker
 from contwalk.workflow.workers import MOST_LOST, Workers
 
 ROOT = Path(__file__).parents[2]
@@ -270,6 +270,20 @@ def test_another_plugin_than_that_of_the_run_is_refused(study):
     (study.parent / "pair.py").write_text(PLUGIN.replace("p.a * x[0]", "p.a * x[0] * 1.0"))
     with pytest.raises(PluginError, match="not the one that the run began with"):
         Walker(text)
+
+
+def test_what_grows_out_of_a_branch_is_made_once_in_a_process():
+    """And only as far as it is asked for."""
+    made: list[int] = []
+
+    def making():
+        for number in range(5):
+            made.append(number)
+            yield number
+
+    seeds = Seeds(making())
+    assert [seeds[number] for number in (1, 0, 2, 1)] == [1, 0, 2, 1]
+    assert made == [0, 1, 2]
 
 
 def test_texts_are_without_a_name_until_their_turn(study):
