@@ -33,14 +33,15 @@ system: ./nerve.py
 start: {state: {v: -1.0, w: -0.4}}
 continue: {parameter: I, range: [0.28, 0.34], max_points: 90}
 diagram: {follow: [HB]}
-engine: {discretization: collocation}
+engine: {discretization: KIND}
 """
 
 
 @pytest.mark.slow
-def test_a_cut_run_ends_as_a_whole_one(tmp_path):
+@pytest.mark.parametrize("kind", ["auto", "collocation"])
+def test_a_cut_run_ends_as_a_whole_one(tmp_path, kind):
     (tmp_path / "nerve.py").write_text(PLUGIN)
-    (tmp_path / "run.yaml").write_text(RUN)
+    (tmp_path / "run.yaml").write_text(RUN.replace("KIND", kind))
 
     def study(output):
         return read_run_file(tmp_path / "run.yaml", output=str(tmp_path / output))

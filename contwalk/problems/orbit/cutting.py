@@ -22,10 +22,15 @@ from contwalk.problems.orbit.transport import segments_for
 GROWN = 1e3
 # Steps over which deviations grow by no more than this together are not parted.
 RESOLVED = 10.0
-# Segments that a branch has room for, and unknowns with them.
-MOST_CUTS, MOST_UNKNOWNS = 64, 400
+# Segments that a branch has room for, and unknowns with them: all its rows in the database are as long. A
+# branch of which nobody expects that it needs them has less.
+MOST_CUTS, MOST_UNKNOWNS = 160, 960
+FEWER_CUTS, FEWER_UNKNOWNS = 40, 200
 # More than that, and it is cut anew; so many times more segments than growth asks for are too many.
 TOO_GROWN, TOO_MANY = 3e4, 2.0
+# Other cuts are worth it where the growth over each is this part of what it was: the same number may have
+# come to lie elsewhere than where the flow grows.
+BETTER = 0.1
 # Parts of the closure by which cuts are apart at least.
 APART = 1e-9
 
@@ -34,7 +39,9 @@ def most_segments(orbit: SegmentedOrbit, room: int) -> int:
     """Segments that an orbit may be cut into along its branch; `room` if they are of equal duration."""
     if not orbit.uneven:
         return max(room, 2 * orbit.mesh.segments)
-    return max(room, orbit.mesh.segments, min(MOST_CUTS, MOST_UNKNOWNS // (orbit.states + 1)))
+    expected = orbit.discretization.scheme == "collocation"
+    cuts, unknowns = (MOST_CUTS, MOST_UNKNOWNS) if expected else (FEWER_CUTS, FEWER_UNKNOWNS)
+    return max(room, orbit.mesh.segments, min(cuts, unknowns // (orbit.states + 1)))
 
 
 def recutting(orbit: SegmentedOrbit, z: np.ndarray, room: int) -> np.ndarray | None:
@@ -42,33 +49,36 @@ def recutting(orbit: SegmentedOrbit, z: np.ndarray, room: int) -> np.ndarray | N
     m = orbit.mesh.segments
     if not orbit.uneven:
         return np.arange(2 * m) / (2 * m) if 2 * m <= max(room, m) and stretched(orbit, z) else None
+    if m == 1 and not stretched(orbit, z):
+        return None
     steps, most = steps_of(orbit, z), most_segments(orbit, room)
-    found = _cuts(steps, orbit.parts, most)
-    fewer = m > TOO_MANY * len(found)
-    if fewer or len(found) <= m:
-        return found if fewer else None
+    found = _cuts(steps, most)
+    if m > TOO_MANY * len(found):
+        return found
     grown = _most_grown(steps, orbit.mesh.cuts)
-    return found if grown > TOO_GROWN else None
+    return found if grown > TOO_GROWN and _most_grown(steps, found) < BETTER * grown else None
 
 
 def begun_at(orbit: SegmentedOrbit, z: np.ndarray, room: int, begin: float) -> np.ndarray:
     """Times at which segments start, shape (m,), of the same orbit that begins later."""
-    return cuts_for(orbit, z, most_segments(orbit, room), begin) if orbit.uneven else orbit.mesh.cuts
+    if not orbit.uneven or orbit.mesh.segments == 1:
+        return orbit.mesh.cuts
+    return cuts_for(orbit, z, most_segments(orbit, room), begin)
 
 
 def first_cuts(orbit: SegmentedOrbit, z: np.ndarray) -> np.ndarray:
     """Times at which the segments of an orbit are to start that is one segment yet, shape (m,)."""
-    if orbit.uneven and orbit.discretization.segments is None:
-        return cuts_for(orbit, z, most_segments(orbit, 1))
     m = segments_for(orbit, z)
-    return np.arange(m) / m
+    if m == 1 or not orbit.uneven or orbit.discretization.segments is not None:
+        return np.arange(m) / m
+    return cuts_for(orbit, z, most_segments(orbit, 1))
 
 
 def cuts_for(orbit: SegmentedOrbit, z: np.ndarray, most: int, begin: float = 0.0) -> np.ndarray:
     """Times at which segments start over which deviations grow by no more than `GROWN`, shape (m,).
 
-    They are alike in the parts of the closure in which steps are. Where that makes more segments than `most`,
-    deviations may grow by more in each.
+    Where that makes more segments than `most`, deviations may grow by more in each. Parts of the closure in
+    which steps are alike are cut each by itself: but for rounding, what is solved does not depend on cuts.
 
     Parameters
     ----------
@@ -78,16 +88,16 @@ def cuts_for(orbit: SegmentedOrbit, z: np.ndarray, most: int, begin: float = 0.0
     steps = steps_of(orbit, z)
     first = int(np.searchsorted(steps.begins, begin - APART)) % len(steps.begins)
     later = steps.begun(first)
-    return _cuts(replace(later, begins=later.begins - begin), orbit.parts, most)
+    return _cuts(replace(later, begins=later.begins - begin), most)
 
 
-def _cuts(steps: Steps, parts: int, most: int) -> np.ndarray:
+def _cuts(steps: Steps, most: int) -> np.ndarray:
     """As `cuts_for`, of steps in their order."""
     firsts = first_of_blocks(steps.factors, RESOLVED, np.inf)
     begins, factors = steps.begins[firsts], blocks(steps.factors, firsts)
     allowed = float(np.log(GROWN))
     while True:
-        cuts = _alike(_greedy(begins, factors, allowed), parts)
+        cuts = _greedy(begins, factors, allowed)
         if len(cuts) <= most or allowed > 600.0:
             return cuts
         allowed *= 1.3
@@ -120,13 +130,3 @@ def _greedy(begins: np.ndarray, factors: np.ndarray, allowed: float) -> np.ndarr
 def _size(products: np.ndarray) -> float:
     """The largest norm of some matrices (w, n, n)."""
     return float(np.sqrt(np.einsum("wij,wij->w", products, products).max()))
-
-
-def _alike(cuts: np.ndarray, parts: int) -> np.ndarray:
-    """The cuts of all parts of the closure, in each of them."""
-    if parts == 1 or len(cuts) == 1:
-        return cuts
-    inner = np.sort(np.concatenate([[0.0], cuts * parts % 1.0])) / parts
-    inner = inner[np.append(True, np.diff(inner) > APART)]
-    inner = inner[1.0 / parts - inner > APART]
-    return np.concatenate([inner + p / parts for p in range(parts)])

@@ -49,7 +49,9 @@ class Discretization:
         `auto`, or one of `flow.METHODS`.
     scheme : str
         `shooting`: an orbit's segments are of equal duration, and integrated by whichever method suits the
-        flow. `collocation`: they are of equal growth, and solved by collocation at Gauss points.
+        flow. `collocation`: they are of equal growth, and solved by collocation at Gauss points. `auto`: an
+        orbit over which deviations grow too much for one segment is cut at times of equal growth, and
+        integrated by whichever method suits the flow; where their number is given, as `shooting`.
     tolerance : float, optional
         Local error of the walk's integration, in units of each state's variation; from `accuracy` by default.
     segments : int, optional
@@ -75,11 +77,11 @@ class Discretization:
     @property
     def uneven(self) -> bool:
         """Whether the times at which an orbit is cut are chosen, and stand among its unknowns."""
-        return self.scheme == "collocation"
+        return self.scheme == "collocation" or (self.scheme == "auto" and self.segments is None)
 
     def integrator(self, tolerance: float) -> str:
         """The method for a local error, or `auto`."""
-        if self.method != "auto" or not self.uneven:
+        if self.method != "auto" or self.scheme != "collocation":
             return self.method
         return f"gauss{2 * next(degree for degree, least in DEGREES if tolerance >= least)}"
 

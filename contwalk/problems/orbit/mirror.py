@@ -43,7 +43,7 @@ def mirror_of(problem: SegmentedOrbit, sample: Sample) -> OrbitMirror | None:
     closure = problem.closure
     if not problem.system.symmetries or closure.symmetry is not None or np.any(closure.turns):
         return None
-    if problem.pins or problem.uneven or not problem.moves(sample.z):
+    if problem.pins or not problem.moves(sample.z):
         return None
     there = problem.adapted_to(sample.z, sample.weights)
     p = ParameterValues(**problem.values_of(sample.z))
@@ -99,8 +99,8 @@ class OrbitMirror(MirrorOfOrbits[SegmentedOrbit]):
         parameters, by_parameter = self._parameters(there, z, weights)
         passed = self._passed_by(there, z, tangent)
         states, deviations = [], []
-        for j in range(m):
-            x, v = passed.at(self._share + shift + j / m)
+        for cut in there.mesh.cuts:
+            x, v = passed.at(self._share + shift + cut)
             states.append(self._product.state(x, parameters))
             deviations.append(self._linear @ v + by_parameter(x) * tangent[-1])
         rest = m * n
@@ -200,9 +200,8 @@ class Passed:
 
     def at(self, instant: float) -> tuple[np.ndarray, np.ndarray]:
         """State and deviation at an instant in parts of the period, each of shape (n,)."""
-        problem, m = self._problem, self._problem.mesh.segments
-        instant = instant % 1.0
-        i = min(int((instant + AT_STEP) * m), m - 1)
+        problem, instant = self._problem, instant % 1.0
+        i = int(np.searchsorted(problem.mesh.cuts, instant + AT_STEP, side="right")) - 1
         steps = problem.mesh.steps[i]
         node = int(np.searchsorted(steps, instant + AT_STEP, side="right")) - 1
         states, deviations = self._segment(i)
@@ -213,8 +212,9 @@ class Passed:
     def _segment(self, i: int) -> tuple[np.ndarray, np.ndarray]:
         """States and deviations at the steps of a segment, each of shape (s, n)."""
         if i not in self._known:
-            problem, n, m = self._problem, self._problem.states, self._problem.mesh.segments
-            own = np.concatenate([self._tangent[i * n : (i + 1) * n], self._tangent[m * n :]])
+            problem, n = self._problem, self._problem.states
+            driven = self._tangent[problem.scalar_places(self._z)]
+            own = np.concatenate([self._tangent[i * n : (i + 1) * n], driven])
             if np.any(own):
                 start, scalars = problem.starts(self._z)[i], problem.scalars(self._z)
                 states, moved = problem.segments[i].along(start, scalars)
@@ -233,7 +233,7 @@ class Passed:
         field, y, weights = problem.passage.field(PLAIN), x, mesh.variation
         if np.any(self._tangent):
             field, y = problem.passage.field(TANGENT), np.concatenate([x, v])
-            values = np.concatenate([values, self._tangent[problem.mesh.segments * n :]])
+            values = np.concatenate([values, self._tangent[problem.scalar_places(self._z)]])
             size = max(float(np.linalg.norm(v / mesh.variation)), 1e-12)
             weights = np.concatenate([mesh.variation, size * mesh.variation])
         tolerance, c = max(BETWEEN * mesh.tolerance, FINEST), field.constants(values)

@@ -181,8 +181,10 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
 
         The tangent moves along the flow into the new section; the branch stays where it is.
         """
-        problem, sample = self._recut(sample) if self.uneven else (self, sample)
-        problem = problem.adapted_to(sample.z, sample.weights)
+        cut = self.uneven and self.mesh.segments > 1
+        problem, sample = _recut(self, sample) if cut else (self, sample)
+        if problem is self:  # what is cut anew stays on its own steps: on others it is no solution yet
+            problem = self.adapted_to(sample.z, sample.weights)
         problem.linearize(sample.z)  # is needed unless the orbit is cut anew, and passes all its states
         if not self.forced and problem.moves(sample.z):
             times, speeds = ending.speeds_of(problem, sample.z)
@@ -191,21 +193,14 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
             if better is not None:
                 cuts = begun_at(problem, sample.z, ROOM, better)
                 problem, sample = closed(*moved(problem, sample, better, cuts)) or (problem, sample)
-        if not self.uneven:
-            problem, sample = problem._recut(sample)
+        if not cut:
+            problem, sample = _recut(problem, sample)
         tangent = problem.into_section(sample.z, sample.tangent)
         # Both ends of the next step are seen on the same steps: what they tell differs by the branch alone.
         there = problem.linearize(sample.z)
         again = problem.examine(sample.z, tangent, sample.weights, there, sample.unstable, sample)
         orientation = 0.0 if sample.orientation == 0.0 else again.orientation
         return problem, replace(again, orientation=orientation)
-
-    def _recut(self, sample: Sample) -> tuple[PeriodicOrbit, Sample]:
-        """The same solution in other segments, where there should be others."""
-        cuts = recutting(self, sample.z, ROOM)
-        if cuts is None:
-            return self, sample
-        return closed(*recut(self, sample, cuts)) or (self, sample)
 
     def into_section(self, z: np.ndarray, tangent: np.ndarray) -> np.ndarray:
         """A tangent moved along the flow until it lies in the section: the same change of the orbit."""
@@ -238,7 +233,7 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         method, cuts = self.discretization.integrator(tolerance), self.cuts_in(z)
         values = np.concatenate([scalars, self.line.constants])
         mesh = meshed(self.passage, starts, values, magnitudes, tolerance, method, self.parts, cuts)
-        if self.uneven and self.discretization.method == "auto":
+        if self.discretization.scheme == "collocation" and self.discretization.method == "auto":
             mesh = replace(mesh, reason="collocation at Gauss points, as the run asks for")
         self.effort.spend(2 * STAGES[mesh.method] * sum(len(times) for times in mesh.steps))
         problem = self.on(mesh, section_through(self, starts[0], values, magnitudes))
@@ -298,3 +293,11 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
             if passed is not None or min(apart, default=np.inf) > PERHAPS:
                 return passed
         return None
+
+
+def _recut(orbit: PeriodicOrbit, sample: Sample) -> tuple[PeriodicOrbit, Sample]:
+    """The same solution in other segments, where there should be others."""
+    cuts = recutting(orbit, sample.z, ROOM)
+    if cuts is None:
+        return orbit, sample
+    return closed(*recut(orbit, sample, cuts)) or (orbit, sample)

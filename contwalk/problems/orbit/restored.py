@@ -25,8 +25,8 @@ def restored(facts: Facts) -> PeriodicOrbit:
         reference=facts.state,
         subharmonic=info.subharmonic,
         # What stands among the unknowns is the branch's own, whatever a run asks of its orbits.
-        discretization=replace(
-            facts.discretization or Discretization(), scheme=str(stored.get("scheme", "shooting"))
+        discretization=_as_stored(
+            facts.discretization or Discretization(), str(stored.get("scheme", "shooting"))
         ),
     )
     symmetry = _symmetry(facts.system, info)
@@ -35,6 +35,11 @@ def restored(facts: Facts) -> PeriodicOrbit:
         return orbit
     closed = orbit.closing(turns, symmetry, int(stored.get("power", 1)), int(stored.get("fold", 1)))
     return closed.varied(parts=int(stored.get("parts", 1)))
+
+
+def _as_stored(asked: Discretization, scheme: str) -> Discretization:
+    """What a run asks of its orbits, and the discretisation that a branch was stored with."""
+    return replace(asked, scheme=scheme, segments=None if scheme == "auto" else asked.segments)
 
 
 def _symmetry(system: System, info: BranchInfo) -> Symmetry | None:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -84,6 +85,27 @@ class Mesh:
     def cuts(self) -> np.ndarray:
         """Times at which the segments start, shape (m,)."""
         return np.array([steps[0] for steps in self.steps])
+
+    def divided(self, cuts: np.ndarray) -> Mesh:
+        """The same steps in segments that start at other times, or at the steps next to these (m,).
+
+        A motion that is cut at its own steps stays the same to the last bit.
+        """
+        times = np.unique(self.times)
+        after = np.clip(np.searchsorted(times, cuts), 1, len(times) - 1)
+        nearest = after - (cuts - times[after - 1] < times[after] - cuts)
+        bounds = np.append(np.unique(nearest), len(times) - 1)
+        steps = tuple(times[first : last + 1] for first, last in pairwise(bounds) if last > first)
+        return replace(self, steps=steps)
+
+    def begun(self, time: float) -> tuple[Mesh, float]:
+        """The same steps in one segment that begins at the step next to a time, and when that is."""
+        times = np.unique(self.times)
+        k = int(np.argmin(np.abs(times[:-1] - time)))
+        first = float(times[k])
+        later = np.concatenate([times[k:] - first, times[1 : k + 1] + (1.0 - first)])
+        later[-1] = 1.0
+        return replace(self, steps=(later,)), first
 
     @cached_property
     def times(self) -> np.ndarray:

@@ -76,13 +76,14 @@ def _followed(
     if not problem.forced:
         scalars[0] *= times
     # How deviations grow over the closures is known from one: they are not integrated in one piece to see it.
-    if problem.uneven:
+    chosen = problem.uneven and problem.mesh.segments > 1
+    if chosen:
         when = np.concatenate([problem.mesh.cuts + closures for closures in range(times)])
     else:
         count = segments_over(problem, z, times)
         when = np.arange(count) * times / count
     cut = [_at(problem, z, direction, float(time)) for time in when]
-    if not problem.uneven:
+    if not chosen:
         cut = [
             (x, w - _hurried(problem, z, direction, x, float(t))) for (x, w), t in zip(cut, when, strict=True)
         ]

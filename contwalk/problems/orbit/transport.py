@@ -13,7 +13,7 @@ from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.lifts import PLAIN, TANGENT
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.segmented_orbit import Kind, SegmentedOrbit
-from contwalk.problems.orbit.shooting import arrived
+from contwalk.problems.orbit.shooting import Mesh, arrived
 from contwalk.problems.problem import Sample
 from contwalk.system.declarations import ParameterValues
 
@@ -28,6 +28,8 @@ TOO_MUCH, STRETCHED = 1e6, 3e4
 MOST_SEGMENTS = 24
 # Residuals this many times above their error still count as solved, as of any point; how many corrections.
 CLOSED, MOST_CORRECTIONS = 20.0, 8
+# Parts of the closure within which an instant is that of a step.
+AT_STEP = 1e-14
 # With this share of the parameter in the tangent, in the metric, an orbit is one of its own at its parameter.
 STEEP = 0.1
 
@@ -75,10 +77,10 @@ def passed_at(
     sources[:n] = -1
     found = []
     for time in times:
-        i = int(np.searchsorted(mesh.cuts, time, side="right")) - 1
+        i = int(np.searchsorted(mesh.cuts, time + AT_STEP, side="right")) - 1
         steps = mesh.steps[i]
-        node = min(int(np.searchsorted(steps, time, side="right")) - 1, len(steps) - 2)
-        until = np.append(steps[: node + 1], time) if time > steps[node] else steps[: node + 1]
+        node = min(int(np.searchsorted(steps, time + AT_STEP, side="right")) - 1, len(steps) - 2)
+        until = np.append(steps[: node + 1], time) if time > steps[node] + AT_STEP else steps[: node + 1]
         x, moved = problem.starts(z)[i], np.eye(n, n + len(scalars))
         if len(until) > 1:
             x, moved = flow.tangents(field, c, until, x, moved, sources, mesh.method)
@@ -137,7 +139,12 @@ def segments_of_growth(exponent: float) -> int:
 def recut(problem: Kind, sample: Sample, cuts: np.ndarray) -> tuple[Kind, Sample]:
     """The same solution in segments that start at other times, its tangent and the sign of its Jacobian with
     it.
+
+    Where cuts are chosen it stays on its own steps: where deviations grow, others lead elsewhere.
     """
+    own = problem.uneven and problem.reference_orbit is None
+    mesh = problem.mesh.divided(cuts) if own else None
+    cuts = cuts if mesh is None else mesh.cuts
     n, m, z, scalars = problem.states, problem.mesh.segments, sample.z, problem.scalar_places(sample.z)
     starts, tangents = zip(*passed_at(problem, z, sample.tangent, cuts), strict=True)
     there = problem.laid_out(np.array(starts), z[scalars], cuts)
@@ -145,7 +152,7 @@ def recut(problem: Kind, sample: Sample, cuts: np.ndarray) -> tuple[Kind, Sample
     # Each state's share of the metric stays what it is: the squares of m segments add up.
     states = sample.weights[:n] * np.sqrt(len(cuts) / m)
     weights = problem.laid_out(np.tile(states, len(cuts)), sample.weights[scalars], 1.0)
-    finer = problem.adapted_to(there, weights)
+    finer = _remeshed(problem, there, weights, mesh)
     tangent = finer.into_section(there, tangent)
     again = finer.examine(there, tangent, weights, finer.linearize(there), sample.unstable)
     return finer, replace(again, iterations=sample.iterations)
@@ -153,6 +160,11 @@ def recut(problem: Kind, sample: Sample, cuts: np.ndarray) -> tuple[Kind, Sample
 
 def moved(problem: Kind, sample: Sample, time: float, cuts: np.ndarray) -> tuple[Kind, Sample]:
     """The same solution, beginning at another time in 0..1 of its closure; `cuts` count from there."""
+    mesh = None
+    if problem.uneven and problem.mesh.segments > 1 and problem.reference_orbit is None:
+        mesh, time = problem.mesh.begun(time)
+        mesh = mesh.divided(cuts)
+        cuts = mesh.cuts
     n, m, z, scalars = problem.states, problem.mesh.segments, sample.z, problem.scalar_places(sample.z)
     p = ParameterValues(**problem.values_of(z))
     starts, tangents, instants = [], [], time + cuts
@@ -168,10 +180,19 @@ def moved(problem: Kind, sample: Sample, time: float, cuts: np.ndarray) -> tuple
     if len(cuts) != m:
         states = weights[:n] * np.sqrt(len(cuts) / m)
         weights = problem.laid_out(np.tile(states, len(cuts)), weights[scalars], 1.0)
-    begun = problem.adapted_to(there, weights)
+    begun = _remeshed(problem, there, weights, mesh)
     tangent = begun.into_section(there, tangent)
     again = begun.examine(there, tangent, weights, begun.linearize(there), sample.unstable)
     return begun, replace(again, iterations=sample.iterations)
+
+
+def _remeshed(problem: Kind, z: np.ndarray, weights: np.ndarray, mesh: Mesh | None) -> Kind:
+    """The problem on a mesh, or else on one made for the orbit of z, with a section through its start."""
+    if mesh is None:
+        made: Kind = problem.adapted_to(z, weights)
+        return made
+    scalars = z[problem.scalar_places(z)]
+    return problem.imaged_on(mesh, z[: problem.states], np.concatenate([scalars, problem.line.constants]))
 
 
 def closed(problem: AnyOrbit, rough: Sample) -> tuple[AnyOrbit, Sample] | None:

@@ -10,6 +10,7 @@ import contwalk as cw
 from contwalk.branch import Branch
 from contwalk.continuation import outcomes
 from contwalk.continuation.reopening import reopened
+from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.transport import MOST_GROWTH, growth, segments_of_growth
 
 # A point is a solution if its residual is at most so many times its own error (docs/theory.md).
@@ -17,9 +18,14 @@ SOLVED = 20.0
 
 
 def segments(branch: Branch) -> list[int]:
-    """Into how many segments the orbit of each row is cut."""
-    states = len(branch.info.states)
-    return [(len(branch.unknowns(row)) - 2) // states for row in range(len(branch))]
+    """Into how many segments the orbit of each row is cut; times of cuts that are chosen are unknowns too."""
+    timed = int("scheme" in branch.info.settings)
+    each = len(branch.info.states) + timed
+    return [(len(branch.unknowns(row)) - 2 + timed) // each for row in range(len(branch))]
+
+
+# Into how many segments the orbits below are cut at last: halves of halves, or segments of equal growth.
+SCHEMES = pytest.mark.parametrize(("scheme", "most"), [("shooting", 4), ("auto", 6)])
 
 
 def beside_a_circle(t, x, p, dx):
@@ -36,27 +42,31 @@ def beside_two_circles(t, x, p, dx):
     dx[2] = p.a * x[2] - x[2] ** 3 + x[0]
 
 
-def test_multipliers_keep_their_digits_while_they_grow():
+@SCHEMES
+def test_multipliers_keep_their_digits_while_they_grow(scheme, most):
     system = small_system(beside_a_circle, ("x", "y", "z"), {"a": 0.5})
-    problem = cw.PeriodicOrbit(system, system.defaults(), "a")
+    chosen = Discretization(scheme=scheme)
+    problem = cw.PeriodicOrbit(system, system.defaults(), "a", discretization=chosen)
     branch = cw.continue_branch(
         problem, [1.0, 0.0, 0.0], range=(0.5, 6.0), period=2.0 * np.pi, direction="forward"
     )
     assert branch.outcome.reason == "bound"
-    assert (segments(branch)[0], segments(branch)[-1]) == (1, 4)
+    assert (segments(branch)[0], segments(branch)[-1]) == (1, most)
     off = np.abs(branch["max_abs"] / np.exp(2.0 * np.pi * branch["a"]) - 1.0)
     # Local errors of 1e-6 at most, two digits on the safe side, at some fifty steps.
     assert off.max() < 5e-5
 
 
-def test_an_orbit_is_a_solution_on_the_segments_that_it_was_cut_into():
+@SCHEMES
+def test_an_orbit_is_a_solution_on_the_segments_that_it_was_cut_into(scheme, most):
     system = small_system(beside_two_circles, ("x", "y", "z"), {"a": 0.5})
-    problem = cw.PeriodicOrbit(system, system.defaults(), "a")
+    chosen = Discretization(scheme=scheme)
+    problem = cw.PeriodicOrbit(system, system.defaults(), "a", discretization=chosen)
     branch = cw.continue_branch(
         problem, [1.0, 0.0, 0.0], range=(0.5, 6.0), period=2.0 * np.pi, direction="forward"
     )
     assert branch.outcome.reason == "bound"
-    assert segments(branch)[-1] == 4
+    assert 3 < segments(branch)[-1] <= most
     assert branch.points["residual"].max() < SOLVED
     # Where Newton's method reaches is what limits a step: cut in time, they are limited by curvature.
     assert len(branch) < 150
