@@ -22,6 +22,7 @@ _COMMANDS = {
     "continue": ("contwalk.cli.continue_command", "Compute the study that a run file describes."),
     "simulate": ("contwalk.cli.simulate_command", "Integrate one motion and locate its events."),
     "sample": ("contwalk.cli.sample_command", "Measure many motions from drawn states and parameters."),
+    "margins": ("contwalk.cli.margins_command", "Find how far a stored motion may be pushed."),
     "show": ("contwalk.cli.show_command", "Show what a database holds, as text or as JSON."),
     "plot": ("contwalk.cli.plot_command", "Draw a figure of a database."),
     "animate": ("contwalk.cli.animate_command", "Play an orbit of a database as GIF, MP4 or HTML."),

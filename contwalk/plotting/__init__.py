@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from contwalk.plotting.histogram import plot_histogram
     from contwalk.plotting.locus import plot_locus
     from contwalk.plotting.machine import plot_machine
+    from contwalk.plotting.margins import plot_margins
     from contwalk.plotting.multiplier_moduli import plot_multiplier_moduli
     from contwalk.plotting.multipliers import plot_multiplier_panels, plot_multipliers
     from contwalk.plotting.phase_panels import Portrait, plot_phase_panels
@@ -47,6 +48,7 @@ __all__ = [
     "plot_histogram",
     "plot_locus",
     "plot_machine",
+    "plot_margins",
     "plot_multiplier_moduli",
     "plot_multiplier_panels",
     "plot_multipliers",
@@ -73,6 +75,7 @@ _MODULES = {
     "plot_histogram": "histogram",
     "plot_locus": "locus",
     "plot_machine": "machine",
+    "plot_margins": "margins",
     "plot_multiplier_moduli": "multiplier_moduli",
     "plot_multiplier_panels": "multipliers",
     "plot_multipliers": "multipliers",

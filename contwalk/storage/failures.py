@@ -26,6 +26,7 @@ _FORBIDDEN = (errno.EACCES, errno.EPERM, errno.EROFS)
 OTHERS = {
     "contwalk trajectory": ("simulate", "a motion"),
     "contwalk samples": ("sample", "the samples of a Monte Carlo study"),
+    "contwalk margins": ("margins", "how far a solution may be pushed"),
 }
 _RAISED_BY: dict[str, tuple[type[Exception], ...]] = {
     "read": (

@@ -19,7 +19,9 @@ from contwalk.storage.snapshot import open_snapshot
 
 TRAJECTORY = "contwalk trajectory"
 SAMPLES = "contwalk samples"
+MARGINS = "contwalk margins"
 VERSION = 1
+_COMMANDS = {TRAJECTORY: "simulate", SAMPLES: "sample", MARGINS: "margins"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +92,30 @@ class Samples:
     settled: np.ndarray
     crossed: np.ndarray
     ends: np.ndarray
+    header: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Margins:
+    """How far a solution may be pushed.
+
+    Parameters
+    ----------
+    system : str
+    states : tuple of str
+        Names of all states.
+    rows : tuple of mapping
+        One for each state and sign at each instant: `number`, `instant`, `fraction`, `state`, `sign`,
+        `border` (None where none was met), `several`, `borders`, `ends`, `simulations`.
+    instants : tuple of mapping
+        `fraction` of the closure, `time`, `mode` and `state`, a list of n numbers.
+    header : mapping
+    """
+
+    system: str
+    states: tuple[str, ...]
+    rows: tuple[Mapping[str, Any], ...]
+    instants: tuple[Mapping[str, Any], ...]
     header: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -172,6 +198,61 @@ def read_samples(path: str | Path) -> Samples:
     return _read(path, SAMPLES, take)
 
 
+def write_margins(path: Path, margins: Margins) -> Path:
+    """Write margins; a file that exists is replaced when the new one is complete."""
+    rows, text = margins.rows, h5py.string_dtype()
+
+    def fill(file: h5py.File) -> None:
+        for name in ("instant", "sign", "simulations", "several"):
+            file[name] = np.array([row[name] for row in rows])
+        file["border"] = np.array([np.nan if row["border"] is None else row["border"] for row in rows])
+        for name in ("state", "ends"):
+            file[name] = np.array([row[name] for row in rows], dtype=text)
+        found = [border for row in rows for border in row["borders"]]
+        file["borders/value"] = np.array(found, dtype=float)
+        file["borders/row"] = np.array([k for k, row in enumerate(rows) for _ in row["borders"]], dtype=int)
+        instants = file.create_group("instants")
+        for name in ("fraction", "time", "state"):
+            instants[name] = np.array([entry[name] for entry in margins.instants], dtype=float)
+        instants["mode"] = np.array([entry["mode"] for entry in margins.instants], dtype=text)
+        instants["state"].attrs["states"] = list(margins.states)
+
+    return _written(path, MARGINS, margins.system, margins.header, fill)
+
+
+def read_margins(path: str | Path) -> Margins:
+    """Read margins; `DatabaseError` as for `read_trajectory`."""
+
+    def take(file: h5py.File) -> Margins:
+        borders: dict[int, list[float]] = {}
+        for row, value in zip(
+            file["borders/row"][()].tolist(), file["borders/value"][()].tolist(), strict=True
+        ):
+            borders.setdefault(row, []).append(value)
+        instants = file["instants"]
+        fractions, times = instants["fraction"][()].tolist(), instants["time"][()].tolist()
+        modes, states = instants["mode"].asstr()[()].tolist(), instants["state"][()].tolist()
+        columns = {name: file[name][()].tolist() for name in ("instant", "sign", "simulations", "several")}
+        columns |= {name: file[name].asstr()[()].tolist() for name in ("state", "ends")}
+        columns["border"] = [None if np.isnan(value) else value for value in file["border"][()].tolist()]
+        rows = [dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)]
+        return Margins(
+            system=str(file.attrs["system"]),
+            states=tuple(str(name) for name in instants["state"].attrs["states"]),
+            rows=tuple(
+                {"number": k, **row, "fraction": fractions[row["instant"]], "borders": borders.get(k, [])}
+                for k, row in enumerate(rows)
+            ),
+            instants=tuple(
+                {"fraction": f, "time": t, "mode": mode, "state": state}
+                for f, t, mode, state in zip(fractions, times, modes, states, strict=True)
+            ),
+            header=json.loads(file.attrs["header"]),
+        )
+
+    return _read(path, MARGINS, take)
+
+
 def _written(
     path: Path, form: str, system: str, header: Mapping[str, Any], fill: Callable[[h5py.File], None]
 ) -> Path:
@@ -204,7 +285,7 @@ def _read(path: str | Path, form: str, take: Callable[[h5py.File], Any]) -> Any:
             f"{path} has version {version} of its format; this contwalk reads version {VERSION}.",
             "Read it with the newer contwalk that wrote it: pip install --upgrade contwalk",
         )
-    what, command = form.removeprefix("contwalk "), "simulate" if form == TRAJECTORY else "sample"
+    what, command = form.removeprefix("contwalk "), _COMMANDS[form]
     raise DatabaseError(
         f"{path} holds no {what}: it is {stated or 'an HDF5 file of another program'}.",
         f"Name a file that contwalk {command} has written.",

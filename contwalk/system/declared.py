@@ -40,6 +40,7 @@ class Declared:
     signals: tuple[Signal, ...] = ()
     study: Study | None = None
     conserved: tuple[Conserved, ...] = ()
+    fallen: Callable[..., float] | None = None
 
     @property
     def state_names(self) -> tuple[str, ...]:

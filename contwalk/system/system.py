@@ -54,6 +54,9 @@ class System(Declared):
     draw : callable, optional
         `draw(axes, t, x, p)` draws the machine at one instant on matplotlib axes. One that takes `so_far`,
         the motion until then, draws it where it has got to.
+    fallen : callable, optional
+        `fallen(t, x, p)` at a state of full length, positive where the machine has fallen: tests of survival
+        end there.
     reference : str
         Where the equations come from.
     """
@@ -68,6 +71,8 @@ class System(Declared):
             require_callable(f"The period of system '{self.name}'", self.period)
         if self.draw is not None:
             require_callable(f"draw of system '{self.name}'", self.draw)
+        if self.fallen is not None:
+            require_callable(f"fallen of system '{self.name}'", self.fallen)
         check_presets(self)
         for name in () if self.study is None else (self.study.parameter, *self.study.parameters):
             self.require_parameter(name)

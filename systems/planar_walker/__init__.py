@@ -29,6 +29,11 @@ def _landing(t: Any, x: Any, p: Any) -> Any:
     return x[Q1] + x[Q2] + 2.0 * math.atan2(p.lf, p.l1 + p.l2)
 
 
+def _fallen(t: Any, x: Any, p: Any) -> Any:
+    """Positive where the stance leg leans more than 60 degrees from the normal of the slope."""
+    return 0.5 - math.cos(x[Q1])
+
+
 SYSTEM = System(
     name="planar_walker",
     about="planar passive walker with knees and circular feet, walking down a slope",
@@ -73,6 +78,7 @@ SYSTEM = System(
     conditions=CONDITIONS,
     presets=PRESETS,
     draw=draw,
+    fallen=_fallen,
     # From the fold in which its gait is born, past its period doublings.
     study=Study(
         "alpha",

@@ -10,6 +10,7 @@ from contwalk.system import Family, Mode, System
 from .contacts import all_contacts, anchors_off, flags, mode_name, mode_words
 from .drawing import make_draw
 from .events import make_functions, make_transitions
+from .falling import make_fallen
 from .field import make_field
 from .invariance import make_mirror, make_neutral
 from .model import CHOICES, LOCKED, MIRRORED, Model
@@ -57,6 +58,7 @@ def build(**choices: str) -> System:
         signals=make_signals(model),
         presets=make_presets(model),
         draw=make_draw(model),
+        fallen=make_fallen(model),
         study=make_study(model),
         reference=REFERENCE,
     )

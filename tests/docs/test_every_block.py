@@ -16,6 +16,7 @@ RUN = {
     "docs/howto/discretizations.md": "docs/test_discretizations.py",
     "docs/howto/friction.md": "docs/test_howto_events.py",
     "docs/howto/many_runs.md": "docs/test_many_runs.py",
+    "docs/howto/margins.md": "docs/test_margins_page.py",
     "docs/howto/mass_matrices.md": "docs/test_mass_matrices.py",
     "docs/howto/point_types.md": "docs/test_point_types.py",
     "docs/howto/two_parameters.md": "docs/test_two_parameters.py",

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 from pydantic import model_validator as validator_of_model
 
-from contwalk.workflow.run_file.motions import Sampling, Simulation
+from contwalk.workflow.run_file.motions import Margins, Sampling, Simulation
 from contwalk.workflow.run_file.section import Section
 from contwalk.workflow.run_file.values import (
     BORN,
@@ -297,6 +297,10 @@ class RunModel(Section):
     )
     simulate: Simulation | None = Field(
         default=None, description="{until: settled, points: 1000, perturb: {state: value}, ...}"
+    )
+    margins: Margins | None = Field(
+        default=None,
+        description="{of: {from: other.h5, point: b1/UZ1}, instants: 5, survive: {periods: 20}, ...}",
     )
     sample: Sampling | None = Field(
         default=None, description="{count: 1000, seed: 1, draw: {...}, measure: {...}, settled: {...}, ...}"

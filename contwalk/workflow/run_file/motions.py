@@ -1,14 +1,23 @@
-"""The form of the sections `simulate` and `sample` of a run file."""
+"""The form of the sections `simulate`, `sample` and `margins` of a run file."""
 
 from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, PlainValidator
+from pydantic import BeforeValidator, Field, PlainValidator
 
 from contwalk.workflow.run_file.products import FORM, Product, as_products, product
 from contwalk.workflow.run_file.section import Section
-from contwalk.workflow.run_file.values import Positive, Tolerance, Until, Values
+from contwalk.workflow.run_file.values import (
+    FileName,
+    Instants,
+    Positive,
+    Texts,
+    Tolerance,
+    Until,
+    Values,
+    as_tuple,
+)
 
 ProductValue = Annotated[Product, PlainValidator(product)]
 Interval = Annotated[tuple[Product, Product], PlainValidator(as_products)]
@@ -65,3 +74,48 @@ class Sampling(Section):
     until: Positive = Field(description="a positive number of the unit of time")
     time_unit: TimeUnit | None = Field(default=None, description="{name: revolutions, length: 2*pi/omega}")
     tolerance: Tolerance = Field(default=1e-8, description="a number from 1e-14 to 0.01")
+
+
+class Pushed(Section):
+    """Which solution is pushed."""
+
+    from_: FileName = Field(alias="from", description="the name of a database, other.h5")
+    point: str = Field(description="a point of it, b1/UZ1 or b1/12")
+
+
+class Survive(Section):
+    """What surviving means."""
+
+    periods: Positive | None = Field(default=None, description="a positive number of periods")
+    time: Positive | None = Field(default=None, description="a positive number of the unit of time")
+    sequence: Literal["kept", "ignored"] = Field(default="kept", description="kept or ignored")
+    returns: Positive | None = Field(
+        default=None, description="a positive number, in units of the states' magnitudes"
+    )
+
+
+class Margins(Section):
+    """`contwalk margins`: how far a motion may be pushed."""
+
+    of: Pushed = Field(description="{from: other.h5, point: b1/UZ1}")
+    instants: Instants = Field(
+        default=5, description="a whole number from 1 to 1000, or a list of parts of the closure"
+    )
+    states: Annotated[Texts, BeforeValidator(as_tuple)] = Field(
+        default=("all",), description="all, or a list of states"
+    )
+    survive: Survive = Field(default=Survive(), description="{periods: 20}")
+    accuracy: Positive = Field(
+        default=0.01, le=0.5, description="a number up to 0.5: relative width of what a border lies in"
+    )
+    scan: int = Field(
+        default=4,
+        ge=0,
+        le=10_000,
+        description="a whole number from 0 up: further sizes that are tried on each side",
+    )
+    farthest: Positive = Field(default=1000.0, description="a positive number of the states' magnitudes")
+    tolerance: Tolerance | None = Field(default=None, description="a number from 1e-14 to 0.01")
+    method: Literal["dop853", "verner98", "radau5", "radau9"] = Field(
+        default="dop853", description=", ".join(METHODS)
+    )

@@ -316,4 +316,6 @@ def _output(
 
 def _study(data: Any) -> dict[str, Any]:
     """What decides the branches, in a form that can be compared."""
-    return RunModel.model_validate(data).model_dump(exclude={"output", "figures", "simulate", "sample"})
+    return RunModel.model_validate(data).model_dump(
+        exclude={"output", "figures", "simulate", "sample", "margins"}
+    )

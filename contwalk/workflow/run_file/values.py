@@ -31,6 +31,7 @@ MOTION_FIGURES = ("time_series", "phase_portrait")
 SAMPLE_FIGURES = ("histogram",)
 # each command draws its own
 FIGURES = tuple(dict.fromkeys((*DIAGRAM_FIGURES, *MOTION_FIGURES, *SAMPLE_FIGURES)))
+MOST_INSTANTS = 1000
 LOWEST_ACCURACY = 1e-14  # below it, rounding in double precision decides, not the method
 
 
@@ -167,6 +168,20 @@ def list_or_span(value: Any) -> str:
     return "(span)" if isinstance(value, dict) else "(list)"
 
 
+def _instants(value: Any) -> int | tuple[float, ...]:
+    """A number of them, or the parts of the closure."""
+    if isinstance(value, int) and not isinstance(value, bool) and 1 <= value <= MOST_INSTANTS:
+        return value
+    if isinstance(value, list) and value:
+        found = tuple(number(each) for each in value)
+        if all(0.0 <= each < 1.0 for each in found):
+            return found
+    raise wrong(
+        f"is {shown(value)}.",
+        "Allowed: a whole number from 1 to 1000, or a list of numbers from 0 to below 1.",
+    )
+
+
 Number = Annotated[float, PlainValidator(number)]
 Positive = Annotated[float, PlainValidator(_within(0.0, math.inf, "a positive number"))]
 Angle = Annotated[float, PlainValidator(_within(0.0, 90.0, "degrees above 0, up to 90"))]
@@ -175,6 +190,7 @@ Tolerance = Annotated[float, PlainValidator(_tolerance)]
 Until = Annotated[float | str, PlainValidator(_until)]
 StartUntil = Annotated[float | str, PlainValidator(_until_or_at_once)]
 MarkValue = Annotated[float | str, PlainValidator(_mark_value)]
+Instants = Annotated[int | tuple[float, ...], PlainValidator(_instants)]
 FileName = Annotated[str, PlainValidator(_file_name)]
 Numbers = Annotated[tuple[Number, ...], BeforeValidator(as_tuple)]
 Texts = Annotated[tuple[str, ...], BeforeValidator(as_tuple)]

@@ -1,0 +1,90 @@
+"""`contwalk margins`: how far a stored motion may be pushed."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+import click
+
+from contwalk.cli.jobs_option import jobs_option
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rich.console import Console
+
+    from contwalk.workflow.margins import MarginsResult
+    from contwalk.workflow.run_file.margins import MarginsFile
+
+
+@click.command("margins")
+@click.argument("file")
+@click.option("--set", "overrides", metavar="KEY=VALUE", multiple=True, help="Set a value of the run file.")
+@click.option("--output", metavar="X.h5", help="Base of the files' names, instead of the run file's output.")
+@jobs_option("Processes, or auto; the result does not depend on it.", 1)
+@click.option("--resume", is_flag=True, help="Go on with a study that was stopped.")
+@click.option("--force", is_flag=True, help="Replace files that exist.")
+@click.option("--quiet", is_flag=True, help="Print errors only.")
+@click.option("--no-figures", is_flag=True, help="Draw no figure.")
+def command(
+    file: str,
+    overrides: tuple[str, ...],
+    output: str | None,
+    jobs: int,
+    resume: bool,
+    force: bool,
+    quiet: bool,
+    no_figures: bool,
+) -> int:
+    """Find how far the motion that the run file FILE names may be pushed, one state and sign at a time.
+
+    With output X.h5 it writes X_margins.h5, X_margins.csv and X_margins.png; what is found is kept in
+    X_margins.journal until then.
+
+    Exit codes: 0; 1 if a computation failed; 2 for bad input, with nothing written.
+    """
+    from contwalk.cli.terminal import console
+    from contwalk.workflow.margins import margins
+    from contwalk.workflow.run_file.margins import read_margins
+
+    run = read_margins(file, overrides, output)
+    watched = sys.stdout.isatty() and sys.stderr.isatty() and not quiet
+
+    def found(progress: Callable[[int, int], None] | None = None) -> MarginsResult:
+        return margins(run, jobs=jobs, resume=resume, force=force, figures=not no_figures, progress=progress)
+
+    if watched:
+        from rich.progress import Progress
+
+        with Progress(console=console(stderr=True), transient=True) as bar:
+            task = bar.add_task("rays", total=None)
+            result = found(lambda done, of: bar.update(task, completed=done, total=of))
+    else:
+        result = found()
+    if not quiet:
+        _print(console(), run, result)
+    return 0
+
+
+def _print(out: Console, run: MarginsFile, result: MarginsResult) -> None:
+    from contwalk.cli.terminal import line, table
+
+    line(out, f"{run.system.name}, {run.margins.of.point} of {run.database}", style="bold")
+    heads = ["instant", "state", "down", "up", "beyond, down", "beyond, up"]
+    shown = []
+    for up, down in zip(result.rows[::2], result.rows[1::2], strict=True):
+        cells = [f"{'several: ' if r['several'] else ''}{_size(r)}" for r in (down, up)]
+        shown.append([str(up["instant"]), up["state"], *cells, down["ends"], up["ends"]])
+    table(out, heads, shown, indent=4, right=(0, 2, 3))
+    out.print()
+    for note in result.notes:
+        line(out, f"note: {note}")
+    for path in result.files:
+        line(out, f"file:   {path}")
+    for path in result.figures:
+        line(out, f"figure: {path}")
+
+
+def _size(row: dict[str, object]) -> str:
+    return "none met" if row["border"] is None else f"{row['border']:.4g}"

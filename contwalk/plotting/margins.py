@@ -1,0 +1,121 @@
+"""How far a motion may be pushed at some of its instants: a bar for each state and sign."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from contwalk.errors import ContwalkError
+from contwalk.plotting.quantities import written
+from contwalk.plotting.style import GREY, INK, PALETTE, dress, light, new_grid
+
+MOST_COLUMNS = 5
+ROW = 0.19  # inches for a state
+DIGITS = 3
+# Beyond the largest border there is room for its number.
+ROOM = 3.5
+
+
+def plot_margins(
+    rows: Sequence[Mapping[str, Any]],
+    fractions: Sequence[float],
+    axes: Sequence[Axes] | None = None,
+    *,
+    units: Mapping[str, str] | None = None,
+) -> Figure:
+    """Draw margins, a panel for each instant: to the left how far a state may be pushed down, right up.
+
+    Bars are logarithmic, each with its number; units stand beside the names of the states. A pale bar is one
+    beyond whose border survival begins again further out; an arrow says that no border was met.
+
+    Parameters
+    ----------
+    rows : sequence of mapping
+        `instant`, `state`, `sign`, `border` (None where none was met) and `several`.
+    fractions : sequence of float
+        Of the closure, for each instant.
+    axes : sequence of Axes, optional
+        Where to draw, one for each instant; new ones by default.
+    units : mapping, optional
+        Units by name.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    ContwalkError
+        If there is no row.
+    """
+    if not rows:
+        raise ContwalkError("There are no margins to draw.", "Give a row for each state and sign.")
+    states = list(dict.fromkeys(str(row["state"]) for row in rows))
+    known = [float(row["border"]) for row in rows if row["border"]]
+    low, high = (min(known), max(known)) if known else (0.1, 1.0)
+    floor = 10.0 ** math.floor(math.log10(low) - 0.2)
+    reach = math.log10(ROOM * high / floor)
+    if axes is None:
+        axes = new_grid("margins", len(fractions), min(len(fractions), MOST_COLUMNS))
+        figure = _figure_of(axes[0])
+        lines = -(-len(fractions) // MOST_COLUMNS)
+        figure.set_figheight(lines * max(ROW * len(states) + 1.1, 2.2))
+    for number, ax in enumerate(axes):
+        _panel(ax, [row for row in rows if row["instant"] == number], states, floor, reach)
+        ax.set_title(f"instant {number}: {fractions[number]:.4g} of the closure", fontsize=8.5, color=INK)
+        named = number % MOST_COLUMNS == 0
+        ax.set_yticks(range(len(states)), [_named(s, units or {}) for s in states] if named else [])
+    return _figure_of(axes[0])
+
+
+def _figure_of(ax: Axes) -> Figure:
+    figure = ax.figure
+    assert isinstance(figure, Figure)
+    return figure
+
+
+def _named(state: str, units: Mapping[str, str]) -> str:
+    unit = units.get(state, "1")
+    return state if unit in ("", "1") else f"{state} ({written(unit)})"
+
+
+def _panel(
+    ax: Axes, rows: Sequence[Mapping[str, Any]], states: Sequence[str], floor: float, reach: float
+) -> None:
+    for row in rows:
+        place, sign = states.index(row["state"]), float(row["sign"])
+        if row["border"] is None:
+            ax.annotate(
+                "",
+                (sign * reach, place),
+                (0.0, place),
+                arrowprops={"arrowstyle": "->", "color": GREY, "lw": 0.9},
+            )
+            continue
+        length = math.log10(row["border"] / floor)
+        color = PALETTE[0] if sign > 0.0 else PALETTE[1]
+        shade = light(color, 0.55) if row["several"] else color
+        ax.barh(place, sign * length, height=0.7, color=shade, zorder=2)
+        ax.text(
+            sign * (length + 0.02 * reach),
+            place,
+            f"{row['border']:.{DIGITS}g}",
+            ha="left" if sign > 0.0 else "right",
+            va="center",
+            fontsize=6.5,
+            color=INK,
+        )
+    there = {row["state"] for row in rows}
+    for place, state in enumerate(states):
+        if state not in there:
+            ax.text(0.0, place, "not pushed", ha="center", va="center", fontsize=6.5, color=GREY)
+    dress(ax, "push down          push up", "")
+    ax.axvline(0.0, color=INK, linewidth=0.7, zorder=3)
+    ax.set_xlim(-1.15 * reach, 1.15 * reach)
+    ax.set_ylim(len(states) - 0.4, -0.6)
+    ax.set_xticks([])
+    ax.tick_params(axis="y", labelsize=7.5, length=0)

@@ -1,0 +1,103 @@
+"""Results kept line by line while a study of many runs goes on: a killed one loses those it was working on.
+
+A journal is text: a line for what the study is, then one for each result in its order, each with a checksum.
+It belongs to the study alone and is removed when its files are written.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import zlib
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from contwalk.errors import DatabaseError
+from contwalk.storage.failures import failures_of
+
+
+class Journal:
+    """An open journal.
+
+    Parameters
+    ----------
+    path : Path
+    identity : mapping
+        What the study is: plain values. Results of another one are not taken up.
+    resume : bool
+        Go on after the results that are there; else begin anew.
+
+    Attributes
+    ----------
+    kept : list of dict
+        The results that were there, in their order.
+
+    Raises
+    ------
+    DatabaseError
+        If it is of another study, or damaged in its midst, or cannot be written.
+    """
+
+    def __init__(self, path: Path, identity: Mapping[str, Any], resume: bool) -> None:
+        self.path, self.kept = path, []
+        with failures_of(path, "create"):
+            there = path.read_bytes() if resume and path.exists() else b""
+            lines = list(_whole_lines(path, there))
+            if lines and lines[0][0] != dict(identity):
+                raise DatabaseError(
+                    f"{path} holds results of another study: {_differing(lines[0][0], identity)} differs.",
+                    "Undo the change, or begin anew with --force.",
+                )
+            self.kept = [entry for entry, _ in lines[1:]]
+            end = lines[-1][1] if lines else 0
+            self._file = path.open("r+b" if there else "wb")
+            self._file.truncate(end)
+            self._file.seek(end)
+        if not lines:
+            self.add(identity)
+
+    def add(self, result: Mapping[str, Any]) -> None:
+        """Keep one more result; it is on the disk when this returns."""
+        with failures_of(self.path, "write"):
+            self._file.write(_line(result))
+            self._file.flush()
+            os.fsync(self._file.fileno())
+
+    def remove(self) -> None:
+        """Close and delete it: what it kept is in other files."""
+        self._file.close()
+        self.path.unlink(missing_ok=True)
+
+    def __enter__(self) -> Journal:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._file.close()
+
+
+def _line(entry: Mapping[str, Any]) -> bytes:
+    text = json.dumps(dict(entry), sort_keys=True).encode()
+    return f"{zlib.crc32(text):08x} ".encode() + text + b"\n"
+
+
+def _whole_lines(path: Path, content: bytes) -> Iterator[tuple[dict[str, Any], int]]:
+    """The entries and where each ends; a last line that is not whole was being written."""
+    place = 0
+    for line in content.splitlines(keepends=True):
+        begin, place = place, place + len(line)
+        if not line.endswith(b"\n") and place == len(content):
+            return
+        if line[:9] != f"{zlib.crc32(line[9:-1]):08x} ".encode():
+            raise DatabaseError(
+                f"{path} is damaged at byte {begin}.", "Begin anew with --force, or restore it from a copy."
+            )
+        yield json.loads(line[9:-1]), place
+
+
+def _differing(stored: Mapping[str, Any], identity: Mapping[str, Any]) -> str:
+    names = [name for name in {**stored, **identity} if stored.get(name) != identity.get(name)]
+    return ", ".join(sorted(names))

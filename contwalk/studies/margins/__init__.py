@@ -1,0 +1,1 @@
+"""How far a motion may be pushed before it is lost."""

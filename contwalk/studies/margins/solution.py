@@ -1,0 +1,269 @@
+"""A stored solution as motions set out from it: its instants, and what happens on it in a period."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from contwalk.branch import Branch, SpecialPoint
+from contwalk.continuation.reopening import reopened
+from contwalk.errors import ContwalkError
+from contwalk.problems import neutral as neutrals
+from contwalk.problems.orbit.discretization import Discretization
+from contwalk.system import System
+
+# How well the states at the instants are known, in parts of the states.
+ACCURATE = Discretization(accuracy=1e-10)
+SAMPLES = 65  # instants of each leg that magnitudes are taken from
+ZOOMS = 9  # each finds an instant 32 times sharper
+ROUNDED = 1e-11  # of the time: an instant that is nearer to an event than this is at it
+
+
+@dataclass(frozen=True, eq=False)
+class Instant:
+    """A state of the solution.
+
+    Parameters
+    ----------
+    fraction : float
+        Of the closure.
+    time : float
+        Seconds, the machine's own, for fields that depend on it.
+    mode : str
+    state : ndarray, shape (n,)
+        Of full length; states that do not exist in the mode are 0.
+    exists : tuple of int
+        Those that do.
+    last : str
+        The transition that has led to this very state; empty between two.
+    """
+
+    fraction: float
+    time: float
+    mode: str
+    state: np.ndarray
+    exists: tuple[int, ...]
+    last: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """What is pushed.
+
+    Parameters
+    ----------
+    parameters : mapping
+        All of the system's, by name.
+    period : float
+        Of the whole orbit, seconds; NaN of an equilibrium.
+    instants : tuple of Instant
+    cycle : tuple of tuple of str
+        The transitions of a period that are hard, in their order; those that follow each other within
+        `TOGETHER` of the period in one group, as their order may change without the motion being another.
+    magnitudes : ndarray, shape (n,)
+        Half the range of each state over the solution, or what the plugin declares, or else 1.
+    course : ndarray, shape (k, n)
+        States all over it, in their order; NaN where a state does not exist.
+    neutral : tuple of str
+        States along which the solution is one of a family: declared directions that move this state alone.
+    """
+
+    parameters: dict[str, float]
+    period: float
+    instants: tuple[Instant, ...]
+    cycle: tuple[tuple[str, ...], ...]
+    magnitudes: np.ndarray
+    course: np.ndarray
+    neutral: tuple[str, ...] = ()
+
+
+# Events that follow each other within this part of the period happen together.
+TOGETHER = 0.02
+
+
+def solution_at(
+    system: System, branch: Branch, point: SpecialPoint | int, fractions: Sequence[float]
+) -> Solution:
+    """The solution of a stored point, with its states at parts of the closure.
+
+    Raises
+    ------
+    ContwalkError
+        If the point's orbit cannot be computed once more.
+    """
+    if isinstance(point, SpecialPoint) and not point.unknowns:
+        point = point.index
+    with np.errstate(all="ignore"):
+        problem: Any
+        problem, sample = reopened(system, branch, point, ACCURATE)
+        kind = branch.info.problem
+        if kind == "equilibrium":
+            found = _equilibrium(system, problem, sample)
+        elif kind == "hybrid_orbit":
+            found = _with_events(system, branch, problem, sample, fractions)
+        elif kind == "periodic_orbit":
+            found = _smooth(system, branch, problem, sample, fractions)
+        else:
+            raise ContwalkError(
+                f"Branch {branch.name} is one of {kind} points, which are no motions.",
+                "Name a point on a branch of equilibria or orbits.",
+            )
+    return found
+
+
+def _equilibrium(system: System, problem: Any, sample: Any) -> Solution:
+    n = len(system.states)
+    state = np.array(sample.z[:n])
+    mode = system.modes[0].name
+    instant = Instant(0.0, 0.0, mode, state, system.states_of(mode))
+    values = dict(problem.values_of(sample.z))
+    return _solution(system, values, np.nan, [instant], (), state[None], problem)
+
+
+def _smooth(
+    system: System, branch: Branch, problem: Any, sample: Any, fractions: Sequence[float]
+) -> Solution:
+    z, mode = sample.z, system.modes[0].name
+    curve, duration = problem.curve(z), problem.duration(z)
+    _, states = problem.motion_of(z)
+    period = int(branch.info.settings.get("fold", 1)) * sample.period
+    values = dict(problem.values_of(z))
+    begin, _ = _nearest(
+        curve.at, problem.reported(z), np.ptp(states, axis=0), _neutral(system, problem, states[0])
+    )
+    instants = []
+    for fraction in fractions:
+        share = (begin + fraction) % 1.0
+        state = np.array(curve.at(np.array([share]))[0])
+        # A forced orbit is looked at from where its force begins.
+        instants.append(Instant(fraction, share * duration, mode, state, system.states_of(mode)))
+    return _solution(system, values, period, instants, (), states, problem)
+
+
+def _with_events(
+    system: System, branch: Branch, problem: Any, sample: Any, fractions: Sequence[float]
+) -> Solution:
+    z = sample.z
+    if hasattr(problem, "explicit"):  # its legs are those between hard transitions alone
+        problem, z = problem.explicit(z)
+    stretches, legs = problem.stretches(z), problem.word.unfolded(system).legs
+    grid, closure = np.linspace(0.0, 1.0, SAMPLES), problem.duration(z)
+    begins, ends = stretches[0].start[0], stretches[-1].end[0]
+    states = []
+    for stretch in stretches:
+        seen = stretch.at(grid)[1]
+        states.append(np.where(np.isin(np.arange(seen.shape[1]), stretch.exists), seen, np.nan))
+    course = np.concatenate(states)
+    at = begins + _reported_at(system, problem, z, np.nanmax(course, axis=0) - np.nanmin(course, axis=0))
+    instants = []
+    for fraction in fractions:
+        time = at + fraction * closure
+        instants.append(_on(stretches, legs, begins + (time - begins) % (ends - begins), fraction))
+    period = int(branch.info.settings.get("fold", 1)) * sample.period
+    events = [
+        (leg.name, s.end[0]) for leg, s in zip(legs, stretches, strict=True) if leg.name and not leg.soft
+    ]
+    cycle = _grouped(events, ends - begins)
+    return _solution(system, dict(problem.values_of(z)), period, instants, cycle, course, problem)
+
+
+def _reported_at(system: System, problem: Any, z: np.ndarray, ranges: np.ndarray) -> float:
+    """Seconds from the first leg's start to the state that the database tells of the orbit; at an event, to
+    the state after it."""
+    stretches, target = problem.stretches(z), problem.reported(z)
+    if not np.isfinite(target).all():
+        return 0.0
+    neutral = _neutral(system, problem, stretches[0].start[1])
+    found = []
+    for number, stretch in enumerate(stretches):
+        absent = [i for i in range(len(target)) if i not in stretch.exists]
+        share, apart = _nearest(partial(_seen, stretch), target, ranges, (*neutral, *absent))
+        found.append((round(apart, 9), number, share))
+    _, number, share = min(found)
+    stretch = stretches[number]
+    begin, end = stretch.start[0], stretch.end[0]
+    return float(begin + share * (end - begin) - stretches[0].start[0])
+
+
+def _seen(stretch: Any, shares: np.ndarray) -> np.ndarray:
+    """States of full length at instants in 0..1 of a leg."""
+    return np.asarray(stretch.at(shares)[1])
+
+
+def _nearest(
+    at: Callable[[np.ndarray], np.ndarray], target: np.ndarray, ranges: np.ndarray, left_out: Sequence[int]
+) -> tuple[float, float]:
+    """The instant in 0..1 at which a motion is nearest to a state, and how near, in parts of the ranges."""
+    scales = np.where(np.isfinite(ranges) & (ranges > 0.0), ranges, 1.0)
+    scales[list(left_out)] = np.inf
+    low, high = 0.0, 1.0
+    for _ in range(ZOOMS):
+        shares = np.linspace(low, high, SAMPLES)
+        apart = np.abs((at(shares) - target) / scales).max(axis=1)
+        best = int(np.argmin(apart))
+        low, high = shares[max(best - 1, 0)], shares[min(best + 1, SAMPLES - 1)]
+    return float(shares[best]), float(apart[best])
+
+
+def _on(stretches: Sequence[Any], legs: Sequence[Any], time: float, fraction: float) -> Instant:
+    """The state at a time of the motion; at an event, the one after it."""
+    number = max(k for k, s in enumerate(stretches) if k == 0 or s.start[0] <= time + ROUNDED * abs(time))
+    stretch = stretches[number]
+    start, end = stretch.start[0], stretch.end[0]
+    share = min(max((time - start) / (end - start), 0.0), 1.0) if end > start else 0.0
+    share = 0.0 if share * (end - start) <= ROUNDED * abs(time) else share
+    times, states = stretch.at(np.array([share]))
+    state = np.where(np.isin(np.arange(states.shape[1]), stretch.exists), states[0], 0.0)
+    last = legs[number - 1].name if share == 0.0 else ""
+    return Instant(fraction, float(times[0]), legs[number].mode, state, stretch.exists, last)
+
+
+def _grouped(events: Sequence[tuple[str, float]], period: float) -> tuple[tuple[str, ...], ...]:
+    """Events in their order, in groups of those that happen together."""
+    groups: list[list[str]] = []
+    before = -np.inf
+    for name, time in events:
+        if time - before <= TOGETHER * period and groups:
+            groups[-1].append(name)
+        else:
+            groups.append([name])
+        before = time
+    wraps = len(groups) > 1 and events[0][1] + period - before <= TOGETHER * period
+    if wraps:
+        groups[0] = [*groups.pop(), *groups[0]]
+    return tuple(tuple(sorted(group)) for group in groups)
+
+
+def _solution(
+    system: System,
+    values: dict[str, float],
+    period: float,
+    instants: Sequence[Instant],
+    cycle: tuple[tuple[str, ...], ...],
+    states: np.ndarray,
+    problem: Any,
+) -> Solution:
+    with np.errstate(all="ignore"):
+        low = np.nanmin(np.where(np.isnan(states), np.inf, states), axis=0)
+        high = np.nanmax(np.where(np.isnan(states), -np.inf, states), axis=0)
+    half = 0.5 * (high - low)
+    sizes = np.where(np.isfinite(half) & (half > 1e-9 * np.abs(high)), half, np.abs(high))
+    declared = [state.scale for state in system.states]
+    magnitudes = np.array(
+        [
+            s if s is not None else v if np.isfinite(v) and v > 0.0 else 1.0
+            for s, v in zip(declared, sizes, strict=True)
+        ]
+    )
+    neutral = tuple(system.state_names[i] for i in _neutral(system, problem, instants[0].state))
+    return Solution(values, float(period), tuple(instants), cycle, magnitudes, states, neutral)
+
+
+def _neutral(system: System, problem: Any, state: np.ndarray) -> tuple[int, ...]:
+    """Places of the states that a pinned direction moves alone, whatever the parameters."""
+    moved = neutrals.directions(system, problem.pins, state, problem.line.parameters)
+    return tuple(int(np.flatnonzero(v)[0]) for v in moved.T if np.count_nonzero(v) == 1)

@@ -1,0 +1,198 @@
+"""Whether a motion survives a push: it is simulated, and its end is compared with the solution it left."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from contwalk.errors import ContwalkError, measured
+from contwalk.flow.hybrid.motion_segment import Control, MotionSegment
+from contwalk.flow.hybrid.motions import hybrid_machine, parts
+from contwalk.python_functions import plain
+from contwalk.studies.margins.consistency import placed
+from contwalk.studies.margins.solution import Instant, Solution
+from contwalk.system import Symmetry, System, Transition
+from contwalk.system.declarations import ParameterValues
+
+# How motions end: reason codes. All but the first are failures.
+SURVIVED = "survived"
+FALLEN = "fallen"
+ENDED = "ended"
+LEFT = "left_sequence"
+AWAY = "did_not_return"
+BEYOND = "beyond_guard"
+
+MEANINGS = {
+    SURVIVED: "the motion survives",
+    FALLEN: "the machine falls",
+    ENDED: "the motion ends: its field or a guard has no value, steps become too small, or events accumulate",
+    LEFT: "the events at the end are not those of the solution in their order",
+    AWAY: "the motion is not back at the solution",
+    BEYOND: "the push carries a guard past zero: the machine cannot be there",
+}
+
+# Steps, after which a motion is given up.
+MOST_STEPS = 1_000_000
+# In so many periods at the end the events must once have been those of the solution.
+LAPS = 2
+
+
+@dataclass(frozen=True)
+class Rule:
+    """What surviving means.
+
+    Parameters
+    ----------
+    duration : float
+        Seconds to survive for.
+    sequence : bool
+        Whether the solution's events must happen in their order at the end.
+    returns : float, optional
+        How near to a state of the solution the motion must be at the end, in units of the states' magnitudes;
+        None where it need not. Angles count but for whole turns, neutral states do not count.
+    tolerance, method
+        Of the integration.
+    """
+
+    duration: float
+    sequence: bool
+    returns: float | None
+    tolerance: float
+    method: str
+
+
+@dataclass(eq=False)
+class Survival:
+    """The test of one solution of a machine."""
+
+    system: System
+    solution: Solution
+    rule: Rule
+    simulations: int = field(default=0, init=False)
+    evaluations: int = field(default=0, init=False)
+
+    def __post_init__(self) -> None:
+        self._values = ParameterValues(**self.solution.parameters)
+        self._falling = _free_name(self.system)
+        self.machine = hybrid_machine(_falling(self.system, self._falling), self.solution.parameters)
+        self._hard = {t.name for t in self.system.transitions if t.role == "hard"}
+
+    def verdict(self, instant: Instant, push: np.ndarray) -> str:
+        """How a motion ends that sets out from an instant with a push, shape (n,), added to its state."""
+        self.simulations += 1
+        place = placed(self.machine, instant.time, instant.mode, instant.state, instant.state + push)
+        if place.beyond:
+            return BEYOND
+        try:
+            with np.errstate(all="ignore"):
+                return self._moved(instant, place.mode, place.state, instant.last if not push.any() else "")
+        except (ContwalkError, ArithmeticError):
+            return ENDED
+
+    def _moved(self, instant: Instant, mode: str, state: np.ndarray, last: str) -> str:
+        end = instant.time + self.rule.duration
+        control = Control(self.rule.tolerance, self.solution.magnitudes, self.rule.method)
+        if self._has_fallen(instant.time, state):
+            return FALLEN
+        events: list[tuple[str, float]] = []
+        steps = 0
+        part: MotionSegment | None = None
+        for part in parts(self.machine, instant.time, state, mode, end, control, last or None):
+            self.evaluations += part.evaluations
+            steps += len(part.times) - 1
+            if any(event.name == self._falling for event in part.watched) or (
+                part.after is not None and self._has_fallen(float(part.times[-1]), part.after)
+            ):
+                return FALLEN
+            if part.status != "ok" or steps > MOST_STEPS:
+                return ENDED
+            if part.transition in self._hard:
+                events.append((str(part.transition), float(part.times[-1])))
+        if part is None or not part.times[-1] >= end * (1.0 - 1e-12):
+            return ENDED
+        if self.rule.sequence and not self._keeps(events, end):
+            return LEFT
+        reached = part.states[-1] if part.after is None else part.after
+        if self.rule.returns is not None and not self._distance(reached) <= self.rule.returns:
+            return AWAY
+        return SURVIVED
+
+    def _has_fallen(self, t: float, state: np.ndarray) -> bool:
+        """Whether the machine has fallen at a state with which a leg begins."""
+        fallen = self.system.fallen
+        return fallen is not None and measured("fallen", plain(fallen), t, state.copy(), self._values) > 0.0
+
+    def _keeps(self, events: Sequence[tuple[str, float]], end: float) -> bool:
+        """Whether the events of the solution happen in their order once in the last periods."""
+        cycle = self.solution.cycle
+        if not cycle:
+            return not events or events[-1][1] < end - LAPS * self.solution.period
+        late = [name for name, time in events if time >= end - LAPS * self.solution.period]
+        length = sum(len(group) for group in cycle)
+        rotations = [(*cycle[k:], *cycle[:k]) for k in range(len(cycle))]
+        return any(
+            _runs_through(late[first : first + length], rotation)
+            for first in range(len(late) - length + 1)
+            for rotation in rotations
+        )
+
+    def _distance(self, state: np.ndarray) -> float:
+        """How far a state is from the nearest one of the solution, in units of the magnitudes."""
+        off = self.solution.course - state
+        for place, declared in enumerate(self.system.states):
+            if declared.name in self.solution.neutral:
+                off[:, place] = 0.0
+            elif declared.period:
+                off[:, place] -= declared.period * np.floor(off[:, place] / declared.period + 0.5)
+        off = np.nan_to_num(off / self.solution.magnitudes, nan=0.0)
+        ahead = np.diff(off, axis=0)
+        lengths = np.maximum((ahead**2).sum(axis=1), np.finfo(float).tiny)
+        shares = np.clip(-(off[:-1] * ahead).sum(axis=1) / lengths, 0.0, 1.0)
+        nearest = np.concatenate([off, off[:-1] + shares[:, None] * ahead])
+        return float(np.sqrt((nearest**2).sum(axis=1).min()))
+
+
+def _free_name(system: System) -> str:
+    name, taken = "fallen", {transition.name for transition in system.transitions}
+    while name in taken:
+        name += "_"
+    return name
+
+
+def _falling(system: System, name: str) -> System:
+    """What moves the machine, and as its only watched transition that it falls, in each mode."""
+    acting, fallen = system.acting, system.fallen
+    falls = [] if fallen is None else [_falls(name, mode.name, fallen) for mode in system.modes]
+    known = {transition.name for transition in acting}
+    return replace(
+        system,
+        transitions=(*acting, *falls),
+        symmetries=tuple(_among(symmetry, known) for symmetry in system.symmetries),
+        observables=(),
+        signals=(),
+        conditions=(),
+        study=None,
+    )
+
+
+def _falls(name: str, mode: str, fallen: Callable[..., float]) -> Transition:
+    return Transition(name, mode, mode, fallen, "rising", role="watched")
+
+
+def _among(symmetry: Symmetry, known: Collection[str]) -> Symmetry:
+    """The symmetry as far as it exchanges these events."""
+    events = {name: image for name, image in symmetry.events.items() if name in known and image in known}
+    return replace(symmetry, events=events)
+
+
+def _runs_through(names: Sequence[str], groups: Sequence[Sequence[str]]) -> bool:
+    """Whether names are those of the groups one after the other, in any order within a group."""
+    at = 0
+    for group in groups:
+        if Counter(names[at : at + len(group)]) != Counter(group):
+            return False
+        at += len(group)
+    return True

@@ -1,0 +1,132 @@
+"""What a ray of pushes is, and its row: a pure function of the study and the ray, wherever it is computed."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contwalk.errors import ContwalkError
+from contwalk.numerics.threads import one_thread
+from contwalk.studies.margins.borders import borders_on
+from contwalk.studies.margins.solution import Solution
+from contwalk.studies.margins.survival import SURVIVED, Rule, Survival
+from contwalk.system import load_system
+
+# Of the magnitude of a state: where the search on a ray begins.
+BEGIN = 0.05
+
+
+@dataclass(frozen=True)
+class Ray:
+    """A state pushed one way at an instant, all given by number and name; `sign` is +1 or -1."""
+
+    number: int
+    instant: int
+    state: str
+    sign: int
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """What all rays share; it can be sent to another process.
+
+    Parameters
+    ----------
+    reference, model, base : str, mapping, str
+        From which the system is loaded there.
+    source : str
+        Hash of its files.
+    solution : Solution
+    rule : Rule
+    accuracy, scan, farthest
+        Of the search for borders; see `borders_on`.
+    """
+
+    reference: str
+    model: dict[str, Any]
+    base: str
+    source: str
+    solution: Solution
+    rule: Rule
+    accuracy: float
+    scan: int
+    farthest: float
+
+    @cached_property
+    def key(self) -> str:
+        """Tells studies apart that one worker computes rays of."""
+        content = [
+            self.reference,
+            str(sorted(self.model.items())),
+            self.base,
+            self.source,
+            str(sorted(self.solution.parameters.items())),
+            *(instant.state.tobytes().hex() + instant.mode for instant in self.solution.instants),
+            repr((self.rule, self.accuracy, self.scan, self.farthest)),
+        ]
+        return hashlib.sha256(json.dumps(content).encode()).hexdigest()
+
+
+def row_of(task: tuple[Study, Ray]) -> dict[str, Any]:
+    """The row of a ray; the same wherever it is computed.
+
+    Raises
+    ------
+    ContwalkError
+        If the system here is not the one of the study.
+    """
+    study, ray = task
+    with one_thread():
+        survival = _survival(study)
+        instant = study.solution.instants[ray.instant]
+        place = survival.system.state_names.index(ray.state)
+        magnitude = float(study.solution.magnitudes[place])
+        verdicts: dict[float, str] = {}
+
+        def survives(size: float) -> bool:
+            push = np.zeros(len(survival.system.states))
+            push[place] = ray.sign * size
+            verdicts[size] = survival.verdict(instant, push)
+            return verdicts[size] == SURVIVED
+
+        farthest = study.farthest * magnitude
+        found = borders_on(survives, BEGIN * magnitude, farthest, study.accuracy, study.scan)
+    first = found.borders[0] if found.borders else None
+    lost = [size for size, ended in verdicts.items() if ended != SURVIVED and (first is None or size > first)]
+    return {
+        "number": ray.number,
+        "instant": ray.instant,
+        "fraction": instant.fraction,
+        "state": ray.state,
+        "sign": ray.sign,
+        "border": first,
+        "several": found.several,
+        "borders": list(found.borders),
+        "ends": verdicts[min(lost)] if lost else SURVIVED,
+        "simulations": found.simulations,
+    }
+
+
+# Tests of studies by their keys, with their machines, made once in each process.
+_TESTS: dict[str, Survival] = {}
+MOST_TESTS = 4
+
+
+def _survival(study: Study) -> Survival:
+    if study.key not in _TESTS:
+        system = load_system(study.reference, dict(study.model), Path(study.base))
+        if system.source != study.source:
+            raise ContwalkError(
+                f"The system '{study.reference}' is another one here than where the study was begun.",
+                "Install the same files wherever runs are computed.",
+            )
+        while len(_TESTS) >= MOST_TESTS:
+            _TESTS.pop(next(iter(_TESTS)))
+        _TESTS[study.key] = Survival(system, study.solution, study.rule)
+    return _TESTS[study.key]

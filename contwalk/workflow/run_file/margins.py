@@ -1,0 +1,108 @@
+"""A run file as `contwalk margins` reads it: the section `margins`."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from contwalk.branch import LABELS
+from contwalk.system import System
+from contwalk.workflow.file_names import beside
+from contwalk.workflow.run_file.motions import Margins
+from contwalk.workflow.run_file.problems import allowed
+from contwalk.workflow.run_file.reading import opened
+from contwalk.workflow.run_file.text import text_of_file
+
+_POINT = re.compile(rf"[A-Za-z]\w*/((?:{'|'.join(LABELS)})[1-9]\d*|\d+)")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MarginsFile:
+    """A checked run file.
+
+    Parameters
+    ----------
+    path, text, overrides
+        The file as the user gave it, its content, and the `--set` values.
+    system_reference, system : str, System
+    model, parameters : mapping
+        What the file says of them; `parameters` must be those of the point.
+    database : Path
+        Where the point is.
+    margins : Margins
+        The section itself.
+    output : Path
+        The base of the names of all files written: `X.h5` stands for `X_margins.h5` and so on.
+    """
+
+    path: Path
+    text: str
+    overrides: tuple[str, ...]
+    system_reference: str
+    system: System
+    model: dict[str, object]
+    parameters: dict[str, float]
+    database: Path
+    margins: Margins
+    output: Path
+
+    def file(self, what: str) -> Path:
+        """The file of this ending, as `margins.h5`."""
+        return beside(self.output, what)
+
+
+def read_margins(path: str | Path, overrides: Sequence[str] = (), output: str | None = None) -> MarginsFile:
+    """Read and check a run file for `contwalk margins`.
+
+    Raises
+    ------
+    RunFileError
+        For every problem, with file, line and key.
+    """
+    text = text_of_file(Path(path), str(path))
+    problems, model, system = opened(text, path, overrides)
+    wanted = model.margins
+    if wanted is None:
+        problems.add(
+            ("margins",),
+            "the key is missing.",
+            "Say which motion is pushed: {of: {from: walker.h5, point: b1/UZ1}, survive: {periods: 20}}.",
+        )
+        raise problems.error()
+    if not _POINT.fullmatch(wanted.of.point):
+        problems.add(
+            ("margins", "of", "point"),
+            f"is '{wanted.of.point}'.",
+            "Allowed: a branch and a point, b1/UZ1 or b1/12.",
+        )
+    for name in () if wanted.states == ("all",) else wanted.states:
+        if name not in system.state_names:
+            problems.add(
+                ("margins", "states"),
+                f"'{name}' is not a state of '{system.name}'.",
+                allowed(system.state_names, name),
+            )
+    if wanted.survive.periods is not None and wanted.survive.time is not None:
+        problems.add(("margins", "survive"), "gives both periods and time.", "Give one of them.")
+    for name in model.parameters:
+        if name not in system.parameter_names:
+            problems.add(
+                ("parameters", name),
+                f"'{name}' is not a parameter of '{system.name}'.",
+                allowed(system.parameter_names, name),
+            )
+    problems.raise_any()
+    return MarginsFile(
+        path=Path(path),
+        text=text,
+        overrides=tuple(overrides),
+        system_reference=model.system,
+        system=system,
+        model=dict(model.model),
+        parameters=dict(model.parameters),
+        database=Path(path).parent / wanted.of.from_,
+        margins=wanted,
+        output=Path(output or model.output or f"{Path(path).stem}.h5"),
+    )

@@ -1,0 +1,163 @@
+"""`contwalk margins` on machines whose borders are known in closed form."""
+
+from __future__ import annotations
+
+import csv
+import math
+
+import numpy as np
+import pytest
+
+from contwalk.cli.entry import run
+from contwalk.storage.trajectory import read_margins
+
+# A damped oscillator that has fallen beyond x = wall, and a ball in one of the wells of x'' = x - x^3.
+PLUGIN = """\
+from contwalk.system import Mode, Parameter, Start, State, System
+
+def damped(t, x, p, dx):
+    dx[0] = x[1]
+    dx[1] = -x[0] - 2.0 * p.zeta * x[1]
+
+def well(t, x, p, dx):
+    dx[0] = x[1]
+    dx[1] = x[0] - x[0] ** 3 + p.tilt
+
+OSCILLATOR = System(
+    name="oscillator",
+    states=(State("x", "m"), State("v", "m/s")),
+    parameters=(Parameter("zeta", 0.1), Parameter("wall", 1.0)),
+    modes=(Mode("free", damped),),
+    starts=(Start("rest", lambda p: [[0.0, 0.0]]),),
+    fallen=lambda t, x, p: x[0] - p.wall,
+)
+WELL = System(
+    name="well",
+    states=(State("x"), State("v")),
+    parameters=(Parameter("tilt", 0.0),),
+    modes=(Mode("free", well),),
+    starts=(Start("right", lambda p: [[1.0, 0.0]]),),
+    fallen=lambda t, x, p: -x[0],
+)
+SYSTEM = {which}
+"""
+
+RUN = """\
+system: ./{name}.py
+start: {{equilibrium: {start}}}
+continue: {{parameter: {free}, range: {range}, max_points: 4, direction: up}}
+diagram: none
+margins:
+  of: {{from: {name}.h5, point: b1/0}}
+  survive: {{time: {time}}}
+  accuracy: 1e-7
+  scan: 0
+output: {name}.h5
+"""
+
+
+def prepared(folder, name, **given):
+    (folder / f"{name}.py").write_text(PLUGIN.replace("{which}", name.upper()), encoding="utf-8")
+    (folder / f"{name}.yaml").write_text(RUN.format(name=name, **given), encoding="utf-8")
+    assert run(("continue", f"{name}.yaml", "--no-figures", "--quiet")) == 0
+
+
+@pytest.fixture
+def oscillator(folder):
+    prepared(folder, "oscillator", start="rest", free="zeta", range="[0.1, 0.3]", time=40)
+    return folder
+
+
+def borders(name):
+    return {(r["state"], r["sign"]): r["border"] for r in read_margins(f"{name}_margins.h5").rows}
+
+
+def test_a_linear_oscillator_beside_a_wall(contwalk, oscillator):
+    done = contwalk("margins", "oscillator.yaml")
+    assert done.code == 0
+    zeta = 0.1
+    omega = math.sqrt(1.0 - zeta**2)
+    top, half = math.atan2(omega, zeta) / omega, math.pi / omega
+    exact = {
+        ("x", 1): 1.0,
+        ("x", -1): math.exp(zeta * half),
+        ("v", 1): math.exp(zeta * top),
+        ("v", -1): math.exp(zeta * (top + half)),
+    }
+    assert borders("oscillator") == pytest.approx(exact, rel=1e-6)
+    assert "fallen" in done.out
+    with open("oscillator_margins.csv", newline="", encoding="utf-8") as file:
+        table = list(csv.DictReader(file))
+    assert {(r["state"], int(r["sign"])): float(r["border"]) for r in table} == borders("oscillator")
+
+
+def test_a_well_by_its_energy(contwalk, folder):
+    prepared(folder, "well", start="right", free="tilt", range="[0, 0.1]", time=60)
+    assert contwalk("margins", "well.yaml", "--no-figures").code == 0
+    found = read_margins("well_margins.h5")
+    tilt, rest = found.header["parameters"]["tilt"], found.instants[0]["state"][0]
+    # It is lost where its energy is that of rest at x = 0: V(x) = x^4/4 - x^2/2 - tilt x = V(0) = 0.
+    far = float(max(np.roots([0.25, 0.0, -0.5, -tilt]).real))
+    speed = math.sqrt(-2.0 * (rest**4 / 4.0 - rest**2 / 2.0 - tilt * rest))
+    exact = {("x", 1): far - rest, ("x", -1): rest, ("v", 1): speed, ("v", -1): speed}
+    assert borders("well") == pytest.approx(exact, rel=1e-6)
+
+
+def test_two_processes_and_a_run_that_was_killed_leave_the_same_bytes(contwalk, oscillator):
+    contwalk("margins", "oscillator.yaml", "--no-figures")
+    files = [oscillator / f"oscillator_margins.{suffix}" for suffix in ("h5", "csv")]
+    whole = [file.read_bytes() for file in files]
+    assert contwalk("margins", "oscillator.yaml", "--no-figures", "--force", "--jobs", "2").code == 0
+    assert [file.read_bytes() for file in files] == whole
+    journal = oscillator / "oscillator_margins.journal"
+    assert not journal.exists()
+
+
+def test_a_study_that_was_stopped_goes_on(contwalk, oscillator, monkeypatch):
+    import contwalk.workflow.margins as module
+
+    contwalk("margins", "oscillator.yaml", "--no-figures")
+    file = oscillator / "oscillator_margins.h5"
+    whole, computed = file.read_bytes(), module.row_of
+    file.unlink()
+    (oscillator / "oscillator_margins.csv").unlink()
+
+    def stopped(task):
+        if task[1].number == 2:
+            raise KeyboardInterrupt
+        return computed(task)
+
+    monkeypatch.setattr(module, "row_of", stopped)
+    assert contwalk("margins", "oscillator.yaml", "--no-figures").code == 130
+    again = contwalk("margins", "oscillator.yaml", "--no-figures")
+    assert again.code == 2
+    assert "--resume" in again.err
+
+    def counted(task):
+        assert task[1].number >= 2
+        return computed(task)
+
+    monkeypatch.setattr(module, "row_of", counted)
+    assert contwalk("margins", "oscillator.yaml", "--no-figures", "--resume").code == 0
+    assert file.read_bytes() == whole
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ("margins.of.point=b1", "a branch and a point"),
+        ("margins.of.point=b7/0", "b7"),
+        ("margins.of.from=missing.h5", "missing.h5"),
+        ("margins.states=[y]", "not a state of 'oscillator'"),
+        ("margins.instants=0", "a whole number from 1 to 1000"),
+        ("margins.survive={periods: 3}", "which has no period"),
+        ("margins.survive={periods: 3, time: 4}", "both periods and time"),
+        ("margins.accuracy=0", "a positive number"),
+        ("parameters.wall=2", "sets wall to 2"),
+    ],
+)
+def test_what_is_wrong_is_told_with_its_key_and_nothing_is_written(contwalk, oscillator, change, said):
+    done = contwalk("margins", "oscillator.yaml", "--set", change)
+    assert done.code == 2
+    assert said in done.err
+    assert not list(oscillator.glob("*_margins.*"))

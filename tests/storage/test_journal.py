@@ -1,0 +1,55 @@
+"""Results that are kept line by line."""
+
+from __future__ import annotations
+
+import pytest
+
+from contwalk.errors import DatabaseError
+from contwalk.storage.journal import Journal
+
+STUDY = {"study": "a", "rays": 3}
+
+
+def written(path, *results):
+    with Journal(path, STUDY, resume=False) as journal:
+        for result in results:
+            journal.add(result)
+    return path.read_bytes()
+
+
+def test_results_are_there_again_to_the_last_bit(tmp_path):
+    path, results = tmp_path / "j", [{"border": 0.1 + 0.2, "many": [1e-300, -0.0]}, {"border": None}]
+    written(path, *results)
+    with Journal(path, STUDY, resume=True) as journal:
+        assert journal.kept == results
+
+
+def test_what_was_being_written_when_killed_is_dropped_and_what_came_before_is_kept(tmp_path):
+    path = tmp_path / "j"
+    whole = written(path, {"n": 0}, {"n": 1}, {"n": 2})
+    for cut in range(len(whole)):
+        path.write_bytes(whole[:cut])
+        with Journal(path, STUDY, resume=True) as journal:
+            kept = len(journal.kept)
+            assert journal.kept == [{"n": k} for k in range(kept)]
+            for k in range(kept, 3):
+                journal.add({"n": k})
+        assert path.read_bytes() == whole
+
+
+def test_a_journal_that_is_damaged_before_its_end_is_refused(tmp_path):
+    path = tmp_path / "j"
+    whole = bytearray(written(path, {"n": 0}, {"n": 1}))
+    whole[20] ^= 1
+    path.write_bytes(bytes(whole))
+    with pytest.raises(DatabaseError, match="damaged at byte 0"):
+        Journal(path, STUDY, resume=True)
+
+
+def test_results_of_another_study_are_not_taken_up(tmp_path):
+    path = tmp_path / "j"
+    written(path, {"n": 0})
+    with pytest.raises(DatabaseError, match="another study: rays differs"):
+        Journal(path, STUDY | {"rays": 4}, resume=True)
+    with Journal(path, STUDY | {"rays": 4}, resume=False) as journal:
+        assert journal.kept == []
