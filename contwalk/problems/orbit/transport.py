@@ -12,7 +12,7 @@ from contwalk import flow
 from contwalk.problems.orbit.closure import imaged
 from contwalk.problems.orbit.lifts import PLAIN, TANGENT
 from contwalk.problems.orbit.orbit_data import OrbitData
-from contwalk.problems.orbit.segmented_orbit import Kind, SegmentedOrbit
+from contwalk.problems.orbit.segmented_orbit import Kind, SegmentedOrbit, section_through
 from contwalk.problems.orbit.shooting import Mesh, arrived
 from contwalk.problems.problem import Sample
 from contwalk.system.declarations import ParameterValues
@@ -192,7 +192,8 @@ def _remeshed(problem: Kind, z: np.ndarray, weights: np.ndarray, mesh: Mesh | No
         made: Kind = problem.adapted_to(z, weights)
         return made
     scalars = z[problem.scalar_places(z)]
-    return problem.imaged_on(mesh, z[: problem.states], np.concatenate([scalars, problem.line.constants]))
+    values = np.concatenate([scalars, problem.line.constants])
+    return problem.on(mesh, section_through(problem, z[: problem.states], values, mesh.magnitudes))
 
 
 def closed(problem: AnyOrbit, rough: Sample) -> tuple[AnyOrbit, Sample] | None:
