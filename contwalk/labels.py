@@ -22,6 +22,9 @@ MEANINGS = {
     "AZ": "admissibility limit",
 }
 
+# Those of equilibria at which the number of unstable directions, or of solutions, changes: borders of regions.
+BORDERS = ("LP", "HB", "BP")
+
 # Special points of curves in two parameters.
 OF_LOCI = {
     "CP": "cusp",

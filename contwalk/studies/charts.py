@@ -22,6 +22,7 @@ from contwalk.continuation.newton import correct
 from contwalk.continuation.settings import Mark, Settings
 from contwalk.errors import ContwalkError
 from contwalk.labels import LOCUS, MARK
+from contwalk.labels import BORDERS, END
 from contwalk.numerics.linear import kernel_direction
 from contwalk.numerics.regions import Raster, Regions, regions
 from contwalk.numerics.threads import one_thread
@@ -31,8 +32,6 @@ from contwalk.studies.opening import opened
 from contwalk.studies.verbs import continue_branch
 from contwalk.system import System
 
-# Curves at which the number of unstable directions of a solution, or of solutions, changes.
-BORDERS = ("LP", "HB", "BP")
 # How far beside a fold a branch is begun, in typical magnitudes.
 BESIDE_FOLD = 0.05
 # Points of the branches at a place of a region, each way.
@@ -116,7 +115,7 @@ def _borders(curve: Branch, x: str, y: str) -> Iterator[np.ndarray]:
 def _notes(curves: Sequence[Branch], of_orbits: Sequence[Branch], found: Regions) -> Iterator[str]:
     open_ends = ("bound", "closed")
     for curve in curves:
-        ends = [p for p in curve.special_points if p.label == "EP" and p.kind not in open_ends]
+        ends = [p for p in curve.special_points if p.label == END and p.kind not in open_ends]
         if ends and curve.info.settings["of"] in BORDERS and curve.outcome.reason not in open_ends:
             yield (
                 f"{curve.name} ends inside the chart ({curve.outcome.reason}): regions on its sides run into "

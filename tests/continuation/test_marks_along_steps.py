@@ -118,9 +118,12 @@ def test_marks_that_a_start_has_itself():
     observer = Observer(LINE, ("height",))
     sample = problem.sample((0.0, 0.1), (0.0, 1.0))
     marks = (Mark("lam", (0.1, 0.2)), Mark("height", (float(np.exp(0.1)), 7.0)))
-    assert marks_at(sample, marks, observer) == ["parameter", "observable"]
+    assert marks_at(problem, sample, marks, observer) == [
+        ("parameter", ("lam", 0.1)),
+        ("observable", ("height", float(np.exp(0.1)))),
+    ]
     beside = problem.sample((0.0, 0.1 * (1.0 + 1e-14)), (0.0, 1.0))
-    assert marks_at(beside, (Mark("lam", (0.1,)),), observer) == []
+    assert marks_at(problem, beside, (Mark("lam", (0.1,)),), observer) == []
 
 
 @pytest.mark.parametrize("end", [0.0, 1.0])

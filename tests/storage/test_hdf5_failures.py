@@ -86,8 +86,8 @@ def test_hdf5_of_another_program(tmp_path, mark):
 
 def test_newer_schema(stored):
     with h5py.File(stored, "r+") as file:
-        file.attrs["schema_version"] = 2
-    with pytest.raises(DatabaseError, match="schema version 2") as caught:
+        file.attrs["schema_version"] = 3
+    with pytest.raises(DatabaseError, match="schema version 3") as caught:
         open_database(stored)
     assert "upgrade" in caught.value.remedy
 

@@ -10,6 +10,16 @@ from contwalk.problems.orbit.transport import carried_to
 from contwalk.system.declarations import ParameterValues
 
 
+# An orbit whose states move by less, in parts of their magnitudes, is at rest: what differs there is errors.
+AT_REST = 1e-6
+
+
+def of_moving(problem: SegmentedOrbit, z: np.ndarray) -> dict[str, float]:
+    """As `asymmetries`; nothing of an orbit at rest, z of shape (N + 1,), whose images are all itself."""
+    mesh = problem.mesh
+    return {} if (mesh.variation <= AT_REST * mesh.magnitudes).all() else asymmetries(problem, z)
+
+
 def asymmetries(problem: SegmentedOrbit, z: np.ndarray) -> dict[str, float]:
     """Distances of an orbit, z of shape (N + 1,), from its images, by name: zero where it is its parent's.
 

@@ -70,7 +70,7 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
     """
 
     kind = "periodic_orbit"
-    asymmetries = asymmetry.asymmetries
+    asymmetries = asymmetry.of_moving
     point_types = POINT_TYPES
     limited = None
     # Stability grows with the square of the amplitude, and drowns in the error of the steps nearer by.

@@ -33,6 +33,7 @@ diagram: {{follow: [BP, HB, PD], depth: 5}}   # labels of {labels}; all, or none
 # engine: {{max_step: 0.1, max_angle: 20}}   # for experts: step, min_step, newton_iterations
 # simulate: {simulate}   # contwalk simulate: one motion from the start
 # sample: {sample}   # contwalk sample: many motions
+# margins: {margins}   # contwalk margins: how far a stored motion may be pushed
 """
 
 
@@ -86,6 +87,7 @@ def starting_file(system: System, reference: str) -> str:
         report_at=_report_example(system),
         sweep=_sweep_example(system, parameter),
         loci=_loci_example(system, parameter),
+        margins="{of: {from: results.h5, point: b1/0}, survive: {periods: 20}}",
         simulate=f"{{until: settled, points: 1000, perturb: {{{system.state_names[0]}: 0.01}}}}",
         sample=_sample_example(system),
     )

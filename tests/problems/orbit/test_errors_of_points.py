@@ -18,6 +18,7 @@ def made_up(steepness):
     jacobian = np.array([[1.0, -steepness]])
     problem = SimpleNamespace(
         size=1,
+        line=SimpleNamespace(names=("lam",), free="lam", second=None),
         mesh=SimpleNamespace(tolerance=1e-6),
         discretization=SimpleNamespace(accuracy=1e-9, locating=1e-8),
         linearize=lambda z: SimpleNamespace(levels=(np.array([LEVEL]), None)),

@@ -66,7 +66,7 @@ def test_an_orbit_is_a_solution_on_the_segments_that_it_was_cut_into(scheme, mos
         problem, [1.0, 0.0, 0.0], range=(0.5, 6.0), period=2.0 * np.pi, direction="forward"
     )
     assert branch.outcome.reason == "bound"
-    assert 3 < segments(branch)[-1] <= most
+    assert (4 if scheme == "shooting" else 3) <= segments(branch)[-1] <= most
     assert branch.points["residual"].max() < SOLVED
     # Where Newton's method reaches is what limits a step: cut in time, they are limited by curvature.
     assert len(branch) < 150
