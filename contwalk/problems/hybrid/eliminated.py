@@ -9,7 +9,6 @@ import numpy as np
 
 from contwalk.numerics.broyden import broyden_step
 from contwalk.problems.hybrid.discretized_orbit import Kind
-from contwalk.problems.hybrid.forward_solution import solved_forward
 from contwalk.problems.hybrid.grouping import Grouping
 from contwalk.problems.orbit.scales import cycle_scales
 
@@ -207,15 +206,13 @@ def reached(near: Eliminated, z: np.ndarray, roughly: bool = False) -> Eliminate
     """
     if near.solved and np.array_equal(near.z, z):
         return near
-    chord, ahead = Chord(near), Chord(near)
+    chord = Chord(near)
     try:
-        followed = chord.follow(z)
-        ahead.moved(z)
+        if not chord.follow(z):
+            return None
     except np.linalg.LinAlgError:
         return None
-    # Beside a pair that has just come, instants go as a root: only the motion itself leads there.
-    soft = chord.soft if followed else solved_forward(near.explicit, near.grouping, z, ahead.soft)
-    return None if soft is None else corrected(near.explicit, near.grouping, z, soft, roughly)
+    return corrected(near.explicit, near.grouping, z, chord.soft, roughly)
 
 
 def corrected(

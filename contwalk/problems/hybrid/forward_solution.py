@@ -18,27 +18,28 @@ MOST_CORRECTIONS, ROUNDED = 6, 1e-12
 
 
 def solved_forward(
-    explicit: DiscretizedOrbit, grouping: Grouping, z: np.ndarray, soft: np.ndarray
-) -> np.ndarray | None:
-    """What is eliminated, solved for; None where a piece does not come to its guard.
+    explicit: DiscretizedOrbit, grouping: Grouping, z: np.ndarray, near: np.ndarray
+) -> np.ndarray:
+    """What is eliminated, solved for; as it is in `near` where a piece does not come to its guard.
 
     Parameters
     ----------
     explicit : DiscretizedOrbit
         Discretised; its legs are of one segment each.
-    z : ndarray, shape (M + 1,)
+    z : ndarray
         The unknowns that are left.
-    soft : ndarray, shape (N - M,)
-        What is eliminated, roughly: durations of pieces are looked for from those here.
+    near : ndarray
+        Explicit unknowns: durations of pieces are looked for from those here.
     """
-    layout, found = explicit.layout, grouping.joined(z, soft)
+    layout, soft = explicit.layout, grouping.split(near)[1]
+    found = grouping.joined(z, soft)
     total = float(np.abs(found[layout.durations]).sum())
     for group in grouping.groups:
         places = [layout.durations.start + i for i in group]
         lasting = float(found[places].sum())
         for i in group[:-1]:
             if not _passed(explicit, i, found, ROUNDED * total):
-                return None
+                return soft
         found[places[-1]] = lasting - float(found[places[:-1]].sum())
     return grouping.split(found)[1]
 

@@ -155,9 +155,7 @@ class SoftEquations(HybridOrbit):
         unknowns = rough.assembled(states, lasting, z[self.layout.drifts], float(z[-1]), begins)
         explicit = rough.adapted_to(unknowns, self._explicit_weights(rough, weights), asked, section)
         grouping = Grouping(word, rough.layout)
-        soft = grouping.split(unknowns)[1]
-        forward = solved_forward(explicit, grouping, z, soft)
-        found = corrected(explicit, grouping, z, soft if forward is None else forward)
+        found = corrected(explicit, grouping, z, solved_forward(explicit, grouping, z, unknowns))
         there = self.around(explicit, unknowns)
         if found is not None:
             there._inner = there.known.at("expanded", z, 1, lambda: found)
