@@ -22,8 +22,10 @@ MEANINGS = {
     "AZ": "admissibility limit",
 }
 
-# Those of equilibria at which the number of unstable directions, or of solutions, changes: borders of regions.
+# Those of equilibria at which the number of unstable directions, or of solutions, changes.
 BORDERS = ("LP", "HB", "BP")
+# Those at which branches of the same kind of solutions cross.
+CROSSINGS = frozenset({"BP"})
 
 # Special points of curves in two parameters.
 OF_LOCI = {

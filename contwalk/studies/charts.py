@@ -21,8 +21,7 @@ from contwalk.continuation.events import Plan
 from contwalk.continuation.newton import correct
 from contwalk.continuation.settings import Mark, Settings
 from contwalk.errors import ContwalkError
-from contwalk.labels import LOCUS, MARK
-from contwalk.labels import BORDERS, END
+from contwalk.labels import BORDERS, CROSSINGS, END, LOCUS, MARK
 from contwalk.numerics.linear import kernel_direction
 from contwalk.numerics.regions import Raster, Regions, regions
 from contwalk.numerics.threads import one_thread
@@ -158,7 +157,7 @@ def _solutions(
             if not isinstance(opening, Outcome):
                 yield Start(system, x, dict(parameters), opening, "chart")
 
-    diagram = Diagram(starts(), Plan(settings, frozenset({"BP"}), 3))
+    diagram = Diagram(starts(), Plan(settings, CROSSINGS, 3))
     for _ in diagram.events():
         pass
     found: list[Solution] = []

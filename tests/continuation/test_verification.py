@@ -166,7 +166,8 @@ def test_marked_values_are_solved_again(folded):
     found = checked(system, marked, by_kind["parameter"])
     assert (found.verdict, found.quantity != "mu") == (AGREES, True)
     assert checked(system, marked, by_kind["observable"], marks={"max_abs": [0.01]}).verdict == AGREES
-    unknown = checked(system, marked, by_kind["observable"], marks={})
+    assert checked(system, marked, by_kind["observable"], marks={}).verdict == AGREES  # it tells itself
+    unknown = checked(system, marked, replace(by_kind["observable"], mark={}), marks={})
     assert unknown.verdict == LOST
     assert "does not tell what is marked" in unknown.reason
 
@@ -337,6 +338,7 @@ def test_an_extremum_of_an_observable_is_checked_as_what_it_is():
     points = {point.kind: point for point in labelled(branch, "UZ")}
     for kind in ("extremum", "observable"):
         assert checked(system, branch, points[kind], marks=marks).verdict == AGREES
-    lost = checked(system, branch, points["extremum"], marks={"hill": [0.96]})
+    assert checked(system, branch, points["extremum"], marks={}).verdict == AGREES  # it tells itself
+    lost = checked(system, branch, replace(points["extremum"], mark={}), marks={"hill": [0.96]})
     assert lost.verdict == LOST
     assert "does not tell what is marked" in lost.reason

@@ -9,7 +9,6 @@ from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
 from contwalk.problems.orbit.transport import carried_to
 from contwalk.system.declarations import ParameterValues
 
-
 # An orbit whose states move by less, in parts of their magnitudes, is at rest: what differs there is errors.
 AT_REST = 1e-6
 
