@@ -18,6 +18,8 @@ ROW = 0.19  # inches for a state
 DIGITS = 3
 # Beyond the largest border there is room for its number.
 ROOM = 3.5
+# Of the largest border: a smaller one is none at all, and gets no bar.
+NOTHING = 1e-9
 
 
 def plot_margins(
@@ -56,7 +58,8 @@ def plot_margins(
         raise ContwalkError("There are no margins to draw.", "Give a row for each state and sign.")
     states = list(dict.fromkeys(str(row["state"]) for row in rows))
     known = [float(row["border"]) for row in rows if row["border"]]
-    low, high = (min(known), max(known)) if known else (0.1, 1.0)
+    high = max(known, default=1.0)
+    low = min([border for border in known if border > NOTHING * high], default=0.1)
     floor = 10.0 ** math.floor(math.log10(low) - 0.2)
     reach = math.log10(ROOM * high / floor)
     if axes is None:
@@ -96,7 +99,7 @@ def _panel(
                 arrowprops={"arrowstyle": "->", "color": GREY, "lw": 0.9},
             )
             continue
-        length = math.log10(row["border"] / floor)
+        length = math.log10(max(row["border"] / floor, 1.0))
         color = PALETTE[0] if sign > 0.0 else PALETTE[1]
         shade = light(color, 0.55) if row["several"] else color
         ax.barh(place, sign * length, height=0.7, color=shade, zorder=2)
@@ -115,7 +118,8 @@ def _panel(
             ax.text(0.0, place, "not pushed", ha="center", va="center", fontsize=6.5, color=GREY)
     dress(ax, "push down          push up", "")
     ax.axvline(0.0, color=INK, linewidth=0.7, zorder=3)
-    ax.set_xlim(-1.15 * reach, 1.15 * reach)
+    ax.set_xlim(-1.35 * reach, 1.35 * reach)
+    ax.spines["left"].set_visible(False)
     ax.set_ylim(len(states) - 0.4, -0.6)
     ax.set_xticks([])
     ax.tick_params(axis="y", labelsize=7.5, length=0)

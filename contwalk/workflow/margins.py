@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from contwalk.branch import Branch, SpecialPoint
 from contwalk.errors import ContwalkError, StartError
 from contwalk.numerics.threads import one_thread
 from contwalk.storage.failures import failures_of, refuse_existing
@@ -176,6 +177,7 @@ def _study(run: MarginsFile) -> tuple[Study, list[str]]:
         )
         if branch.info.problem == "equilibrium":
             fractions = (0.0,)
+        _check_stable(branch, point, wanted.of.point)
         solution = solution_at(system, branch, point, fractions)
     for name, value in run.parameters.items():
         if solution.parameters[name] != value:
@@ -198,6 +200,20 @@ def _study(run: MarginsFile) -> tuple[Study, list[str]]:
         ),
         notes,
     )
+
+
+def _check_stable(branch: Branch, point: SpecialPoint | int, name: str) -> None:
+    """Refuse what is unstable on both sides: any push along its unstable direction is lost in time."""
+    if isinstance(point, int):
+        unstable = int(branch.points["unstable"][point])
+    else:
+        unstable = min(point.unstable_before, point.unstable_after)
+    if unstable:
+        raise StartError(
+            f"{name} is unstable in {unstable} direction{'s' * (unstable > 1)}: every push that has a share "
+            "in them is lost sooner or later.",
+            "Margins are of stable motions: name a point where `contwalk show` counts 0 unstable directions.",
+        )
 
 
 def _rule(run: MarginsFile, solution: Solution) -> Rule:

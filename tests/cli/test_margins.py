@@ -142,6 +142,20 @@ def test_a_study_that_was_stopped_goes_on(contwalk, oscillator, monkeypatch):
     assert file.read_bytes() == whole
 
 
+def test_what_is_unstable_is_refused(contwalk, folder):
+    """The saddle between the wells."""
+    prepared(folder, "well", start="right", free="tilt", range="[0, 0.1]", time=20)
+    text = (folder / "well.yaml").read_text(encoding="utf-8")
+    (folder / "top.yaml").write_text(
+        text.replace("{equilibrium: right}", "{state: {x: 0.0, v: 0.0}}").replace("well.h5", "top.h5"),
+        encoding="utf-8",
+    )
+    assert contwalk("continue", "top.yaml", "--no-figures", "--quiet").code == 0
+    done = contwalk("margins", "top.yaml")
+    assert done.code == 2
+    assert "b1/0 is unstable in 1 direction" in done.err
+
+
 @pytest.mark.parametrize(
     ("change", "said"),
     [

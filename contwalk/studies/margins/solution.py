@@ -158,7 +158,8 @@ def _with_events(
         seen = stretch.at(grid)[1]
         states.append(np.where(np.isin(np.arange(seen.shape[1]), stretch.exists), seen, np.nan))
     course = np.concatenate(states)
-    at = begins + _reported_at(system, problem, z, np.nanmax(course, axis=0) - np.nanmin(course, axis=0))
+    low, high = _bounds(course)
+    at = begins + _reported_at(system, problem, z, high - low)
     instants = []
     for fraction in fractions:
         time = at + fraction * closure
@@ -238,6 +239,13 @@ def _grouped(events: Sequence[tuple[str, float]], period: float) -> tuple[tuple[
     return tuple(tuple(sorted(group)) for group in groups)
 
 
+def _bounds(states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Least and largest value of each state while it exists; infinite, the wrong way round, of one that never
+    does."""
+    there = np.isfinite(states)
+    return np.where(there, states, np.inf).min(axis=0), np.where(there, states, -np.inf).max(axis=0)
+
+
 def _solution(
     system: System,
     values: dict[str, float],
@@ -247,9 +255,7 @@ def _solution(
     states: np.ndarray,
     problem: Any,
 ) -> Solution:
-    with np.errstate(all="ignore"):
-        low = np.nanmin(np.where(np.isnan(states), np.inf, states), axis=0)
-        high = np.nanmax(np.where(np.isnan(states), -np.inf, states), axis=0)
+    low, high = _bounds(states)
     half = 0.5 * (high - low)
     sizes = np.where(np.isfinite(half) & (half > 1e-9 * np.abs(high)), half, np.abs(high))
     declared = [state.scale for state in system.states]
