@@ -5,7 +5,7 @@ from __future__ import annotations
 import keyword
 import re
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from difflib import get_close_matches
 from typing import Any
 
@@ -30,6 +30,13 @@ def nearest(name: str, known: Sequence[str]) -> str:
     """Words that name the nearest known name, for error messages; empty when nothing is near."""
     match = get_close_matches(name, list(known), n=1, cutoff=0.5)
     return f"Did you mean '{match[0]}'?" if match else ""
+
+
+def free_name(name: str, taken: Collection[str]) -> str:
+    """The name, with as many underscores behind it as it takes to be none of those taken."""
+    while name in taken:
+        name += "_"
+    return name
 
 
 def article(kind: str) -> str:

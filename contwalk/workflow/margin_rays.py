@@ -83,7 +83,7 @@ def row_of(task: tuple[Study, Ray]) -> dict[str, Any]:
     """
     study, ray = task
     with one_thread():
-        survival = _survival(study)
+        survival = survival_of(study)
         instant = study.solution.instants[ray.instant]
         place = survival.system.state_names.index(ray.state)
         magnitude = float(study.solution.magnitudes[place])
@@ -118,7 +118,14 @@ _TESTS: dict[str, Survival] = {}
 MOST_TESTS = 4
 
 
-def _survival(study: Study) -> Survival:
+def survival_of(study: Study) -> Survival:
+    """The test of a study, made where it is first asked for.
+
+    Raises
+    ------
+    ContwalkError
+        If the system here is not the one of the study.
+    """
     if study.key not in _TESTS:
         system = load_system(study.reference, dict(study.model), Path(study.base))
         if system.source != study.source:

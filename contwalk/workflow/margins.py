@@ -18,11 +18,10 @@ from contwalk.storage.failures import failures_of, refuse_existing
 from contwalk.storage.journal import Journal
 from contwalk.storage.trajectory import Margins, write_margins
 from contwalk.studies.margins.solution import Solution, solution_at
-from contwalk.studies.margins.survival import BEYOND, MEANINGS, SURVIVED, Rule, Survival
-from contwalk.system import System
+from contwalk.studies.margins.survival import BEYOND, MEANINGS, SURVIVED, Rule
 from contwalk.workflow.made_with import made_with
 from contwalk.workflow.many_runs import Executor, in_order
-from contwalk.workflow.margin_rays import Ray, Study, row_of
+from contwalk.workflow.margin_rays import Ray, Study, row_of, survival_of
 from contwalk.workflow.run_file.margins import MarginsFile
 
 PERIODS = 20.0  # to survive, where nobody says
@@ -99,7 +98,7 @@ def margins(
     study, notes = _study(run)
     rays, left_out = _rays(run, study.solution)
     notes += left_out
-    _check_unpushed(run.system, study)
+    _check_unpushed(study)
     with Journal(journal, {"study": study.key, "rays": [asdict(ray) for ray in rays]}, resume) as kept:
         rows = list(kept.kept)
         rest = [(study, ray) for ray in rays[len(rows) :]]
@@ -258,10 +257,10 @@ def _rays(run: MarginsFile, solution: Solution) -> tuple[list[Ray], list[str]]:
     return rays, notes
 
 
-def _check_unpushed(system: System, study: Study) -> None:
-    survival = Survival(system, study.solution, study.rule)
+def _check_unpushed(study: Study) -> None:
+    survival = survival_of(study)
     for number, instant in enumerate(study.solution.instants):
-        ended = survival.verdict(instant, np.zeros(len(system.states)))
+        ended = survival.verdict(instant, np.zeros(len(survival.system.states)))
         if ended != SURVIVED:
             raise ContwalkError(
                 f"The motion does not survive unpushed from instant {number}: {MEANINGS[ended]} ({ended}).",

@@ -19,6 +19,7 @@ from contwalk.flow.hybrid.scales import magnitudes
 from contwalk.problems.orbit.layout import Layout
 from contwalk.problems.stored_word import StoredWord
 from contwalk.system import System, Transition
+from contwalk.system.names import free_name
 from contwalk.workflow.run_file.motions import Simulation
 from contwalk.workflow.run_file.settings import ReportAt
 from contwalk.workflow.simulated import LONGEST, PARTS, Simulated, drawn_at
@@ -147,9 +148,7 @@ def _with_sections(system: System, place: ReportAt | None) -> tuple[System, dict
     added = []
     for mode in system.modes:
         if column in system.states_of(mode.name):
-            own = f"section_in_{mode.name}"
-            while own in taken:
-                own += "_"
+            own = free_name(f"section_in_{mode.name}", taken)
             direction = str(place.direction)
             added.append(Transition(own, mode.name, mode.name, passed, direction, role="watched"))
     watching = replace(system, transitions=(*system.transitions, *added))

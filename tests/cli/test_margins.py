@@ -10,6 +10,8 @@ import pytest
 
 from contwalk.cli.entry import run
 from contwalk.storage.trajectory import read_margins
+from contwalk.studies.margins import survival
+from contwalk.workflow import margin_rays
 
 # A damped oscillator that has fallen beyond x = wall, and a ball in one of the wells of x'' = x - x^3.
 PLUGIN = """\
@@ -101,6 +103,19 @@ def test_a_well_by_its_energy(contwalk, folder):
     speed = math.sqrt(-2.0 * (rest**4 / 4.0 - rest**2 / 2.0 - tilt * rest))
     exact = {("x", 1): far - rest, ("x", -1): rest, ("v", 1): speed, ("v", -1): speed}
     assert borders("well") == pytest.approx(exact, rel=1e-6)
+
+
+def test_the_machine_is_made_once(contwalk, oscillator, monkeypatch):
+    made, make = [], survival.hybrid_machine
+
+    def counted(*given):
+        made.append(given)
+        return make(*given)
+
+    monkeypatch.setattr(survival, "hybrid_machine", counted)
+    monkeypatch.setattr(margin_rays, "_TESTS", {})
+    assert contwalk("margins", "oscillator.yaml", "--no-figures").code == 0
+    assert len(made) == 1
 
 
 def test_two_processes_and_a_run_that_was_killed_leave_the_same_bytes(contwalk, oscillator):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from contwalk.studies.margins.consistency import placed
 from contwalk.studies.margins.solution import Instant, Solution
 from contwalk.system import Symmetry, System, Transition
 from contwalk.system.declarations import ParameterValues
+from contwalk.system.names import free_name
 
 # How motions end: reason codes. All but the first are failures.
 SURVIVED = "survived"
@@ -71,18 +72,16 @@ class Survival:
     system: System
     solution: Solution
     rule: Rule
-    simulations: int = field(default=0, init=False)
-    evaluations: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
         self._values = ParameterValues(**self.solution.parameters)
-        self._falling = _free_name(self.system)
+        self._fallen = None if self.system.fallen is None else plain(self.system.fallen)
+        self._falling = free_name("fallen", {transition.name for transition in self.system.transitions})
         self.machine = hybrid_machine(_falling(self.system, self._falling), self.solution.parameters)
         self._hard = {t.name for t in self.system.transitions if t.role == "hard"}
 
     def verdict(self, instant: Instant, push: np.ndarray) -> str:
         """How a motion ends that sets out from an instant with a push, shape (n,), added to its state."""
-        self.simulations += 1
         place = placed(self.machine, instant.time, instant.mode, instant.state, instant.state + push)
         if place.beyond:
             return BEYOND
@@ -101,7 +100,6 @@ class Survival:
         steps = 0
         part: MotionSegment | None = None
         for part in parts(self.machine, instant.time, state, mode, end, control, last or None):
-            self.evaluations += part.evaluations
             steps += len(part.times) - 1
             if any(event.name == self._falling for event in part.watched) or (
                 part.after is not None and self._has_fallen(float(part.times[-1]), part.after)
@@ -122,14 +120,12 @@ class Survival:
 
     def _has_fallen(self, t: float, state: np.ndarray) -> bool:
         """Whether the machine has fallen at a state with which a leg begins."""
-        fallen = self.system.fallen
-        return fallen is not None and measured("fallen", plain(fallen), t, state.copy(), self._values) > 0.0
+        fallen = self._fallen
+        return fallen is not None and measured("fallen", fallen, t, state.copy(), self._values) > 0.0
 
     def _keeps(self, events: Sequence[tuple[str, float]], end: float) -> bool:
         """Whether the events of the solution happen in their order once in the last periods."""
         cycle = self.solution.cycle
-        if not cycle:
-            return not events or events[-1][1] < end - LAPS * self.solution.period
         late = [name for name, time in events if time >= end - LAPS * self.solution.period]
         length = sum(len(group) for group in cycle)
         rotations = [(*cycle[k:], *cycle[:k]) for k in range(len(cycle))]
@@ -153,13 +149,6 @@ class Survival:
         shares = np.clip(-(off[:-1] * ahead).sum(axis=1) / lengths, 0.0, 1.0)
         nearest = np.concatenate([off, off[:-1] + shares[:, None] * ahead])
         return float(np.sqrt((nearest**2).sum(axis=1).min()))
-
-
-def _free_name(system: System) -> str:
-    name, taken = "fallen", {transition.name for transition in system.transitions}
-    while name in taken:
-        name += "_"
-    return name
 
 
 def _falling(system: System, name: str) -> System:
