@@ -204,10 +204,12 @@ def _approached(
 ) -> np.ndarray | None:
     """Where the derivatives at another solution lead from the guess, by Broyden's method: a place whose
     residual is rounding. Its steps, in units of the weights, are added to `steps`.
+
+    It takes several residuals where Newton's method takes one more linearization: None if these are not dear.
     """
     guess, normal, weights = condition
     known = problem.linearize(beside)
-    if known.nearby is None or not known.finite:
+    if known.nearby is None or not (known.dear and known.finite):
         return None
     residual, level = known.nearby(), known.levels[0]
     z, before = guess, np.inf

@@ -32,6 +32,8 @@ class Linearization:
     # That part of the rounding levels, shape (N,), that is known without magnitudes of z, where these have a
     # price.
     evaluation: Callable[[], np.ndarray] | None = None
+    # Whether DF costs as much as several F: a chain of these is worth one DF then.
+    dear = False
 
     def __init__(
         self,

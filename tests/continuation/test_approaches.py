@@ -15,17 +15,21 @@ ONES = np.ones(2)
 
 
 class Cheap(MadeUp):
-    """Its residual may be asked for without its derivatives."""
+    """Its residual may be asked for without its derivatives, which are dear."""
+
+    dear = True
 
     def linearize(self, z: np.ndarray) -> Linearization:
         found = super().linearize(z)
         levels = found.levels
-        return Linearization(
+        known = Linearization(
             found.residual,
             found.jacobian,
             lambda: levels,
             nearby=lambda: lambda there: np.array(self.f(there), dtype=float),
         )
+        known.dear = self.dear
+        return known
 
 
 def cheap(of: MadeUp) -> Cheap:
@@ -45,6 +49,17 @@ def test_one_linearization_is_left_to_verify_the_solution(step):
     assert found.linearization is not None
     assert found.linearization.excess <= 2.0
     assert 1 <= found.iterations <= 2
+
+
+def test_derivatives_that_cost_little_are_not_spared():
+    problem, beside = cheap(circle()), np.array([math.cos(1.0), math.sin(1.0)])
+    problem.dear = False
+    tangent = np.array([-math.sin(1.0), math.cos(1.0)])
+    guess = beside + 0.2 * tangent
+    found = correct(problem, guess, tangent, ONES, beside=beside)
+    plain = correct(circle(), guess, tangent, ONES)
+    assert problem.evaluated > 2  # Newton's method from the guess itself
+    np.testing.assert_allclose(found.z, plain.z, rtol=0, atol=1e-15)
 
 
 def test_a_solution_is_the_same_whatever_it_was_looked_for_from():

@@ -127,7 +127,7 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         self.known.at("nodes", z, self.most_kept, lambda: nodes)
         levels, magnitudes = of_unowned(equations.levels, self), unowned(self.magnitudes_near)
         nearby = unowned(self.residual)
-        return Linearization(
+        found = Linearization(
             residual,
             jacobian,
             lambda: (levels(z, jacobian), None),
@@ -136,6 +136,8 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
             lambda: nearby,
             of_unowned(lasting.fitted, self),
         )
+        found.dear = equations.dear(self)
+        return found
 
     def residual(self, z: np.ndarray) -> np.ndarray:
         """F(z), shape (N,), for far less than with its derivatives."""

@@ -210,13 +210,15 @@ class SoftEquations(HybridOrbit):
             lost, remeshed = np.full((self.size, self.size + 1), np.nan), unowned(self.remeshed)
             levels = np.ones(self.size)
             return Linearization(lost[:, 0], lost, lambda: (levels, None), remeshed=lambda: remeshed(z))
-        return Linearization(
+        there = Linearization(
             found.residual,
             found.jacobian,
             lambda: (found.levels(found.explicit.linearize(found.unknowns).levels[0]), None),
             lambda: magnitudes(z),
             nearby=lambda: Chord(found).residual,
         )
+        there.dear = True  # soft transitions are solved for in each
+        return there
 
     def factored(self, matrix: np.ndarray, weights: np.ndarray) -> Factorization:
         """A bordered Jacobian, factored."""

@@ -21,6 +21,9 @@ from contwalk.problems.orbit.section import Reference
 from contwalk.problems.problem import Linearization
 from contwalk.system import Neutral
 
+# Numbers of a state's derivatives from which on several residuals take less time than they do.
+DEAR = 256
+
 
 def residual(orbit: OrbitData, z: np.ndarray) -> np.ndarray:
     """F(z), shape (N,), for far less than with its derivatives."""
@@ -130,6 +133,12 @@ def cost(orbit: OrbitData) -> int:
         (len(piece.steps) - 1) * stages * (1 + len(piece.passage.states) + len(piece.passage.columns))
         for piece in orbit.segments
     )
+
+
+def dear(orbit: OrbitData) -> bool:
+    """Whether derivatives cost as much as several residuals: those of a small field cost little more."""
+    sizes = [(len(piece.passage.states), len(piece.passage.columns)) for piece in orbit.segments]
+    return any(n * (n + columns) >= DEAR for n, columns in sizes)
 
 
 def levels(orbit: OrbitData, z: np.ndarray, jacobian: np.ndarray) -> np.ndarray:

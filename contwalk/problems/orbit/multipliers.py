@@ -250,8 +250,10 @@ def _quotients(factors: np.ndarray, bases: np.ndarray | None, end: np.ndarray) -
     if bases is None:
         return factors
     moved = factors @ bases
-    directions, _ = np.linalg.qr(end)
-    there = np.roll(bases, -1, axis=0).transpose(0, 2, 1)
+    lengths = np.linalg.norm(end, axis=1, keepdims=True)
+    # Of one direction, without a decomposition.
+    directions = end / lengths if end.shape[2] == 1 and np.all(lengths) else np.linalg.qr(end)[0]
+    there = (np.roll(bases, -1, axis=0) if len(bases) > 1 else bases).transpose(0, 2, 1)
     along = directions @ (directions.transpose(0, 2, 1) @ moved)
     return np.asarray(there @ (moved - along))
 

@@ -98,5 +98,6 @@ class Curve:
 
     def _with(self, inner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The steps' own times and states, and those at further times, in growing order."""
-        places = np.searchsorted(self.times, inner)
-        return np.insert(self.times, places, inner), np.insert(self.nodes, places, self.at(inner), axis=0)
+        times, nodes = np.concatenate([self.times, inner]), np.concatenate([self.nodes, self.at(inner)])
+        order = np.argsort(times, kind="stable")
+        return times[order], nodes[order]
