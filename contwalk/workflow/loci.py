@@ -12,9 +12,10 @@ from contwalk.continuation.events import Plan
 from contwalk.continuation.settings import Settings
 from contwalk.errors import StartError
 from contwalk.problems.orbit.discretization import Discretization
-from contwalk.storage.hdf5 import Hdf5Database
+from contwalk.storage import open_database
 from contwalk.studies.loci import opened_locus
 from contwalk.workflow.run_file.reading import RunFile, StartSpec
+from contwalk.workflow.stored.points import branch_of, place_of
 
 
 def from_databases(run_file: RunFile, settings: Settings, discretization: Discretization) -> list[Start]:
@@ -101,21 +102,12 @@ def _start(given: _Given, branch: Branch, point: SpecialPoint, origin: str) -> S
 def _stored(run_file: RunFile, spec: StartSpec) -> tuple[Branch, SpecialPoint]:
     """The special point of another database that a start names, and its branch."""
     assert spec.file is not None
-    branch_name, point_name = str(spec.point).split("/")
-    with Hdf5Database.open(spec.file) as db:
-        branch = db.branch(branch_name)
-    if branch.info.states != run_file.system.state_names:
-        raise StartError(
-            f"{spec.file} holds states {', '.join(branch.info.states)}, not "
-            f"{', '.join(run_file.system.state_names)}.",
-            "Start from a database of the same system and model.",
-        )
-    if point_name.isdigit():
+    with open_database(spec.file) as db:
+        branch = branch_of(db, spec.file, str(spec.point), run_file.system)
+        place = place_of(branch, spec.file, str(spec.point))
+    if isinstance(place, int):
         raise StartError(
             f"{spec.point} is no special point, and a curve in two parameters is one of special points.",
             "Give the name of a special point, as b1/HB1.",
         )
-    try:
-        return branch, branch.special(point_name)
-    except KeyError as error:
-        raise StartError(f"{spec.file}: {error.args[0]}") from error
+    return branch, place

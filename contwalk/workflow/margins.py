@@ -23,6 +23,7 @@ from contwalk.workflow.made_with import made_with
 from contwalk.workflow.many_runs import Executor, in_order
 from contwalk.workflow.margin_rays import Ray, Study, row_of, survival_of
 from contwalk.workflow.run_file.margins import MarginsFile
+from contwalk.workflow.stored.points import branch_of, place_of
 
 PERIODS = 20.0  # to survive, where nobody says
 # A smooth motion that nothing ends must have come back so near, in units of the magnitudes.
@@ -88,13 +89,8 @@ def margins(
     """
     database, table, picture = (run.file(f"margins.{suffix}") for suffix in ("h5", "csv", "png"))
     journal = run.file("margins.journal")
-    written = [database, table, *([picture] if figures else [])]
-    refuse_existing(written, force)
-    if journal.exists() and not (resume or force):
-        raise ContwalkError(
-            f"{journal} holds what a study that was stopped has found.",
-            "Go on with --resume, or begin anew with --force.",
-        )
+    refuse_existing([database, table, *([picture] if figures else [])], force)
+    _check_journal(journal, resume or force)
     study, notes = _study(run)
     rays, left_out = _rays(run, study.solution)
     notes += left_out
@@ -108,27 +104,41 @@ def margins(
             if progress is not None:
                 progress(len(rows), len(rays))
         notes += _notes_of(rows)
-        result = Margins(
-            system=run.system.name,
-            states=run.system.state_names,
-            rows=tuple(rows),
-            instants=tuple(
-                {"fraction": i.fraction, "time": i.time, "mode": i.mode, "state": i.state.tolist()}
-                for i in study.solution.instants
-            ),
-            header={
-                "config": run.text,
-                "overrides": list(run.overrides),
-                "parameters": study.solution.parameters,
-                "notes": notes,
-                "provenance": _provenance(run),
-            },
-        )
-        write_margins(database, result)
+        write_margins(database, _to_store(run, study.solution, rows, notes))
         _write_table(rows, table)
         drawn = [_drawn(run, study.solution, rows, picture)] if figures else []
         kept.remove()
     return MarginsResult(rows, notes, [database, table], drawn)
+
+
+def _check_journal(journal: Path, taken_up: bool) -> None:
+    """Refuse to go over what a study that was stopped has left."""
+    if journal.exists() and not taken_up:
+        raise ContwalkError(
+            f"{journal} holds what a study that was stopped has found.",
+            "Go on with --resume, or begin anew with --force.",
+        )
+
+
+def _to_store(
+    run: MarginsFile, solution: Solution, rows: Sequence[dict[str, Any]], notes: Sequence[str]
+) -> Margins:
+    return Margins(
+        system=run.system.name,
+        states=run.system.state_names,
+        rows=tuple(rows),
+        instants=tuple(
+            {"fraction": i.fraction, "time": i.time, "mode": i.mode, "state": i.state.tolist()}
+            for i in solution.instants
+        ),
+        header={
+            "config": run.text,
+            "overrides": list(run.overrides),
+            "parameters": solution.parameters,
+            "notes": list(notes),
+            "provenance": _provenance(run),
+        },
+    )
 
 
 def _provenance(run: MarginsFile) -> dict[str, str]:
@@ -149,26 +159,11 @@ def _study(run: MarginsFile) -> tuple[Study, list[str]]:
     wanted, system = run.margins, run.system
     notes = []
     with open_database(run.database) as db:
-        branch_name, name = wanted.of.point.split("/")
-        branch = db.branch(branch_name)
-        if branch.info.states != system.state_names:
-            raise StartError(
-                f"{run.database} holds states {', '.join(branch.info.states)}, "
-                f"not {', '.join(system.state_names)}.",
-                "Name the system and model that it was computed with.",
-            )
+        branch = branch_of(db, run.database, wanted.of.point, system)
         stored = str(db.header.provenance.get("plugin_sha256", system.source))
         if stored != system.source:
             notes.append("The system's files have changed since the database was computed.")
-        try:
-            point = int(name) if name.isdigit() else branch.special(name)
-        except KeyError as error:
-            raise StartError(f"{run.database}: {error.args[0]}") from error
-        if isinstance(point, int) and point >= len(branch):
-            raise StartError(
-                f"Branch {branch_name} of {run.database} has {len(branch)} points, numbered from 0.",
-                "Give one of them.",
-            )
+        point = place_of(branch, run.database, wanted.of.point)
         fractions = (
             tuple(k / wanted.instants for k in range(wanted.instants))
             if isinstance(wanted.instants, int)

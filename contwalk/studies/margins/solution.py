@@ -147,9 +147,7 @@ def _smooth(
 def _with_events(
     system: System, branch: Branch, problem: Any, sample: Any, fractions: Sequence[float]
 ) -> Solution:
-    z = sample.z
-    if hasattr(problem, "explicit"):  # its legs are those between hard transitions alone
-        problem, z = problem.explicit(z)
+    problem, z = problem.explicit(sample.z)
     stretches, legs = problem.stretches(z), problem.word.unfolded(system).legs
     grid, closure = np.linspace(0.0, 1.0, SAMPLES), problem.duration(z)
     begins, ends = stretches[0].start[0], stretches[-1].end[0]

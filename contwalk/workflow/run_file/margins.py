@@ -2,55 +2,36 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from contwalk.branch import LABELS
-from contwalk.system import System
-from contwalk.workflow.file_names import beside
+from contwalk.workflow.run_file.checked_file import CheckedFile
 from contwalk.workflow.run_file.motions import Margins
 from contwalk.workflow.run_file.problems import allowed
 from contwalk.workflow.run_file.reading import opened
+from contwalk.workflow.run_file.starts import POINT
 from contwalk.workflow.run_file.text import text_of_file
-
-_POINT = re.compile(rf"[A-Za-z]\w*/((?:{'|'.join(LABELS)})[1-9]\d*|\d+)")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class MarginsFile:
-    """A checked run file.
+class MarginsFile(CheckedFile):
+    """A checked run file for margins.
 
     Parameters
     ----------
-    path, text, overrides
-        The file as the user gave it, its content, and the `--set` values.
-    system_reference, system : str, System
     model, parameters : mapping
         What the file says of them; `parameters` must be those of the point.
     database : Path
         Where the point is.
     margins : Margins
         The section itself.
-    output : Path
-        The base of the names of all files written: `X.h5` stands for `X_margins.h5` and so on.
     """
 
-    path: Path
-    text: str
-    overrides: tuple[str, ...]
-    system_reference: str
-    system: System
     model: dict[str, object]
     parameters: dict[str, float]
     database: Path
     margins: Margins
-    output: Path
-
-    def file(self, what: str) -> Path:
-        """The file of this ending, as `margins.h5`."""
-        return beside(self.output, what)
 
 
 def read_margins(path: str | Path, overrides: Sequence[str] = (), output: str | None = None) -> MarginsFile:
@@ -71,7 +52,7 @@ def read_margins(path: str | Path, overrides: Sequence[str] = (), output: str | 
             "Say which motion is pushed: {of: {from: walker.h5, point: b1/UZ1}, survive: {periods: 20}}.",
         )
         raise problems.error()
-    if not _POINT.fullmatch(wanted.of.point):
+    if not POINT.fullmatch(wanted.of.point):
         problems.add(
             ("margins", "of", "point"),
             f"is '{wanted.of.point}'.",

@@ -17,7 +17,8 @@ from contwalk.workflow.run_file.parameters import checked_values
 from contwalk.workflow.run_file.problems import Problems, allowed
 from contwalk.workflow.run_file.yaml_lines import Key
 
-_POINT = re.compile(rf"[A-Za-z]\w*/((?:{'|'.join(LABELS)})[1-9]\d*|\d+)")
+# A point of a database, as b1/HB1 or b1/12.
+POINT = re.compile(rf"[A-Za-z]\w*/((?:{'|'.join(LABELS)})[1-9]\d*|\d+)")
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +120,7 @@ class StartReader:
                 )
             ]
         file, point = self.base / str(start.from_), str(start.point)
-        if not _POINT.fullmatch(point):
+        if not POINT.fullmatch(point):
             self.problems.add(
                 (*key, "point"), f"'{point}' names no point.", "Allowed: BRANCH/POINT, as b1/HB1 or b1/12."
             )

@@ -7,9 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
+from contwalk.branch import Branch, SpecialPoint
 from contwalk.errors import StartError
 from contwalk.problems.stored_word import StoredWord
-from contwalk.storage import open_database
+from contwalk.storage import FileDatabase, open_database
 from contwalk.system import System
 
 
@@ -42,33 +43,17 @@ def stored_point(file: Path, point: str, system: System) -> StoredPoint:
     DatabaseError, StartError
         If the file cannot be read, is of another system, or has no such point.
     """
-    names = system.state_names
     with open_database(file) as db:
-        branch_name, point_name = point.split("/")
-        branch = db.branch(branch_name)
-        if branch.info.states != names:
-            raise StartError(
-                f"{file} holds states {', '.join(branch.info.states)}, not {', '.join(names)}.",
-                "Start from a database of the same system and model.",
-            )
-        if point_name.isdigit():
-            if int(point_name) >= len(branch):
-                raise StartError(
-                    f"Branch {branch_name} of {file} has {len(branch)} points, numbered from 0.",
-                    "Give one of them.",
-                )
-            row = branch.points[int(point_name)]
-            state, period = np.array(row["state"]), float(row["period"])
-            unknowns = branch.unknowns(int(point_name))
+        branch = branch_of(db, file, point, system)
+        place = place_of(branch, file, point)
+        if isinstance(place, int):
+            row = branch.points[place]
+            state, period, unknowns = np.array(row["state"]), float(row["period"]), branch.unknowns(place)
             stored = {**branch.info.parameters, **dict(zip(branch.info.free, row["free"], strict=True))}
         else:
-            try:
-                special = branch.special(point_name)
-            except KeyError as error:
-                raise StartError(f"{file}: {error.args[0]}") from error
-            state = np.array([special.state[name] for name in names])
-            period, unknowns = float(special.period or np.nan), np.array(special.unknowns)
-            stored = dict(special.parameters)
+            state = np.array([place.state[name] for name in system.state_names])
+            period, unknowns = float(place.period or np.nan), np.array(place.unknowns)
+            stored = dict(place.parameters)
     fold = int(branch.info.settings.get("fold", 1))
     known = {k: float(v) for k, v in stored.items() if k in system.parameter_names}
     word = None
@@ -77,3 +62,41 @@ def stored_point(file: Path, point: str, system: System) -> StoredPoint:
         named = str(kept.get("image", "")), tuple(kept.get("pins", ()))
         word = StoredWord(kept["legs"], branch.info.subharmonic, unknowns, *named)
     return StoredPoint(state, {**system.defaults(), **known}, fold * period, word)
+
+
+def branch_of(db: FileDatabase, file: Path, point: str, system: System) -> Branch:
+    """The branch that a point lies on, given as `b1/HB1` or `b1/12`.
+
+    Raises
+    ------
+    DatabaseError, StartError
+        If the file has no such branch, or is of another system.
+    """
+    branch = db.branch(point.partition("/")[0])
+    if branch.info.states != system.state_names:
+        raise StartError(
+            f"{file} holds states {', '.join(branch.info.states)}, not {', '.join(system.state_names)}.",
+            "Name a database of the same system and model.",
+        )
+    return branch
+
+
+def place_of(branch: Branch, file: Path, point: str) -> SpecialPoint | int:
+    """The special point that `b1/HB1` names, or the number of the row that `b1/12` does.
+
+    Raises
+    ------
+    StartError
+        If the branch has none.
+    """
+    name = point.partition("/")[2]
+    if not name.isdigit():
+        try:
+            return branch.special(name)
+        except KeyError as error:
+            raise StartError(f"{file}: {error.args[0]}") from error
+    if int(name) >= len(branch):
+        raise StartError(
+            f"Branch {branch.name} of {file} has {len(branch)} points, numbered from 0.", "Give one of them."
+        )
+    return int(name)
