@@ -43,6 +43,24 @@ class OwnMeasures:
         return gained_symmetry(lambda: self.asymmetries(a), lambda: self.asymmetries(b))
 
 
+class OwnPlace:
+    """The part of a problem whose equations are made for a place, and that makes them anew itself."""
+
+    @property
+    def anchored(self) -> Self:
+        """An instance is one mesh, or has borders of one place."""
+        return self
+
+
+class OwnMesh(OwnPlace):
+    """The part of a problem that is its own discretisation."""
+
+    @property
+    def meshed(self) -> Self:
+        """An instance is one discretisation."""
+        return self
+
+
 class Observed(Protocol):
     """What is measured of solutions."""
 

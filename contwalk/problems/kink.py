@@ -37,9 +37,9 @@ class Kink(ABC):
     of: str = "the field"
 
     @property
-    @abstractmethod
     def refused(self) -> bool:
-        """Whether no branch goes on beyond it."""
+        """Whether no branch goes on beyond it: solutions beyond a jump are not near to those before."""
+        return self.order == 0
 
     @abstractmethod
     def sentence(self, of: str) -> str:
@@ -106,11 +106,6 @@ class ParameterKink(Kink):
 
     at: str = field(default="", compare=False)
 
-    @property
-    def refused(self) -> bool:
-        """Whether solutions beyond are not near to those before."""
-        return self.order == 0
-
     def sentence(self, of: str) -> str:
         """What it means for `equilibria` or `orbits` of a branch."""
         what = f"{_WHAT[self.order]}{self.of} jump{'' if self.order else 's'}"
@@ -136,11 +131,6 @@ class ParameterKink(Kink):
 @dataclass(frozen=True)
 class EventKink(Kink):
     """A place of a guard or a reset at the states of its own event."""
-
-    @property
-    def refused(self) -> bool:
-        """Whether orbits beyond are not near to those before."""
-        return self.order == 0
 
     def sentence(self, of: str) -> str:
         """What it means for orbits of a branch."""

@@ -13,7 +13,7 @@ from contwalk.numerics.linear import balanced, unit_in
 from contwalk.numerics.spectrum import EPSILON, Spectrum, spectrum
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.angles import whole_turns
-from contwalk.problems.capabilities import OwnMeasures
+from contwalk.problems.capabilities import OwnMeasures, OwnPlace
 from contwalk.problems.linearization import Linearization
 from contwalk.problems.locus.bordered import zero_borders
 from contwalk.problems.locus.conditions import Augmented, Zero
@@ -32,7 +32,7 @@ LEAST_KAPPA = 1e-6
 TINY = float(np.finfo(float).tiny)
 
 
-class EquilibriumLocus(OwnMeasures):
+class EquilibriumLocus(OwnMeasures, OwnPlace):
     """A curve of special points of equilibria in two parameters.
 
     Its unknowns are z = (x, drifts, own, second, first). Along HB curves its own is kappa, minus the square
@@ -63,11 +63,6 @@ class EquilibriumLocus(OwnMeasures):
         self.augmented = Augmented(plane, (curve.condition(plane, self.near, self.own(near)),))
         self.size = plane.size + curve.own + 1
         self.periods = np.insert(plane.periods, plane.size, [0.0] * curve.own)
-
-    @property
-    def anchored(self) -> EquilibriumLocus:
-        """Its borders are made for a place."""
-        return self
 
     @property
     def diagnosis(self) -> LocusDiagnosis:

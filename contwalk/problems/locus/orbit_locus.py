@@ -11,7 +11,7 @@ import numpy as np
 
 from contwalk.errors import NotFinite, PluginError
 from contwalk.numerics.linear import EPSILON, Factorization, unit_in
-from contwalk.problems.capabilities import OwnMeasures
+from contwalk.problems.capabilities import OwnMeasures, OwnMesh
 from contwalk.problems.linearization import Linearization
 from contwalk.problems.locus.curve_of_orbits import CurveOfOrbits
 from contwalk.problems.locus.orbit_conditions import At
@@ -34,7 +34,7 @@ MOST_KEPT = 12
 TINY = float(np.finfo(float).tiny)
 
 
-class OrbitLocus(CurveOfOrbits, OwnMeasures):
+class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
     """A curve of special points of orbits in two parameters.
 
     Its unknowns are z = (u, v, second, first): those of the orbit, what the curve's condition has beside
@@ -84,16 +84,6 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures):
     def limited(self) -> LimitsOnCurve | None:
         """The limits of orbits through events; None of others."""
         return None if self.orbit.limited is None else LimitsOnCurve(self.orbit, self.curve, self.free)
-
-    @property
-    def meshed(self) -> OrbitLocus:
-        """It is its own discretisation."""
-        return self
-
-    @property
-    def anchored(self) -> OrbitLocus:
-        """Its mesh and its borders are made for a place."""
-        return self
 
     @property
     def diagnosis(self) -> OrbitLocusDiagnosis:

@@ -11,7 +11,7 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.numerics.linear import unit_in
-from contwalk.problems.capabilities import OwnMeasures
+from contwalk.problems.capabilities import OwnMeasures, OwnMesh
 from contwalk.problems.kink import refuse
 from contwalk.problems.orbit import (
     augmented,
@@ -68,23 +68,13 @@ class Switching(Protocol):
         """The whole orbit without its symmetry that leaves where a multiplier of its part is -1."""
 
 
-class OrbitProblem(OwnMeasures, OrbitData):
+class OrbitProblem(OwnMeasures, OwnMesh, OrbitData):
     """The part of a problem of orbits that does not depend on how they are discretised."""
 
     blur = 1e-3  # solutions are solved for to a part of the tolerance only
     # Modules of what differs between kinds of orbits.
     observing: Observing
     switching: Switching
-
-    @property
-    def meshed(self) -> Self:
-        """An orbit is its own discretisation."""
-        return self
-
-    @property
-    def anchored(self) -> Self:
-        """Its mesh is made for the orbit."""
-        return self
 
     @property
     def most_kept(self) -> int:
@@ -113,8 +103,6 @@ class OrbitProblem(OwnMeasures, OrbitData):
         point is the critical one.
         """
         return scales.equation_scales(self)
-
-    # -- second derivatives: see `variations` ------------------------------------------------------------
 
     # -- once round --------------------------------------------------------------------------------------
 
