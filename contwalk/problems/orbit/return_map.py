@@ -9,7 +9,7 @@ directions starts and ends do not move: the drifts change along a curve so that 
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 
@@ -24,8 +24,7 @@ from contwalk.problems.orbit.period import period_map
 
 ORDERS = 3
 # Gauss-Legendre quadrature over a leg's own time: deviations are smooth between events.
-INSTANTS, SHARES = (0.5 * values for values in np.polynomial.legendre.leggauss(48))
-INSTANTS = INSTANTS + 0.5
+INSTANTS = 48
 # Samples over a closure without events: evenly spaced, so that the mean converges fast.
 SAMPLES = 256
 
@@ -230,7 +229,8 @@ class ReturnMap(SectionMap):
         problem, piece = self.problem, self.problem.segments[number]
         if problem.eventful or problem.layout.legs > 1:
             lasting, whole = abs(float(self._inputs[number][1][0])), abs(problem.duration(self.z))
-            return INSTANTS, SHARES * lasting / max(whole, 1e-300)
+            instants, shares = _gauss_legendre()
+            return instants, shares * lasting / max(whole, 1e-300)
         segment, even = problem.layout.segments[number], np.arange(SAMPLES) / SAMPLES
         inside = even[(even >= segment.begin) & (even < segment.end)]
         first, last = piece.steps[0], piece.steps[-1]
@@ -249,3 +249,10 @@ class ReturnMap(SectionMap):
             along = neutrals.directions(problem.system, problem.pins, x, values)[own]
             result.append(neutrals.across(deviation, along, scale))
         return np.array(result)
+
+
+@cache
+def _gauss_legendre() -> tuple[np.ndarray, np.ndarray]:
+    """Instants between 0 and 1, and their shares of a mean; never changed."""
+    nodes, weights = np.polynomial.legendre.leggauss(INSTANTS)
+    return 0.5 * nodes + 0.5, 0.5 * weights
