@@ -12,6 +12,7 @@ from contwalk.continuation import outcomes
 from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.diagram import Diagram
 from contwalk.continuation.events import Plan
+from contwalk.continuation.metric import parameter_weight
 from contwalk.continuation.newton import correct
 from contwalk.continuation.opening import Opening
 from contwalk.continuation.reopening import stored_place
@@ -19,8 +20,7 @@ from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, begin
 from contwalk.errors import StartError
 from contwalk.numerics.threads import one_thread
-from contwalk.problems.locus.diagnosis import not_persistent
-from contwalk.problems.locus.equilibrium_locus import EquilibriumLocus
+from contwalk.problems.locus.persistence import not_persistent
 from contwalk.problems.locus.starts import locus_at
 from contwalk.problems.problem import Problem
 from contwalk.problems.restoring import Facts, pins_of
@@ -132,7 +132,7 @@ def opened_locus(
             )
     known = {name: float(point.parameters[name]) for name in system.parameter_names}
     try:
-        problem, z = _problem(system, branch, point, known, free, discretization)
+        problem, z = _problem(system, branch, point, known, _typical(free, known, settings), discretization)
         state = begin(problem, z, settings)
     except StartError:
         raise
@@ -140,7 +140,7 @@ def opened_locus(
         return outcomes.no_start("no_convergence", str(error), "the special point")
     if not isinstance(state, ContinuationState):
         return outcomes.no_start(state.reason, state.sentence, "the special point")
-    if isinstance(problem, EquilibriumLocus) and not _persists(problem, state):
+    if not _persists(problem, state):
         raise StartError(
             f"No curve in two parameters can be followed from {point.name}. "
             f"{not_persistent(problem, state.sample.z)}"
@@ -148,27 +148,34 @@ def opened_locus(
     return Opening(problem, state)
 
 
+def _typical(free: tuple[str, str], known: Mapping[str, float], settings: Settings) -> dict[str, float]:
+    """Typical magnitudes of both parameters, by name."""
+    ends = settings.bounds.values()
+    return {name: parameter_weight(np.nan, own, known[name]) for name, own in zip(free, ends, strict=True)}
+
+
 def _problem(
     system: System,
     branch: Branch,
     point: SpecialPoint,
     known: dict[str, float],
-    free: tuple[str, str],
+    typical: Mapping[str, float],
     discretization: Any,
 ) -> tuple[Problem, np.ndarray]:
     """The equations of the curve through a special point, and its unknowns there."""
     info = branch.info
     if info.problem == "equilibrium":
-        return locus_at(system, point, known, free, pins_of(system, info), discretization)
+        first, second = typical
+        return locus_at(system, point, known, (first, second), pins_of(system, info), discretization)
     from contwalk.problems.locus import orbit_starts  # orbits need compiled flows
 
     place = stored_place(branch, point)
     state = place.z[: len(info.states)]
     facts = Facts(system, info, known, None, pins_of(system, info), state, discretization)
-    return orbit_starts.locus_at(facts, point, place.weights, free)
+    return orbit_starts.locus_at(facts, point, place.weights, typical)
 
 
-def _persists(problem: EquilibriumLocus, state: ContinuationState) -> bool:
+def _persists(problem: Any, state: ContinuationState) -> bool:
     """Whether what a curve is of is there on both sides of its start as well."""
     sample = state.sample
     for side in (state.step, -state.step):

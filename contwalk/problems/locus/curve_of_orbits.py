@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.problems.locus.orbit_curves import OrbitCurve
+from contwalk.problems.locus.orbit_curve import OrbitCurve
 from contwalk.problems.locus.orbit_places import OrbitPlane
 from contwalk.problems.problem import Mirror
 from contwalk.problems.sample import Sample

@@ -12,10 +12,8 @@ from contwalk.branch import Outcome
 from contwalk.problems.equilibrium.diagnosis import VANISHING, EquilibriumDiagnosis
 from contwalk.problems.equilibrium.unbounded import escape
 from contwalk.problems.kink import Kink, Met
+from contwalk.problems.locus.persistence import NOTHING, not_persistent
 from contwalk.problems.sample import Sample
-
-# An unfolding below so many roundings of the equations is nothing: parameters such as pi are rounded too.
-NOTHING = 16.0
 
 
 @dataclass(frozen=True)
@@ -107,15 +105,3 @@ class LocusDiagnosis:
             f"The curve runs off as {free} tends to {limit:.10g}: {name} is {b.z[away.which]:.4g} at "
             f"{free} = {b.parameter:.10g}. Nothing to do.",
         )
-
-
-def not_persistent(problem: Any, z: np.ndarray) -> str:
-    """Why there is no curve of branch points through z, shape (N + 1,)."""
-    second = str(problem.plane.second)
-    values = problem.values_of(z)
-    place = f"{problem.free} = {values[problem.free]:.10g}, {second} = {values[second]:.10g}"
-    return (
-        f"The branch point does not persist as {second} varies: beside {place} the branches that cross come "
-        "apart. Only where a symmetry or an invariant subspace keeps them together is there such a curve; "
-        "follow the folds (LP) that are born instead."
-    )

@@ -6,6 +6,9 @@
 | PD | L(-1) is singular | |
 | NS | L(mu) is singular for mu and 1/mu | k = (mu + 1/mu) / 2 |
 | GR, OC, AZ | the equations of the limit | as it has |
+| BP | [F_u F_first] has deficient rank | mu, which unfolds F |
+| BP where a symmetry is lost | L(-1) is singular | |
+| UZ | an observable, or a parameter, is at its value | |
 
 L(mu) is F_u with what closes being mu times what began. A pair mu, 1/mu with mu^2 = 2 k mu - 1 is looked
 for in the numbers a + b mu with real a and b: the bordered inverse has the corner g = g0 + g1 mu, and g0 =
@@ -30,11 +33,24 @@ from contwalk.problems.orbit.orbit_data import OrbitData
 
 @dataclass(frozen=True)
 class At:
-    """A place that a condition is made near: unknowns of an orbit and typical magnitudes, shape (N + 1,)
-    each."""
+    """A place that a condition is made near.
+
+    Parameters
+    ----------
+    z, weights : ndarray, shape (N + 1,)
+        Unknowns of an orbit with the first parameter, and typical magnitudes.
+    second : float
+        The typical magnitude of the second parameter.
+    """
 
     z: np.ndarray
     weights: np.ndarray
+    second: float
+
+    @property
+    def in_plane(self) -> np.ndarray:
+        """Typical magnitudes of (u, second, first), shape (N + 2,)."""
+        return np.concatenate([self.weights[:-1], [self.second], self.weights[-1:]])
 
 
 def pair_system(problem: OrbitData, near: Near, cosine: float, held: bool = False) -> Augmented:

@@ -2,59 +2,23 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
 from contwalk.branch import SpecialPoint
-from contwalk.errors import NotFinite
+from contwalk.errors import NotFinite, StartError
 from contwalk.problems.hybrid import limit_points
 from contwalk.problems.hybrid.margins import Limit
 from contwalk.problems.locus.orbit_conditions import At, pair_system
+from contwalk.problems.locus.orbit_curve import OrbitCurve
+from contwalk.problems.locus.valued_curves import KINDS, BranchPoints, SymmetryBreakings, marked_at
 from contwalk.problems.orbit.augmented import Augmented
 from contwalk.problems.orbit.points.fold import fold_system
 from contwalk.problems.orbit.points.period_doubling import flip_system
 from contwalk.quantities import COSINE
-
-
-class OrbitCurve(ABC):
-    """What is followed.
-
-    Attributes
-    ----------
-    of : str
-        The label of its points.
-    further : int
-        Unknowns beside those of the orbit and both parameters.
-    observables : tuple of str
-        What is told of its points beside what is told of orbits.
-    """
-
-    of: ClassVar[str]
-    further: int = 0
-    observables: ClassVar[tuple[str, ...]] = ()
-
-    @abstractmethod
-    def system(self, orbit: Any, near: At, further: np.ndarray) -> Augmented:
-        """The orbit's equations with the condition, near a place and values of the further unknowns, (k,)."""
-
-    def critical(self, further: np.ndarray) -> np.ndarray:
-        """The multipliers that the curve holds where they are, shape (c,), at its further unknowns, (k,)."""
-        return np.zeros(0, dtype=complex)
-
-    def genuine(self, further: np.ndarray) -> bool:
-        """Whether anything bifurcates there: not at neutral saddles.
-
-        `further` has the shape (k,).
-        """
-        return True
-
-    def facts(self) -> dict[str, Any]:
-        """What is stored of it, as plain JSON values."""
-        return {"of": self.of}
 
 
 @dataclass(frozen=True)
@@ -158,27 +122,55 @@ class Limits(OrbitCurve):
 
 CURVES: dict[str, OrbitCurve] = {curve.of: curve for curve in (Folds(), Doublings(), Tori())}
 LIMITS = ("GR", "OC", "AZ")
+VALUED = ("BP", "UZ")
 
 
 def curve_of(facts: Mapping[str, Any]) -> OrbitCurve:
     """What a stored curve is of."""
     if "limit" in facts:
         return Limits(Limit(**facts["limit"]), int(facts["further"]))
-    return CURVES[str(facts["of"])]
+    stored = facts.get("curve")
+    if stored is None:
+        return CURVES[str(facts["of"])]
+    return KINDS[stored["name"]](**{key: value for key, value in stored.items() if key != "name"})
 
 
-def begun_at(orbit: Any, point: SpecialPoint, near: At) -> tuple[OrbitCurve, np.ndarray]:
+def begun_at(
+    orbit: Any, point: SpecialPoint, near: At, free: tuple[str, str]
+) -> tuple[OrbitCurve, np.ndarray]:
     """The curve of a special point of orbits, and its further unknowns there, shape (k,).
 
-    `orbit` is discretised for the point.
+    `orbit` is discretised for the point, `free` are both parameters.
+
+    Raises
+    ------
+    StartError
+        If no curve begins there.
     """
     if point.label == "NS":
         return CURVES["NS"], np.array([np.cos(float(point.coefficients["theta"]))])
     if point.label in CURVES:
         return CURVES[point.label], np.zeros(0)
+    if point.label == "UZ":
+        return marked_at(orbit, point, free), np.zeros(0)
+    if point.label == "BP":
+        return _branch_point_at(point)
     which = orbit.limited.limit_of(point)
     found = limit_points.system_of(orbit, which, near)
     if found is None:
         raise NotFinite(f"the instant of {point.label} is not found on the orbit")
     further = found.start[len(near.z) :]
     return Limits(orbit.limits[which], len(further)), further
+
+
+def _branch_point_at(point: SpecialPoint) -> tuple[OrbitCurve, np.ndarray]:
+    """The curve of a branch point, and its further unknowns there, shape (k,)."""
+    if point.kind == "symmetry-breaking":
+        return SymmetryBreakings(), np.zeros(0)
+    if not point.coefficients:
+        raise StartError(
+            f"No curve in two parameters can be followed from {point.name or point.label}: the orbit is its "
+            "parent again there.",
+            "Start at the point of the parent that the branch was born at.",
+        )
+    return BranchPoints(), np.zeros(1)

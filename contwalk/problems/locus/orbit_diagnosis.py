@@ -10,17 +10,36 @@ import numpy as np
 
 from contwalk.branch import Outcome
 from contwalk.problems.kink import Kink, Met
-from contwalk.problems.locus.orbit_places import OrbitPlane
+from contwalk.problems.locus.persistence import NOTHING, not_persistent
 from contwalk.problems.sample import Sample
 
 
 class OrbitLocusDiagnosis:
-    """What is known of such places: what is known of the orbits themselves."""
+    """What is known of such places: what is known of the orbits themselves, and of the curve's condition.
 
-    def __init__(self, plane: OrbitPlane) -> None:
-        self._plane = plane
+    `problem` is an `OrbitLocus`.
+    """
+
+    def __init__(self, problem: Any) -> None:
+        self._problem, self._plane = problem, problem.plane
 
     def ended(self, a: Sample, b: Sample) -> Outcome | None:
+        """Branch points that do not persist, and where the orbits end."""
+        if self.unfolded(b.z):
+            return Outcome("failed", "no_convergence", not_persistent(self._problem, b.z))
+        return self._orbits_end(a, b)
+
+    def unfolded(self, z: np.ndarray) -> bool:
+        """Whether a branch point at z, shape (N + k + 2,), would need the equations to be others."""
+        problem = self._problem
+        if not problem.curve.unfolds:
+            return False
+        column = np.abs(problem.condition.system.unfolding[:, 0])
+        there, own = self._plane.first(z)
+        levels = there.linearize(own).levels[0]
+        return not bool(np.all(abs(float(problem.further(z)[0])) * column <= NOTHING * levels))
+
+    def _orbits_end(self, a: Sample, b: Sample) -> Outcome | None:
         """Why the curve ends between two neighbouring orbits, if these do: they lie on one line."""
         n, change = self._plane.size, b.z - a.z
         share = float(np.linalg.norm(change[-2:] / a.weights[-2:]))

@@ -11,7 +11,8 @@ import numpy as np
 from contwalk.branch import SpecialPoint
 from contwalk.problems.hybrid import limit_points, limits_told
 from contwalk.problems.hybrid.margins import Limit
-from contwalk.problems.locus.orbit_curves import Limits, OrbitCurve
+from contwalk.problems.locus.orbit_curve import OrbitCurve
+from contwalk.problems.locus.orbit_curves import Limits
 from contwalk.problems.locus.orbit_points.limits import LIMITS_ON
 from contwalk.problems.problem import LimitType, Located, Sample, Seed
 

@@ -13,9 +13,10 @@ from contwalk.errors import NotFinite, PluginError
 from contwalk.numerics.linear import EPSILON, Factorization, unit_in
 from contwalk.problems.capabilities import OwnMeasures, OwnMesh
 from contwalk.problems.linearization import Linearization
+from contwalk.problems.locus import orbit_marks as marks
 from contwalk.problems.locus.curve_of_orbits import CurveOfOrbits
 from contwalk.problems.locus.orbit_conditions import At
-from contwalk.problems.locus.orbit_curves import OrbitCurve
+from contwalk.problems.locus.orbit_curve import OrbitCurve
 from contwalk.problems.locus.orbit_diagnosis import OrbitLocusDiagnosis
 from contwalk.problems.locus.orbit_limits import LimitsOnCurve, told
 from contwalk.problems.locus.orbit_places import Held, OrbitPlane, evaluated
@@ -76,7 +77,7 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
         """
         there, own = self.plane.first(z)
         return Held(
-            curve.system(there, At(own, self.of_orbit(weights)), self.further(z)),
+            curve.system(there, At(own, self.of_orbit(weights), float(weights[-2])), self.further(z)),
             np.arange(self.plane.size, self.plane.size + curve.further),
         )
 
@@ -88,7 +89,7 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
     @property
     def diagnosis(self) -> OrbitLocusDiagnosis:
         """What is known of places where a curve ends, or cannot go on."""
-        return OrbitLocusDiagnosis(self.plane)
+        return OrbitLocusDiagnosis(self)
 
     # -- equations -------------------------------------------------------------------------------------------
 
@@ -221,12 +222,12 @@ class OrbitLocus(CurveOfOrbits, OwnMeasures, OwnMesh):
         return there, _OnTangent(np.append(z[:n], 0.0), tangent, scale)
 
     def rate(self, name: str, sample: Sample) -> float:
-        """Derivative of an observable along the curve; NaN: none is known."""
-        return float("nan")
+        """Derivative of an observable, or of a free parameter, along the curve."""
+        return marks.rate(self, name, sample)
 
     def locate_mark(self, name: str, level: float, sample: Sample) -> Located | None:
-        """The point near a sample at which an observable has the value `level`."""
-        return None
+        """The point near a sample at which an observable, or a free parameter, has the value `level`."""
+        return marks.located(self, name, level, sample)
 
     # -- special points --------------------------------------------------------------------------------------
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from contwalk.problems.locus.lines import along_parameter, along_tangent
+from contwalk.problems.locus.valued import Valued
 from contwalk.problems.orbit.augmented import Augmented
 from contwalk.problems.orbit.evaluations import Evaluations
 
@@ -87,8 +88,22 @@ class Held:
     `further` has the shape (k,).
     """
 
-    system: Augmented
+    system: Augmented | Valued
     further: np.ndarray
+
+    def over(
+        self, plane: OrbitPlane, z: np.ndarray, own: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Residual of the orbit's equations with the condition, and its derivatives as of `Valued.over`.
+
+        z is a vector of the curve, shape (N + j + 2,), `own` are the further unknowns, shape (k,).
+        """
+        if isinstance(self.system, Valued):
+            return self.system.over(plane, z, own)
+        n, (first, second) = plane.size, plane.on_lines(z)
+        residual, jacobian = self.system.evaluate(first, np.concatenate([z[:n], z[-1:], own]))
+        other = self.system.evaluate(second, np.concatenate([z[:n], z[-2:-1], own]))[1]
+        return residual, np.column_stack([jacobian[:, :n], other[:, n], jacobian[:, n]]), jacobian[:, n + 1 :]
 
 
 def evaluated(
@@ -103,21 +118,23 @@ def evaluated(
         How many entries of y are a vector of the curve: further unknowns of a point of it stand behind.
     y : ndarray, shape (width + r,)
     held : sequence of Held
-        At least one.
+        At least one. The orbit's own equations are those of the first; what others unfold is added to them.
     """
     n, z = plane.size, y[:width]
-    first, second = plane.on_lines(z)
-    places = np.arange(n), width - 1, width - 2
+    places = [*range(n), width - 2, width - 1]
     rows: list[np.ndarray] = []
     values: list[np.ndarray] = []
     for condition in held:
         own = y[condition.further]
-        residual, jacobian = condition.system.evaluate(first, np.concatenate([z[:n], z[-1:], own]))
-        other = condition.system.evaluate(second, np.concatenate([z[:n], z[-2:-1], own]))[1]
-        since = n if rows else 0
-        block = np.zeros((len(residual) - since, len(y)))
-        block[:, places[0]], block[:, places[1]] = jacobian[since:, :n], jacobian[since:, n]
-        block[:, places[2]], block[:, condition.further] = other[since:, n], jacobian[since:, n + 1 :]
-        values.append(residual[since:])
-        rows.append(block)
+        residual, by_place, by_own = condition.over(plane, z, own)
+        block = np.zeros((len(residual), len(y)))
+        block[:, places], block[:, condition.further] = by_place, by_own
+        if not rows:
+            rows, values = [block], [residual]
+            continue
+        if isinstance(condition.system, Valued):
+            values[0][:n] += condition.system.unfolding @ own
+            rows[0][:n][:, condition.further] = block[:n, condition.further]
+        values.append(residual[n:])
+        rows.append(block[n:])
     return np.concatenate(values), np.vstack(rows)

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import StartError
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit
 from contwalk.problems.locus.orbit_conditions import At
-from contwalk.problems.locus.orbit_curves import CURVES, LIMITS, begun_at
+from contwalk.problems.locus.orbit_curves import CURVES, LIMITS, VALUED, begun_at
 from contwalk.problems.locus.orbit_locus import OrbitLocus
 from contwalk.problems.locus.orbit_places import OrbitPlane
 from contwalk.problems.locus.orbit_restored import plane_of
 from contwalk.problems.restoring import Facts
 
-FOLLOWED = (*CURVES, *LIMITS)
+FOLLOWED = (*CURVES, *LIMITS, *VALUED)
 
 
 def locus_at(
-    facts: Facts, point: SpecialPoint, weights: np.ndarray, free: tuple[str, str]
+    facts: Facts, point: SpecialPoint, weights: np.ndarray, typical: Mapping[str, float]
 ) -> tuple[OrbitLocus, np.ndarray]:
     """The curve through a located special point of orbits, and that point's z, shape (N + k + 2,).
 
@@ -30,8 +32,8 @@ def locus_at(
         A point of one of the kinds of `FOLLOWED`.
     weights : ndarray, shape (N + 1,)
         Typical magnitudes of its unknowns.
-    free : pair of str
-        The two parameters.
+    typical : mapping
+        Typical magnitudes of the two parameters, by name.
 
     Raises
     ------
@@ -43,6 +45,8 @@ def locus_at(
             f"No curve in two parameters can be followed from {point.name or point.label}.",
             f"Start at a located special point of orbits: {', '.join(FOLLOWED)}.",
         )
+    first_name, second_name = typical
+    free = first_name, second_name
     plane = plane_of(facts, facts.info.problem, free)
     if isinstance(plane.orbit, SoftOrbit):
         raise StartError(
@@ -52,13 +56,13 @@ def locus_at(
         )
     own = np.array(point.unknowns)[:-1]
     first, second = (facts.parameters[name] for name in free)
-    near, scale = np.append(own, first), np.append(weights[:-1], max(abs(first), 1e-300))
+    near, scale = np.append(own, first), np.append(weights[:-1], typical[free[0]])
     there = plane.on_lines(np.array([second, first]))[0].at_stored(near, scale)
     plane = OrbitPlane(there, free)
     there = plane.on_lines(np.array([second, first]))[0]
-    curve, further = begun_at(there, point, At(near, scale))
+    curve, further = begun_at(there, point, At(near, scale, typical[free[1]]), free)
     z = np.concatenate([own, further, [second, first]])
     known = np.concatenate(
-        [weights[:-1], np.maximum(np.abs(further), 1e-300), [max(abs(second), 1e-300)], scale[-1:]]
+        [weights[:-1], np.where(further == 0.0, 1.0, np.abs(further)), [typical[free[1]]], scale[-1:]]
     )
     return OrbitLocus(plane, curve, (z, known)), z

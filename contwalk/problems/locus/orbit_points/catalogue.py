@@ -54,6 +54,14 @@ POINT_TYPES: dict[str, tuple[OrbitLocusPoint, ...]] = {
         *LIMITS_ON["GR"].values(),
         *_OF_ALL,
     ),
+    "UZ": (
+        TwoAtOnce("LP", "LP"),
+        TwoAtOnce("PD", "PD"),
+        TwoAtOnce("NS", "NS"),
+        *LIMITS_ON["UZ"].values(),
+        *_OF_ALL,
+    ),
+    "BP": (CountChange(), *LIMITS_ON["BP"].values(), *_OF_ALL),
     "OC": (CountChange(), *LIMITS_ON["OC"].values(), *_OF_ALL),
     "AZ": (CountChange(), *LIMITS_ON["AZ"].values(), *_OF_ALL),
 }

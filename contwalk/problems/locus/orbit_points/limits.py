@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 
 from contwalk.problems.hybrid import limit_points, limits_told
-from contwalk.problems.locus.orbit_conditions import At
 from contwalk.problems.locus.orbit_places import Held
-from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, together
+from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, near_of, together
 from contwalk.problems.orbit.augmented import Augmented
 from contwalk.problems.problem import LimitType, Located, Sample, Test
 
@@ -35,7 +34,7 @@ class LimitOnCurve(OrbitLocusPoint, LimitType):
     def system(self, problem: Any, sample: Sample, which: int) -> Augmented | None:
         """The equations of the limit, and the condition of the curve."""
         there, own = problem.plane.first(sample.z)
-        near = At(own, np.append(sample.weights[: problem.plane.size], sample.weights[-1]))
+        near = near_of(problem, sample, own)
         found = limit_points.system_of(there, which, near)
         if found is None:
             return None
@@ -71,6 +70,8 @@ LIMITS_ON: dict[str, dict[str, LimitOnCurve]] = {
     "PD": _on("GRPD"),
     "NS": _on("GRNS"),
     "GR": _on("GRGR"),
+    "BP": _on("GR"),
+    "UZ": _on("GR"),
     "OC": _on("GR"),
     "AZ": _on("GR"),
 }

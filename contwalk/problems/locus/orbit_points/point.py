@@ -9,6 +9,7 @@ import numpy as np
 
 from contwalk.branch import SpecialPoint
 from contwalk.errors import NotFinite, PluginError
+from contwalk.problems.locus.orbit_conditions import At
 from contwalk.problems.locus.orbit_places import Held, evaluated
 from contwalk.problems.orbit.augmented import Augmented, along
 from contwalk.problems.problem import Located, PointType, Sample
@@ -80,6 +81,11 @@ class OrbitLocusPoint(PointType):
             unknowns=tuple(z.tolist()),
             tangent=tuple(sample.tangent.tolist()),
         )
+
+
+def near_of(problem: Any, sample: Sample, own: np.ndarray) -> At:
+    """The place of a sample, whose orbit is `own`, shape (N + 1,), that a condition is made near."""
+    return At(own, problem.of_orbit(sample.weights), float(sample.weights[-2]))
 
 
 def where_zero(sample: Sample, problem: Any, value: Callable[[Any, np.ndarray], float]) -> Augmented | None:

@@ -6,9 +6,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from contwalk.problems.locus.orbit_conditions import At, pair_system
+from contwalk.problems.locus.orbit_conditions import pair_system
 from contwalk.problems.locus.orbit_places import Held
-from contwalk.problems.locus.orbit_points.point import OrbitLocusPoint, together
+from contwalk.problems.locus.orbit_points.point import OrbitLocusPoint, near_of, together
 from contwalk.problems.orbit.augmented import Augmented
 from contwalk.problems.problem import Sample, Test
 
@@ -73,7 +73,7 @@ class SecondMultiplier(OrbitLocusPoint):
     def system(self, problem: Any, sample: Sample, which: int) -> Augmented | None:
         """A pair of multipliers whose mean is there, in place of the curve's own condition."""
         there, own = problem.plane.first(sample.z)
-        near = At(own, np.append(sample.weights[: problem.plane.size], sample.weights[-1]))
+        near = near_of(problem, sample, own)
         pair = pair_system(there, near, self.multiplier, held=True)
         return together(problem, sample, [Held(pair, np.zeros(0, dtype=int))], np.zeros(0))
 

@@ -6,10 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from contwalk.problems.locus.orbit_conditions import At
 from contwalk.problems.locus.orbit_curves import CURVES
 from contwalk.problems.locus.orbit_places import Held
-from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, together
+from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, near_of, together
 from contwalk.problems.orbit import scales, variations
 from contwalk.problems.orbit.augmented import Augmented
 from contwalk.problems.problem import Located, Sample, Test
@@ -44,7 +43,7 @@ class TwoAtOnce(OrbitLocusPoint):
     def both(self, problem: Any, sample: Sample, angle: float = 0.0) -> Augmented:
         """The conditions of both curves; `angle` is that of the critical multipliers, where it is unknown."""
         there, own = problem.plane.first(sample.z)
-        near = At(own, np.append(sample.weights[: problem.plane.size], sample.weights[-1]))
+        near = near_of(problem, sample, own)
         curve, width = CURVES[self._other], len(sample.z)
         further = np.full(curve.further, np.cos(angle))
         places = np.arange(width, width + curve.further)

@@ -1,0 +1,185 @@
+"""Curves of orbits whose conditions are values: branch points that persist, and marked values."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, replace
+from typing import Any, ClassVar
+
+import numpy as np
+
+from contwalk import quantities
+from contwalk.branch import SpecialPoint
+from contwalk.errors import StartError
+from contwalk.problems.locus.orbit_conditions import At
+from contwalk.problems.locus.orbit_curve import OrbitCurve
+from contwalk.problems.locus.valued import Valued, Values
+from contwalk.problems.orbit.augmented import Augmented
+from contwalk.problems.orbit.points.period_doubling import flip_system
+from contwalk.quantities import PERIOD
+
+
+class NamedCurve(OrbitCurve):
+    """One of several kinds of curves with one label.
+
+    `name` is as it is stored.
+    """
+
+    name: ClassVar[str]
+
+    def facts(self) -> dict[str, Any]:
+        """What is stored of it, as plain JSON values."""
+        return {"of": self.of, "curve": {"name": self.name, **asdict(self)}}  # type: ignore[call-overload]
+
+
+@dataclass(frozen=True)
+class SymmetryBreakings(NamedCurve):
+    """Half a symmetric orbit has a multiplier minus one: the whole loses its symmetry."""
+
+    of, name = "BP", "symmetry-breaking"
+
+    def system(self, orbit: Any, near: At, further: np.ndarray) -> Augmented:
+        """L(-1) is singular.
+
+        `further` has the shape (k,).
+        """
+        return flip_system(orbit, near)
+
+    def critical(self, further: np.ndarray) -> np.ndarray:
+        """Minus one.
+
+        `further` has the shape (k,).
+        """
+        return np.array([complex(-1.0)])
+
+
+@dataclass(frozen=True)
+class BranchPoints(NamedCurve):
+    """Branch points that persist, as in an invariant subspace."""
+
+    of, name = "BP", "crossing"
+    further = 1
+    unfolds = True
+
+    def system(self, orbit: Any, near: At, further: np.ndarray) -> Valued:
+        """[F_u F_first] has deficient rank, and F + mu b stands for F.
+
+        `further` has the shape (1,).
+        """
+        rows, size = orbit.equation_scales, orbit.size
+        left, _, right = np.linalg.svd(orbit.jacobian(near.z) / rows[:, None] * near.weights)
+        b, c = left[:, -1], right[-2:]
+
+        def values(plane: Any, place: np.ndarray) -> np.ndarray:
+            there, own = plane.first(place)
+            whole = np.zeros((size + 2, size + 2))
+            whole[:size, : size + 1] = there.linearize(own).jacobian / rows[:, None] * near.weights
+            whole[:size, -1], whole[size:, : size + 1] = b, c
+            corner: np.ndarray = there.factored(whole, np.ones(size + 2)).solve_adjoint(
+                np.eye(size + 2)[:, -1]
+            )
+            return corner[size:]
+
+        return _valued(values, near, np.zeros(1), (b * rows)[:, None])
+
+    def critical(self, further: np.ndarray) -> np.ndarray:
+        """One.
+
+        `further` has the shape (k,).
+        """
+        return np.ones(1, dtype=complex)
+
+
+@dataclass(frozen=True)
+class ObservableAt(NamedCurve):
+    """An observable of the orbit, or its period, at a value."""
+
+    observable: str
+    level: float
+    of, name = "UZ", "observable"
+
+    def system(self, orbit: Any, near: At, further: np.ndarray) -> Valued:
+        """The observable is at its value.
+
+        `further` has the shape (k,).
+        """
+        unit = abs(self.level) or 1.0
+
+        def values(plane: Any, place: np.ndarray) -> np.ndarray:
+            there, own = plane.first(place)
+            return np.array([(measured(there, own, self.observable) - self.level) / unit])
+
+        return _valued(values, near)
+
+
+@dataclass(frozen=True)
+class ParameterAt(NamedCurve):
+    """One of both parameters at a value; `place` is where it stands in z, from the end."""
+
+    parameter: str
+    place: int
+    level: float
+    of, name = "UZ", "parameter"
+
+    def system(self, orbit: Any, near: At, further: np.ndarray) -> Valued:
+        """The parameter is at its value.
+
+        `further` has the shape (k,).
+        """
+
+        def values(plane: Any, place: np.ndarray) -> np.ndarray:
+            return np.array([plane.values_of(place)[self.parameter] - self.level])
+
+        slopes = np.zeros((1, len(near.z) + 1))
+        slopes[0, self.place] = 1.0
+        return replace(_valued(values, near), slopes=slopes)
+
+
+KINDS: dict[str, Any] = {
+    curve.name: curve for curve in (SymmetryBreakings, BranchPoints, ObservableAt, ParameterAt)
+}
+
+
+def measured(orbit: Any, z: np.ndarray, name: str) -> float:
+    """The value of an observable of an orbit with the unknowns z, shape (N + 1,), or its period, seconds."""
+    if name == PERIOD:
+        return float(orbit.duration(z))
+    if name == orbit.observable_names[-1]:
+        return float(orbit.observables(z, orbit.multipliers(z, orbit.jacobian(z)))[-1])
+    return float(orbit.observable(name, z))
+
+
+def marked_at(orbit: Any, point: SpecialPoint, free: tuple[str, str]) -> OrbitCurve:
+    """The curve through a marked value of orbits.
+
+    Raises
+    ------
+    StartError
+        If there is none.
+    """
+    name, level = point.mark.get("name"), point.mark.get("value")
+    if name is not None and level is not None:
+        if name in free:
+            return ParameterAt(str(name), -1 - free.index(str(name)), float(level))
+        if name == PERIOD or quantities.known(str(name), orbit.observable_names):
+            return ObservableAt(str(name), float(level))
+    why = f"{name} stands still where {' and '.join(free)} vary."
+    if name is None:
+        why = "what is marked there is not stored (a database of an earlier version: compute it once more)."
+    elif level is None:
+        why = f"it is an extremum of {name}, and curves of extrema are not followed."
+    raise StartError(
+        f"No curve in two parameters can be followed from {point.name or point.label}: {why}",
+        "Mark a value of an observable, of the period, or of one of both parameters.",
+    )
+
+
+def _valued(
+    values: Values, near: At, further: np.ndarray | None = None, unfolding: np.ndarray | None = None
+) -> Valued:
+    """Values that vanish, near a place; those of further unknowns are none, shape (k,), as their columns b,
+    shape (N, k), are.
+    """
+    own = np.zeros(0) if further is None else further
+    columns = np.zeros((len(near.z) - 1, 0)) if unfolding is None else unfolding
+    start, scale = np.append(near.z, own), np.append(near.weights, np.ones(len(own)))
+    return Valued(values, near.in_plane, start, scale, columns)
