@@ -82,6 +82,11 @@ class EventIntegrator:
     marks : bool
         Whether the states at the steps of a segment are kept, and steps marked in which watched guards may
         pass zero.
+    ends : collection of str
+        Transitions that end the motion before their reset, whatever they lead to.
+    paced : bool
+        Whether it is unsure after an event whose guard returns to zero before it can be seen to leave it:
+        events may accumulate there.
     """
 
     def __init__(
@@ -93,9 +98,13 @@ class EventIntegrator:
         events: int = 1,
         room: int = ROOM,
         marks: bool = False,
+        *,
+        ends: Collection[str] = (),
+        paced: bool = False,
     ) -> None:
         # Not the machine itself: machines keep their integrators.
         self._system, self.columns, self._marks = machine.system, columns, marks
+        self._ends, self._paced = frozenset(ends), int(paced)
         self.modes = list(modes)
         self.transitions = [each for mode in modes for each in machine.system.leaving(mode)]
         self._kept: list[np.ndarray] = []
@@ -192,6 +201,7 @@ class EventIntegrator:
             stages=vectors,
             between=self._keep(np.zeros((PARTS - 1) * 2 * n)),
             instant=start.instant.address,
+            paced=self._paced,
         )
 
     def _number(self, transition: Transition) -> int:
@@ -199,7 +209,8 @@ class EventIntegrator:
         return -1 if transition.role == "watched" else self.transitions.index(transition)
 
     def _transition(self, machine: HybridMachine, transition: Transition) -> TransitionRecord:
-        if transition.role == "watched" or transition.target not in self.modes:
+        known = transition.target in self.modes and transition.name not in self._ends
+        if transition.role == "watched" or not known:
             return TransitionRecord(target=-1)
         jump, c = machine.jump(transition)
         n, outputs = jump.n - 1, jump.m - 1

@@ -59,6 +59,7 @@ from contwalk.flow.hybrid.guard_taylor_kernel import coefficients_at, instant_at
 
 COINCIDE = 8.0
 ROUNDINGS, AFTER_RESET = 8.0, 1e3  # as in `guard_status`
+INSTANT, INVISIBLE = 64.0, 100.0  # as in `chatter`
 LEFT = 2.0  # a guard has left zero where it is so many times what it began with of rounding
 MOST_SHORTENED = 30  # times in a row, where a guard is not resolved
 SHORTEST = 1e3  # roundings of the time in a step that does not resolve one
@@ -86,6 +87,15 @@ def _transition(w: EventCall, number: int) -> Any:
 
 
 @inlined
+def _returns_unseen(rate: float, bend: float, noise: float, t: float) -> bool:
+    """Whether a guard that leaves zero is back too soon, or too near, to be seen; as in `chatter`."""
+    if not rate * bend < 0.0:
+        return False
+    back, excursion = 2.0 * abs(rate / bend), 0.5 * rate * (rate / abs(bend))
+    return back <= INSTANT * EPSILON * abs(t) or abs(excursion) <= INVISIBLE * noise
+
+
+@inlined
 def _stands(m: ModeRecord, guard: int, own: bool, passed: bool, t: float) -> bool:
     """Write down how a guard stands; whether nothing happens there."""
     k, at = instant_at(m.instant), standing(m, guard)
@@ -100,6 +110,8 @@ def _stands(m: ModeRecord, guard: int, own: bool, passed: bool, t: float) -> boo
     if kind == status_of.LEAVING:
         at.band = LEFT * abs(at.value)
         at.value, at.begins = 0.0, answer.side
+        if m.paced != 0 and _returns_unseen(answer.rate, answer.bend, answer.value_noise, t):
+            return False
     if kind == status_of.BEYOND:
         return integers(m.levels, guard + 1)[guard] == 0
     return kind == status_of.CLEAR or kind == status_of.LEAVING

@@ -84,6 +84,7 @@ class ModeRecord(CallRecord):
     between: int
     drawn: int
     instant: int
+    paced: int  # whether events that may accumulate are left to the reference integrator
 
 
 @call_record

@@ -114,12 +114,19 @@ def parts(
     t1: float,
     control: Control,
     last: str | None = None,
+    *,
+    noise: np.ndarray | None = None,
+    clocks: Clocks | None = None,
 ) -> Iterator[MotionSegment]:
-    """As `motion_segments`, but a long one comes in parts of some steps: all but its last end in no event."""
+    """As `motion_segments`, but a long one comes in parts of some steps: all but its last end in no event.
+
+    A motion that goes on begins with uncertainties `noise` of its states, shape (n,), by default those of
+    their rounding, and with `clocks` that know what has happened at its first instant.
+    """
     integrator = ByEventIntegrator(machine, control) if control.method == METHOD else None
     t, x, pace = float(t0), machine.existing(mode, x0), Pace(float(t0), t1)
     flow = machine.mode(mode)
-    noise, clocks = EPSILON * np.abs(x), Clocks(t)
+    noise, clocks = EPSILON * np.abs(x) if noise is None else noise, clocks or Clocks(t)
     standing, verdict = _stands(flow, t, x, noise, control.weights, last, clocks)
     if verdict.status != "ok":
         reason = verdict.reason + _blame(verdict, machine, flow, t, x)

@@ -10,7 +10,7 @@ past zero, from the side on which it is on the motion, the machine cannot be the
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,7 +30,14 @@ class Place:
     beyond: str = ""
 
 
-def placed(machine: HybridMachine, t: float, mode: str, unpushed: np.ndarray, pushed: np.ndarray) -> Place:
+def placed(
+    machine: HybridMachine,
+    t: float,
+    mode: str,
+    unpushed: np.ndarray,
+    pushed: np.ndarray,
+    ends: Collection[str] = (),
+) -> Place:
     """Where a motion sets out from a pushed state.
 
     Parameters
@@ -41,28 +48,31 @@ def placed(machine: HybridMachine, t: float, mode: str, unpushed: np.ndarray, pu
         The one of the motion.
     unpushed, pushed : ndarray, shape (n,)
         The state on the motion, and what the push makes of it.
+    ends : collection of str
+        Transitions that end a motion and lead nowhere: they are left to it.
     """
     name, state = mode, machine.existing(mode, pushed)
     for _ in range(MOST_CHANGES):
-        following = next(_forced(machine, t, name, state), None)
+        following = next(_forced(machine, t, name, state, ends), None)
         if following is None:
             break
         name, state = following
     else:
         return Place(mode, pushed, "no mode is left to be in")
-    beyond = _forbidden(machine, t, name, unpushed, state) if name == mode else ""
+    beyond = _forbidden(machine, t, name, unpushed, state, ends) if name == mode else ""
     return Place(name, state, beyond)
 
 
 def _forced(
-    machine: HybridMachine, t: float, mode: str, state: np.ndarray
+    machine: HybridMachine, t: float, mode: str, state: np.ndarray, ends: Collection[str]
 ) -> Iterator[tuple[str, np.ndarray]]:
     """What happens at once to a state: first what acts at entry in the mode or one joined to it, then what is
     soft."""
     for joined in _joined(machine.system, mode):
         flow = machine.mode(joined)
         for number, transition in enumerate(flow.transitions):
-            if transition.level and transition.role == "hard" and _past(flow, number, t, state):
+            acts = transition.level and transition.role == "hard" and transition.name not in ends
+            if acts and _past(flow, number, t, state):
                 yield transition.target, applied(machine, transition, t, state)
     flow = machine.mode(mode)
     for number, transition in enumerate(flow.transitions):
@@ -89,11 +99,19 @@ def _past(flow: ModeFlow, number: int, t: float, state: np.ndarray) -> bool:
     return bool(direction * value > noise) if direction else False
 
 
-def _forbidden(machine: HybridMachine, t: float, mode: str, unpushed: np.ndarray, pushed: np.ndarray) -> str:
+def _forbidden(
+    machine: HybridMachine,
+    t: float,
+    mode: str,
+    unpushed: np.ndarray,
+    pushed: np.ndarray,
+    ends: Collection[str],
+) -> str:
     """Name of a transition whose guard the push has carried past zero; empty where there is none."""
     flow = machine.mode(mode)
     for number, transition in enumerate(flow.transitions):
-        acts = transition.role == "hard" and not flow.guards[number].code.of_time_alone
+        acts = transition.role == "hard" and transition.name not in ends
+        acts = acts and not flow.guards[number].code.of_time_alone
         if acts and _carried_past(flow, number, transition, t, unpushed, pushed):
             return transition.name
     return ""

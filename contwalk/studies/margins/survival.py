@@ -8,20 +8,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contwalk.errors import ContwalkError, measured
-from contwalk.flow.hybrid.motion_segment import Control, MotionSegment
-from contwalk.flow.hybrid.motions import hybrid_machine, parts
-from contwalk.python_functions import plain
+from contwalk.errors import ContwalkError
+from contwalk.flow.hybrid.machine import hybrid_machine
+from contwalk.flow.hybrid.motion_events import TIME_UP, MotionEvents, Standpoint
+from contwalk.flow.hybrid.motion_segment import Control
 from contwalk.studies.margins.consistency import placed
 from contwalk.studies.margins.solution import Instant, Solution
 from contwalk.system import Symmetry, System, Transition
-from contwalk.system.declarations import ParameterValues
 from contwalk.system.names import free_name
 
 # How motions end: reason codes. All but the first are failures.
 SURVIVED = "survived"
 FALLEN = "fallen"
 ENDED = "ended"
+ACCUMULATED = "events_accumulate"
 LEFT = "left_sequence"
 AWAY = "did_not_return"
 BEYOND = "beyond_guard"
@@ -29,14 +29,15 @@ BEYOND = "beyond_guard"
 MEANINGS = {
     SURVIVED: "the motion survives",
     FALLEN: "the machine falls",
-    ENDED: "the motion ends: its field or a guard has no value, steps become too small, or events accumulate",
+    ENDED: "the motion ends: its field or a guard has no value, or steps become too small",
+    ACCUMULATED: "infinitely many events happen in a finite time",
     LEFT: "the events at the end are not those of the solution in their order",
     AWAY: "the motion is not back at the solution",
     BEYOND: "the push carries a guard past zero: the machine cannot be there",
 }
 
-# Steps, after which a motion is given up.
-MOST_STEPS = 1_000_000
+CHATTER = "chatter"  # what a motion says of itself whose events accumulate
+
 # In so many periods at the end the events must once have been those of the solution.
 LAPS = 2
 
@@ -74,54 +75,37 @@ class Survival:
     rule: Rule
 
     def __post_init__(self) -> None:
-        self._values = ParameterValues(**self.solution.parameters)
-        self._fallen = None if self.system.fallen is None else plain(self.system.fallen)
         self._falling = free_name("fallen", {transition.name for transition in self.system.transitions})
         self.machine = hybrid_machine(_falling(self.system, self._falling), self.solution.parameters)
         self._hard = {t.name for t in self.system.transitions if t.role == "hard"}
+        control = Control(self.rule.tolerance, self.solution.magnitudes, self.rule.method, watched=False)
+        self._motion = MotionEvents(self.machine, control, {self._falling})
 
     def verdict(self, instant: Instant, push: np.ndarray) -> str:
         """How a motion ends that sets out from an instant with a push, shape (n,), added to its state."""
-        place = placed(self.machine, instant.time, instant.mode, instant.state, instant.state + push)
+        pushed = instant.state + push
+        place = placed(self.machine, instant.time, instant.mode, instant.state, pushed, {self._falling})
         if place.beyond:
             return BEYOND
+        last = instant.last if instant.last and not push.any() else None
         try:
             with np.errstate(all="ignore"):
-                return self._moved(instant, place.mode, place.state, instant.last if not push.any() else "")
+                return self._moved(Standpoint(instant.time, place.mode, place.state, last))
         except (ContwalkError, ArithmeticError):
             return ENDED
 
-    def _moved(self, instant: Instant, mode: str, state: np.ndarray, last: str) -> str:
-        end = instant.time + self.rule.duration
-        control = Control(self.rule.tolerance, self.solution.magnitudes, self.rule.method)
-        if self._has_fallen(instant.time, state):
+    def _moved(self, begin: Standpoint) -> str:
+        motion, end = self._motion, begin.time + self.rule.duration
+        events = [(name, time) for name, time in motion.events(begin, end) if name in self._hard]
+        if motion.status == self._falling:
             return FALLEN
-        events: list[tuple[str, float]] = []
-        steps = 0
-        part: MotionSegment | None = None
-        for part in parts(self.machine, instant.time, state, mode, end, control, last or None):
-            steps += len(part.times) - 1
-            if any(event.name == self._falling for event in part.watched) or (
-                part.after is not None and self._has_fallen(float(part.times[-1]), part.after)
-            ):
-                return FALLEN
-            if part.status != "ok" or steps > MOST_STEPS:
-                return ENDED
-            if part.transition in self._hard:
-                events.append((str(part.transition), float(part.times[-1])))
-        if part is None or not part.times[-1] >= end * (1.0 - 1e-12):
-            return ENDED
+        if motion.status != TIME_UP:
+            return ACCUMULATED if motion.status == CHATTER else ENDED
         if self.rule.sequence and not self._keeps(events, end):
             return LEFT
-        reached = part.states[-1] if part.after is None else part.after
-        if self.rule.returns is not None and not self._distance(reached) <= self.rule.returns:
+        if self.rule.returns is not None and not self._distance(motion.at.state) <= self.rule.returns:
             return AWAY
         return SURVIVED
-
-    def _has_fallen(self, t: float, state: np.ndarray) -> bool:
-        """Whether the machine has fallen at a state with which a leg begins."""
-        fallen = self._fallen
-        return fallen is not None and measured("fallen", fallen, t, state.copy(), self._values) > 0.0
 
     def _keeps(self, events: Sequence[tuple[str, float]], end: float) -> bool:
         """Whether the events of the solution happen in their order once in the last periods."""
@@ -152,7 +136,7 @@ class Survival:
 
 
 def _falling(system: System, name: str) -> System:
-    """What moves the machine, and as its only watched transition that it falls, in each mode."""
+    """What moves the machine, and that it falls, in each mode."""
     acting, fallen = system.acting, system.fallen
     falls = [] if fallen is None else [_falls(name, mode.name, fallen) for mode in system.modes]
     known = {transition.name for transition in acting}
@@ -168,7 +152,8 @@ def _falling(system: System, name: str) -> System:
 
 
 def _falls(name: str, mode: str, fallen: Callable[..., float]) -> Transition:
-    return Transition(name, mode, mode, fallen, "rising", role="watched")
+    """It has fallen too where it begins to be in the mode like that."""
+    return Transition(name, mode, mode, fallen, "rising", level=True)
 
 
 def _among(symmetry: Symmetry, known: Collection[str]) -> Symmetry:
