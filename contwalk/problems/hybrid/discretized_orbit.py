@@ -17,7 +17,6 @@ import numpy as np
 from contwalk.problems.angles import whole_turns
 from contwalk.problems.hybrid.margins import Limit, Margins
 from contwalk.problems.hybrid.shooting import LegMesh
-from contwalk.problems.hybrid.stretch import Stretch
 from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.kinks import Course
 from contwalk.problems.orbit.layout import Layout, Segment, joined
@@ -236,10 +235,6 @@ class DiscretizedOrbit(OrbitData):
     @abstractmethod
     def margins(self, z: np.ndarray) -> Margins:
         """Values of all limits at a solution."""
-
-    @abstractmethod
-    def stretches(self, z: np.ndarray) -> list[Stretch]:
-        """The legs of the whole motion, images included."""
 
 
 def _laid_out(orbit: DiscretizedOrbit, cuts: int) -> Layout:

@@ -38,7 +38,7 @@ from contwalk.problems.hybrid.discretized_orbit import MOST_VIEWS, DiscretizedOr
 from contwalk.problems.hybrid.limited import HybridLimits
 from contwalk.problems.hybrid.margins import Limit, Margins
 from contwalk.problems.hybrid.mirror_image import HybridMirror, mirror_of
-from contwalk.problems.hybrid.stretch import Stretch
+from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.kink import Kink
 from contwalk.problems.orbit import equations, monodromy
 from contwalk.problems.orbit.multipliers import Multipliers
@@ -46,6 +46,7 @@ from contwalk.problems.orbit.orbit_problem import OrbitProblem
 from contwalk.problems.orbit.points.catalogue import LIMIT_TYPES, POINT_TYPES
 from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.orbit.section import Section
+from contwalk.problems.orbit.stretch import Stretch
 from contwalk.problems.orbit.word import stored_leg
 from contwalk.problems.problem import MAX_ABS, Linearization, Located, Sample, Test
 
@@ -115,7 +116,7 @@ class HybridOrbit(DiscretizedOrbit, OrbitProblem):
         """Values of all limits at a solution."""
         return self.known.at("margins", z, MOST_VIEWS, lambda: margin_values.margins(self, z))
 
-    def stretches(self, z: np.ndarray) -> list[Stretch]:
+    def stretches(self, z: np.ndarray) -> list[Stretch[LegView]]:
         """The legs of the whole motion, images included."""
         there, own = self.explicit(z)
         return there.known.at("stretches", own, MOST_VIEWS, lambda: observing.stretches(there, own))

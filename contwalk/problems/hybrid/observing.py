@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from contwalk import quantities
 from contwalk.errors import measured
 from contwalk.problems import neutral as neutrals
-from contwalk.problems.hybrid import undefined
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
-from contwalk.problems.hybrid.stretch import Stretch
+from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.images import imaged
 from contwalk.problems.orbit.closure import images_of
-from contwalk.problems.orbit.extrema import extremes_of
-from contwalk.problems.orbit.lifts import PLAIN
+from contwalk.problems.orbit.motion import extremes, motion
 from contwalk.problems.orbit.multipliers import Multipliers
 from contwalk.problems.orbit.sampling import MOST_BISECTIONS
-from contwalk.problems.orbit.slow_place import AROUND, SlowPlace, slow_places_on
-from contwalk.problems.orbit.undefined import refusal
+from contwalk.problems.orbit.stretch import Stretch
 from contwalk.problems.orbit.word import imaged_leg
 from contwalk.problems.passing import Place
 from contwalk.system.declarations import ParameterValues
@@ -30,7 +25,7 @@ NEARLY, MOST_SECANTS = 1e-6, 4
 NOTHING = 1e-6
 
 
-def stretches(problem: DiscretizedOrbit, z: np.ndarray) -> list[Stretch]:
+def stretches(problem: DiscretizedOrbit, z: np.ndarray) -> list[Stretch[LegView]]:
     """The legs of the whole motion; of an orbit that closes up to a symmetry, their images follow."""
     # What is returned is kept with the problem, and does not keep it.
     views, word, system, pins = problem.view(z), problem.word, problem.system, problem.pins
@@ -61,26 +56,6 @@ def stretches(problem: DiscretizedOrbit, z: np.ndarray) -> list[Stretch]:
         Stretch(leg.name, view, length, image, system.states_of(leg.mode))
         for leg, view in zip(legs, views, strict=True)
     ]
-
-
-def motion(problem: DiscretizedOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The whole motion: times in seconds, (k,), and states, (k, n); both sides of each event."""
-    found = [stretch.motion for stretch in problem.stretches(z)]
-    return np.concatenate([t for t, _ in found]), np.concatenate([x for _, x in found])
-
-
-def extremes(problem: DiscretizedOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Least and largest value of each state over the whole orbit, shapes (n,), where the state exists.
-
-    NaN of an angle that goes round: it has neither.
-    """
-    found = problem.stretches(z)
-    low, high = extremes_of([s.smooth for s in found], [np.array(s.exists) for s in found])
-    if np.isnan(low).any():
-        raise refusal(undefined.where(problem, z))
-    neither = (problem.turns != 0.0) | np.isinf(high)
-    low[neither] = high[neither] = np.nan
-    return low, high
 
 
 def place(problem: DiscretizedOrbit) -> str:
@@ -229,7 +204,7 @@ def _passing(problem: DiscretizedOrbit, z: np.ndarray, place: Place) -> np.ndarr
     return np.full(problem.states, np.nan)
 
 
-def _refined(stretch: Stretch, place: Place, turn: float, near: float) -> np.ndarray:
+def _refined(stretch: Stretch[LegView], place: Place, turn: float, near: float) -> np.ndarray:
     """The state at which a value is passed, on steps that end there: by the secant method."""
 
     def at(share: float) -> np.ndarray:
@@ -245,24 +220,6 @@ def _refined(stretch: Stretch, place: Place, turn: float, near: float) -> np.nda
         a, b, here = b, b - after * (b - a) / (after - before), there
         there = at(b)
     return there
-
-
-def slow_places(orbit: DiscretizedOrbit, z: np.ndarray) -> list[SlowPlace]:
-    """Where the orbit is slower than beside, and the field there; the slowest place first."""
-    orbit, z = orbit.explicit(z)
-    even, places = np.linspace(0.0, 1.0, AROUND), list[SlowPlace]()
-    for view in orbit.view(z):
-        piece, scalars = view.piece, view.scalars
-        if scalars[0] == 0.0:
-            continue
-        field, times = piece.passage.field(PLAIN), np.union1d(piece.steps, even)
-        path = piece.at(view.nodes, times, scalars)
-        own = list(piece.passage.states)
-        c, scale = field.constants(piece.values(scalars)), orbit.mesh.variation[own]
-        names = tuple(orbit.system.state_names[k] for k in own)
-        places += slow_places_on(field, c, abs(float(scalars[0])), times, path, scale, names)
-    fastest = max(place.fastest for place in places)
-    return sorted((replace(place, fastest=fastest) for place in places), key=lambda place: place.speed)
 
 
 def growth(orbit: DiscretizedOrbit, z: np.ndarray) -> np.ndarray:

@@ -256,7 +256,7 @@ class LegView:
     @computed_once
     def motion(self) -> tuple[np.ndarray, np.ndarray]:
         """Times in seconds and full states, with the instants at which a state is extreme."""
-        turns = self._extrema()
+        turns = _extrema(self.times, self.states, self.rates)
         times, states = self.times, self.states
         if len(turns):
             times = np.concatenate([times, turns])
@@ -279,6 +279,11 @@ class LegView:
 
         return Smooth(self.times, self.full(self.states), self.full(self.rates), at, rate_at)
 
+    def sampled(self, number: int) -> tuple[np.ndarray, np.ndarray]:
+        """Instants in 0..1, `number` of them evenly spread and the steps' own, and states there."""
+        times = np.union1d(self.piece.steps, np.linspace(0.0, 1.0, number))
+        return times, self.piece.at(self.nodes, times, self.scalars)
+
     def course(self) -> list[Course]:
         """The leg as it is looked at for kinks of its field, where it may have any and lasts."""
         passage, values = self.piece.passage, self._values
@@ -287,11 +292,11 @@ class LegView:
         course = passage.course(values, self.times, self.states, self.at)
         return [] if course is None else [course]
 
-    def _extrema(self) -> np.ndarray:
-        """Instants at which a state turns on the leg, in growing order."""
-        t, x, r = self.times, self.states, self.rates
-        k, j = np.nonzero(r[:-1] * r[1:] < 0.0)
-        return np.unique(turns(t[k], t[k + 1], x[k, j], x[k + 1, j], r[k, j], r[k + 1, j]))
+
+def _extrema(t: np.ndarray, x: np.ndarray, r: np.ndarray) -> np.ndarray:
+    """Instants at which a state turns, in growing order, from times (k,), states and rates (k, n)."""
+    k, j = np.nonzero(r[:-1] * r[1:] < 0.0)
+    return np.unique(turns(t[k], t[k + 1], x[k, j], x[k + 1, j], r[k, j], r[k + 1, j]))
 
 
 def _pairs(row: list[float]) -> list[tuple[float, float]]:

@@ -101,6 +101,10 @@ class Positions(ABC):
     def along(self, segment: Segment, rows: np.ndarray) -> np.ndarray:
         """Derivatives by a segment's inputs, (r, n_i + k), as derivatives by z, (r, N + 1)."""
 
+    @abstractmethod
+    def inside_of(self, segment: Segment, shares: np.ndarray) -> np.ndarray:
+        """Instants of a leg, shape (k,), 0 to 1, in the times of a segment's steps."""
+
 
 class ClosureLayout(Positions):
     """Positions for a smooth orbit: one leg, whose segments are in times of the closure.
@@ -155,6 +159,10 @@ class ClosureLayout(Positions):
         n, result = segment.states.stop - segment.states.start, np.zeros((len(rows), self.size + 1))
         result[:, segment.states], result[:, self._scalars] = rows[:, :n], rows[:, n:]
         return result
+
+    def inside_of(self, segment: Segment, shares: np.ndarray) -> np.ndarray:
+        """The same instants, shape (k,): steps are in times of the closure."""
+        return shares
 
 
 class Layout(Positions):
@@ -273,6 +281,11 @@ class Layout(Positions):
         if self.forced:
             scalars[1] += segment.begin * lasting
         return z[segment.states], scalars
+
+    def inside_of(self, segment: Segment, shares: np.ndarray) -> np.ndarray:
+        """Instants of a leg, shape (k,), 0 to 1, in a segment's own time, 0 to 1."""
+        cuts = self.cuts[segment.leg]
+        return shares if cuts == 1 else (shares - segment.begin) * cuts
 
 
 def joined(segments: Sequence[Segment], steps: Sequence[np.ndarray]) -> np.ndarray:

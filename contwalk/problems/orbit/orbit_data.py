@@ -18,6 +18,7 @@ from contwalk.problems.orbit.passage import Passage
 from contwalk.problems.orbit.piece import Piece
 from contwalk.problems.orbit.protocol import Orbit
 from contwalk.problems.orbit.section import Reference
+from contwalk.problems.orbit.stretch import Stretch, View
 from contwalk.problems.orbit.word import Word
 from contwalk.problems.parameter_line import Ends, ParameterLine
 from contwalk.system import Neutral, System
@@ -80,6 +81,21 @@ class OrbitData(Orbit):
     @abstractmethod
     def segments(self) -> tuple[Piece, ...]:
         """The segments of the legs on their steps."""
+
+    def explicit(self, z: np.ndarray) -> tuple[OrbitData, np.ndarray]:
+        """The orbit with a leg for every smooth piece, and its unknowns: itself, if none is condensed.
+
+        z, and what is returned, has the shape (N + 1,).
+        """
+        return self, z
+
+    @abstractmethod
+    def view(self, z: np.ndarray) -> Sequence[View]:
+        """A solution of shape (N + 1,) looked at piece by smooth piece."""
+
+    @abstractmethod
+    def stretches(self, z: np.ndarray) -> list[Stretch[Any]]:
+        """The legs of the whole motion of z, shape (N + 1,), images included."""
 
     @property
     @abstractmethod

@@ -19,6 +19,7 @@ from contwalk.problems.orbit import (
     describing,
     equations,
     monodromy,
+    motion,
     rates,
     scales,
 )
@@ -39,14 +40,8 @@ LEAST_KEPT, MOST_KEPT, MOST_BYTES = 3, 12, 5e7
 class Observing(Protocol):
     """What is told of one kind of orbits, as functions over them."""
 
-    def motion(self, problem: Any, z: np.ndarray, /) -> tuple[np.ndarray, np.ndarray]:
-        """The motion: times in seconds, shape (k,), and states, shape (k, n)."""
-
     def reported(self, problem: Any, z: np.ndarray, /) -> np.ndarray:
         """The state that stands for a solution, shape (n,)."""
-
-    def slow_places(self, problem: Any, z: np.ndarray, /) -> list[SlowPlace]:
-        """Where the orbit is slower than beside, and the field there; the slowest place first."""
 
     def values(self, problem: Any, z: np.ndarray, found: Multipliers, /) -> list[float]:
         """Values of all observables."""
@@ -171,7 +166,7 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitData):
 
     def motion_of(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The motion: times in seconds, shape (k,), and states, shape (k, n); both sides of each event."""
-        return self.observing.motion(self, z)
+        return motion.motion(self, z)
 
     def reported(self, z: np.ndarray) -> np.ndarray:
         """The state that stands for a solution, shape (n,); see `engine: {report_at: ...}`."""
@@ -179,7 +174,7 @@ class OrbitProblem(OwnMeasures, OwnMesh, OrbitData):
 
     def slow_places(self, z: np.ndarray) -> list[SlowPlace]:
         """Where the orbit is slower than beside, and the field there; the slowest place first."""
-        return self.observing.slow_places(self, z)
+        return motion.slow_places(self, z)
 
     def observables(self, z: np.ndarray, found: Multipliers) -> np.ndarray:
         """Values of `observable_names`, shape (o,)."""

@@ -13,8 +13,10 @@ from contwalk.memory import of_unowned, unowned
 from contwalk.numerics.linear import Factored
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.orbit import asymmetry, ending, equations, monodromy, sampling, switching
+from contwalk.problems.orbit.closure_view import SAMPLES
 from contwalk.problems.orbit.cutting import begun_at, most_segments, recutting
 from contwalk.problems.orbit.discretization import STAGES
+from contwalk.problems.orbit.extrema import with_extrema
 from contwalk.problems.orbit.meeting import distance
 from contwalk.problems.orbit.mirror import OrbitMirror, mirror_of
 from contwalk.problems.orbit.multipliers import Multipliers
@@ -22,13 +24,14 @@ from contwalk.problems.orbit.orbit_problem import OrbitProblem
 from contwalk.problems.orbit.period import period_and_slope
 from contwalk.problems.orbit.points.catalogue import POINT_TYPES
 from contwalk.problems.orbit.section import Reference, better_phase, reference_of
-from contwalk.problems.orbit.segmented_orbit import SAMPLES, SegmentedOrbit, section_through
+from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit, section_through
 from contwalk.problems.orbit.shooting import meshed
 from contwalk.problems.orbit.smooth_diagnosis import SmoothDiagnosis
 from contwalk.problems.orbit.step_blocks import multipliers_of
 from contwalk.problems.orbit.transport import closed, moved, recut
 from contwalk.problems.passed_over import passed_over
 from contwalk.problems.problem import MAX_ABS, Linearization, Sample
+from contwalk.system.declarations import ParameterValues
 
 # Segments that a branch has room for, if it does not begin with more.
 ROOM = 8
@@ -286,9 +289,11 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
     def first_passed(self, z: np.ndarray, points: Sequence[np.ndarray]) -> int | None:
         """Number of the first of some states that the orbit of z passes; None if it passes none."""
         periods = np.array([s.period or 0.0 for s in self.system.states])
+        curve, p = self.curve(z), ParameterValues(**self.values_of(z))
         for number in SEEN_FROM:
-            _, curve = sampling.motion(self, z, number)
-            apart = [distance(curve, x, periods, self.mesh.variation) for x in points]
+            _, states = with_extrema(curve, *curve.sampled(number))
+            whole = np.concatenate(self.closure.images(states, p))
+            apart = [distance(whole, x, periods, self.mesh.variation) for x in points]
             passed = next((k for k, away in enumerate(apart) if away < 30.0 * ALIKE), None)
             if passed is not None or min(apart, default=np.inf) > PERHAPS:
                 return passed

@@ -18,6 +18,7 @@ from contwalk.problems.orbit.section import Section
 from contwalk.problems.orbit.shooting import Mesh
 from contwalk.problems.orbit.slow_place import SlowPlace
 from contwalk.problems.problem import (
+    Diagnosis,
     Equivalence,
     Located,
     Meshed,
@@ -65,6 +66,14 @@ class OrbitKind(Protocol):
         ...
 
 
+class OrbitDiagnosis(Diagnosis, Protocol):
+    """What is known of places where a branch of orbits ends, or cannot go on."""
+
+    def without_value(self, z: np.ndarray) -> str:
+        """The plugin's line at which the motion of z, shape (N + 1,), has no value; empty if none is."""
+        ...
+
+
 class Orbit(Problem, Meshed, Observed, Equivalence, Protocol):
     """A periodic orbit, discretised: what the engine asks of it, and the algorithms that all orbits share."""
 
@@ -74,6 +83,11 @@ class Orbit(Problem, Meshed, Observed, Equivalence, Protocol):
     discretization: Discretization
     forced: bool
     section: Section | None
+
+    @property
+    def diagnosis(self) -> OrbitDiagnosis:
+        """What is known of places where a branch ends, or cannot go on."""
+        ...
 
     @property
     def mesh(self) -> Mesh:

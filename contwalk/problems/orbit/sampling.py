@@ -6,13 +6,9 @@ import numpy as np
 
 from contwalk import quantities
 from contwalk.errors import measured
-from contwalk.problems.orbit import undefined
-from contwalk.problems.orbit.closure import images_of
-from contwalk.problems.orbit.extrema import PARTS, Smooth, extremes_of, with_extrema
-from contwalk.problems.orbit.lifts import PLAIN
+from contwalk.problems.orbit.motion import extremes, motion
 from contwalk.problems.orbit.multipliers import Multipliers
-from contwalk.problems.orbit.segmented_orbit import SAMPLES, SegmentedOrbit
-from contwalk.problems.orbit.slow_place import AROUND, SlowPlace, slow_places_on
+from contwalk.problems.orbit.segmented_orbit import SegmentedOrbit
 from contwalk.problems.passing import Place
 from contwalk.system.declarations import ParameterValues
 
@@ -40,31 +36,6 @@ def crossing(
         if high - low < 1e-15:
             break
     return place.told(there, turn)
-
-
-def extremes(problem: SegmentedOrbit, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Least and largest value of each state over the whole orbit, shapes (n,), from its integrated part.
-
-    NaN of an angle that goes round: it has neither.
-    """
-    curve = problem.curve(z)
-    times, states = curve.divided(PARTS)
-    motion = Smooth(times, states, curve.rates(times, states), curve.at, curve.rates)
-    p, closure = ParameterValues(**problem.values_of(z)), problem.closure
-    images = []
-    for j in range(closure.fold):
-        power = (closure.power * (closure.fold - j)) % closure.fold
-
-        def shown(_: np.ndarray, states: np.ndarray, power: int = power) -> np.ndarray:
-            return images_of(closure.symmetry, states, p, power)
-
-        images.append(motion.mapped(shown))
-    low, high = extremes_of(images, [np.arange(problem.states)] * closure.fold)
-    if np.isnan(low).any():
-        raise undefined.refusal(undefined.where(problem, z))
-    round_ = closure.turns != 0.0
-    low[round_] = high[round_] = np.nan
-    return low, high
 
 
 def measured_along(orbit: SegmentedOrbit, z: np.ndarray) -> list[float]:
@@ -98,16 +69,6 @@ def value(problem: SegmentedOrbit, name: str, z: np.ndarray) -> float:
     return measured(f"observable '{name}'", function, t, x, p)
 
 
-def motion(problem: SegmentedOrbit, z: np.ndarray, number: int = SAMPLES) -> tuple[np.ndarray, np.ndarray]:
-    """The whole motion: times in seconds, shape (k,), and states, shape (k, n)."""
-    curve = problem.curve(z)
-    times, states = with_extrema(curve, *curve.sampled(number))
-    duration, parameters = problem.duration(z), ParameterValues(**problem.values_of(z))
-    pieces = problem.closure.images(states, parameters)
-    starts = np.arange(len(pieces)) * duration
-    return (starts[:, None] + duration * times).ravel(), np.concatenate(pieces)
-
-
 def reported(problem: SegmentedOrbit, z: np.ndarray) -> np.ndarray:
     """The state at the phase condition's point, or where the run asks for it, shape (n,); NaN if it
     never is.
@@ -117,12 +78,3 @@ def reported(problem: SegmentedOrbit, z: np.ndarray) -> np.ndarray:
         return z[: problem.states]
     t, x = motion(problem, z)
     return crossing(problem, z, t, x, Place.of(problem.system, *place))
-
-
-def slow_places(problem: SegmentedOrbit, z: np.ndarray) -> list[SlowPlace]:
-    """Where the orbit is slower than beside, and the field there; the slowest place first."""
-    field = problem.passage.field(PLAIN)
-    c = field.constants(problem.given(z))
-    times, path = problem.curve(z).sampled(AROUND)
-    names = problem.system.state_names
-    return slow_places_on(field, c, problem.duration(z), times, path, problem.mesh.variation, names)

@@ -11,6 +11,7 @@ and `PeriodicOrbit` offers them to the engine.
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Callable
 from typing import Any, Self, TypeVar
 
 import numpy as np
@@ -20,23 +21,24 @@ from contwalk.problems.forcing import period_at
 from contwalk.problems.kink import Kink
 from contwalk.problems.kinks import Course
 from contwalk.problems.orbit.closure import Closure
+from contwalk.problems.orbit.closure_view import SAMPLES, ClosureView
 from contwalk.problems.orbit.layout import ClosureLayout
+from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.passage import Passage, closure_of
 from contwalk.problems.orbit.piece import Piece, passed
 from contwalk.problems.orbit.section import Section, section_at
 from contwalk.problems.orbit.shooting import Mesh, velocity
 from contwalk.problems.orbit.solution import Curve, Solution
+from contwalk.problems.orbit.stretch import Stretch
 from contwalk.problems.orbit.traced_leg import Closing, ScalarInputs
 from contwalk.problems.orbit.word import Leg, Word
+from contwalk.system.declarations import ParameterValues
 
 # Halves: pitchforks of orbits with a symmetry that nobody declared stay pitchforks as well.
 PARTS = 2
 # Linearizations and motions that are kept: a step asks for the same ones several times.
 MOST_KEPT = 12
-# Samples of an orbit that observables are computed from, beside the integrator's own steps.
-SAMPLES = 512
-
 
 Kind = TypeVar("Kind", bound="SegmentedOrbit")
 
@@ -173,6 +175,21 @@ class SegmentedOrbit(OrbitData):
     def curve(self, z: np.ndarray) -> Curve:
         """The integrated part of the motion, in 0..1."""
         return self.solution(z).curve
+
+    def view(self, z: np.ndarray) -> tuple[ClosureView, ...]:
+        """The integrated part of the motion of z, shape (N + 1,): one leg."""
+        constants = self.passage.field(PLAIN).constants(self.given(z))
+        return (ClosureView(self.segments[-1], self.curve(z), constants, self.duration(z)),)
+
+    def stretches(self, z: np.ndarray) -> list[Stretch[ClosureView]]:
+        """The whole motion of z, shape (N + 1,): the integrated part, and its images, one after the other."""
+        (view,), closure, p = self.view(z), self.closure, ParameterValues(**self.values_of(z))
+
+        def seen(number: int) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
+            return lambda _, states: closure.image(states, p, number)
+
+        every = tuple(range(self.states))
+        return [Stretch("", view, j * view.duration, seen(j), every) for j in range(closure.fold)]
 
     def velocity(self, z: np.ndarray) -> np.ndarray:
         """dx/dt at the start."""

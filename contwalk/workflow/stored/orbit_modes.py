@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from contwalk.branch import Branch, SpecialPoint
 from contwalk.continuation.reopening import reopened
 from contwalk.errors import ContwalkError
+from contwalk.problems.orbit.deviations import Deviations
 from contwalk.system import System
 from contwalk.workflow.stored.orbits import PICTURE, Orbit
 
@@ -105,17 +105,11 @@ def displaced_along(
     return DisplacedMotion(states + np.concatenate(found), number, mode.multiplier, amplitude)
 
 
-def _deviations(system: System, branch: Branch, point: SpecialPoint | int) -> Any:
+def _deviations(system: System, branch: Branch, point: SpecialPoint | int) -> Deviations:
     if isinstance(point, SpecialPoint) and not point.unknowns:  # one that is not located has a row at most
         point = point.index
     problem, sample = reopened(system, branch, point, PICTURE)
-    if branch.info.problem == "hybrid_orbit":
-        from contwalk.problems.hybrid.deviations import HybridDeviations
-
-        return HybridDeviations(problem, sample.z)  # type: ignore[arg-type]
-    from contwalk.problems.orbit.deviations import SmoothDeviations
-
-    return SmoothDeviations(problem, sample.z)  # type: ignore[arg-type]
+    return Deviations(problem, sample.z)  # type: ignore[arg-type]
 
 
 def _half_ranges(states: np.ndarray) -> np.ndarray:

@@ -17,10 +17,9 @@ from test_soft_orbit import system as spring_and_wall
 
 import contwalk as cw
 from contwalk.continuation.reopening import reopened
-from contwalk.problems.hybrid.deviations import HybridDeviations
 from contwalk.problems.hybrid.hybrid_orbit import HybridOrbit
 from contwalk.problems.hybrid.soft_orbit import SoftOrbit
-from contwalk.problems.orbit.deviations import SmoothDeviations
+from contwalk.problems.orbit.deviations import Deviations
 from contwalk.problems.orbit.modes import chosen_multiplier
 
 # Neighbours on both sides, this far away in units of the orbit's variation: differences are known to its
@@ -92,7 +91,7 @@ ORBITS = {name: lambda name=name: orbit(name, 1e-11) for name in CASES} | {"soft
 
 @pytest.mark.parametrize("name", list(ORBITS))
 def test_neighbouring_motions_go_as_the_deviation_says(name):
-    deviations = HybridDeviations(*ORBITS[name]())
+    deviations = Deviations(*ORBITS[name]())
     problem, z = deviations.problem, deviations.z
     for number in range(1, min(problem.spectrum_size, 3) + 1):
         mode = deviations.mode(number)
@@ -108,7 +107,7 @@ def test_neighbouring_motions_go_as_the_deviation_says(name):
 @pytest.mark.parametrize("name", list(ORBITS))
 def test_a_closure_multiplies_a_mode(name):
     """But for what it moves along the orbit; every multiplier of the spectrum has its mode."""
-    deviations = HybridDeviations(*ORBITS[name]())
+    deviations = Deviations(*ORBITS[name]())
     problem, z = deviations.problem, deviations.z
     spectrum = problem.multipliers(z, problem.jacobian(z)).values
     for number, multiplier in enumerate(spectrum, start=1):
@@ -167,7 +166,7 @@ def test_a_mirrored_half_with_pinned_directions():
     """The second half is seen as the image of an integrated one; places that are pinned start undisplaced."""
     problem, z = travelling_orbit()
     assert problem.word.image == "mirror"
-    deviations = HybridDeviations(problem, z)
+    deviations = Deviations(problem, z)
     x = problem.stretches(z)[0].start[1]
     assert np.allclose(deviations.mode(1).start[3:], 0.0, atol=1e-12)
     checked(deviations, problem, z, x, travelling, problem.duration(z))
@@ -176,12 +175,12 @@ def test_a_mirrored_half_with_pinned_directions():
 def test_a_smooth_orbit_of_half_a_period():
     problem, z = smooth_orbit()
     assert problem.closure.fold == 2
-    checked(SmoothDeviations(problem, z), problem, z, problem.first_state(z), field, problem.duration(z))
+    checked(Deviations(problem, z), problem, z, problem.first_state(z), field, problem.duration(z))
 
 
 @pytest.mark.parametrize("kind", ["hybrid", "smooth"])
 def test_modes_beyond_the_spectrum_are_refused(kind):
-    deviations = HybridDeviations(*orbit("walker")) if kind == "hybrid" else SmoothDeviations(*smooth_orbit())
+    deviations = Deviations(*(orbit("walker") if kind == "hybrid" else smooth_orbit()))
     number = len(
         deviations.problem.multipliers(deviations.z, deviations.problem.jacobian(deviations.z)).values
     )

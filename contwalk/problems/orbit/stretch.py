@@ -4,22 +4,79 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
-from contwalk.problems.hybrid.view import LegView
 from contwalk.problems.orbit.extrema import Smooth
+from contwalk.problems.orbit.piece import Piece
+
+
+class View(Protocol):
+    """An integrated leg of a solution, looked at anywhere.
+
+    Attributes
+    ----------
+    piece : Piece
+    start, duration : float
+        Seconds.
+    """
+
+    piece: Piece
+    start: float
+    duration: float
+
+    @property
+    def x(self) -> np.ndarray:
+        """State of the mode at its start, shape (n_i,)."""
+        ...
+
+    @property
+    def end(self) -> np.ndarray:
+        """State of the mode at the end, shape (n_i,), before what ends it."""
+        ...
+
+    @property
+    def constants(self) -> np.ndarray:
+        """What its field takes from scalars and fixed parameters."""
+        ...
+
+    @property
+    def at(self) -> Callable[[np.ndarray], np.ndarray]:
+        """States of the mode, shape (k, n_i), at any instants in 0..1, a function of these."""
+        ...
+
+    @property
+    def motion(self) -> tuple[np.ndarray, np.ndarray]:
+        """Times in seconds, shape (k,), and full states, with the instants at which one is extreme."""
+        ...
+
+    @property
+    def smooth(self) -> Smooth:
+        """The leg in 0..1 with full states."""
+        ...
+
+    def sampled(self, number: int) -> tuple[np.ndarray, np.ndarray]:
+        """Instants in 0..1, about `number` of them evenly spread and the steps' own, and states there."""
+        ...
+
+    def full(self, x: np.ndarray) -> np.ndarray:
+        """States of the mode as states of the system."""
+        ...
+
+
+Own = TypeVar("Own", bound=View, covariant=True)
 
 
 @dataclass(frozen=True, eq=False)
-class Stretch:
+class Stretch(Generic[Own]):
     """A leg of the whole motion: as integrated, or the image of an integrated one.
 
     Parameters
     ----------
     name : str
         What ends it.
-    view : LegView
+    view : View
     later : float
         Seconds after the integrated one.
     seen : callable
@@ -30,7 +87,7 @@ class Stretch:
     """
 
     name: str
-    view: LegView
+    view: Own
     later: float
     seen: Callable[[np.ndarray, np.ndarray], np.ndarray]
     exists: tuple[int, ...]

@@ -1,0 +1,70 @@
+"""A closure without events looked at as a leg: samples of its motion, and where states turn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from contwalk.memory import computed_once
+from contwalk.problems.orbit.extrema import PARTS, Smooth, with_extrema
+from contwalk.problems.orbit.piece import Piece
+from contwalk.problems.orbit.solution import Curve
+
+# Samples of an orbit that observables are computed from, beside the integrator's own steps.
+SAMPLES = 512
+
+
+class ClosureView:
+    """The integrated part of an orbit without events: a `View`.
+
+    Parameters
+    ----------
+    piece : Piece
+        The last of its segments.
+    curve : Curve
+    constants : ndarray
+        What its field takes from scalars and fixed parameters.
+    duration : float
+        Seconds.
+    """
+
+    start = 0.0
+
+    def __init__(self, piece: Piece, curve: Curve, constants: np.ndarray, duration: float) -> None:
+        self.piece, self.curve, self.constants, self.duration = piece, curve, constants, duration
+
+    @property
+    def x(self) -> np.ndarray:
+        """State at its start, shape (n,)."""
+        return self.curve.nodes[0]
+
+    @property
+    def end(self) -> np.ndarray:
+        """State at its end, shape (n,)."""
+        return self.curve.nodes[-1]
+
+    @property
+    def at(self) -> Callable[[np.ndarray], np.ndarray]:
+        """States, shape (k, n), at any instants in 0..1 in growing order, a function of these."""
+        return self.curve.at
+
+    @computed_once
+    def motion(self) -> tuple[np.ndarray, np.ndarray]:
+        """Times in seconds, shape (k,), and states, with the instants at which one is extreme."""
+        times, states = with_extrema(self.curve, *self.curve.sampled(SAMPLES))
+        return self.duration * times, states
+
+    @computed_once
+    def smooth(self) -> Smooth:
+        """The closure in 0..1."""
+        times, states = self.curve.divided(PARTS)
+        return Smooth(times, states, self.curve.rates(times, states), self.curve.at, self.curve.rates)
+
+    def sampled(self, number: int) -> tuple[np.ndarray, np.ndarray]:
+        """Instants in 0..1, at least `number` of them evenly spread and the steps' own, and states there."""
+        return self.curve.sampled(number)
+
+    def full(self, x: np.ndarray) -> np.ndarray:
+        """All states exist."""
+        return x
