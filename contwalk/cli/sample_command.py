@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 @click.argument("file")
 @click.option("--set", "overrides", metavar="KEY=VALUE", multiple=True, help="Set a value of the run file.")
 @click.option("--output", metavar="X.h5", help="Base of the files' names, instead of the run file's output.")
-@jobs_option("Motions at once; as many as there are processors by default. The result is the same.", None)
+@jobs_option("Motions at once (1); auto: one for each processor. The result is the same.", 1)
 @click.option("--threads", type=click.IntRange(1, 1024), hidden=True, help="Another name of --jobs.")
 @click.option("--force", is_flag=True, help="Replace files that exist.")
 @click.option("--quiet", is_flag=True, help="Print errors only.")
@@ -29,7 +29,7 @@ def command(
     file: str,
     overrides: tuple[str, ...],
     output: str | None,
-    jobs: int | None,
+    jobs: int,
     threads: int | None,
     force: bool,
     quiet: bool,
@@ -47,7 +47,7 @@ def command(
     from contwalk.workflow.run_file.sample import read_sampling
     from contwalk.workflow.sampling import sample
 
-    run, threads = read_sampling(file, overrides, output), jobs or threads
+    run, threads = read_sampling(file, overrides, output), threads or jobs
     watched = sys.stdout.isatty() and sys.stderr.isatty() and not quiet
     if watched:
         from rich.progress import Progress

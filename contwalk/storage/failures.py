@@ -83,7 +83,8 @@ def explained(path: Path, purpose: str, error: Exception) -> DatabaseError:
             "Change its permissions, or choose another output.",
         )
     if purpose == "create":
-        return DatabaseError(f"{path} cannot be created: {text}", "Choose another output.")
+        why = text if code is None else os.strerror(code)
+        return DatabaseError(f"{path} cannot be created: {why}.", "Choose another output.")
     if "truncated file" in text:
         return DatabaseError(f"{path} is damaged: its end is missing.", AGAIN)
     if purpose == "write" and not isinstance(error, ValueError):
@@ -119,7 +120,9 @@ def check_space(path: Path, size: int, purpose: str = "write") -> None:
     HDF5 cannot take back a write that failed half-way, so a full disk is noticed before it.
     """
     place, there = (path.parent, 0) if purpose == "create" else (path, path.stat().st_size)
-    if shutil.disk_usage(place).free < size + RESERVE:
+    usage = shutil.disk_usage(place)
+    # A system of files that are none, such as /proc, has no room to tell of.
+    if usage.total and usage.free < size + RESERVE:
         raise disk_full(path, purpose)
     most = largest_file()
     if most is not None and there + size + RESERVE > most:

@@ -109,6 +109,10 @@ def plugin_files(reference: str, base: Path | None = None) -> dict[str, str]:
 
 
 def _from_file(path: Path, reference: str) -> System | Family:
+    if path.is_dir():
+        raise SystemDefinitionError(
+            f"{path} is a directory, not a plugin file.", "Name a file in it, ending in .py."
+        )
     if not path.is_file():
         raise SystemDefinitionError(
             f"The plugin file {path} does not exist.",
@@ -129,7 +133,7 @@ def _from_file(path: Path, reference: str) -> System | Family:
         ) from error
     except (Exception, SystemExit) as error:
         raise SystemDefinitionError(
-            f"{_where(error, path)}: {type(error).__name__}: {error}",
+            f"{_where(error, path)}: {type(error).__name__}: {_sentence(error)}",
             "The plugin file must import without an error.",
         ) from error
     if not hasattr(module, "SYSTEM"):
@@ -137,6 +141,12 @@ def _from_file(path: Path, reference: str) -> System | Family:
             f"The plugin file {path} exports no SYSTEM.", "Add SYSTEM = System(...) at its end."
         )
     return _checked(module.SYSTEM, reference)
+
+
+def _sentence(error: BaseException) -> str:
+    """What an exception says, with a full stop; of a SyntaxError without its place, which is told already."""
+    text = error.msg if isinstance(error, SyntaxError) else str(error)
+    return text if text.endswith((".", "!", "?")) else f"{text}."
 
 
 def _where(error: BaseException, path: Path) -> str:

@@ -29,14 +29,11 @@ def from_databases(run_file: RunFile, settings: Settings, discretization: Discre
     assert run_file.second is not None
     found = []
     for spec in run_file.starts:
-        where = f"{run_file.path}, line {spec.line}, key start: " if spec.line else ""
-        try:
+        with spec.errors_placed():
             branch, point = _stored(run_file, spec)
             given = _Given(run_file, settings, discretization, (run_file.free, run_file.second[0]))
             origin = f"{spec.point} of {spec.file.name}" if spec.file else ""
             found.append(_start(given, branch, point, origin))
-        except StartError as error:
-            raise StartError(f"{where}{error.sentence}", error.remedy) from error
     return found
 
 

@@ -193,27 +193,32 @@ def _database(run_file: RunFile, resume: bool, force: bool) -> FileDatabase:
     """The output, new or reopened."""
     path = run_file.output
     if resume and path.exists():
+        with backend_of(path).open(path) as stored:  # opening for writing writes the file anew
+            _check_resumable(run_file, stored)
         db = backend_of(path).open(path, writable=True)
-        if differing := differences(run_file, db.header):
-            db.close()
-            raise DatabaseError(
-                f"{path} was computed from another run file: its settings differ from {run_file.path} "
-                f"({', '.join(differing)}).",
-                "Only max_points may be raised, and a range widened. Give another --output, or --force to "
-                "start anew.",
-            )
-        if db.header.provenance.get("equations_sha256") != equations_hash(run_file):
-            db.close()
-            raise DatabaseError(
-                f"{path} was computed with another version of the plugin '{run_file.system_reference}': "
-                "its equations or defaults have changed since.",
-                "Put the plugin back as it was, give another --output, or --force to start anew.",
-            )
         if run_file.config() != db.header.config:
             db.write_header(header_of_both(run_file, db.header))
         return db
     header = RunHeader(run_file.system.name, dict(run_file.model), run_file.config(), provenance(run_file))
     return backend_of(path).create(path, header, overwrite=force)
+
+
+def _check_resumable(run_file: RunFile, db: FileDatabase) -> None:
+    """Refuse to go on with a database of another study, or of another version of the plugin."""
+    path = run_file.output
+    if differing := differences(run_file, db.header):
+        raise DatabaseError(
+            f"{path} was computed from another run file: its settings differ from {run_file.path} "
+            f"({', '.join(differing)}).",
+            "Only max_points may be raised, and a range widened. Give another --output, or --force to "
+            "start anew.",
+        )
+    if db.header.provenance.get("equations_sha256") != equations_hash(run_file):
+        raise DatabaseError(
+            f"{path} was computed with another version of the plugin '{run_file.system_reference}': "
+            "its equations or defaults have changed since.",
+            "Put the plugin back as it was, give another --output, or --force to start anew.",
+        )
 
 
 def _claims(db: Database) -> dict[str, Any]:

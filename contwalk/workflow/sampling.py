@@ -102,7 +102,7 @@ def sample(
     drawn = [run.output.parent / name if name else run.file("histogram.png") for name in named]
     drawn = list(dict.fromkeys(drawn)) if figures else []
     refuse_existing([database, table, *drawn], force)
-    state, base, _ = start_of(run.system, run.start, str(run.path))
+    state, base, _ = start_of(run.system, run.start)
     names, draws = drawn_values(run, base)
     starts, parameters = _put(run.system, state, base, names, draws)
     units = np.array([_unit(run, row) for row in _rows(run.system, parameters)])

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contwalk.errors import ContwalkError, NotFinite, StartError
+from contwalk.errors import ContwalkError, NotFinite
 from contwalk.numerics.threads import one_thread
 from contwalk.problems.equilibrium.declared import named_equilibria
 from contwalk.storage.failures import failures_of
@@ -85,7 +84,7 @@ def simulate(
     tables = [run.file("trajectory.csv"), run.file("events.csv")]
     database = run.file("trajectory.h5")
     refuse_existing([database, *tables, *(path for _, path in names)], force)
-    state, parameters, word = start_of(run.system, run.start, str(run.path))
+    state, parameters, word = start_of(run.system, run.start)
     report = progress or (lambda t: None)
     if run.smooth:
         motion = _smoothly(run, state + run.perturbation, parameters, report)
@@ -102,9 +101,7 @@ def simulate(
     return SimulationResult(trajectory, [database, *tables], drawn, *counts, motion.reason, motion.note)
 
 
-def start_of(
-    system: Any, spec: StartSpec, where: str
-) -> tuple[np.ndarray, dict[str, float], StoredWord | None]:
+def start_of(system: Any, spec: StartSpec) -> tuple[np.ndarray, dict[str, float], StoredWord | None]:
     """The state that a motion begins with, all parameters, and the word of a stored hybrid orbit.
 
     Raises
@@ -119,21 +116,12 @@ def start_of(
         from contwalk.workflow.stored.points import stored_point
 
         assert spec.file is not None
-        found = stored_point(spec.file, str(spec.point), system)
+        with spec.errors_placed():
+            found = stored_point(spec.file, str(spec.point), system)
         return found.state, {**found.parameters, **spec.given}, found.word
-    with _placed(spec, where):
+    with spec.errors_placed():
         states = named_equilibria(system, str(spec.name), parameters)
     return np.array(states[0], dtype=float), parameters, None
-
-
-@contextmanager
-def _placed(spec: StartSpec, where: str) -> Iterator[None]:
-    """Errors of a start, with its place in the run file."""
-    try:
-        yield
-    except StartError as error:
-        place = f"{where}, line {spec.line}, key start: " if spec.line else ""
-        raise StartError(f"{place}{error.sentence}", error.remedy) from error
 
 
 def _smoothly(
@@ -206,7 +194,7 @@ def _through_transitions(
     if word is not None:
         beginning = on_orbit(run.system, word)
     beginning = replace(beginning, state=beginning.state + run.perturbation)
-    with _placed(run.start, str(run.path)):
+    with run.start.errors_placed():
         return simulated(run.system, parameters, beginning, run.simulation, run.report_at, progress)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from contwalk.continuation.branch_in_progress import Start
 from contwalk.continuation.settings import Settings
-from contwalk.errors import StartError
+from contwalk.errors import DatabaseError, StartError
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.studies.opening import opened
 from contwalk.workflow.run_file.reading import RunFile, StartSpec
@@ -49,11 +49,12 @@ def places(run_file: RunFile) -> tuple[list[Place], list[str]]:
     for spec in run_file.starts:
         try:
             found += [_with_own_values(run_file, place) for place in _places(run_file, spec)]
-        except StartError as error:
-            if not spec.optional:
-                where = f"{run_file.path}, line {spec.line}, key start: " if spec.line else ""
-                raise StartError(f"{where}{error.sentence}", error.remedy) from error
-            notes.append(error.sentence)
+        except (StartError, DatabaseError) as error:
+            if spec.optional and isinstance(error, StartError):
+                notes.append(error.sentence)
+                continue
+            with spec.errors_placed():
+                raise
     if not found:
         raise StartError(f"{run_file.path}: nothing to start from. {' '.join(notes)}", "Change `start`.")
     return found, notes

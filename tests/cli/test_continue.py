@@ -302,3 +302,48 @@ def test_values_of_a_sweep_at_which_the_start_leads_nowhere_are_told(contwalk, f
     given += ("--set", "parameters={c: 1.5}", "--output", "more.h5")
     if told:
         assert contwalk("continue", "roots.yaml", *given).code == 0
+
+
+def test_a_resume_that_is_refused_leaves_the_file_alone(contwalk, folder):
+    contwalk("continue", "run.yaml")
+    before = (folder / "fork.h5").read_bytes()
+    done = contwalk("continue", "run.yaml", "--resume", "--set", "parameters.a=0.5")
+    assert done.code == 2
+    assert "another run file" in done.err
+    assert (folder / "fork.h5").read_bytes() == before
+
+
+def test_force_does_not_replace_the_plugin(contwalk, folder):
+    before = (folder / "fork.py").read_bytes()
+    done = contwalk("continue", "run.yaml", "--force", "--output", "fork.py")
+    assert done.code == 2
+    assert "key output: 'fork.py' is the plugin." in done.err
+    assert (folder / "fork.py").read_bytes() == before
+
+
+@pytest.mark.parametrize("command", ["continue", "simulate"])
+def test_a_start_from_a_database_that_is_none_is_told_with_its_place(contwalk, folder, command):
+    (folder / "text.h5").write_text("hello")
+    for name, why in {"no.h5": "does not exist", "text.h5": "not a contwalk database"}.items():
+        done = contwalk(command, "run.yaml", "--set", f"start={{from: {name}, point: b1/LP1}}")
+        assert done.code == 2
+        assert "run.yaml with --set start=" in done.err
+        assert f"key start: {name} " in done.err
+        assert why in done.err
+
+
+def test_where_no_file_can_be_the_disk_is_not_called_full(contwalk):
+    done = contwalk("continue", "run.yaml", "--output", "/proc/fork.h5")
+    assert done.code == 2
+    assert "full" not in done.err
+    assert "/proc/fork.h5 cannot be created: No such file or directory." in done.err
+
+
+def test_what_a_plugin_raises_at_import_is_a_sentence(contwalk, folder):
+    (folder / "fork.py").write_text("x = = 1\n")
+    done = contwalk("continue", "run.yaml")
+    assert done.code == 2
+    assert "fork.py, line 1: SyntaxError: invalid syntax. The plugin file" in done.err
+    (folder / "bare").mkdir()
+    done = contwalk("continue", "run.yaml", "--set", "system=./bare")
+    assert "bare is a directory, not a plugin file." in done.err

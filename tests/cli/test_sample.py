@@ -235,3 +235,10 @@ def test_a_sampling_is_no_study_for_continue(contwalk, falling):
     done = contwalk("continue", "s.yaml")
     assert done.code == 2
     assert "continue.parameter" in done.err
+
+
+def test_one_job_unless_more_are_asked_for():
+    from contwalk.cli.sample_command import command
+
+    (jobs,) = [option for option in command.params if option.name == "jobs"]
+    assert jobs.default == 1

@@ -20,7 +20,7 @@ from contwalk.errors import ContwalkError, RunFileError
 from contwalk.plugin_check.at_load import load_system
 from contwalk.problems.parameter_line import ParameterLine
 from contwalk.system import System
-from contwalk.system.loading import load_declaration
+from contwalk.system.loading import is_path, load_declaration
 from contwalk.workflow.run_file import settings
 from contwalk.workflow.run_file.model import RunModel
 from contwalk.workflow.run_file.parameters import differ, given_values, path_ends, sweep_values
@@ -307,6 +307,8 @@ def _output(
     """The database to write: relative to the current directory, never a file that the run reads."""
     result = Path(output or model.output or f"{path.stem}.h5")
     read = [(path, "the run file itself")]
+    if is_path(model.system):
+        read.append((path.parent / model.system, "the plugin"))
     read += [(start.file, "the database that a start is taken from") for start in starts if start.file]
     for file, what in read:
         if file.resolve() == result.resolve():

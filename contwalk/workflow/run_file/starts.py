@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from contwalk.branch import LABELS
-from contwalk.errors import StartError
+from contwalk.errors import DatabaseError, StartError
 from contwalk.system.declarations import System
 from contwalk.workflow.run_file.model import Start
 from contwalk.workflow.run_file.parameters import checked_values
@@ -49,8 +50,8 @@ class StartSpec:
         The transition that `state` comes right before: it happens first.
     file, point : Path and str, optional
         The database and its point, `b1/HB1` or `b1/12`.
-    line : int, optional
-        The line in the run file, where it is from there.
+    where : str
+        Its place in the run file, as `run.yaml, line 4, key start`; empty where it is from none.
     """
 
     kind: str
@@ -64,7 +65,16 @@ class StartSpec:
     at: str | None = None
     file: Path | None = None
     point: str | None = None
-    line: int | None = None
+    where: str = ""
+
+    @contextmanager
+    def errors_placed(self) -> Iterator[None]:
+        """Errors of what it names, a database or an equilibrium, with its place in the run file."""
+        try:
+            yield
+        except (StartError, DatabaseError) as error:
+            place = f"{self.where}: " if self.where else ""
+            raise type(error)(f"{place}{error.sentence}", error.remedy) from error
 
 
 @dataclass(frozen=True)
@@ -97,18 +107,17 @@ class StartReader:
                     (*key, "parameters", name), f"'{name}' is set by the path.", "Remove it here."
                 )
         fixed = {name: value for name, value in self.given.items() if name not in self.varying}
-        _, origin = self.problems.document.locate(key)
-        line = origin if isinstance(origin, int) else None
+        where = self.problems.document.where(key)
         parameters, given = {**self.parameters, **own}, {**fixed, **own}
         if start.equilibrium is not None:
             return [
-                StartSpec("equilibrium", parameters, given, name=name, optional=optional, line=line)
+                StartSpec("equilibrium", parameters, given, name=name, optional=optional, where=where)
                 for name, optional in self._equilibria((*key, "equilibrium"), start.equilibrium)
             ]
         if start.state is not None:
             mode = self._mode(key, start.mode, start.at)
             state = self._state((*key, "state"), start.state, mode)
-            return [StartSpec("state", parameters, given, state=state, mode=mode, at=start.at, line=line)]
+            return [StartSpec("state", parameters, given, state=state, mode=mode, at=start.at, where=where)]
         if start.simulate is not None:
             inner, key = start.simulate, (*key, "simulate")
             mode = self._mode(key, inner.mode, inner.at)
@@ -116,7 +125,7 @@ class StartReader:
             until, at = inner.until, inner.at
             return [
                 StartSpec(
-                    "simulate", parameters, given, state=state, until=until, mode=mode, at=at, line=line
+                    "simulate", parameters, given, state=state, until=until, mode=mode, at=at, where=where
                 )
             ]
         file, point = self.base / str(start.from_), str(start.point)
@@ -124,7 +133,7 @@ class StartReader:
             self.problems.add(
                 (*key, "point"), f"'{point}' names no point.", "Allowed: BRANCH/POINT, as b1/HB1 or b1/12."
             )
-        return [StartSpec("from", parameters, given, file=file, point=point, line=line)]
+        return [StartSpec("from", parameters, given, file=file, point=point, where=where)]
 
     def _equilibria(self, key: Key, names: tuple[str, ...]) -> list[tuple[str, bool]]:
         """Names of equilibria, each with whether it may be missing."""

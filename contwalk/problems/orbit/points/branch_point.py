@@ -23,6 +23,7 @@ UP_TO_A_FACTOR = (
     "return map minus identity; c11 s^2 + 2 c12 s t + c22 t^2 = 0 for the directions s q + t h, and the "
     "cubic c, up to a common factor: p.q is zero where a pair of multipliers meets"
 )
+FALLEN_BACK = "the orbit is its parent again here: the branch ends on it"
 
 
 class BranchPoint(OrbitPoint):
@@ -66,13 +67,14 @@ class BranchPoint(OrbitPoint):
 
 
 def _branch_point(problem: OrbitData, located: Located, sample: Sample) -> Form:
-    if located.vectors.get("fallen_back"):
-        return "pitchfork", None, {}, "the orbit is its parent again here: the branch ends on it"
     weight = float(sample.weights[-1])
     c = known(problem, located, sample, "c", lambda map_: normal_forms.branch_point(map_, weight))
-    if c["c11"] != 0.0:
+    fallen_back = bool(located.vectors.get("fallen_back"))
+    if c["c11"] != 0.0 and not fallen_back:
         return "transcritical", None, c, None
     criticality, vanishes = criticality_of(c["c"], c.get("c_error"))
+    if fallen_back:  # no coefficients: nothing leaves here that the parent's own point does not tell
+        return "pitchfork", criticality, {}, "; ".join(filter(None, (FALLEN_BACK, vanishes)))
     return "pitchfork", criticality, c, vanishes
 
 
