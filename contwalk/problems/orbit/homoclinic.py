@@ -23,7 +23,7 @@ parameter is mostly more than what is left of its way.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -89,9 +89,10 @@ def homoclinic(problem: OrbitData, a: Sample, b: Sample) -> Outcome | None:
     if not np.all(np.isfinite(slopes)) or abs(slopes[1]) * b.period > MOST_TURNS * wanted:
         return None
     places = [place for place in problem.slow_places(b.z) if place.slowness <= CREEPING]
-    laws = [law for law in _laws(places, (a, b), slopes, problem.eventful) if law.limit.swing <= wanted]
-    before = problem.slow_places(a.z) if laws else []
-    law = next((law for law in laws if law.obeyed(before)), None)
+    laws = _laws(places, (a, b), slopes, problem.eventful)
+    law = _obeyed(problem, laws, a, wanted)
+    if law is None and _lies_within_noise(places, abs(slopes[1]), REST * wanted):
+        law = _obeyed(problem, _laws_on_finest_steps(problem, places, (a, b)), a, wanted)
     if law is None:
         return None
     held, known = _held(problem, b)
@@ -104,6 +105,54 @@ def homoclinic(problem: OrbitData, a: Sample, b: Sample) -> Outcome | None:
         f"{problem.free} = {held + law.limit.rest:.12g} +- {error:.1e}, by "
         f"extrapolation from {value:.12g}.{_doubt(b)} Nothing to do; a finer accuracy follows it further.",
     )
+
+
+def _obeyed(problem: OrbitData, laws: list[_Law], a: Sample, wanted: float) -> _Law | None:
+    """The law that tells the limit as near as it is wanted, and that the orbit before obeys too."""
+    near = [law for law in laws if law.limit.swing <= wanted]
+    before = problem.slow_places(a.z) if near else []
+    return next((law for law in near if law.obeyed(before)), None)
+
+
+def _lies_within_noise(places: list[SlowPlace], slope: float, most: float) -> bool:
+    """Whether a saddle is passed so closely, and the limit by its slowest rate within `most`, that the walk's
+    own steps may hide the law.
+    """
+    for place in places:
+        rest = place.equilibrium()
+        if rest is not None and place.distance(rest) <= AT_REST:
+            rates = np.linalg.eigvals(place.jacobian(rest)).real
+            if rates.min() < 0.0 < rates.max() and slope <= most * np.abs(rates).min():
+                return True
+    return False
+
+
+def _laws_on_finest_steps(
+    problem: OrbitData, places: list[SlowPlace], samples: tuple[Sample, Sample]
+) -> list[_Law]:
+    """The laws as both orbits tell them on the finest steps, their periods held.
+
+    What is left of the way of the parameter may be less than what the walk's own steps do to it: then its
+    slope there is noise, and a walk would go on in that for ever.
+    """
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):  # what overflows is no orbit
+            told = [_followed(problem, sample) for sample in samples]
+    except (NotFinite, PluginError, StartError, np.linalg.LinAlgError):
+        return []
+    a, b = (replace(sample, z=z) for sample, (z, _) in zip(samples, told, strict=True))
+    slopes = np.array([slope for _, slope in told])
+    if not np.all(np.isfinite(slopes)) or 0.0 in slopes:
+        return []
+    return _laws(places, (a, b), slopes, problem.eventful)
+
+
+def _followed(problem: OrbitData, sample: Sample) -> tuple[np.ndarray, float]:
+    """The orbit of the same period on the finest steps, shape (N + 1,), and d lambda / dT there."""
+    fine = problem.finest(sample.z, sample.weights)
+    held = fine.duration_gradient(sample.z)
+    z = newton_on(fine, sample.z, sample.weights, held)
+    return z, float(fine.linearize(z).tangent(held, sample.weights)[-1])
 
 
 def _held(problem: OrbitData, b: Sample) -> tuple[float, float]:

@@ -48,6 +48,25 @@ def test_the_limit_is_given_with_an_error_that_covers():
     assert error <= 1e-6 * value  # the walk ends ten accuracies, 1e-7, from the limit, on steps of 1e-6
 
 
+def takens(t, x, p, dx):
+    """Unfolding of a Bogdanov-Takens point: cycles around (1, 0) end at the saddle (0, 0)."""
+    dx[0] = x[1]
+    dx[1] = x[0] - x[0] ** 2 + p.b * x[1] + 0.5 * x[0] * x[1]
+
+
+def test_a_limit_nearer_than_what_the_steps_of_the_walk_tell_is_found_on_finer_ones():
+    """Slopes are noise there: the walk went on to a period of 123, over 24 crossings that are none."""
+    problem = small_problem(takens, "xy", {"b": -0.6}, "b")
+    cycle = cw.switch_branch(
+        problem, cw.continue_branch(problem, [1.0, 0.0], (-0.6, 0.0)), "HB1", (-0.6, 0.0)
+    )
+    assert cycle.outcome.reason == "homoclinic", cycle.outcome
+    assert [p.label for p in cycle.special_points] == ["EP"]
+    value, error = claimed(cycle)
+    # Where the stable and the unstable manifold of the saddle meet, by SciPy's DOP853 to 1e-13.
+    assert abs(value + 0.4295058488773843) <= error < 1e-8
+
+
 def circuit(t, x, p, dx):
     """An electronic oscillator (E. Freire et al., 1993), the demo `tor` of AUTO."""
     dx[0] = (-(0.5 + p.nu) * x[0] + 0.5 * x[1] - 0.328578 * x[0] ** 3 + 0.933578 * (x[1] - x[0]) ** 3) / 0.6
