@@ -92,7 +92,7 @@ def _facts(start: Start) -> dict[str, Any]:
     system, n = start.system, len(start.system.states)
     kind, largest = ("equilibrium", MAX_RE) if system.period is None else ("periodic_orbit", MAX_ABS)
     if start.orbit:
-        kind, largest = "hybrid_orbit" if system.acting else "periodic_orbit", MAX_ABS
+        kind, largest = "hybrid_orbit" if system.has_events else "periodic_orbit", MAX_ABS
     observables = (*[o.name for o in system.observables], largest)
     return {"problem": kind, "observables": observables, "unknowns": n, "spectrum": n}
 

@@ -19,11 +19,11 @@ def passed_over(system: System, t: np.ndarray, x: np.ndarray, parameters: Mappin
     t, x : ndarray, shapes (k,) and (k, n)
         Instants of the motion; one of an equilibrium.
     """
-    if not system.acting:
+    if not system.has_events:
         return False
     p = ParameterValues(**parameters)
     for transition in system.leaving(system.modes[0].name):
-        if transition.role == "watched" or transition.direction == "both":
+        if transition.direction == "both":
             continue
         values = [
             measured(f"guard of '{transition.name}'", transition.guard, time, state, p)

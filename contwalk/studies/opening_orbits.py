@@ -62,7 +62,7 @@ def opened_orbit(
     given = system, line, at, state, settings, discretization
     start = OrbitStart(*given, until, period, mode, event, subharmonic, pins)
     try:
-        found = eventful(start) if system.acting else smooth(start)
+        found = eventful(start) if system.has_events else smooth(start)
     except AtRest as rest:
         ends = line.ends
         found = _resting(opened(system, parameters, free, rest.state, settings, ends, at, discretization))

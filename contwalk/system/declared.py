@@ -67,6 +67,11 @@ class Declared:
         """The transitions that do something: all but the watched ones."""
         return tuple(transition for transition in self.transitions if transition.role != "watched")
 
+    @property
+    def has_events(self) -> bool:
+        """Whether its orbits meet events, or limits where watched transitions are touched."""
+        return bool(self.transitions)
+
 
 def with_conserved(system: Declared) -> tuple[Parameter, ...]:
     """The parameters, with the values of conserved quantities, declared as such or not."""

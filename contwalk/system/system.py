@@ -243,7 +243,7 @@ class System(Declared):
     def observable_names(self) -> tuple[str, ...]:
         """Names of the observables, of a hybrid system with the margins that its branches tell as well."""
         own = tuple(observable.name for observable in self.observables)
-        if not self.acting:
+        if not self.has_events:
             return own
         return (*own, *(name for name in self.margins if name not in own), SPLIT)
 

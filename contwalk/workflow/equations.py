@@ -48,7 +48,7 @@ def equations_text(run_file: RunFile) -> str:
 
 def _equations_text(run_file: RunFile) -> str:
     given = run_file.system, run_file.parameters, run_file.free, run_file.parameter_path
-    if run_file.system.acting:
+    if run_file.system.has_events:
         from contwalk.problems.hybrid.source_text import equations_text as hybrid_text
 
         free = None if run_file.parameter_path is not None else run_file.free

@@ -114,7 +114,7 @@ def values(problem: DiscretizedOrbit, z: np.ndarray, found: Multipliers) -> list
             result.append(float("nan"))
         else:
             result.append(measured(f"observable '{o.name}'", o.function, place[0], place[1], p))
-    if problem.system.acting:
+    if problem.system.has_events:
         named = [name for name in problem.system.margins if name not in [o.name for o in own]]
         result += [*(margins.least(name) for name in named), split(found.values)]
     largest = float(np.abs(found.values[0])) if len(found.values) else float("nan")

@@ -170,8 +170,9 @@ class OrbitMirror(MirrorOfOrbits[SegmentedOrbit]):
     def _told(
         self, own: SegmentedOrbit, image: np.ndarray, moved: np.ndarray, metric: np.ndarray, row: np.void
     ) -> tuple[Sample, dict[str, Any]]:
-        acting = bool(own.system.acting)
-        passed = acting and passed_over(own.system, *own.motion_of(image), own.values_of(image))
+        passed = own.system.has_events and passed_over(
+            own.system, *own.motion_of(image), own.values_of(image)
+        )
         told = {
             "state": own.reported(image),
             "observables": [*measured_along(own, image), row["observables"][-1]],

@@ -165,10 +165,10 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         self, z: np.ndarray, found: Multipliers, error: float, known: Sample | None
     ) -> dict[str, Any]:
         """What a sample tells of such orbits only."""
-        acting = bool(self.system.acting)
         return {
             "observables": self.observables(z, found) if known is None else known.observables,
-            "forbidden": acting and passed_over(self.system, *self.motion_of(z), self.values_of(z)),
+            "forbidden": self.system.has_events
+            and passed_over(self.system, *self.motion_of(z), self.values_of(z)),
         }
 
     def multipliers(self, z: np.ndarray, jacobian: np.ndarray) -> Multipliers:

@@ -303,10 +303,10 @@ def report_place(problems: Problems, system: System, place: ReportPlace | None) 
 
 def engine(problems: Problems, system: System, model: RunModel) -> dict[str, Any]:
     """The settings of the engine that are given, or have a default."""
-    if model.engine.discretization == "collocation" and system.acting:
+    if model.engine.discretization == "collocation" and system.has_events:
         problems.add(
             ("engine", "discretization"),
-            f"'{system.name}' changes its motion at events, and collocation is of smooth orbits only.",
+            f"'{system.name}' has events or watched transitions, and collocation is of smooth orbits only.",
             "Allowed with such a system: shooting.",
         )
     return model.engine.model_dump(exclude_none=True)

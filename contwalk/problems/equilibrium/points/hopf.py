@@ -47,7 +47,7 @@ class Hopf(EquilibriumPoint):
         )
 
         seeds = from_hopf(problem, point)
-        if not problem.system.acting:
+        if not problem.system.has_events:
             return seeds
         from contwalk.problems.hybrid.birth import eventful
 
