@@ -21,6 +21,7 @@ from contwalk.plugin_check.event_kinks import check_event_kinks, check_told_kink
 from contwalk.plugin_check.events import Happening, check_passing, check_transition, traced_reset
 from contwalk.plugin_check.findings import Finding, Report, place_of, place_of_error, split_place
 from contwalk.plugin_check.guards import check_twins
+from contwalk.plugin_check.jumps_in_time import check_jumps_in_time
 from contwalk.plugin_check.keeping import check_keeping
 from contwalk.plugin_check.kinks import check_kinks
 from contwalk.plugin_check.modes import CheckedFields, distinct_transitions
@@ -108,6 +109,7 @@ def check_system(system: System, sources: Sequence[Path] = (), model: str = "") 
         check_passing(report, happening, field, samples, happenings)
         check_event_kinks(report, happening, system, samples)
         check_told_kinks(report, happening, system, samples)
+        check_jumps_in_time(report, happening, samples, period)
         reset = traced_reset(Report(), happening.transition, system)
         if reset is not None:
             check_keeping(report, happening.transition, happening.guard, reset, field, samples)

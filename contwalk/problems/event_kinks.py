@@ -81,10 +81,15 @@ def on_a_jump(event: EndMap, at: np.ndarray, moving: np.ndarray) -> Kink | None:
     return next((kink for kink in kinks if kink.order == 0), None)
 
 
-def through_zero(before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """Whether numbers jump through zero, or onto it, by what they are on either side of one place."""
-    apart = np.abs(before - after) > JUMPS[0] * np.maximum(np.abs(before), np.abs(after))
-    return np.asarray(apart & (before * after <= 0.0))
+def through_zero(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Whether numbers jump through zero, or onto it, by their pieces on either side of one place.
+
+    Each has values and their first derivatives, shape (2 or more, outputs). Numbers that are both near to
+    zero are apart by rounding alone.
+    """
+    level = np.max(np.abs([*one[:2], *other[:2]]), axis=0)
+    apart = np.abs(one[0] - other[0]) > JUMPS[0] * level
+    return np.asarray(apart & (one[0] * other[0] <= 0.0))
 
 
 def _straight(event: EndMap, a: np.ndarray, b: np.ndarray, shares: np.ndarray) -> Course:
@@ -106,7 +111,7 @@ def _told(event: EndMap, places: np.ndarray) -> Kink | None:
     along = directions(switching, before, event.sizes)
     one, other = switching.beside(before, before, after, along)
     if event.through_zero:
-        if not np.any(through_zero(one[0], other[0])):
+        if not np.any(through_zero(one, other)):
             return None
         of, where = event.blame(*places)
         return JumpThroughZero(0, where, of, event.acts)

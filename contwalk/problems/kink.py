@@ -172,7 +172,7 @@ class Undefined(Kink):
 @dataclass(frozen=True)
 class JumpThroughZero(Kink):
     """A place at which a number that matters by its sign alone jumps through zero: a guard of another event,
-    which `acts`, or what is told of the motion there.
+    which `acts`, or what is told of the motion there. Of order 1 it comes to zero at a corner.
     """
 
     acts: bool = True
@@ -192,6 +192,12 @@ class JumpThroughZero(Kink):
 
     def refusal(self, of: str) -> NotSmooth:
         """Why orbits do not go on beyond it."""
+        if self.order:
+            return NotSmooth(
+                f"Away from its event {self.of} comes to zero at a corner: {self.where}. Its event begins to "
+                "happen there, or ceases to, without its rate being zero, which a limit is located by. End "
+                "`range` there and begin a branch on each side, or make the corner round."
+            )
         return NotSmooth(
             f"Away from its event {self.of} jumps through zero: {self.where}. The event happens there, or "
             "ceases to, without a number that passes zero, which orbits are equations of. Return one that "

@@ -40,6 +40,8 @@ class GuardCode:
     ----------
     n, m : int
         Numbers of states and of parameters.
+    program : Program
+        The function, traced.
 
     Raises
     ------
@@ -51,12 +53,12 @@ class GuardCode:
         self._states = system.states_of(mode)
         self.n, self.m = len(self._states), len(system.parameters)
         copy = rebound(watched)
-        self._program = trace(lambda tracer: [copy(*arguments(tracer, system, mode))])
+        self.program = trace(lambda tracer: [copy(*arguments(tracer, system, mode))])
 
     @cached_property
     def of_time_alone(self) -> bool:
         """Whether it reads the time and no state."""
-        return self._program.reads(TIME) and not self._program.reads(STATE)
+        return self.program.reads(TIME) and not self.program.reads(STATE)
 
     @property
     def address(self) -> int:
@@ -79,7 +81,7 @@ class GuardCode:
     @cached_property
     def guard(self) -> Code:
         """The function `guard`."""
-        graph = self._program.graph
+        graph = self.program.graph
         moving = self._moving(graph)
 
         def measured(outputs: tuple[int, ...]) -> list[int]:
@@ -91,7 +93,7 @@ class GuardCode:
     @cached_property
     def slopes(self) -> Code:
         """The function `slopes`."""
-        graph = self._program.graph
+        graph = self.program.graph
         inputs, moving = self._inputs(graph), self._moving(graph)
 
         def sloping(outputs: tuple[int, ...]) -> list[int]:
@@ -111,7 +113,7 @@ class GuardCode:
         return dict(zip(self._inputs(graph), rates, strict=True))
 
     def _compiled(self, name: str, change: Callable[[tuple[int, ...]], Sequence[int]]) -> Code:
-        program = self._program.transformed(change)
+        program = self.program.transformed(change)
         time, *states = self._inputs(program.graph)
         places = {time: ("t", 0), **{node: ("x", place) for place, node in enumerate(states)}}
         places |= {program.graph.input(_VELOCITY, place): ("f", place) for place in range(self.n)}

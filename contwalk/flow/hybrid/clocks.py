@@ -1,17 +1,18 @@
 """Events at given times: which of them have happened at an instant.
 
 A guard of time alone is the same after any reset, and in any mode: what it does at an instant it does once,
-whatever follows at the same instant.
+whatever follows at the same instant. So is the jump of a guard at an instant.
 """
 
 from __future__ import annotations
 
 from contwalk.fields.llvm import Code
+from contwalk.flow.events.guard import Guard
 from contwalk.flow.hybrid.machine import ModeFlow
 
 
 class Clocks:
-    """Told of each transition; knows the guards of time alone that have passed zero at this instant.
+    """Told of each transition; knows the guards that have passed zero at this instant.
 
     Parameters
     ----------
@@ -30,7 +31,7 @@ class Clocks:
         self._passed += [
             guard.code.guard
             for transition, guard in zip(flow.transitions, flow.guards, strict=True)
-            if transition.name == name and guard.code.of_time_alone
+            if transition.name == name
         ]
 
     def happened(self, t: float, flow: ModeFlow) -> frozenset[str]:
@@ -40,5 +41,9 @@ class Clocks:
         return frozenset(
             transition.name
             for transition, guard in zip(flow.transitions, flow.guards, strict=True)
-            if guard.code.of_time_alone and any(guard.code.guard is code for code in self._passed)
+            if guard.code.of_time_alone and self.has_passed(t, guard)
         )
+
+    def has_passed(self, t: float, guard: Guard) -> bool:
+        """Whether a guard has passed zero at an instant."""
+        return t == self._instant and any(guard.code.guard is code for code in self._passed)

@@ -18,6 +18,7 @@ from contwalk.flow.compiled.traced import PARAMETER, STATE, TIME, arguments, fie
 from contwalk.flow.events.guard import Guard
 from contwalk.flow.events.guard_code import GuardCode, GuardCodes
 from contwalk.flow.events.guard_derivatives import Derivatives
+from contwalk.flow.events.jump_instants import TimeChoices
 from contwalk.flow.events.resolving import Resolving
 from contwalk.memory import remembered
 from contwalk.system import System, Transition
@@ -57,6 +58,11 @@ class ModeCode:
             guard = self.transitions[number].guard
             self._derivatives[number] = Derivatives(self.system, guard, self.name)
         return self._derivatives[number]
+
+    @cached_property
+    def time_choices(self) -> TimeChoices:
+        """What of the guards changes with the time alone."""
+        return TimeChoices([guard.code.program for guard in self.guards])
 
     @cached_property
     def resolving(self) -> Resolving:

@@ -113,10 +113,10 @@ class StepMap:
             self._span = far(flow, 0.0, self.weights[flow.states], self.weights[flow.states])
         self._entries: dict[str, np.ndarray] = {}
         through = modes or [each.name for each in system.modes]
+        # Jumps at instants of time are met segment by segment.
+        compiled = method == METHOD and not machine.guards_jump_in_time
         self._integrator = (
-            EventIntegrator(machine, self.weights, through, len(self._columns), events)
-            if method == METHOD
-            else None
+            EventIntegrator(machine, self.weights, through, len(self._columns), events) if compiled else None
         )
 
     def __call__(self, t0: float, x0: np.ndarray, tolerance: float) -> tuple[float, np.ndarray, np.ndarray]:

@@ -11,9 +11,11 @@ import numpy as np
 from contwalk.flow.compiled.compiled_field import CompiledField
 from contwalk.flow.compiled.field import Field
 from contwalk.flow.events.guard import EPSILON, Guard
+from contwalk.flow.events.jump_instants import JumpInstants
 from contwalk.flow.hybrid.code import HybridCode, ModeCode, hybrid_code
 from contwalk.flow.hybrid.guard_taylor import GuardTaylor
 from contwalk.system import System, Transition
+from contwalk.system.declarations import ParameterValues
 
 
 class ModeFlow:
@@ -44,6 +46,16 @@ class ModeFlow:
     def guard_taylor(self) -> GuardTaylor:
         """Memory for an instant at which a motion begins."""
         return GuardTaylor(self.field, self.c, self.p)
+
+    @cached_property
+    def jump_instants(self) -> JumpInstants | None:
+        """Where guards jump, or their slopes do, whatever the states are; None if nowhere."""
+        system = self.code.system
+        if system.period is None or not self.code.time_choices:
+            return None
+        named = dict(zip(system.parameter_names, self.p.tolist(), strict=True))
+        period = float(system.period(ParameterValues(**named)))
+        return JumpInstants(self.code.time_choices, self.p, period) if 0.0 < period < math.inf else None
 
     def constants(self, field: CompiledField) -> np.ndarray:
         """The constants, shape (k,), of another field of the same parameters."""
@@ -112,6 +124,13 @@ class HybridMachine:
         if name not in self._modes:
             self._modes[name] = ModeFlow(self.code.mode(name), self.p)
         return self._modes[name]
+
+    @cached_property
+    def guards_jump_in_time(self) -> bool:
+        """Whether guards, or their slopes, jump at instants of time in some mode, whatever the states are."""
+        if self.system.period is None:
+            return False
+        return any(self.mode(mode.name).jump_instants is not None for mode in self.system.modes)
 
     def transition(self, name: str, source: str | None = None) -> Transition:
         """A transition by its name, and the mode it leads out of where several have the name."""

@@ -70,6 +70,8 @@ class MotionEvents:
     ) -> None:
         self._machine, self._control, self._ends = machine, control, frozenset(ends)
         self._most_steps = most_steps
+        # Jumps at instants of time are met segment by segment.
+        self._compiles = control.method == METHOD and not machine.guards_jump_in_time
         self._modes: list[str] = []
         self._integrator: EventIntegrator | None = None
         self.status, self.steps = ON_ITS_WAY, 0
@@ -79,7 +81,7 @@ class MotionEvents:
         self.at, self.status, self.steps = begin, ON_ITS_WAY, 0
         self._now: list[tuple[str, str]] = []
         while self.status == ON_ITS_WAY:
-            if self._control.method == METHOD:
+            if self._compiles:
                 yield from self._compiled(t1)
             if self.status == ON_ITS_WAY:
                 yield from self._step_by_step(t1)
@@ -153,8 +155,9 @@ class MotionEvents:
 
     def _step_by_step(self, t1: float) -> Iterator[tuple[str, float]]:
         """The next event, and those at the same instant."""
-        at, clocks = self.at, Clocks(self.at.time)
+        at, clocks = self.at, Clocks(self.at.time) if self._now else None
         for mode, name in self._now:
+            assert clocks is not None
             clocks.record(at.time, self._machine.mode(mode), name)
         begins = at.time, at.state, at.mode
         for part in parts(self._machine, *begins, t1, self._control, at.last, noise=at.noise, clocks=clocks):
@@ -175,6 +178,6 @@ class MotionEvents:
             noise = landed(self._machine, transition, t, before)[1]
             self.at = Standpoint(t, transition.target, part.after, part.transition, noise)
             yield part.transition, t
-            if len(part.times) > 1 and self._control.method == METHOD:
+            if len(part.times) > 1 and self._compiles:
                 return
         self.status = TIME_UP

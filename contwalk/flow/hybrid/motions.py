@@ -15,6 +15,8 @@ from dataclasses import replace
 import numpy as np
 
 from contwalk.flow.events.guard import EPSILON
+from contwalk.flow.events.jump_instants import room
+from contwalk.flow.hybrid.at_jumps import jumping, next_jump, over
 from contwalk.flow.hybrid.blaming import (
     just_beyond,
     nearly_singular,
@@ -58,6 +60,8 @@ def motion_segments(
     control: Control,
     just_after: str | None = None,
     most_steps: int = MOST_STEPS,
+    *,
+    goes_on: bool = False,
 ) -> Iterator[MotionSegment]:
     """The segments of a motion from t0 until t1, which may be infinite if the caller stops asking.
 
@@ -72,6 +76,9 @@ def motion_segments(
         The transition that has just led to the start.
     most_steps : int
         Of one segment.
+    goes_on : bool
+        Whether the motion goes on from where one has been left between events: what jumps at t0 is met then.
+        Where a motion begins, what follows counts.
 
     Yields
     ------
@@ -79,7 +86,7 @@ def motion_segments(
         The last one has no transition, or a status that is not `ok`.
     """
     collected: list[MotionSegment] = []
-    for part in parts(machine, t0, x0, mode, t1, control, just_after):
+    for part in parts(machine, t0, x0, mode, t1, control, just_after, goes_on=goes_on):
         collected.append(part)
         steps = sum(len(each.times) - 1 for each in collected)
         ends = part.transition is not None or part.status != "ok" or not part.times[-1] < t1
@@ -117,6 +124,7 @@ def parts(
     *,
     noise: np.ndarray | None = None,
     clocks: Clocks | None = None,
+    goes_on: bool = False,
 ) -> Iterator[MotionSegment]:
     """As `motion_segments`, but a long one comes in parts of some steps: all but its last end in no event.
 
@@ -126,34 +134,38 @@ def parts(
     integrator = ByEventIntegrator(machine, control) if control.method == METHOD else None
     t, x, pace = float(t0), machine.existing(mode, x0), Pace(float(t0), t1)
     flow = machine.mode(mode)
+    begins = not goes_on and clocks is None
     noise, clocks = EPSILON * np.abs(x) if noise is None else noise, clocks or Clocks(t)
     standing, verdict = _stands(flow, t, x, noise, control.weights, last, clocks)
-    if verdict.status != "ok":
-        reason = verdict.reason + _blame(verdict, machine, flow, t, x)
-        yield replace(_instant(flow, t, x), status=verdict.status, reason=reason)
-        return
-    while t < t1:
-        number = _at_once(flow, standing)
-        if number is None:
+    while t < t1 or verdict.status != "ok":
+        if verdict.status != "ok":
+            reason = verdict.reason + _blame(verdict, machine, flow, t, x)
+            yield replace(_instant(flow, t, x), status=verdict.status, reason=reason)
+            return
+        segment = _without_time(flow, t, x, standing, None if begins else clocks, goes_on)
+        if segment is None:
+            segment, jump = _instant(flow, t, x), next_jump(flow, t, goes_on=goes_on)
+            if jump is not None and not jump.low < t1:
+                jump = None
+            end = t1 if jump is None else jump.low
             if integrator is None:
-                found = by_paths(machine, flow, t, x, t1, control, standing)
+                found = by_paths(machine, flow, t, x, end, control, standing)
             else:
-                found = integrator.parts(flow, t, x, t1, standing, last, noise)
-            segment: MotionSegment | None = None
-            for part in found:
+                found = integrator.parts(flow, t, x, end, standing, last, noise)
+            for part in found if jump is None or end - t > room(t) else ():
                 segment = _explained(machine, flow, _at_edge(flow, part, control.weights), control.weights)
                 if segment.transition is None:
                     yield segment
-            if segment is None or segment.transition is None:
-                return
-        else:
-            stands = standing[number]
-            segment = replace(
-                _instant(flow, t, x),
-                transition=flow.transitions[number].name,
-                rising=stands.side > 0,
-                collapsed=stands.kind == BEYOND,
-            )
+            if segment.transition is None:
+                if jump is None or segment.status != "ok":
+                    return
+                segment = over(machine, flow, jump, segment, control.method)
+                yield segment
+                t, x, last, begins, goes_on = jump.high, segment.states[-1], None, False, True
+                noise = EPSILON * np.abs(x)
+                standing, verdict = _stands(flow, t, x, noise, control.weights, None, clocks)
+                continue
+        begins = goes_on = False
         last = name = str(segment.transition)
         t, happening = float(segment.times[-1]), machine.transition(name, flow.name)
         clocks.record(t, flow, name)
@@ -174,7 +186,7 @@ def parts(
             reason=verdict.reason + blame,
             accumulation=verdict.accumulation,
         )
-        if verdict.status != "ok":
+        if verdict.status != "ok" or t1 - t <= room(t):  # at its end, but for rounding
             return
 
 
@@ -285,6 +297,29 @@ def _explained(
         return replace(part, reason=part.reason + blame)
     reason = f"The guard of transition '{found.guard}' is not finite beyond t = {t:.10g}.{blame}"
     return replace(part, status="not_finite", reason=reason)
+
+
+def _without_time(
+    flow: ModeFlow,
+    t: float,
+    x: np.ndarray,
+    standing: Sequence[GuardStatus],
+    clocks: Clocks | None,
+    goes_on: bool,
+) -> MotionSegment | None:
+    """The segment without length that a transition ends right where the motion is; None if none happens.
+
+    `clocks` are None where a motion begins, and no jump at that instant counts.
+    """
+    number = _at_once(flow, standing)
+    if number is not None:
+        rises, collapsed = standing[number].side > 0, standing[number].kind == BEYOND
+    elif clocks is not None and (jumps := jumping(flow, t, x, clocks, goes_on=goes_on)):
+        (number, rises), collapsed = jumps, False
+    else:
+        return None
+    name = flow.transitions[number].name
+    return replace(_instant(flow, t, x), transition=name, rising=rises, collapsed=collapsed)
 
 
 def _at_once(flow: ModeFlow, standing: Sequence[GuardStatus]) -> int | None:

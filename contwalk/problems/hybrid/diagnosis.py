@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from contwalk.branch import Outcome
-from contwalk.problems.hybrid import end_maps, jumping_limits, obstacles, undefined
+from contwalk.problems.hybrid import corners, end_maps, jumping_limits, obstacles, undefined
 from contwalk.problems.hybrid.discretized_orbit import DiscretizedOrbit
 from contwalk.problems.hybrid.vanishing import in_no_time, onto_an_event
 from contwalk.problems.kink import Met
@@ -39,7 +39,8 @@ class HybridDiagnosis(OrbitDiagnosis):
         jumps through zero. Both have the shape (N + 1,).
         """
         orbit = self._eventful
-        return *super().passed(a, b), *end_maps.passed(orbit, a, b), *jumping_limits.passed(orbit, a, b)
+        jumps = *end_maps.passed(orbit, a, b), *jumping_limits.passed(orbit, a, b)
+        return *super().passed(a, b), *jumps, *corners.passed(orbit, a, b)
 
     def without_value(self, z: np.ndarray) -> str:
         """The plugin's line at which the motion of z has no value, as a sentence; empty if none is found."""

@@ -34,10 +34,12 @@ from contwalk.system import Condition, Transition
 
 # A guard within this part of its size is zero.
 ROUNDED = 1e-9
+# Instants before and after the end of a leg, in units of its duration.
+AROUND_END = 1.0 - AT_END, 1.0 + AT_END
 
 
 @dataclass(frozen=True, eq=False)
-class _Told:
+class Told:
     """A number that may jump: a condition, or a guard by its place out of the mode."""
 
     name: str
@@ -66,7 +68,7 @@ def passed(problem: DiscretizedOrbit, a: np.ndarray, b: np.ndarray) -> tuple[Met
         return ()
     try:
         views = [problem.view(z) for z in (a, b)]
-        found = tuple(met for pair in _alike(*views) for met in _on_leg(problem, *pair))
+        found = tuple(met for pair in alike(*views) for met in _on_leg(problem, *pair))
     except (NotFinite, PluginError, np.linalg.LinAlgError):
         return ()
     if not any(met.kink.refused for met in found):
@@ -76,7 +78,7 @@ def passed(problem: DiscretizedOrbit, a: np.ndarray, b: np.ndarray) -> tuple[Met
     return tuple(met for met in found if changes or not met.kink.refused)
 
 
-def _alike(before: tuple[LegView, ...], later: tuple[LegView, ...]) -> Iterator[tuple[LegView, LegView]]:
+def alike(before: tuple[LegView, ...], later: tuple[LegView, ...]) -> Iterator[tuple[LegView, LegView]]:
     """The legs of two orbits, if they are of the same kinds."""
     if [view.piece.passage for view in before] == [view.piece.passage for view in later]:
         yield from zip(before, later, strict=True)
@@ -101,7 +103,7 @@ def _on_leg(problem: DiscretizedOrbit, one: LegView, other: LegView) -> Iterator
             yield from between(event, place_of(one, start=start), place_of(other, start=start))
 
 
-def _told_on(passage: Passage) -> Iterator[_Told]:
+def _told_on(passage: Passage) -> Iterator[Told]:
     """Conditions at the end of a leg, and guards that do not end it."""
     mapped = functions_at_end(passage)[1:]
     for condition in passage.conditions:
@@ -110,20 +112,28 @@ def _told_on(passage: Passage) -> Iterator[_Told]:
             function = written(condition.function)
             if condition.side == "after" and mapped:
                 function = after(function, mapped[-1][1])
-            yield _Told(f"condition '{condition.name}'", found, function, condition)
+            yield Told(f"condition '{condition.name}'", found, function, condition)
     if not passage.leg.collapsed:
         yield from (told for own, told in _guards_on(passage) if own != passage.leg.transition)
 
 
-def _guards_on(passage: Passage) -> Iterator[tuple[Transition, _Told]]:
+def _guards_on(passage: Passage) -> Iterator[tuple[Transition, Told]]:
     """The guards out of a leg's mode that may jump."""
-    if not passage.guards_jump:
-        return
+    if passage.guards_jump:
+        yield from (
+            (own, told)
+            for own, told in pieced_guards(passage)
+            if told.switching.jumps(range(len(told.switching.choices)))
+        )
+
+
+def pieced_guards(passage: Passage) -> Iterator[tuple[Transition, Told]]:
+    """The guards out of a leg's mode that are smooth by pieces only."""
     for place, own in enumerate(passage.leaving):
         found = passage.switching_of(f"guard {own.name}", own.guard)
-        if found is not None and found.jumps(range(len(found.choices))):
+        if found is not None:
             name, function = f"the guard of transition '{own.name}'", written(own.guard)
-            yield own, _Told(name, found, function, place, own.role != "watched")
+            yield own, Told(name, found, function, place, own.role != "watched")
 
 
 # -- on the way of one orbit -------------------------------------------------------------------------------
@@ -141,22 +151,29 @@ def _along_leg(problem: DiscretizedOrbit, view: LegView, z: np.ndarray) -> Itera
     if not view.duration > 0.0:
         return
     for own, told in _guards_on(passage):
-        course = _course(problem, view, told, z)
+        course = course_of(problem, view, told, z)
         sides = course.sides(course.times, course.states)
         for k in np.flatnonzero(np.any(differ(sides[:-1], sides[1:]), axis=1)).tolist():
             low, high = located(course, k)
             if low <= AT_END or high >= 1.0 - AT_END:
                 continue
-            values = _beside(course, low, high)
-            if _happens(own, *values) or (
-                through_zero(*values) and _has_been_before(own, course, k, float(values[0]))
+            pieces = beside(course, low, high)
+            if _happens(own, *pieces) or (
+                np.any(through_zero(*pieces)) and _has_been_before(own, course, k, float(pieces[0][0, 0]))
             ):
-                states = course.at(np.array([low, high]))
-                where = course.where((low, states[0]), (high, states[1]))
-                yield JumpThroughZero(0, where, told.name, told.acts)
+                yield _jump(course, low, high, told)
+        # An orbit that closes without an event goes on through its last instant, where a ramp may begin anew.
+        if passage.leg.transition is None and _happens(own, *beside(course, *AROUND_END)):
+            yield _jump(course, *AROUND_END, told)
 
 
-def _course(problem: DiscretizedOrbit, view: LegView, told: _Told, z: np.ndarray) -> Course:
+def _jump(course: Course, low: float, high: float, told: Told) -> JumpThroughZero:
+    """The jump between two instants of a leg."""
+    states = course.at(np.minimum([low, high], 1.0))
+    return JumpThroughZero(0, course.where((low, states[0]), (high, states[1])), told.name, told.acts)
+
+
+def course_of(problem: DiscretizedOrbit, view: LegView, told: Told, z: np.ndarray) -> Course:
     """A leg, as one of its guards is looked at."""
     passage, values = view.piece.passage, view.piece.values(view.scalars)
     known = {**problem.values_of(z), **passage.system.mode(passage.leg.mode).constants}
@@ -172,20 +189,21 @@ def _course(problem: DiscretizedOrbit, view: LegView, told: _Told, z: np.ndarray
     return Course(told.switching, evaluate, view.times, view.states, view.at, where)
 
 
-def _beside(course: Course, low: float, high: float) -> tuple[np.ndarray, np.ndarray]:
-    """A guard on either side of a place at which it may jump, by what it is there on both pieces."""
+def beside(course: Course, low: float, high: float) -> tuple[np.ndarray, np.ndarray]:
+    """A guard on either side of a place at which it may jump: both pieces there, with their derivatives."""
     times = np.array([low, high])
-    states = course.at(times)
+    states = course.at(np.minimum(times, 1.0))
     before, later = (course.evaluate(times[k : k + 1], states[k : k + 1]) for k in range(2))
     along_ = directions(course.switching, before, np.abs(course.states).max(axis=0))
     one, other = course.switching.beside(before, before, later, along_)
-    return one[0, 0], other[0, 0]
+    return one, other
 
 
 def _happens(transition: Transition, before: np.ndarray, later: np.ndarray) -> bool:
-    """Whether a jump from one value to another is its event."""
-    ways = {"falling": bool(before > later), "rising": bool(before < later)}
-    return bool(through_zero(before, later)) and ways.get(transition.direction, True)
+    """Whether a jump from one piece to another is its event."""
+    rises = bool(before[0, 0] < later[0, 0])
+    ways = {"falling": not rises, "rising": rises}
+    return bool(np.any(through_zero(before, later))) and ways.get(transition.direction, True)
 
 
 def _has_been_before(transition: Transition, course: Course, k: int, last: float) -> bool:

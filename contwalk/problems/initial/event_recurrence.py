@@ -100,13 +100,13 @@ def _motion(
     A stretch ends between events: right after one, a new start would not know what of a guard is rounding.
     Where stability limits the steps of the explicit method, the implicit one goes on from there.
     """
-    quiet, method, most = 0, METHOD, np.inf
+    quiet, method, most, goes_on = 0, METHOD, np.inf, False
     while True:
         weights = search.weights(x)
         length = min(search.stretch(machine, t, x, mode, weights), end - t, most)
         most *= LONGER
         control = Control(TOLERANCE, weights, method, watched=False)
-        for arc in motion_segments(machine, t, x, mode, t + length, control, last):
+        for arc in motion_segments(machine, t, x, mode, t + length, control, last, goes_on=goes_on):
             if method == METHOD and arc.status == "too_many_steps" and is_stiff(machine, arc):
                 # How large the states are matters to it, and so short a motion tells little of that.
                 method, most = IMPLICIT, LONGER * float(arc.times[-1] - arc.times[0])
@@ -119,10 +119,10 @@ def _motion(
             t = float(arc.times[-1])
             if arc.transition is None:
                 quiet += len(arc.times)
-                x, last = arc.states[-1], None
+                x, last, goes_on = arc.states[-1], None, True
             else:
                 assert arc.after is not None
-                quiet, x, last = 0, arc.after, arc.transition
+                quiet, x, last, goes_on = 0, arc.after, arc.transition, False
                 mode = machine.transition(arc.transition, arc.mode).target
         if t >= end or not search.waits(quiet):
             return
