@@ -10,6 +10,14 @@ from contwalk import tables
 from contwalk.labels import EVERY_MEANING
 
 
+def allowed_error(accuracy: float, value: float, error: float, magnitude: float) -> float:
+    """What a relative accuracy allows a value of the free parameter that is known to `error`, absolutely.
+
+    A value that is zero to its error has no relative error; it is compared with the parameter's magnitude.
+    """
+    return accuracy * (abs(value) if abs(value) > error else max(magnitude, abs(value)))
+
+
 @dataclass(frozen=True, repr=False)
 class SpecialPoint:
     """A special point, located or not. Fields are those of the JSON interface, plus `s` and the unknowns.

@@ -24,6 +24,9 @@ TURN = 1e-3
 FLAT = 4e-14
 # A rate in the metric this small against the value is none.
 STILL, TINY = 1e-9, 1e-300
+# How far beyond a place at which a rate is exactly zero its sign is looked at: in parts of a segment, or in
+# the metric.
+BEYOND = 1e-3
 # What is left of the error of the steps on finer ones: a hundredth of the tolerance leaves less.
 FINER = 0.05
 
@@ -83,7 +86,7 @@ def marked(
             for low, high in pairwise(sorted({0.0, *turns, 1.0})):
                 margins = (TURN if low in turns else 0.0), (TURN if high in turns else 0.0)
                 if high - low > sum(margins):
-                    found += _extrema(segment, mark.name, low + margins[0], high - margins[1])
+                    found += _extrema(segment, mark.name, low + margins[0], high - margins[1], observer)
     return sorted(found, key=lambda f: f.theta)
 
 
@@ -144,7 +147,7 @@ def _parameter_at(segment: Segment, value: float, near: Sample) -> Located | Non
     return replace(found, refine=lambda: solved(refined(segment.problem, z, segment.weights), z))
 
 
-def _extrema(segment: Segment, name: str, low: float, high: float) -> list[Found]:
+def _extrema(segment: Segment, name: str, low: float, high: float, observer: Observer) -> list[Found]:
     """Smooth extrema of an observable; kinks, where two eigenvalues change roles, are not special points."""
 
     def rate(theta: float) -> float:
@@ -158,9 +161,16 @@ def _extrema(segment: Segment, name: str, low: float, high: float) -> list[Found
     rates: dict[float, float] = {}
     try:
         first, last = rate(low), rate(high)
-        if not (np.isfinite(first) and np.isfinite(last)) or first * last >= 0.0:
+        if not (np.isfinite(first) and np.isfinite(last)):
             return []
-        narrow(rate, low, high, first, last, flat)
+        if last == 0.0 and high == 1.0:  # exactly at a joint, of which the next segment does not tell
+            last = rate(1.0 + BEYOND)
+        value = max(abs(observer.value(name, end)) for end in (segment.a, segment.b))
+        # What stands still, as the modulus of a pair does where the flow contracts evenly, has no extrema.
+        if first * last >= 0.0 or max(abs(first), abs(last)) <= STILL * value:
+            return []
+        if rates[high] != 0.0:
+            narrow(rate, low, high, first, last, flat)
         theta = min(rates, key=lambda t: abs(rates[t]))
         if abs(rates[theta]) > 1e-5 * min(abs(first), abs(last)):
             return []  # the rate jumps: a kink
@@ -217,7 +227,8 @@ def _on_finer_steps(segment: Segment, name: str, theta: float) -> Sample | None:
 def _extremum_error(segment: Segment, theta: float, rate: Callable[[Sample], float]) -> tuple[float, bool]:
     """Estimated error of the parameter at an extremum: noise of the rate over its slope.
 
-    The rate is sampled around the extremum; what a parabola through it does not explain is its noise.
+    The rate is sampled around the extremum; what a parabola through it does not explain is its noise, and
+    so is what is left of it there.
     """
     offsets = np.linspace(-1.0, 1.0, 9) * min(1e-3, theta, 1.0 - theta)
     if offsets[-1] <= 0.0:
@@ -225,7 +236,7 @@ def _extremum_error(segment: Segment, theta: float, rate: Callable[[Sample], flo
     samples = [segment.at(theta + d) for d in offsets]
     rates = np.array([rate(s) for s in samples])
     fit = np.polynomial.Polynomial.fit(offsets, rates, 3)
-    noise = float(np.max(np.abs(fit(offsets) - rates)))
+    noise = max(float(np.max(np.abs(fit(offsets) - rates))), abs(float(rates[len(rates) // 2])))
     slope = abs(float(fit.deriv()(0.0)))
     per_theta = abs(float(segment.chord[-1]))
     middle = abs(samples[len(samples) // 2].parameter)
@@ -234,9 +245,12 @@ def _extremum_error(segment: Segment, theta: float, rate: Callable[[Sample], flo
 
 def marks_at(
     problem: Problem, sample: Sample, marks: tuple[Mark, ...], observer: Observer
-) -> list[tuple[str, tuple[str, float]]]:
-    """Kind, name and value of the marks that a solution has itself, as the start of a branch may."""
-    found = []
+) -> list[tuple[str, tuple[str, float | None]]]:
+    """Kind, name and value of the marks that a solution has itself, as the start of a branch may.
+
+    The value of an extremum is None.
+    """
+    found: list[tuple[str, tuple[str, float | None]]] = []
     for mark in marks:
         value = observer.value(mark.name, sample)
         for level in mark.values:
@@ -244,7 +258,24 @@ def marks_at(
             # A curve of what is marked has it everywhere.
             if met and not (problem.line.second is not None and _stands_still(problem, mark.name, sample)):
                 found.append((observer.kind(mark.name), (mark.name, level)))
+        if mark.extremum and np.isfinite(value) and _extreme_at(problem, sample, mark.name):
+            found.append(("extremum", (mark.name, None)))
     return found
+
+
+def _extreme_at(problem: Problem, sample: Sample, name: str) -> bool:
+    """Whether an observable is largest or smallest exactly at a solution; beside it segments tell."""
+    if problem.observed.rate(name, sample) != 0.0:
+        return False
+    normal, sides = sample.tangent / sample.weights**2, []
+    for step in (-BEYOND, BEYOND):
+        beside = correct(problem, sample.z + step * sample.tangent, normal, sample.weights)
+        if not beside.ok or beside.linearization is None:
+            return False
+        there, tangent = beside.problem, beside.linearization.tangent(normal, sample.weights)
+        seen = there.examine(beside.z, tangent, sample.weights, beside.linearization, sample.unstable)
+        sides.append(there.observed.rate(name, seen))
+    return sides[0] * sides[1] < 0.0
 
 
 def _stands_still(problem: Problem, name: str, sample: Sample) -> bool:

@@ -75,7 +75,7 @@ def end_record(
 
 
 def start_record(
-    problem: Problem, state: ContinuationState, kind: str, mark: tuple[str, float]
+    problem: Problem, state: ContinuationState, kind: str, mark: tuple[str, float | None]
 ) -> SpecialPoint:
     """The record of a mark, name and value, that the start of a branch has."""
     located = Located(state.sample.z, float(np.spacing(abs(state.sample.parameter))))

@@ -11,6 +11,7 @@ from contwalk.continuation.detection import NO_SHARE
 from contwalk.continuation.kinds import kind_of
 from contwalk.errors import ContwalkError
 from contwalk.problems.problem import Located, PointType, Problem, Sample, Test
+from contwalk.special_point import allowed_error
 
 # A point may differ by so many times what the two error estimates together allow: estimates are estimates.
 SLACK = 5.0
@@ -95,7 +96,7 @@ def judged(
     )
     difference = abs(value - stored)
     within = SLACK * (claim + own)
-    asked = accuracy * abs(stored)
+    asked = allowed_error(accuracy, stored, claim, float(sample.weights[-1]))
     spectral, uncertain = _from_spectrum(problem, sample, point, found)
     result = replace(
         begun,

@@ -20,6 +20,7 @@ from contwalk.continuation.diagram import Diagram
 from contwalk.continuation.events import Began, Cut, Ended, Event, Found, Noted
 from contwalk.errors import ContwalkError, DatabaseError
 from contwalk.numerics.threads import one_thread
+from contwalk.special_point import allowed_error
 from contwalk.storage.backends import backend_of
 from contwalk.storage.database import Database, RunHeader
 from contwalk.storage.failures import refuse_existing
@@ -269,6 +270,7 @@ class _Recorder:
     def __init__(self, db: Database, reporter: Reporter, result: RunResult, run_file: RunFile) -> None:
         self.db, self.reporter, self.result, self.accuracy = db, reporter, result, run_file.accuracy
         self._system, self._report_at = run_file.system, run_file.report_at
+        self._magnitude = max(map(abs, run_file.range))  # of the free parameter
         self.noted: set[str] = set()
         self._current: BranchInfo | None = None
         self._number = 0
@@ -328,15 +330,13 @@ class _Recorder:
     def _check_accuracy(self, info: BranchInfo, point: SpecialPoint) -> None:
         """Say where a point is known less well than was asked for."""
         value = abs(point.parameters[info.free[0]])
-        if (
-            point.status == "located"
-            and point.error is not None
-            and point.error > self.accuracy * value > 0.0
-        ):
+        if point.status != "located" or point.error is None:
+            return
+        if point.error > allowed_error(self.accuracy, value, point.error, self._magnitude):
+            share = f", which is {point.error / value:.1e} of it" if value > 0.0 else ""
             text = (
                 f"{info.name}: {point.label} at {info.free[0]} = {value:.10g} is known only to "
-                f"{point.error:.1e}, which is {point.error / value:.1e} of it: more than the "
-                f"{self.accuracy:g} that was asked for."
+                f"{point.error:.1e}{share}: more than the accuracy of {self.accuracy:g} that was asked for."
             )
             self.note(f"accuracy {info.name} {point.label} {point.s!r}", text)
 

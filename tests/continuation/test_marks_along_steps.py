@@ -150,3 +150,28 @@ def test_the_solution_at_a_value_of_the_parameter_is_looked_for_along_the_branch
     located = _parameter_at(segment, 0.2, segment.a)
     assert located is not None
     assert located.z.tolist() == pytest.approx([0.2, 4.0, 0.2], rel=1e-15)
+
+
+def test_a_quantity_that_stands_still_has_no_extremum():
+    """Rates of rounding change their sign: the modulus of a pair where the flow contracts evenly."""
+    problem = straight(pair=lambda z: 1.0 + 1e-13 * (z[1] - 0.1) ** 2)
+    observer, marks = Observer(LINE, ("pair",)), (Mark("pair", (), extremum=True),)
+    assert marked(segment_of(problem, 0.0, 0.3), marks, observer) == []
+
+
+def test_an_extremum_exactly_at_a_joint_or_at_the_start_is_told_once():
+    problem = straight(size=lambda z: z[1] ** 2, cube=lambda z: z[1] ** 3)
+    observer = Observer(LINE, ("size", "cube"))
+    marks = (Mark("size", (), extremum=True), Mark("cube", (), extremum=True))
+    assert places(marked(segment_of(problem, -0.1, 0.0), marks, observer)) == [0.0]
+    assert marked(segment_of(problem, 0.0, 0.2), marks, observer) == []
+    start = segment_of(problem, 0.0, 0.2).a
+    assert marks_at(problem, start, marks, observer) == [("extremum", ("size", None))]
+
+
+def test_the_error_of_an_extremum_has_what_is_left_of_the_rate():
+    problem = straight(size=lambda z: math.cos(z[1]))
+    observer, marks = Observer(LINE, ("size",)), (Mark("size", (), extremum=True),)
+    for a, b in ((-0.1, 0.15), (-0.3, 0.17), (-0.07, 0.2)):
+        (found,) = marked(segment_of(problem, a, b), marks, observer)
+        assert abs(places([found])[0]) <= found.located.error

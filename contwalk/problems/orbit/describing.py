@@ -13,6 +13,7 @@ from contwalk.problems.orbit.normal_forms import SectionMap
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.protocol import OrbitKind
 from contwalk.problems.problem import Located, Sample
+from contwalk.special_point import allowed_error
 
 # Where theta is this near to 2 pi k / q, q = 1..4, the point is a strong resonance.
 RESONANT = 1e-6
@@ -49,8 +50,8 @@ def described(
     except NotFinite as error:
         kind, criticality, coefficients = None, None, {}
         note = f"there is no normal form: {error.sentence}"
-    value, asked = abs(float(z[-1])), problem.discretization.accuracy
-    if located.refined and located.error > asked * value:
+    value, weight, asked = abs(float(z[-1])), float(sample.weights[-1]), problem.discretization.accuracy
+    if located.refined and located.error > allowed_error(asked, value, located.error, weight):
         share = f", {located.error / value:.1e} of the value" if value > 0.0 else ""
         known = f"known to {located.error:.1e}{share} only"
         limit = f"{known}: rounding does not allow the accuracy of {asked:g} that was asked for"
