@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from contwalk.continuation.arc import Arc
@@ -63,6 +65,12 @@ class Segment(Arc):
             unstable = self._known[near].unstable
             self._known[theta] = self.problem.examine(found.z, tangent, self.weights, linearization, unstable)
         return self._known[theta]
+
+    def nearly(self, theta: float) -> Sample:
+        """A sample at theta whose z is that of the arc, nearly a solution; all else is another's."""
+        if theta in self._known:
+            return self._known[theta]
+        return replace(self.a, z=self.guess(theta), tangent=self.direction(theta))
 
     def _corrected(self, problem: Problem, guess: np.ndarray) -> tuple[Correction, Linearization]:
         """The solution in the hyperplane across the chord through a guess."""

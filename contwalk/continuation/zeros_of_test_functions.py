@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from itertools import pairwise
 
+import numpy as np
+
 from contwalk.continuation.kinds import kinds_of_test
 from contwalk.continuation.locating import Disagreement, Found, locate
 from contwalk.continuation.segment import Segment
+from contwalk.errors import NotFinite, PluginError
 from contwalk.problems.problem import PointType, Test
 
 # Where a function is looked at on a segment: more than its ends, so that zeros that come in pairs show.
@@ -16,6 +19,8 @@ PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)
 NARROWER = 12
 # An extremum is looked for where it may come this near to zero, against the values beside it.
 NEAR_ZERO = 0.1
+# The same where values are those beside solutions.
+DOUBTFUL = 0.3
 
 
 def zeros_of_test_functions(segment: Segment) -> list[Found]:
@@ -35,6 +40,8 @@ def _of_kind(segment: Segment, kind: PointType) -> list[Found]:
     def value(theta: float) -> float:
         return kind.value(segment.problem, segment.at(theta))
 
+    if kind.of_place and not _may_pass(segment, kind):
+        return []
     known = {theta: value(theta) for theta in PLACES}
     for theta in _nearest_to_zero(known):
         extremum, least = _extremum(value, known, theta)
@@ -52,13 +59,28 @@ def _of_kind(segment: Segment, kind: PointType) -> list[Found]:
     return points
 
 
-def _nearest_to_zero(known: dict[float, float]) -> list[float]:
+def _may_pass(segment: Segment, kind: PointType) -> bool:
+    """Whether a function of places may pass zero on a segment.
+
+    It is asked of the arc between both ends: that is many times nearer to the solutions than the function's
+    course tells, and costs no solution.
+    """
+    try:
+        known = {theta: kind.value(segment.problem, segment.nearly(theta)) for theta in PLACES}
+    except (NotFinite, PluginError, np.linalg.LinAlgError):  # the solutions tell more
+        return True
+    told = list(known.values())
+    alike = all(a * b > 0.0 for a, b in pairwise(told)) or not any(told) or not np.any(np.isfinite(told))
+    return not alike or bool(_nearest_to_zero(known, DOUBTFUL))
+
+
+def _nearest_to_zero(known: dict[float, float], near: float = NEAR_ZERO) -> list[float]:
     """Places beside which a function may pass zero twice: the parabola through three values comes near it."""
     triples = zip(PLACES, PLACES[1:], PLACES[2:], strict=False)
-    return [middle for low, middle, high in triples if _reaches(known[low], known[middle], known[high])]
+    return [middle for low, middle, high in triples if _reaches(known[low], known[middle], known[high], near)]
 
 
-def _reaches(low: float, middle: float, high: float) -> bool:
+def _reaches(low: float, middle: float, high: float, near: float) -> bool:
     """Whether the parabola through three values of one sign has its extremum between them, near zero."""
     if not (low * middle > 0.0 and middle * high > 0.0):
         return False
@@ -66,7 +88,7 @@ def _reaches(low: float, middle: float, high: float) -> bool:
     slope, bend = 0.5 * (high - low), high - 2.0 * middle + low
     if not abs(slope) < bend:
         return False
-    return middle - 0.5 * slope**2 / bend < NEAR_ZERO * min(low, high)
+    return middle - 0.5 * slope**2 / bend < near * min(low, high)
 
 
 def _extremum(

@@ -118,6 +118,8 @@ class PointType:
         Whether it is special; what only changes the unstable count is not.
     saddles : bool
         Whether a curve of Hopf points goes on as neutral saddles beyond.
+    of_place : bool
+        Whether `value` asks of a sample nothing but its z and its tangent.
     """
 
     label: ClassVar[str]
@@ -130,6 +132,7 @@ class PointType:
     daughters: ClassVar[int | None] = None
     told: ClassVar[bool] = True
     saddles: ClassVar[bool] = False
+    of_place: ClassVar[bool] = False
 
     def value(self, problem: Any, sample: Sample) -> float:
         """The function that passes zero at such points, where `test` is `Test.VALUE`, or `along`."""

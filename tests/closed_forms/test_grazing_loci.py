@@ -58,8 +58,15 @@ def assert_resonant(curve: Branch, label: str) -> None:
 def test_the_grazing_curve_to_the_last_digits() -> None:
     curve = followed(branches(0.98)[0], "GR1", (0.5, 1.5), accuracy=1e-13)
     assert np.max(np.abs(curve["force"] - touching(curve["omega"]))) < 1e-12
-    assert [p.label for p in curve.special_points] == ["EP", "EP"]
     assert curve.info.settings["limit"]["kind"] == "interior"
+    # At two thirds of the first resonance the free motion comes back as well.
+    assert sorted(p.label for p in curve.special_points) == ["EP", "EP", "GRLP", "GRLP", "GRPD", "GRPD"]
+    for point in curve.special_points:
+        if point.label != "EP":
+            assert (point.kind, point.status) == ("resonant", "located")
+            nearest = RESONANT["omega"] * np.array([1.0, 2.0 / 3.0])
+            off = np.min(np.abs(nearest - point.parameters["omega"]))
+            assert off <= point.errors["omega"] + 1e-15 < 1e-11
 
 
 def test_doublings_up_to_the_resonance() -> None:

@@ -76,6 +76,7 @@ class DiscretizedOrbit(OrbitData):
             subharmonic=self.subharmonic * (times if self.forced else 1),
             discretization=self.discretization,
         )
+        other.line = self.line  # it may be one through a plane of two parameters, which its ends do not tell
         other.turns = self.turns * times if turns is None else turns
         other.effort = self.effort
         return other

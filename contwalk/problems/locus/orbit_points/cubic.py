@@ -27,7 +27,7 @@ MOST_GROWTH = 5e5
 class VanishingCubic(OrbitLocusPoint):
     """The orbits or tori that are born change their side."""
 
-    test = Test.VALUE
+    test, of_place = Test.VALUE, True
 
     def value(self, problem: Any, sample: Sample) -> float:
         """The cubic coefficient without its poles; zero where it is no more than errors of the steps.

@@ -15,7 +15,7 @@ from contwalk.problems.problem import Located, Sample, Test
 class CuspOfCycles(OrbitLocusPoint):
     """Two branches of folds meet."""
 
-    label, test = "CPC", Test.VALUE
+    label, test, of_place = "CPC", Test.VALUE, True
 
     def value(self, problem: Any, sample: Sample) -> float:
         """psi F_uu v v along the curve."""

@@ -16,7 +16,7 @@ from contwalk.problems.problem import Sample, Test
 class OnTori(OrbitLocusPoint):
     """The angle of a pair of multipliers on the unit circle is a whole part of a turn."""
 
-    test = Test.VALUE
+    test, of_place = Test.VALUE, True
     cosine: ClassVar[float]
 
     def value(self, problem: Any, sample: Sample) -> float:

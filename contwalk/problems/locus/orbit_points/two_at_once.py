@@ -6,12 +6,17 @@ from typing import Any
 
 import numpy as np
 
+from contwalk.problems.hybrid.adjacent.at_limit import built_at
+from contwalk.problems.hybrid.adjacent.orbit import NoAdjacentOrbit
 from contwalk.problems.locus.orbit_curves import CURVES
 from contwalk.problems.locus.orbit_places import Held
-from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, near_of, together
+from contwalk.problems.locus.orbit_points.point import Form, OrbitLocusPoint, near_of, together, where_zero
 from contwalk.problems.orbit import scales, variations
 from contwalk.problems.orbit.augmented import Augmented
 from contwalk.problems.problem import Located, Sample, Test
+
+# Grazing orbits whose neighbours are kept: folds and doublings ask for the same ones.
+MOST_KEPT = 8
 
 
 class TwoAtOnce(OrbitLocusPoint):
@@ -56,9 +61,11 @@ class TwoAtOnce(OrbitLocusPoint):
 
 
 class ResonantGrazing(TwoAtOnce):
-    """On a curve of orbits whose own event arrives without rate: curves of folds or doublings begin there.
+    """On a curve of grazing orbits: curves of folds or doublings of the orbits with that event begin there.
 
-    A multiplier is infinite all along, and changes its sign: L(1) and L(-1) are singular at once.
+    Arriving without rate the event makes a multiplier infinite all along, and where that changes its sign
+    L(1) and L(-1) are singular at once. What grazes between two events is looked at as the orbit in which the
+    touch happens.
     """
 
     test = Test.VALUE
@@ -70,9 +77,13 @@ class ResonantGrazing(TwoAtOnce):
     def value(self, problem: Any, sample: Sample) -> float:
         """How far L(1), or L(-1), is from singular, with the sign of its determinant; NaN of other
         grazings."""
-        if problem.curve.limit.test != "rate":
+        return self._signed(problem, sample.z)
+
+    def _signed(self, problem: Any, z: np.ndarray) -> float:
+        found = problem.known.at("arriving", z, MOST_KEPT, lambda: as_arriving(problem, z))
+        if found is None:
             return float("nan")
-        there, own = problem.plane.first(sample.z)
+        there, own = found
         rows, columns = scales.cycle_scales(there)
         multiplier = 1.0 if self._other == "LP" else -1.0
         matrix = variations.cycle_matrix(there, there.linearize(own).jacobian, multiplier)
@@ -80,9 +91,30 @@ class ResonantGrazing(TwoAtOnce):
         return float(np.linalg.slogdet(scaled)[0] * np.linalg.svd(scaled, compute_uv=False)[-1])
 
     def system(self, problem: Any, sample: Sample, which: int) -> Augmented | None:
-        """The conditions of both curves."""
-        return self.both(problem, sample)
+        """The conditions of both curves; of orbits that do not have the event yet, that function."""
+        if problem.curve.limit.test == "rate":
+            return self.both(problem, sample)
+        return where_zero(sample, problem, self._signed)
 
     def form(self, problem: Any, located: Located, sample: Sample) -> Form:
         """The kind: both curves are tangent there."""
         return "resonant", {}, None
+
+
+def as_arriving(problem: Any, z: np.ndarray) -> tuple[Any, np.ndarray] | None:
+    """A grazing orbit of a curve as one in which the event happens without rate, and its unknowns.
+
+    Both vectors are of the shape (N + k + 2,) and (M + 1,). None where nothing happens, or the machine goes
+    another way.
+    """
+    limit, (there, own) = problem.curve.limit, problem.plane.first(z)
+    if limit.test == "rate":
+        return there, own
+    if limit.test != "dip" or not limit.acts:
+        return None
+    lasting = float(own[there.layout.durations][limit.leg])
+    try:
+        neighbour = built_at(there, own, limit, float(problem.further(z)[0]) / lasting)
+    except NoAdjacentOrbit:
+        return None
+    return neighbour.problem, neighbour.z
