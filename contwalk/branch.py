@@ -153,6 +153,25 @@ class Branch:
         u = self.points["unknowns"][row]
         return np.append(u[np.isfinite(u)], self.points["free"][row, 0])
 
+    def gaps(self) -> list[int]:
+        """Numbers of the points after which a curve in two parameters was outside its range.
+
+        It leaves at an end of the range, facing out of it, and the next point is where it comes back.
+        """
+        if len(self.info.free) < 2 or len(self) < 2:
+            return []
+        free = self.points["free"]
+        low, high = free.min(axis=0), free.max(axis=0)
+        ways = np.array([self._way(k) for k in range(len(self))])
+        outward = ((free == high) & (ways > 0.0)) | ((free == low) & (ways < 0.0))
+        inward = ((free == high) & (ways < 0.0)) | ((free == low) & (ways > 0.0))
+        return np.flatnonzero(outward[:-1].any(axis=1) & inward[1:].any(axis=1)).tolist()
+
+    def _way(self, row: int) -> np.ndarray:
+        """The tangent's shares of both free parameters of a curve, shape (2,)."""
+        tangent = self.points["tangent"][row][: len(self.unknowns(row))]
+        return np.asarray(tangent[[-1, -2]])
+
     def names(self) -> tuple[str, ...]:
         """Names that `branch[name]` understands besides those of `columns()`."""
         return (*self.info.free, *self.info.observables, *self.info.states)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from contwalk.branch import Outcome, SpecialPoint
 from contwalk.continuation import limits, outcomes
+from contwalk.continuation.excursion import reentered
 from contwalk.continuation.locating import Found
 from contwalk.continuation.marks import Observer
 from contwalk.continuation.records import end_record, found_record
@@ -17,7 +18,7 @@ from contwalk.continuation.settings import Settings
 from contwalk.continuation.state import ContinuationState, adapted, grown
 from contwalk.continuation.step import Step, take_step
 from contwalk.errors import ContwalkError, NotFinite, PluginError
-from contwalk.problems.problem import LimitType, Problem
+from contwalk.problems.problem import LimitType, Problem, Sample
 
 
 @dataclass(frozen=True)
@@ -58,36 +59,31 @@ def walk(
     origin, number = state, 0
     try:
         while True:
-            if outcome := _finished(state, number, points, settings, observer):
-                break
+            taken: Step | None = None
             before = _effort(problem)
-            step = take_step(problem, state, settings, observer)
-            if isinstance(step, Outcome):
-                outcome = step
-                break
-            for place, found in _on_the_way(step, state, sign):
-                record = found_record(step.segment.problem, found, place.s, sign)
-                yield Point(place, record)
-                number += 1
-                if outcome := _stop(step.segment.problem, found, record, settings):
-                    place = replace(place, sample=replace(place.sample, unstable=found.after))
-                    yield End(outcome, end_record(problem, place, outcome, sign, record.error))
-                    return
-            state = _arrived(problem, step, state, sign, settings, before)
-            try:
-                problem, sample = adapted(problem, state.sample)
-            except (NotFinite, np.linalg.LinAlgError):
-                yield Point(state)
-                raise
-            if np.array_equal(sample.z, state.sample.z):
-                yield Point(state)
-            else:  # on new steps the solution is another: that one is the point, and taken up as if stored
-                state = replace(state, sample=sample)
-                yield Point(state)
-                problem, sample = adapted(problem, sample)
-            state = replace(state, sample=sample)
+            if outcome := _finished(state, number, points, settings, observer):
+                back = _back(problem, state, settings, sign, outcome)
+                if back is None:
+                    break
+                problem, state = back
+                state = replace(state, sample=_with_effort(problem, state.sample, before))
+            else:
+                step = take_step(problem, state, settings, observer)
+                if isinstance(step, Outcome):
+                    outcome = step
+                    break
+                for place, found in _on_the_way(step, state, sign):
+                    record = found_record(step.segment.problem, found, place.s, sign)
+                    yield Point(place, record)
+                    number += 1
+                    if outcome := _stop(step.segment.problem, found, record, settings):
+                        place = replace(place, sample=replace(place.sample, unstable=found.after))
+                        yield End(outcome, end_record(problem, place, outcome, sign, record.error))
+                        return
+                taken, state = step, _arrived(problem, step, state, sign, settings, before)
+            problem, state = yield from _taken_up(problem, state)
             number += 1
-            if number > 3 and step.closes(origin):
+            if number > 3 and taken is not None and taken.closes(origin):
                 outcome = outcomes.closed()
                 break
     except outcomes.BREAKDOWNS as error:
@@ -100,6 +96,33 @@ def walk(
             reason, sentence, state.step, observer.line.free, state.sample.parameter, known
         )
     yield End(outcome, end_record(problem, state, outcome, sign))
+
+
+def _taken_up(
+    problem: Problem, state: ContinuationState
+) -> Generator[Point, None, tuple[Problem, ContinuationState]]:
+    """A point on the steps, or with the borders, for what follows it."""
+    try:
+        problem, sample = adapted(problem, state.sample)
+    except (NotFinite, np.linalg.LinAlgError):
+        yield Point(state)
+        raise
+    if np.array_equal(sample.z, state.sample.z):
+        yield Point(state)
+    else:  # on new steps the solution is another: that one is the point, and taken up as if stored
+        state = replace(state, sample=sample)
+        yield Point(state)
+        problem, sample = adapted(problem, sample)
+    return problem, replace(state, sample=sample)
+
+
+def _back(
+    problem: Problem, state: ContinuationState, settings: Settings, sign: float, outcome: Outcome
+) -> tuple[Problem, ContinuationState] | None:
+    """Where a curve in two parameters that leaves its range comes back; None where it does not."""
+    if outcome.reason != "bound" or problem.line.second is None:
+        return None
+    return reentered(problem, state, settings, sign)
 
 
 def _finished(
@@ -134,10 +157,14 @@ def _arrived(
     before: tuple[float, int],
 ) -> ContinuationState:
     """The place at the end of a step, with what the step has cost."""
-    seconds, evaluations = (now - then for now, then in zip(_effort(problem), before, strict=True))
-    sample = grown(problem, step.there, state, settings)
-    sample = replace(sample, seconds=seconds, evaluations=int(evaluations))
+    sample = _with_effort(problem, grown(problem, step.there, state, settings), before)
     return ContinuationState(sample, state.s + sign * step.segment.length, step.next_length)
+
+
+def _with_effort(problem: Problem, sample: Sample, before: tuple[float, int]) -> Sample:
+    """A sample with what it has cost since then."""
+    seconds, evaluations = (now - then for now, then in zip(_effort(problem), before, strict=True))
+    return replace(sample, seconds=seconds, evaluations=int(evaluations))
 
 
 def _stop(problem: Problem, found: Found, record: SpecialPoint, settings: Settings) -> Outcome | None:

@@ -69,8 +69,9 @@ def _may_pass(segment: Segment, kind: PointType) -> bool:
         known = {theta: kind.value(segment.problem, segment.nearly(theta)) for theta in PLACES}
     except (NotFinite, PluginError, np.linalg.LinAlgError):  # the solutions tell more
         return True
-    told = list(known.values())
-    alike = all(a * b > 0.0 for a, b in pairwise(told)) or not any(told) or not np.any(np.isfinite(told))
+    values = list(known.values())
+    nothing = not any(values) or not np.any(np.isfinite(values))
+    alike = nothing or all(a * b > 0.0 for a, b in pairwise(values))
     return not alike or bool(_nearest_to_zero(known, DOUBTFUL))
 
 

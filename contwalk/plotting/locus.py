@@ -106,10 +106,11 @@ def _look(branch: Branch) -> dict[str, Any]:
 
 def _draw(ax: Axes, branch: Branch, name: str, points: np.ndarray) -> None:
     """The line of a curve, in pieces where its kind changes; each reaches the first point of the next."""
-    start = 0
+    start, gaps = 0, np.array(branch.gaps(), dtype=int)
     for number, (real, members) in enumerate(groupby(saddles(branch).tolist())):
         stop = start + len(list(members))
-        part = points[start : stop + 1]
+        outside = gaps[(gaps >= start) & (gaps < stop)] - start + 1
+        part = np.insert(points[start : stop + 1], outside, np.nan, axis=0)
         look: dict[str, Any] = SADDLE if real else _look(branch)
         ax.plot(part[:, 0], part[:, 1], color=_color(branch), gid=f"{name}-{number}", zorder=2, **look)
         start = stop

@@ -105,8 +105,9 @@ def _borders(curve: Branch, x: str, y: str) -> Iterator[np.ndarray]:
         # The Bogdanov-Takens point itself may be a rounding below.
         real |= np.isin(np.arange(len(points)), [p.index for p in curve.special_points if p.label == "BT"])
     edges = np.flatnonzero(np.diff(np.concatenate([[0], real.astype(int), [0]])))
+    outside = np.array(curve.gaps(), dtype=int) + 1
     for start, stop in zip(edges[::2], edges[1::2], strict=True):
-        yield points[start:stop]
+        yield from np.split(points[start:stop], outside[(outside > start) & (outside < stop)] - start)
     if curve.outcome.reason == "closed" and real.all():
         yield points[[-1, 0]]
 
@@ -191,9 +192,9 @@ def _beginnings(
     for branch in known:
         yield from _carried(system, branch, names, at)
     for curve in curves:
-        values = curve[y] - y0
+        values, gaps = curve[y] - y0, curve.gaps()
         for k in np.flatnonzero(values[:-1] * values[1:] <= 0.0):
-            if values[k] == values[k + 1]:
+            if values[k] == values[k + 1] or int(k) in gaps:
                 continue
             part = values[k] / (values[k] - values[k + 1])
             row, following = curve.points[k], curve.points[k + 1]

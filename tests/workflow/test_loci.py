@@ -142,14 +142,13 @@ def test_curves_of_all_points_of_a_study_and_those_born_on_them(place) -> None:
     with cw.open_database(path) as db:
         branches = {name: db.branch(name) for name in db.branch_names()}
         notes = list(db.notes().values())
-    assert [b.info.problem for b in branches.values()] == ["equilibrium", "locus", "locus", "locus"]
-    assert [b.info.settings.get("of") for b in branches.values()] == [None, "HB", "LP", "LP"]
+    assert [b.info.settings.get("of") for b in branches.values()] == [None, "HB", "LP"]
     assert branches["b2"].info.parent[0] == "b1"
     assert branches["b3"].info.parent[0] == "b2"  # the folds are begun at BT points of the curve
     assert any("b1/HB2 lies on branch b2" in text for text in notes)
-    for name in ("b3", "b4"):
-        (point,) = (p for p in branches[name].special_points if p.label == "BT")
-        assert point.status == "located"
+    # Its cusp lies beyond alpha = 0.9: the curve of folds leaves the range there, and comes back.
+    assert len(branches["b3"].gaps()) == 1
+    assert [p.status for p in branches["b3"].special_points if p.label == "BT"] == ["located", "located"]
     again = computed(place, "all", resume=True, figures=False)
     assert [b.name for b in again.branches] == list(branches)
 

@@ -1,0 +1,154 @@
+"""A curve in two parameters outside its range, until it comes back.
+
+What lies outside is neither stored nor looked at: it only tells which pieces inside are one curve. Its points
+are solved for, and nothing else is asked of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from contwalk.continuation import control, outcomes
+from contwalk.continuation.arc import Arc
+from contwalk.continuation.newton import Correction, correct
+from contwalk.continuation.settings import Settings
+from contwalk.continuation.state import ContinuationState
+from contwalk.numerics.linear import norm_in, unit_in
+from contwalk.problems.problem import Problem, Sample, at_stored
+
+# How far outside it is followed: parts of each range's width beyond either end, and steps, tried ones too.
+WIDTHS, MOST_STEPS = 0.5, 80
+# Steps outside: the shortest and the longest, against those inside; what a step that went well becomes.
+LEAST_STEP, LONGER, GROWS = 1e-5, 2.0, 1.5
+# A step turns by no more than this part of what steps inside may, and by less where it becomes longer.
+TURNS, EASY = 1.0, 0.5
+# Halvings of the piece of a step on which the range is entered.
+HALVINGS = 60
+# Where else a step that ends inside is looked at for a place outside.
+BETWEEN = (0.0, 0.25, 0.5, 0.75)
+
+Reentry = tuple[Problem, ContinuationState]
+
+
+def reentered(problem: Problem, state: ContinuationState, settings: Settings, sign: float) -> Reentry | None:
+    """Where a curve that leaves its range comes back into it, and the equations there.
+
+    `state` is at an end of the range, facing out of it. None where the curve is not followed so far: it
+    ends, goes too far or beyond what the plugin declares, or is not the machine's where it comes back.
+    """
+    ends = _farthest(problem, settings)
+    sample, s, length = state.sample, state.s, state.step
+    try:
+        for _ in range(MOST_STEPS):
+            found = _step(problem, sample, length, settings)
+            if found is None:
+                length *= 0.5
+                if length < LEAST_STEP:
+                    return None
+                continue
+            correction, there = found
+            if correction.problem.diagnosis.ended(sample, there) is not None:
+                return None
+            arc = Arc((sample.z, there.z), (sample.tangent, there.tangent), sample.weights)
+            if _inside(there.z, settings.bounds):
+                return _entry(correction.problem, arc, replace(state, s=s, step=length), settings, sign)
+            if not _inside(there.z, ends):
+                return None
+            problem = at_stored(correction.problem, there.z, there.weights)
+            easy = control.turn(sample, there.tangent) < EASY * settings.max_angle
+            sample, s = there, s + sign * arc.length
+            length = min(GROWS * length if easy else length, LONGER * settings.max_step)
+    except outcomes.BREAKDOWNS:
+        return None
+    return None
+
+
+def _farthest(problem: Problem, settings: Settings) -> dict[int, tuple[float, float]]:
+    """How far each free parameter may go outside, by its place in z."""
+    names = problem.line.names
+    declared = {p.name: p.bounds for p in problem.system.parameters}  # type: ignore[attr-defined]
+    ends = {}
+    for place, (low, high) in settings.bounds.items():
+        least, most = declared[names[-1 - place]]
+        reach = WIDTHS * (high - low)
+        ends[place] = (
+            low - reach if least is None else max(low - reach, min(least, low)),
+            high + reach if most is None else min(high + reach, max(most, high)),
+        )
+    return ends
+
+
+def _inside(z: np.ndarray, ends: dict[int, tuple[float, float]]) -> bool:
+    return all(low <= z[place] <= high for place, (low, high) in ends.items())
+
+
+def _step(
+    problem: Problem, sample: Sample, length: float, settings: Settings
+) -> tuple[Correction, Sample] | None:
+    """The solution a step on, with its place and tangent; None where the step is too long."""
+    weights, normal = sample.weights, sample.tangent / sample.weights**2
+    guess = sample.z + length * sample.tangent
+    found = correct(problem, guess, normal, weights, settings.newton_iterations, beside=sample.z)
+    if not found.ok or found.linearization is None or norm_in(found.z - guess, weights) > 0.5 * length:
+        return None
+    tangent = unit_in(found.linearization.tangent(normal, weights), weights)
+    angle = control.turn(sample, tangent)
+    if angle > TURNS * settings.max_angle:
+        return None
+    if control.bend(sample, found.z, tangent) > max(0.25 * np.radians(angle), 0.02):
+        return None
+    return found, replace(sample, z=found.z, tangent=tangent)
+
+
+def _entry(
+    problem: Problem, arc: Arc, state: ContinuationState, settings: Settings, sign: float
+) -> Reentry | None:
+    """The place at which a step that ends inside enters the range; its end where it hardly was outside.
+
+    `state` is that at the start of the step.
+    """
+    outside = [t for t in BETWEEN if _beyond(arc.guess(t), settings) is not None]
+    theta, place, guess, normal = 1.0, -1, arc.ends[1].copy(), arc.normal
+    if outside:
+        low, theta = outside[-1], 1.0
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + theta)
+            low, theta = (low, middle) if _beyond(arc.guess(middle), settings) is None else (middle, theta)
+        crossed = _beyond(arc.guess(low), settings)
+        assert crossed is not None
+        place, bound = crossed
+        guess, normal = arc.guess(theta), np.zeros(len(guess))
+        guess[place], normal[place] = bound, 1.0 / arc.weights[place]
+    found = correct(problem, guess, normal, arc.weights, settings.newton_iterations)
+    if not found.ok or found.linearization is None:
+        return None
+    z = found.z.copy()
+    z[place] = guess[place] if outside else z[place]
+    if not _inside(z, settings.bounds):
+        return None
+    tangent = found.linearization.tangent(arc.normal, arc.weights)
+    sample = found.problem.examine(z, tangent, arc.weights, found.linearization, None)
+    if _lost(found.problem, sample, settings):
+        return None
+    return found.problem, ContinuationState(sample, state.s + sign * theta * arc.length, state.step)
+
+
+def _beyond(z: np.ndarray, settings: Settings) -> tuple[int, float] | None:
+    """The place in z of a parameter that is outside its range, and the end that it is beyond."""
+    for place, (low, high) in settings.bounds.items():
+        if not low <= z[place] <= high:
+            return place, low if z[place] < low else high
+    return None
+
+
+def _lost(problem: Problem, sample: Sample, settings: Settings) -> bool:
+    """Whether a limit at which curves end has been passed outside."""
+    if problem.limited is None:
+        return False
+    limits = zip(problem.limited.limits, sample.margins, strict=True)
+    asked = (
+        settings.events.get(o.type.like or o.type.label, "ignore") for o, margin in limits if margin < 0.0
+    )
+    return any(action != "ignore" for action in asked)
