@@ -78,9 +78,9 @@ def _closed(problem: PeriodicOrbit, state: ContinuationState, settings: Settings
         there = begin(*part, settings)
         if isinstance(there, ContinuationState):
             problem, state = part[0], there
-            closure = problem.closure
+            name, order = problem.whole
             message = (
-                f"The orbit is its own image under '{closure.name}' 1/{closure.fold} of a period later: "
+                f"The orbit is its own image under '{name}' 1/{order} of a period later: "
                 "only that part is integrated."
             )
     adapted, sample = problem.adapted(state.sample)

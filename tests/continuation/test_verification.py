@@ -222,7 +222,7 @@ def test_orbits_reopened_close_as_they_did():
     branch = cw.continue_branch(problem, [2.0, 0.0], range=(0.5, 1.5), until="settled")
     for row in (0, len(branch) // 2, len(branch) - 1):
         there, sample = reopened(system, branch, row, STEPS)
-        assert (there.closure.name, there.closure.fold) == ("mirror", 2)
+        assert there.whole == ("mirror", 2)
         assert there.duration(sample.z) == pytest.approx(branch["period"][row], rel=1e-12)
         stored = branch.points[row]
         # the same orbit on steps made for it: its multipliers are those stored, to the stored error

@@ -39,6 +39,7 @@ class DiscretizedOrbit(OrbitData):
     """Orbits of one word on given steps; see `HybridOrbit` for its parameters."""
 
     layout: Layout
+    _mesh: LegMesh | None
 
     def __init__(
         self,
@@ -54,7 +55,6 @@ class DiscretizedOrbit(OrbitData):
 
     def _begin(self) -> None:
         self.turns = np.zeros(self.states)
-        self._mesh: LegMesh | None = None
         self._most_steps: int | None = None
         # Segments of each leg; how many a stored branch has room for.
         self.cuts, self.room, self.layout = 1, None, _laid_out(self, 1)
@@ -102,13 +102,6 @@ class DiscretizedOrbit(OrbitData):
             return self
         return self.cut_into(1 + (len(z) - 1 - self.layout.rest.stop) // added_by_cuts(self))
 
-    @property
-    def mesh(self) -> LegMesh:
-        """The steps of this discretisation."""
-        if self._mesh is None:
-            raise ValueError("the problem has no mesh yet: see `adapted_to`")
-        return self._mesh
-
     @cached_property
     def passages(self) -> tuple[Passage, ...]:
         """The legs' compiled functions."""
@@ -127,11 +120,6 @@ class DiscretizedOrbit(OrbitData):
         """The legs on their steps."""
         return self.known.once("pieces", lambda: _pieces(self))
 
-    @property
-    def segments(self) -> tuple[Piece, ...]:
-        """The segments of the legs on their steps, each in its own time."""
-        return self.known.once("segments", lambda: _segments(self))
-
     def view(self, z: np.ndarray) -> tuple[LegView, ...]:
         """A solution looked at piece by smooth piece."""
         there, own = self.explicit(z)
@@ -145,22 +133,6 @@ class DiscretizedOrbit(OrbitData):
         """Times at which the legs start, and the last one ends, shape (m + 1,)."""
         first = 0.0 if self.layout.start is None else float(z[self.layout.start])
         return first + np.concatenate([[0.0], np.cumsum(z[self.layout.durations])])
-
-    @property
-    def whole(self) -> tuple[str, int]:
-        """How the orbit closes (`full`, or the name of a symmetry), and how many closures its period has."""
-        name, times = self.word.relabelled(self.system)
-        return name or "full", times
-
-    @property
-    def rounds(self) -> int:
-        """Closures of the motion that `max_abs` is of: a relabelled closure is a whole one."""
-        return 2 if self.word.image else 1
-
-    @property
-    def forcings(self) -> float:
-        """Periods of the forcing in a closure: a half of them, if the closure is half of a cycle."""
-        return self.subharmonic / self.rounds
 
     def assembled(
         self,
@@ -259,14 +231,6 @@ def _pieces(orbit: DiscretizedOrbit) -> tuple[Piece, ...]:
     return tuple(
         replace(orbit.segments[b - 1], steps=joined(places, orbit.mesh.steps[a:b]))
         for places, a, b in zip(own, ends[:-1].tolist(), ends[1:].tolist(), strict=True)
-    )
-
-
-def _segments(orbit: DiscretizedOrbit) -> tuple[Piece, ...]:
-    mesh = orbit.mesh
-    return tuple(
-        Piece(orbit.passages[own.leg], steps, mesh.method, orbit.line.constants, not own.last)
-        for own, steps in zip(orbit.layout.segments, mesh.steps, strict=True)
     )
 
 

@@ -133,7 +133,7 @@ def repetitions(problem: PeriodicOrbit, z: np.ndarray) -> int:
 
     More than once, if it was begun with a multiple of its period.
     """
-    x, turns, still = problem.starts(z)[0], problem.closure.turns, np.zeros(len(z))
+    x, turns, still = problem.starts(z)[0], problem.turns, np.zeros(len(z))
     own = np.array([s.period or 1.0 for s in problem.system.states])
     most = problem.subharmonic if problem.forced else MOST_REPETITIONS
     for times in range(most, 1, -1):
@@ -199,7 +199,7 @@ def symmetric(
     x, scale = problem.starts(z)[0], problem.mesh.variation
     for symmetry in problem.system.symmetries:
         order = order_of(symmetry, x, p)
-        if symmetry.role != "spatial" or order is None or order < 2 or np.any(problem.closure.turns):
+        if symmetry.role != "spatial" or order is None or order < 2 or np.any(problem.turns):
             continue
         later = carried_to(problem, z, np.zeros(len(z)), 1.0 / order)[0]
         for power in range(1, order):
@@ -208,7 +208,7 @@ def symmetric(
                 problem, z, symmetry, power, order
             ):
                 continue
-            other = problem.closing(np.zeros(n), symmetry, power, order)
+            other = problem.closing(np.zeros(n), symmetry.name, power, order)
             scalars = problem.scalars(z).copy()
             scalars[:-1] /= order  # period and drifts
             part = np.concatenate([x, scalars])

@@ -31,7 +31,7 @@ def asymmetries(problem: SegmentedOrbit, z: np.ndarray) -> dict[str, float]:
     NotFinite
         If the motion ends before the closure does.
     """
-    x, closure = problem.starts(z)[0], problem.closure
+    x, word = problem.starts(z)[0], problem.word
     still, known = np.zeros(len(z)), dict[float, np.ndarray]()
 
     def later(part: float) -> np.ndarray:
@@ -45,14 +45,14 @@ def asymmetries(problem: SegmentedOrbit, z: np.ndarray) -> dict[str, float]:
     found = dict[str, float]()
     # The force alone is the same again after one of its periods, not after a half: an orbit at rest is
     # no parent's.
-    if not problem.forced or problem.subharmonic % (2 * closure.fold) == 0:
-        found["itself"] = apart(later(0.5) - 0.5 * closure.turns)
+    if not problem.forced or problem.subharmonic % (2 * word.closures) == 0:
+        found["itself"] = apart(later(0.5) - 0.5 * problem.turns)
     p = ParameterValues(**problem.values_of(z))
-    if closure.fold > 1:
-        found["whole"] = apart(imaged(closure.symmetry, x, p, closure.power))
+    if word.image:
+        found["whole"] = apart(imaged(problem.system.symmetry(word.image), x, p, word.power))
     for symmetry in problem.system.symmetries:
         order = order_of(symmetry, x, p)
-        if closure.fold > 1 or symmetry.role != "spatial" or order is None or order < 2:
+        if word.image or symmetry.role != "spatial" or order is None or order < 2:
             continue
         for power in range(1, order):
             found[f"{symmetry.name} {power}"] = apart(imaged(symmetry, later(1.0 / order), p, power))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from contwalk.branch import Outcome
 from contwalk.problems import conserving
 from contwalk.problems.orbit.orbit_data import OrbitData
@@ -12,7 +14,7 @@ def off_its_value(orbit: OrbitData, sample: Sample) -> str:
     """Name of a quantity that is not at its value on the orbit, though it is declared to be conserved."""
     if not orbit.system.conserved:
         return ""
-    parameters, most = orbit.values_of(sample.z), orbit.state_errors(orbit.errors_at(sample.z))
+    parameters, most = orbit.values_of(sample.z), _state_errors(orbit, orbit.errors_at(sample.z))
     found = (
         conserving.off(orbit.system, passage.leg.mode, passage.full(sample.z[place]), parameters, most)
         for place, passage in orbit.places
@@ -32,3 +34,12 @@ def not_conserved(orbit: OrbitData, a: Sample, b: Sample) -> Outcome | None:
         "force, and what closes with that is no periodic orbit of the machine. Correct its function in the "
         "plugin, or the equations, or remove it from conserved=(...).",
     )
+
+
+def _state_errors(orbit: OrbitData, errors: np.ndarray) -> np.ndarray:
+    """Of estimated errors of the equations, (N,), the sum over the ends of segments for each state, (n,)."""
+    most = np.zeros(orbit.states)
+    for segment in orbit.layout.segments:
+        passage = orbit.passages[segment.leg]
+        most[list(passage.following if segment.last else passage.states)] += errors[segment.ends]
+    return most

@@ -13,7 +13,7 @@ from contwalk.problems import neutral as neutrals
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.effort import Effort
 from contwalk.problems.orbit.evaluations import Evaluations
-from contwalk.problems.orbit.layout import Positions, Segment
+from contwalk.problems.orbit.layout import Positions
 from contwalk.problems.orbit.passage import Passage
 from contwalk.problems.orbit.piece import Piece
 from contwalk.problems.orbit.protocol import Orbit
@@ -42,6 +42,7 @@ class OrbitData(Orbit):
     layout: Positions
     word: Word
     turns: np.ndarray
+    _mesh: Any
     # Of an integral phase condition, the orbit to which the phase is nearest.
     reference_orbit: Reference | None = None
 
@@ -64,7 +65,7 @@ class OrbitData(Orbit):
         self.discretization = discretization or Discretization()
         self.states = len(system.states)
         self.forced = system.period is not None
-        self.section = None
+        self.section, self._mesh = None, None
         self.known, self.effort = Evaluations(), Effort()
         self._begin()
 
@@ -78,9 +79,16 @@ class OrbitData(Orbit):
         """The legs' compiled functions."""
 
     @property
-    @abstractmethod
+    def mesh(self) -> Any:
+        """The steps of this discretisation: a `Mesh`, of legs a `LegMesh`."""
+        if self._mesh is None:
+            raise ValueError("the problem has no mesh yet: see `adapted_to`")
+        return self._mesh
+
+    @property
     def segments(self) -> tuple[Piece, ...]:
         """The segments of the legs on their steps."""
+        return self.known.once("segments", lambda: _segments(self))
 
     def explicit(self, z: np.ndarray) -> tuple[OrbitData, np.ndarray]:
         """The orbit with a leg for every smooth piece, and its unknowns: itself, if none is condensed.
@@ -98,9 +106,24 @@ class OrbitData(Orbit):
         """The legs of the whole motion of z, shape (N + 1,), images included."""
 
     @property
-    @abstractmethod
     def forcings(self) -> float:
         """Periods of the forcing in a closure: a part of them, if the closure is part of a cycle."""
+        return self.subharmonic / self.word.closures
+
+    @property
+    def whole(self) -> tuple[str, int]:
+        """How the orbit closes (`full`, or the name of a symmetry), and how many closures its period has."""
+        name, times = self.word.relabelled(self.system)
+        return name or "full", times
+
+    @property
+    def rounds(self) -> int:
+        """Closures of the motion that `max_abs` is of: the whole, if the orbit closes up to a mirror image.
+
+        A relabelled closure is a whole one: the machine is in the same state again.
+        """
+        image = self.word.image
+        return self.word.order if image and self.system.symmetry(image).role == "spatial" else 1
 
     def passes(self, z: np.ndarray) -> Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]]:
         """Of each segment the states at its steps, its end, and the derivatives of that."""
@@ -207,31 +230,12 @@ class OrbitData(Orbit):
         normal[k] = 1.0
         return normal, float(x[k] - (self.reference[k] if pin.value is None else values[pin.value]))
 
-    def state_of(self, which: int) -> str | None:
-        """Name of the state that an unknown is a value of, None if it is an angle's or none's."""
-        for place, passage in self.places:
-            if place.start <= which < place.stop:
-                state = self.system.states[passage.states[which - place.start]]
-                return None if state.period else state.name
-        return None
-
     def weighted(self, magnitudes: np.ndarray) -> np.ndarray:
         """Weights of the unknowns for typical magnitudes of all states; 1 for what is no state."""
         weights = np.ones(self.size + 1)
         for place, passage in self.places:
             weights[place] = magnitudes[list(passage.states)] * np.sqrt(len(self.layout.segments))
         return weights
-
-    def state_errors(self, errors: np.ndarray) -> np.ndarray:
-        """Of estimated errors of the equations, the sum over the ends of segments for each state, (n,)."""
-        most = np.zeros(self.states)
-        for segment in self.layout.segments:
-            most[list(self._states_at_end(segment))] += errors[segment.ends]
-        return most
-
-    def _states_at_end(self, segment: Segment) -> Sequence[int]:
-        passage = self.passages[segment.leg]
-        return passage.following if segment.last else passage.states
 
     def varied(self, **changes: Any) -> Self:
         """The same with some attributes changed; nothing that is remembered of this one is true of it."""
@@ -240,3 +244,11 @@ class OrbitData(Orbit):
         for name, value in changes.items():
             setattr(other, name, value)
         return other
+
+
+def _segments(orbit: OrbitData) -> tuple[Piece, ...]:
+    mesh, each = orbit.mesh, zip(orbit.layout.segments, orbit.mesh.steps, strict=True)
+    return tuple(
+        Piece(orbit.passages[own.leg], steps, mesh.method, orbit.line.constants, not own.last)
+        for own, steps in each
+    )

@@ -31,7 +31,7 @@ def carries(problem: SegmentedOrbit, z: np.ndarray, symmetry: Symmetry, power: i
 
 def halved(there: SegmentedOrbit, z: np.ndarray, tangent: np.ndarray) -> SegmentedOrbit | None:
     """The problem of doubled orbits whose halves are images of each other, if those beside z are that."""
-    if there.closure.fold > 1 or np.any(there.closure.turns):
+    if there.word.image or np.any(there.turns):
         return None
     n, p, scale = there.states, ParameterValues(**there.values_of(z)), there.mesh.variation
     x, v = z[:n], tangent[:n] / np.linalg.norm(tangent[:n] / scale)
@@ -43,5 +43,5 @@ def halved(there: SegmentedOrbit, z: np.ndarray, tangent: np.ndarray) -> Segment
         deviation = imaged(symmetry, later + moved, p) - image  # symmetries of machines are affine
         own = max(float(np.linalg.norm(d / scale)) for d in (image - x, deviation - v))
         if own < OWN_IMAGE and carries(there, z, symmetry, 1, 2):
-            return there.closing(np.zeros(n), symmetry, 1, 2)
+            return there.closing(np.zeros(n), symmetry.name, 1, 2)
     return None

@@ -13,6 +13,7 @@ from contwalk.memory import of_unowned, unowned
 from contwalk.numerics.linear import Factored
 from contwalk.problems import neutral as neutrals
 from contwalk.problems.orbit import asymmetry, ending, equations, monodromy, sampling, switching
+from contwalk.problems.orbit.closure import closure_image
 from contwalk.problems.orbit.closure_view import SAMPLES
 from contwalk.problems.orbit.cutting import begun_at, most_segments, recutting
 from contwalk.problems.orbit.discretization import STAGES
@@ -144,16 +145,16 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
             "observables": self.observable_names,
             "unknowns": self._laid_out(most_segments(self, ROOM)).size,
             "spectrum": max(self.states - neutral, 1),
-            "closure": self.closure.name,
+            "closure": self.whole[0],
             "subharmonic": self.subharmonic,
             "settings": {
                 **neutrals.kept(self.pins, self.line, self.states),
                 "segments": self.mesh.segments,
                 **({"scheme": self.discretization.scheme} if self.uneven else {}),
-                "fold": self.closure.fold,
+                "fold": self.word.closures,
                 "parts": self.parts,
-                "power": self.closure.power,
-                "turns": self.closure.turns.tolist(),
+                "power": self.word.power,
+                "turns": self.turns.tolist(),
                 # Where the stored state is taken: a section, or where the phase happens to be fixed.
                 "reported": "at a section" if self.discretization.report_at is not None else "",
             },
@@ -292,7 +293,8 @@ class PeriodicOrbit(SegmentedOrbit, OrbitProblem):
         curve, p = self.curve(z), ParameterValues(**self.values_of(z))
         for number in SEEN_FROM:
             _, states = with_extrema(curve, *curve.sampled(number))
-            whole = np.concatenate(self.closure.images(states, p))
+            closures = range(self.word.closures)
+            whole = np.concatenate([closure_image(self.system, self.word, states, p, j) for j in closures])
             apart = [distance(whole, x, periods, self.mesh.variation) for x in points]
             passed = next((k for k, away in enumerate(apart) if away < 30.0 * ALIKE), None)
             if passed is not None or min(apart, default=np.inf) > PERHAPS:

@@ -10,7 +10,7 @@ from contwalk.branch import BranchInfo
 from contwalk.problems.orbit.discretization import Discretization
 from contwalk.problems.orbit.periodic_orbit import PeriodicOrbit
 from contwalk.problems.restoring import Facts, declared
-from contwalk.system import Symmetry, System
+from contwalk.system import System
 
 
 def restored(facts: Facts) -> PeriodicOrbit:
@@ -29,11 +29,11 @@ def restored(facts: Facts) -> PeriodicOrbit:
             facts.discretization or Discretization(), str(stored.get("scheme", "shooting"))
         ),
     )
-    symmetry = _symmetry(facts.system, info)
+    image = _image(facts.system, info)
     turns = np.array(stored.get("turns") or np.zeros(len(info.states)), dtype=float)
-    if symmetry is None and not np.any(turns):
+    if not image and not np.any(turns):
         return orbit
-    closed = orbit.closing(turns, symmetry, int(stored.get("power", 1)), int(stored.get("fold", 1)))
+    closed = orbit.closing(turns, image, int(stored.get("power", 1)), int(stored.get("fold", 1)))
     return closed.varied(parts=int(stored.get("parts", 1)))
 
 
@@ -42,8 +42,8 @@ def _as_stored(asked: Discretization, scheme: str) -> Discretization:
     return replace(asked, scheme=scheme, segments=None if scheme == "auto" else asked.segments)
 
 
-def _symmetry(system: System, info: BranchInfo) -> Symmetry | None:
-    """The symmetry up to which the orbits of a branch close."""
+def _image(system: System, info: BranchInfo) -> str:
+    """Name of the symmetry up to which the orbits of a branch close; empty if there is none."""
     if info.closure in (None, "full"):
-        return None
-    return declared("symmetry", str(info.closure), {s.name: s for s in system.symmetries})
+        return ""
+    return declared("symmetry", str(info.closure), {s.name: s for s in system.symmetries}).name

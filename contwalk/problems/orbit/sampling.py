@@ -26,12 +26,12 @@ def crossing(
     if found is None:
         return np.full(problem.states, np.nan)
     k, turn = found
-    closure, p, curve = problem.closure, ParameterValues(**problem.values_of(z)), problem.curve(z)
-    piece = k // (len(t) // closure.fold)
+    stretches = problem.stretches(z)
+    piece = k // (len(t) // len(stretches))
     low, high = t[k : k + 2] / problem.duration(z) - piece
     for _ in range(MOST_BISECTIONS):
         middle = 0.5 * (low + high)
-        there = closure.image(curve.at(np.array([min(middle, 1.0)])), p, piece)[0]
+        there = stretches[piece].at(np.array([min(middle, 1.0)]))[1][0]
         low, high = (middle, high) if place.beyond(there) < turn else (low, middle)
         if high - low < 1e-15:
             break

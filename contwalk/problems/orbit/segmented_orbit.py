@@ -20,13 +20,13 @@ from contwalk.problems.angles import whole_turns
 from contwalk.problems.forcing import period_at
 from contwalk.problems.kink import Kink
 from contwalk.problems.kinks import Course
-from contwalk.problems.orbit.closure import Closure
+from contwalk.problems.orbit.closure import closure_image
 from contwalk.problems.orbit.closure_view import SAMPLES, ClosureView
 from contwalk.problems.orbit.layout import ClosureLayout
 from contwalk.problems.orbit.lifts import PLAIN
 from contwalk.problems.orbit.orbit_data import OrbitData
 from contwalk.problems.orbit.passage import Passage, closure_of
-from contwalk.problems.orbit.piece import Piece, passed
+from contwalk.problems.orbit.piece import passed
 from contwalk.problems.orbit.section import Section, section_at
 from contwalk.problems.orbit.shooting import Mesh, velocity
 from contwalk.problems.orbit.solution import Curve, Solution
@@ -46,25 +46,24 @@ Kind = TypeVar("Kind", bound="SegmentedOrbit")
 class SegmentedOrbit(OrbitData):
     """Orbits of one closure on given steps; see `PeriodicOrbit` for its parameters."""
 
+    _mesh: Mesh | None
+
     def _begin(self) -> None:
-        self.word = Word((Leg(self.system.modes[0].name),))
-        self._close(Closure(np.zeros(self.states)))
+        self.word, self.turns = Word((Leg(self.system.modes[0].name),)), np.zeros(self.states)
+        self._compile()
         self.parts = PARTS  # of the closure in which the steps are alike
-        self._mesh: Mesh | None = None
         self.layout = self._laid_out(1)
 
-    def _close(self, closure: Closure) -> None:
-        line = self.line
-        image = "" if closure.symmetry is None else closure.symmetry.name
-        self.closure, self.turns = closure, closure.turns
-        inputs = ScalarInputs(line.own, line.moving, self.pins)
-        # The field over one closure, and the map at its end.
-        self.passage: Passage = closure_of(self.system, inputs, Closing(image, closure.power, self.forcings))
+    def _compile(self) -> None:
+        """The field over one closure, and the map at its end."""
+        inputs = ScalarInputs(self.line.own, self.line.moving, self.pins)
+        closing = Closing(self.word.image, self.word.power, self.forcings)
+        self.passage: Passage = closure_of(self.system, inputs, closing)
 
-    def closing(self, turns: np.ndarray, symmetry: Any = None, power: int = 1, fold: int = 1) -> Self:
-        """The same orbits closed up to a symmetry (or to none), with angles that turn."""
-        other = self.varied()
-        other._close(Closure(turns, symmetry, power, fold))
+    def closing(self, turns: np.ndarray, image: str = "", power: int = 1, order: int = 1) -> Self:
+        """The same orbits closed up to a symmetry (or to none), with angles that turn, (n,)."""
+        other = self.varied(word=Word(self.word.legs, image, power, order), turns=turns)
+        other._compile()
         return other
 
     def on(self, mesh: Mesh, section: Section | None) -> Self:
@@ -85,32 +84,15 @@ class SegmentedOrbit(OrbitData):
         return self.discretization.uneven
 
     @property
-    def mesh(self) -> Mesh:
-        """The steps of this discretisation."""
-        if self._mesh is None:
-            raise ValueError("the problem has no mesh yet: see `adapted_to`")
-        return self._mesh
-
-    @property
     def passages(self) -> tuple[Passage, ...]:
         """The one leg's compiled functions."""
         return (self.passage,)
-
-    @property
-    def segments(self) -> tuple[Piece, ...]:
-        """The segments on their steps, in times of the closure."""
-        return self.known.once("segments", lambda: _segments(self))
 
     def passes(self, z: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
         """Of each segment the states at its steps, its end, and the derivatives of that: all in one pass."""
         times, ends = self.mesh.times, self.mesh.ends
         nodes, ended, moved = passed(self.segments[-1], times, ends, self.starts(z), self.scalars(z))
         return list(zip(np.split(nodes, ends[:-1] + 1), ended, moved, strict=True))
-
-    @property
-    def forcings(self) -> float:
-        """Periods of the forcing in a closure."""
-        return self.subharmonic / self.closure.fold
 
     def given(self, z: np.ndarray) -> np.ndarray:
         """What the field depends on at z: scalars and fixed parameters."""
@@ -183,31 +165,17 @@ class SegmentedOrbit(OrbitData):
 
     def stretches(self, z: np.ndarray) -> list[Stretch[ClosureView]]:
         """The whole motion of z, shape (N + 1,): the integrated part, and its images, one after the other."""
-        (view,), closure, p = self.view(z), self.closure, ParameterValues(**self.values_of(z))
+        (view,), system, word = self.view(z), self.system, self.word
+        p, every = ParameterValues(**self.values_of(z)), tuple(range(self.states))
 
         def seen(number: int) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
-            return lambda _, states: closure.image(states, p, number)
+            return lambda _, states: closure_image(system, word, states, p, number)
 
-        every = tuple(range(self.states))
-        return [Stretch("", view, j * view.duration, seen(j), every) for j in range(closure.fold)]
+        return [Stretch("", view, j * view.duration, seen(j), every) for j in range(word.closures)]
 
     def velocity(self, z: np.ndarray) -> np.ndarray:
         """dx/dt at the start."""
         return self.solution(z).velocities[0] / self.duration(z)
-
-    @property
-    def whole(self) -> tuple[str, int]:
-        """How the orbit closes (`full`, or the name of a symmetry), and how many closures its period has."""
-        return self.closure.name, self.closure.fold
-
-    @property
-    def rounds(self) -> int:
-        """Closures of the motion that `max_abs` is of: the whole, if the orbit closes up to a mirror image.
-
-        A relabelled closure is a whole one: the machine is in the same state again.
-        """
-        symmetry = self.closure.symmetry
-        return self.closure.fold if symmetry is not None and symmetry.role == "spatial" else 1
 
     def kinks_at_events(self, z: np.ndarray) -> tuple[Kink, ...]:
         """None: there are no events."""
@@ -230,14 +198,6 @@ class SegmentedOrbit(OrbitData):
     @abstractmethod
     def adapted_to(self, z: np.ndarray, weights: np.ndarray, tolerance: float | None = None) -> Any:
         """The problem on steps for the orbit of z."""
-
-
-def _segments(orbit: SegmentedOrbit) -> tuple[Piece, ...]:
-    mesh, each = orbit.mesh, zip(orbit.layout.segments, orbit.mesh.steps, strict=True)
-    return tuple(
-        Piece(orbit.passage, steps, mesh.method, orbit.line.constants, inner=not segment.last)
-        for segment, steps in each
-    )
 
 
 def section_through(

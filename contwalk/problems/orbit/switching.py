@@ -44,23 +44,22 @@ def doubled(problem: SegmentedOrbit, z: np.ndarray) -> Sequence[Seed]:
 
 def unfolded(problem: SegmentedOrbit, z: np.ndarray) -> Sequence[Seed]:
     """The orbit without the symmetry that its parent closes up to."""
-    closure = problem.closure
-    whole = problem.closing(closure.fold * closure.turns).varied(parts=closure.fold)
-    there, start, tangent = _followed(problem, z, closure.fold, whole)
+    closures = problem.word.closures
+    whole = problem.closing(closures * problem.turns).varied(parts=closures)
+    there, start, tangent = _followed(problem, z, closures, whole)
     return (Seed("BP", start, tangent, amplitude(tangent), there),)
 
 
 def _doubled(problem: SegmentedOrbit) -> SegmentedOrbit:
     """The problem of the orbits that close after two of this one's closures."""
-    closure = problem.closure
-    turns = 2.0 * closure.turns
-    if closure.fold == 1:
+    word, turns = problem.word, 2.0 * problem.turns
+    if not word.image:
         other = problem.varied(subharmonic=2 * problem.subharmonic) if problem.forced else problem
         return other.closing(turns).varied(parts=2)
-    fold = closure.fold // 2 if closure.fold % 2 == 0 else closure.fold
-    if fold == 1:
+    order = word.order // 2 if word.order % 2 == 0 else word.order
+    if order == 1:
         return problem.closing(turns).varied(parts=2)
-    return problem.closing(turns, closure.symmetry, 2 * closure.power % closure.fold, fold).varied(parts=2)
+    return problem.closing(turns, word.image, 2 * word.power % word.order, order).varied(parts=2)
 
 
 def _followed(

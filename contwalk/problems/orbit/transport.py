@@ -236,11 +236,11 @@ def following(
     problem: SegmentedOrbit, x: np.ndarray, v: np.ndarray, p: ParameterValues
 ) -> tuple[np.ndarray, np.ndarray]:
     """State and deviation one closure later: the inverse image, in unturned angles."""
-    closure = problem.closure
-    inverse = (closure.fold - 1) * closure.power if closure.fold > 1 else 0
-    if not inverse:
-        return x + closure.turns, v
-    image = imaged(closure.symmetry, x, p, inverse)
+    word, turns = problem.word, problem.turns
+    if not word.image:
+        return x + turns, v
+    symmetry, inverse = problem.system.symmetry(word.image), (word.order - 1) * word.power
+    image = imaged(symmetry, x, p, inverse)
     # Symmetries of machines are affine, so that a difference is exact to rounding.
     step = max(float(np.linalg.norm(x)), 1.0) / (float(np.linalg.norm(v)) or 1.0)
-    return image + closure.turns, (imaged(closure.symmetry, x + step * v, p, inverse) - image) / step
+    return image + turns, (imaged(symmetry, x + step * v, p, inverse) - image) / step

@@ -82,7 +82,7 @@ def unbounded(problem: OrbitData, a: Sample, b: Sample) -> Outcome | None:
         "complete",
         "unbounded",
         f"The orbit grows without bound as {problem.free} tends to {limit:.12g} +- {error:.1e}, by "
-        f"extrapolation from {b.parameter:.12g}: {problem.state_of(which)} is {b.z[which]:.4g} there, the "
+        f"extrapolation from {b.parameter:.12g}: {_state_of(problem, which)} is {b.z[which]:.4g} there, the "
         f"period {problem.system.lasting(b.period, '.4g')}. Nothing to do.",
     )
 
@@ -92,13 +92,22 @@ def _growing(problem: OrbitData, b: Sample) -> int | None:
 
     One that is small beside its variation is known less well than others that grow with it.
     """
-    states = np.array([problem.state_of(k) is not None for k in range(len(b.z) - 1)])
+    states = np.array([_state_of(problem, k) is not None for k in range(len(b.z) - 1)])
     shares = np.where(states, np.minimum(np.abs(b.z[:-1]) / b.weights[:-1], 1.0), 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
         rates = b.tangent[:-1] / b.z[:-1]
     rates = np.where(shares > LARGE * shares.max(initial=0.0), rates, 0.0)
     which = int(np.argmax(np.where(rates > ALIKE * rates.max(initial=0.0), shares, 0.0)))
     return which if rates[which] > 0.0 else None
+
+
+def _state_of(problem: OrbitData, which: int) -> str | None:
+    """Name of the state that an unknown is a value of, None if it is an angle's or none's."""
+    for place, passage in problem.places:
+        if place.start <= which < place.stop:
+            state = problem.system.states[passage.states[which - place.start]]
+            return None if state.period else state.name
+    return None
 
 
 def _asked(which: int, a: Sample, b: Sample) -> bool:
@@ -120,7 +129,7 @@ def _suspected(problem: OrbitData, which: int, a: Sample, b: Sample) -> bool:
         return False
     if abs(_left(which, a, b)) > SUSPECTED * float(b.weights[-1]):
         return False
-    before, now = (problem.observable(f"{AMP}{problem.state_of(which)}", s.z) for s in (a, b))
+    before, now = (problem.observable(f"{AMP}{_state_of(problem, which)}", s.z) for s in (a, b))
     return bool(now >= before * (b.z[which] / a.z[which]) ** TOGETHER)
 
 
@@ -172,7 +181,7 @@ def _left(which: int, a: Sample | _Place, b: Sample | _Place) -> float:
 def _further(problem: OrbitData, which: int, step: float, a: Sample, b: Sample) -> Iterator[_Place]:
     """The orbit of b on fine steps, and orbits further and further out along a state, while there are any."""
     left = _left(which, a, b)
-    states = np.array([problem.state_of(k) is not None for k in range(len(b.z))])
+    states = np.array([_state_of(problem, k) is not None for k in range(len(b.z))])
     last = begun = _solved(problem, which, b.z, b.weights, left)
     lost = running = 0
     if last is None or begun is None:

@@ -54,13 +54,34 @@ class Leg:
 
 @dataclass(frozen=True)
 class Word:
-    """The cycle of legs; `image` is the spatial symmetry up to which it closes, applied at its end."""
+    """The cycle of legs, and how it closes: onto itself, or onto its image under a declared symmetry.
+
+    An orbit x that closes up to the symmetry S of order q, S x(T) = x(0), is q images of one closure (the
+    thesis's equation 44 is the case q = 2). So no more than a q-th of it is integrated.
+
+    Parameters
+    ----------
+    legs : tuple of Leg
+    image : str
+        The symmetry up to which it closes, applied at its end; empty if it closes onto itself.
+    power : int
+        How many times the symmetry is applied.
+    order : int
+        Of the symmetry, where there is one: so many closures make a period.
+    """
 
     legs: tuple[Leg, ...]
     image: str = ""
+    power: int = 1
+    order: int = 2
 
     def __len__(self) -> int:
         return len(self.legs)
+
+    @property
+    def closures(self) -> int:
+        """How many closures make a period, but for names that are swapped at events."""
+        return self.order if self.image else 1
 
     @property
     def eventful(self) -> bool:
@@ -142,7 +163,7 @@ class Word:
         if self.image:
             count[self.image] = 1
         odd = [name for name, number in count.items() if number % 2]
-        return ("_".join(odd), 2) if odd else (None, 1)
+        return ("_".join(odd), self.order) if odd else (None, 1)
 
     def inserted(self, i: int, leg: Leg) -> Word:
         """The word with leg i cut in two by another event: `leg` comes first."""

@@ -174,7 +174,7 @@ def test_a_mirrored_half_with_pinned_directions():
 
 def test_a_smooth_orbit_of_half_a_period():
     problem, z = smooth_orbit()
-    assert problem.closure.fold == 2
+    assert problem.word.closures == 2
     checked(Deviations(problem, z), problem, z, problem.first_state(z), field, problem.duration(z))
 
 

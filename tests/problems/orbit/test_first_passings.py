@@ -10,10 +10,9 @@ import pytest
 from small_systems import circle, small_system
 
 import contwalk as cw
-from contwalk.problems.orbit.closure import Closure
 from contwalk.problems.orbit.sampling import crossing
 from contwalk.problems.passing import Place
-from contwalk.system import State, Symmetry
+from contwalk.system import State
 
 PERIOD, TURN = 2.0, 2.0 * math.pi
 
@@ -23,15 +22,14 @@ def round_once(share):
     return np.column_stack([np.cos(turn), np.sin(turn)])
 
 
-def orbit(at=round_once, closure=None):
-    """As much of an orbit as is asked for: of a closure that is a part of it, if one is given."""
-    closure = closure or Closure(np.zeros(2))
+def orbit(*stretches):
+    """As much of an orbit as is asked for: where it is on each closure of its period."""
     return SimpleNamespace(
         states=2,
-        closure=closure,
-        duration=lambda z: PERIOD / closure.fold,
-        curve=lambda z: SimpleNamespace(at=at),
-        values_of=lambda z: {},
+        duration=lambda z: PERIOD / len(stretches),
+        stretches=lambda z: [
+            SimpleNamespace(at=lambda shares, at=at: (shares, at(shares))) for at in stretches
+        ],
     )
 
 
@@ -96,14 +94,13 @@ def test_an_angle_passes_the_value_in_each_turn(value, begin, direction):
 def test_images_of_what_is_integrated_are_as_exact(value, direction):
     """The second half of the circle is the first one's image in its centre."""
 
-    def opposite(t, x, p, image):
-        image[:] = -x
+    def half(share):
+        return round_once(0.5 * np.asarray(share))
 
-    closure = Closure(np.zeros(2), Symmetry("opposite", "spatial", opposite), 1, 2)
     shares = np.linspace(0.0, 1.0, 9)
     times = 0.5 * PERIOD * np.concatenate([shares, 1.0 + shares])
-    half = orbit(lambda s: round_once(0.5 * np.asarray(s)), closure)
-    found = crossing(half, np.zeros(3), times, round_once(times / PERIOD), Place(1, value, direction, 0.0))
+    whole = orbit(half, lambda share: -half(share))
+    found = crossing(whole, np.zeros(3), times, round_once(times / PERIOD), Place(1, value, direction, 0.0))
     assert found == pytest.approx([direction * math.sqrt(1.0 - value**2), value], abs=1e-14)
 
 

@@ -8,11 +8,12 @@ import pytest
 from small_systems import small_system
 
 import contwalk as cw
-from contwalk.problems.orbit.closure import Closure, imaged, order_of
+from contwalk.problems.orbit.closure import closure_image, imaged, order_of
 from contwalk.problems.orbit.lifts import JET, MIXED, PLAIN, TANGENT
 from contwalk.problems.orbit.passage import closure_of
 from contwalk.problems.orbit.piece import Piece
 from contwalk.problems.orbit.traced_leg import Closing, ScalarInputs
+from contwalk.problems.orbit.word import Leg, Word
 from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
 
@@ -33,11 +34,6 @@ def field(t, x, p, dx):
 TURN = Symmetry("turn", "spatial", third)
 SYSTEM = small_system(field, "xy", {"lam": 0.3}, symmetries=(TURN,))
 P = ParameterValues(lam=0.3)
-
-
-@pytest.fixture
-def closure():
-    return Closure(np.zeros(2), TURN, 1, 3)
 
 
 @pytest.fixture
@@ -63,12 +59,13 @@ def values(lam, *directions):
     return np.concatenate([[1.0, lam], [lam], [0.0], *directions])
 
 
-def test_the_pieces_of_a_motion_follow_each_other(closure):
+def test_the_closures_of_a_motion_follow_each_other():
     """S x(T) = x(0): where the next piece is at its beginning, the last one was at its end."""
     end = np.array([0.9, 0.2])
     start = imaged(TURN, end, P)
     piece = np.array([start, end])
-    whole = closure.images(piece, P)
+    word = Word((Leg("all"),), "turn", 1, 3)
+    whole = [closure_image(SYSTEM, word, piece, P, number) for number in range(word.closures)]
     assert len(whole) == 3
     for before, after in pairwise(whole):
         np.testing.assert_allclose(after[0], before[-1], rtol=0, atol=1e-15)
@@ -122,4 +119,4 @@ def test_turns_of_angles_are_taken_off():
     turned = problem.closing(turns).adapted_to(z, np.ones(4))
     gap = there.linearize(z).residual - turned.linearize(z).residual
     np.testing.assert_allclose(gap, [*turns, 0.0], rtol=0, atol=1e-13)
-    assert turned.closure.name == "full"
+    assert turned.whole == ("full", 1)

@@ -17,7 +17,6 @@ from contwalk.problems.orbit.section import section_at
 from contwalk.problems.orbit.shooting import meshed
 from contwalk.problems.orbit.transport import segments_for, segments_of_growth
 from contwalk.problems.problem import Seed
-from contwalk.system import Symmetry
 from contwalk.system.declarations import ParameterValues
 
 
@@ -99,11 +98,11 @@ def _turned(q: np.ndarray, magnitudes: np.ndarray) -> np.ndarray:
 
 def _symmetry_of_cycle(
     equilibrium: EquilibriumEquations, x: np.ndarray, z: np.ndarray, q: np.ndarray
-) -> tuple[Symmetry, int, int] | None:
-    """Symmetry, power and fold of a cycle whose critical vector a spatial symmetry turns by a part of a
+) -> tuple[str, int, int] | None:
+    """Symmetry, power and order of a cycle whose critical vector a spatial symmetry turns by a part of a
     round.
 
-    S q = exp(-2 pi i j / fold) q: the cycle is its own image a part of the period later.
+    S q = exp(-2 pi i j / order) q: the cycle is its own image a part of the period later.
     """
     p = ParameterValues(**equilibrium.values_of(z))
     for symmetry in equilibrium.system.symmetries:
@@ -118,5 +117,5 @@ def _symmetry_of_cycle(
         for power in range(1, order):
             turned = ratio**power
             if abs(turned - np.exp(-2j * np.pi / order)) < 1e-6:
-                return symmetry, power, order
+                return symmetry.name, power, order
     return None
