@@ -30,7 +30,8 @@ def test_a_short_file_is_filled_with_defaults(tmp_path):
     assert (run.marks, run.figures, run.sweep, run.report_at, run.engine) == ((), (), None, None, {})
     assert run.text == GOOD
     (start,) = run.starts
-    assert (start.kind, start.name, start.line) == ("equilibrium", "balanced", 4)
+    assert (start.kind, start.name) == ("equilibrium", "balanced")
+    assert start.where.endswith("line 4, key start")
     assert start.parameters == run.parameters
 
 
@@ -72,7 +73,7 @@ engine: {step: 0.01, max_step: 0.1, newton_iterations: 8}
     assert tilted.name == "tilted"
     np.testing.assert_array_equal(state.state, [0.5, 2.0])
     assert state.parameters["load"] == -1e-8
-    assert state.line == 9
+    assert state.where.endswith("line 9, key start.1")
     assert simulate.until == 20.0
     assert stored.file == tmp_path / "stored" / "other.h5"
     assert stored.point == "b1/HB1"
@@ -190,6 +191,8 @@ def test_the_same_study_in_other_words(tmp_path):
     assert run.same_study(dict(run.data))
     assert not run.same_study(GOOD.replace("3.0", "4.0"))
     assert not run.same_study(GOOD + "sweep: {damping: [0.1]}\n")
+    span = "sweep: {damping: {from: 0.1, to: 0.3, count: 3}}\n"
+    assert read(tmp_path, GOOD + span).same_study(GOOD + span)  # and without a warning: they are errors here
     assert not run.same_study("nonsense: [")
     assert not run.same_study("nonsense: 1")
 

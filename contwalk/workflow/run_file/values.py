@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Discriminator, PlainValidator, Tag
+from pydantic import BaseModel, BeforeValidator, Discriminator, PlainValidator, Tag
 from pydantic_core import PydanticCustomError
 
 from contwalk.labels import END, MARK, MEANINGS
@@ -164,8 +164,8 @@ def _one_or_two(value: Any) -> str:
 
 
 def list_or_span(value: Any) -> str:
-    """The tag of the form in which swept values are written."""
-    return "(span)" if isinstance(value, dict) else "(list)"
+    """The tag of the form in which swept values are written, or have been read."""
+    return "(span)" if isinstance(value, dict | BaseModel) else "(list)"
 
 
 def _instants(value: Any) -> int | tuple[float, ...]:
