@@ -19,6 +19,8 @@ ROUNDING = 1e-13
 # A branch point on a mesh is known less exactly than that, and rounding unfolds it: whether the branch passes
 # is judged no nearer, up to this part of the segment.
 FARTHEST = 0.1
+# How far beyond what solutions are known to that is.
+WELL_BEYOND = 10.0
 # A located point lies on the branch if it is this near, relative to the segment, where equations are exact.
 BLUR = 1e-6
 # What the ends of a segment are known to blurs as well, up to this part of the segment.
@@ -145,8 +147,15 @@ def _on_branch(
     # The more branches meet there, the farther its influence reaches.
     offset = 1e-2 if kind.test is Test.TOGETHER else max(1e-3 * width, 1e-7)
     if segment.problem.meshed is not None:
-        offset = max(offset, min(SAME_POINT / segment.length, FARTHEST))
+        # Solutions beside it are known the less, the weaker the nonlinearity that holds them.
+        known = max(SAME_POINT, WELL_BEYOND * _known_to(segment))
+        offset = max(offset, min(known / segment.length, FARTHEST))
     return passes_through(segment, located.z, tangent, theta, offset)
+
+
+def _known_to(segment: Segment) -> float:
+    """The larger error of a segment's ends, in the metric; that of a branch point is not known."""
+    return float(np.max(np.nan_to_num([segment.a.error, segment.b.error], nan=0.0)))
 
 
 def passes_through(segment: Segment, z: np.ndarray, tangent: np.ndarray, theta: float, offset: float) -> bool:
@@ -166,8 +175,7 @@ def passes_through(segment: Segment, z: np.ndarray, tangent: np.ndarray, theta: 
 
 def same_point(segment: Segment, located: Located, theta: float) -> bool:
     """Whether a located point is the branch's own solution at theta."""
-    known = float(np.max(np.nan_to_num([segment.a.error, segment.b.error], nan=0.0)))
-    meshed = segment.problem.meshed
+    known, meshed = _known_to(segment), segment.problem.meshed
     blur = BLUR if meshed is None else meshed.blur
     least = blur + ROUNDING / segment.length + min(known / segment.length, DOUBTED)
     # As near to what is guessed of the branch there, it is so to the branch.
